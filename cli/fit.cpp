@@ -108,6 +108,7 @@ Json json_of(const ForceFit& fit, const FitCommandOptions& options) {
                                  {"r_squared", r.r_squared}});
   }
   json["statements"] = fit.statements;
+  json["warnings"] = fit.warnings;
   return json;
 }
 
@@ -183,6 +184,7 @@ void fit_command(const FitCommandOptions& options, const Console& console) {
   print_constants(fit, model, console);
   print_residuals(fit, console);
   for (const std::string& statement : fit.statements) console.say(statement);
+  for (const std::string& warning : fit.warnings) console.warn(warning);
   if (!options.output.empty()) console.say("constants: " + options.output);
   if (!options.residuals.empty()) console.say("measured and fitted values: " + options.residuals);
 }

@@ -59,38 +59,13 @@ void add_jobs(CLI::App& command, int& jobs) {
 
 namespace {
 
-/// Mistakes on standard error, at most.
-constexpr std::size_t kMostShown = 10;
+void print(const RunMessages& messages, const Console& console) {
+  for (const std::string& line : messages.lines()) console.warn(line);
+}
 
-/// The mistakes of runs, each message once, with the first run that has it.
-class MistakesOfRuns {
- public:
-  void add(int number, const std::string& message) {
-    ++runs_;
-    const auto found = std::ranges::find(shown_, message, &Shown::message);
-    if (found != shown_.end()) {
-      ++found->runs;
-    } else if (shown_.size() < kMostShown) {
-      shown_.push_back({number, 1, message});
-    }
-  }
-  [[nodiscard]] int runs() const { return runs_; }
-  void print(const Console& console) const {
-    for (const Shown& shown : shown_) {
-      const std::string more = shown.runs > 1 ? fmt::format(" and {} more", shown.runs - 1) : "";
-      console.warn(fmt::format("run {}{}: {}", shown.number, more, shown.message));
-    }
-  }
-
- private:
-  struct Shown {
-    int number;
-    int runs;
-    std::string message;
-  };
-  std::vector<Shown> shown_;
-  int runs_ = 0;
-};
+void say_lines_of(const std::vector<std::string>& lines, const Console& console) {
+  for (const std::string& line : lines) console.say(line);
+}
 
 // --- plan ---
 
@@ -105,14 +80,14 @@ struct StudyEstimate {
   double longest_s = 0;
   std::size_t largest_bytes = 0;
   std::int64_t frames = 0;
-  int with_warnings = 0;
+  RunMessages warnings;
 
-  void add(const RunEstimate& run) {
+  void add(int number, const RunEstimate& run) {
     total_s += run.load_s + run.simulate_s;
     longest_s = std::max(longest_s, run.load_s + run.simulate_s);
     largest_bytes = std::max(largest_bytes, run.memory_bytes);
     frames += run.frames;
-    with_warnings += run.warnings > 0 ? 1 : 0;
+    warnings.add(number, run.warnings);
   }
 };
 
@@ -134,40 +109,40 @@ void print_estimate(const Console& console, const Study& study, const StudyEstim
               megabytes(estimate.largest_bytes * static_cast<std::size_t>(std::max(1, parallel))) + " in total");
   const std::string more = study.keep.grids || study.keep.pictures ? ", plus grids and pictures" : "";
   console.say("disk: about " + megabytes(static_cast<std::size_t>(disk_bytes(study, estimate, runs))) + more);
-  if (estimate.with_warnings > 0) {
-    console.say(fmt::format("{} runs have warnings; `reamsim check` of one shows them", estimate.with_warnings));
-  }
 }
 
 void plan_command(const PlanOptions& options, const Console& console) {
   const SweepRuns sweep = load_sweep(options.sweep);
   std::vector<std::size_t> valid;
-  MistakesOfRuns mistakes;
+  RunMessages mistakes;
   for (std::size_t i = 0; i < sweep.runs.size(); ++i) {
     if (sweep.runs[i].id.empty()) {
-      mistakes.add(sweep.plan.runs[i].number, sweep.runs[i].mistake);
+      mistakes.add(sweep.plan.runs[i].number, {sweep.runs[i].mistake});
     } else {
       valid.push_back(i);
     }
   }
   console.say(fmt::format("{}: {} runs of {}", sweep.study.name, sweep.runs.size(), sweep.study.base));
+  say_lines_of(same_runs(sweep.runs), console);
   StudyEstimate estimate;
   Progress progress(console, "check", "runs");
   std::int64_t checked = 0;
   const auto answered = [&](const WorkerAnswer& answer) {
     progress.update(++checked, static_cast<std::int64_t>(valid.size()));
     if (answer.outcome == WorkerAnswer::Outcome::done) {
-      estimate.add(RunEstimate::parse(answer.text));
+      estimate.add(sweep.plan.runs[answer.run].number, RunEstimate::parse(answer.text));
     } else if (answer.outcome == WorkerAnswer::Outcome::failed) {
-      mistakes.add(sweep.plan.runs[answer.run].number, answer.text);
+      mistakes.add(sweep.plan.runs[answer.run].number, {answer.text});
     }
   };
   SweepWorkers workers(options.sweep, "", WorkerTask::check, options.jobs);
   const bool all = workers.work(sweep, valid, answered);
   progress.finish();
   if (!all) throw Interrupted();
+  warn_of_runs(estimate.warnings, fmt::format("{} of {} runs have warnings", estimate.warnings.runs(), valid.size()),
+               console);
   if (!valid.empty()) print_estimate(console, sweep.study, estimate, valid.size(), options.jobs);
-  mistakes.print(console);
+  print(mistakes, console);
   if (mistakes.runs() > 0) {
     throw InputError({options.sweep.file, 0, 0}, "",
                      fmt::format("{} of {} runs are wrong", mistakes.runs(), sweep.runs.size()),
@@ -178,13 +153,13 @@ void plan_command(const PlanOptions& options, const Console& console) {
 // --- status, collect ---
 
 /// Why runs failed.
-MistakesOfRuns failures_of(const SweepRuns& sweep, const StudyFolder& folder) {
-  MistakesOfRuns failures;
+RunMessages failures_of(const SweepRuns& sweep, const StudyFolder& folder) {
+  RunMessages failures;
   for (std::size_t i = 0; i < sweep.runs.size(); ++i) {
     const IdentifiedRun& run = sweep.runs[i];
-    if (run.id.empty()) failures.add(sweep.plan.runs[i].number, run.mistake);
+    if (run.id.empty()) failures.add(sweep.plan.runs[i].number, {run.mistake});
     if (!run.id.empty() && folder.state(run.id) == RunState::failed) {
-      failures.add(sweep.plan.runs[i].number, folder.failure(run.id));
+      failures.add(sweep.plan.runs[i].number, {folder.failure(run.id)});
     }
   }
   return failures;
@@ -201,7 +176,7 @@ void status_command(const SweepOptions& options, const Console& console) {
   const SweepRuns sweep = load_sweep(options);
   const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
   console.say(counts_text(count_runs(folder, sweep.runs)));
-  failures_of(sweep, folder).print(console);
+  print(failures_of(sweep, folder), console);
   warn_of_other_plan(sweep, folder, console);
 }
 
@@ -210,7 +185,7 @@ void collect_command(const SweepOptions& options, const Console& console) {
   keep_results_of_uq(options, options.dir(sweep.study));
   const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
   collect_and_show(sweep, folder, console);
-  failures_of(sweep, folder).print(console);
+  print(failures_of(sweep, folder), console);
   warn_of_other_plan(sweep, folder, console);
 }
 
@@ -270,6 +245,7 @@ class StudyRun {
     const std::vector<std::size_t> runs = runs_to_do(sweep_, folder_, shard_);
     console_.say(fmt::format("{}: {} runs in the study, {} to simulate -> {}", sweep_.study.name, sweep_.runs.size(),
                              runs.size(), folder_.path()));
+    say_lines_of(same_runs(sweep_.runs), console_);
     note_wrong_scenarios();
     for (const std::size_t i : runs) folder_.forget_failure(sweep_.runs[i].id);
     Progress progress(console_, "sweep", "runs");
@@ -294,7 +270,7 @@ class StudyRun {
  private:
   void note_wrong_scenarios() {
     for (std::size_t i = 0; i < sweep_.runs.size() && shard_.index == 0; ++i) {
-      if (sweep_.runs[i].id.empty()) failures_.add(sweep_.plan.runs[i].number, sweep_.runs[i].mistake);
+      if (sweep_.runs[i].id.empty()) failures_.add(sweep_.plan.runs[i].number, {sweep_.runs[i].mistake});
     }
   }
 
@@ -302,7 +278,9 @@ class StudyRun {
     const int number = sweep_.plan.runs[answer.run].number;
     if (answer.outcome == WorkerAnswer::Outcome::failed) {
       folder_.note_failure(sweep_.runs[answer.run].id, answer.text);
-      failures_.add(number, answer.text);
+      // Each row that is this run, as runs.csv counts them.
+      for (const std::size_t row : rows_of_run(sweep_.runs, answer.run))
+        failures_.add(sweep_.plan.runs[row].number, {answer.text});
     }
     if (answer.outcome == WorkerAnswer::Outcome::busy) ++busy_;
     if (answer.outcome == WorkerAnswer::Outcome::done && !answer.text.empty()) {
@@ -312,7 +290,7 @@ class StudyRun {
 
   void report() const {
     if (busy_ > 0) console_.say(fmt::format("{} runs are being simulated by another process", busy_));
-    failures_.print(console_);
+    print(failures_, console_);
     if (failures_.runs() > 0) {
       throw RunError(fmt::format("{} runs failed; the others are complete; the same command repeats those that failed",
                                  failures_.runs()));
@@ -324,7 +302,7 @@ class StudyRun {
   Shard shard_;
   SweepRuns sweep_;
   StudyFolder folder_;
-  MistakesOfRuns failures_;
+  RunMessages failures_;
   std::vector<std::string> continued_;  ///< which runs, after which frame
   std::int64_t answered_ = 0;
   int busy_ = 0;

@@ -22,6 +22,8 @@ namespace fs = std::filesystem;
 
 /// Characters of a line on the terminal.
 constexpr std::size_t kTerminalWidth = 100;
+/// Warnings of runs on the terminal, at most.
+constexpr std::size_t kMostWarnings = 3;
 
 /// Figures of runs that the study no longer has would contradict its table.
 void remove_effects(const std::string& dir) {
@@ -43,6 +45,12 @@ std::string counts_text(const StudyCounts& counts) {
                      counts.failed, counts.interrupted, counts.missing);
 }
 
+void warn_of_runs(const RunMessages& messages, const std::string& sentence, const Console& console) {
+  if (messages.runs() == 0) return;
+  console.warn(sentence);
+  for (const std::string& line : messages.lines(kMostWarnings)) console.warn(line);
+}
+
 void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const Console& console) {
   const CollectedStudy collected = collect_runs(folder, sweep.plan, sweep.runs);
   const MainEffects effects = main_effects(collected.table);
@@ -60,6 +68,10 @@ void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const C
   console.say("table: " + folder.path() + "/runs.csv");
   if (!effects.empty()) console.say(effects_line(folder.path(), effects));
   console.say("page: " + folder.path() + "/sweep.html");
+  warn_of_runs(collected.warnings,
+               fmt::format("{} of {} finished runs have warnings; the column message of runs.csv has all of them",
+                           collected.warnings.runs(), collected.counts.done),
+               console);
 }
 
 }  // namespace reamsim

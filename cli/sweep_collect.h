@@ -15,4 +15,7 @@ void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const C
 /// "36 runs: 36 done, 0 failed, 0 interrupted, 0 missing".
 std::string counts_text(const StudyCounts& counts);
 
+/// Prints this sentence and the first warnings, where runs have any.
+void warn_of_runs(const RunMessages& messages, const std::string& sentence, const Console& console);
+
 }  // namespace reamsim

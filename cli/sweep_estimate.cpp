@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "sim/base/error.h"
@@ -21,20 +22,26 @@ namespace reamsim {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr double kTiming_s = 0.1;
 
 }  // namespace
 
 std::string RunEstimate::text() const {
-  return fmt::format("{} {} {} {} {}", load_s, simulate_s, memory_bytes, frames, warnings);
+  const std::string texts = Json(warnings).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return fmt::format("{} {} {} {} {}", load_s, simulate_s, memory_bytes, frames, texts);
 }
 
 RunEstimate RunEstimate::parse(const std::string& text) {
   RunEstimate out;
   std::istringstream in(text);
-  if (!(in >> out.load_s >> out.simulate_s >> out.memory_bytes >> out.frames >> out.warnings)) {
-    throw RunError("a worker gave no estimate: " + text);
-  }
+  std::string warnings;
+  in >> out.load_s >> out.simulate_s >> out.memory_bytes >> out.frames;
+  std::getline(in, warnings);
+  const Json json = Json::parse(warnings, nullptr, false);
+  if (!in || !json.is_array()) throw RunError("a worker gave no estimate: " + text);
+  for (const Json& warning : json) out.warnings.push_back(warning.is_string() ? warning.get<std::string>() : "");
   return out;
 }
 
@@ -44,11 +51,11 @@ RunEstimate RunEstimator::estimate(const Scenario& scenario, RunResources& resou
   MistakeList mistakes;
   ReamingScene scene = load_scene(scenario, report, mistakes, resources.bones);
   mistakes.throw_if_any();
-  RunEstimate out{.load_s = watch.seconds(), .frames = scene.last_frame()};
+  RunEstimate out{.load_s = watch.seconds(), .frames = scene.last_frame(), .warnings = {}};
   const std::vector<ContactForecast> contacts = forecast_passes(scene);
   warn_of_contact(scene, contacts, report);
   if (const auto clearance = find_clearance(scene)) warn_of_clearance(*clearance, scene, report);
-  out.warnings = static_cast<int>(report.warnings.size());
+  out.warnings = report.warnings;
   do {
     out.memory_bytes = std::max(out.memory_bytes, plan_memory(scene).process_bytes);
     out.simulate_s += simulate_s(scene, resources);

@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "cli/scenario_run.h"
 #include "sim/scene/scene.h"
@@ -19,7 +20,7 @@ struct RunEstimate {
   double simulate_s = 0;
   std::size_t memory_bytes = 0;  ///< of the process, without pictures
   std::int64_t frames = 0;
-  int warnings = 0;
+  std::vector<std::string> warnings;
 
   /// On one line, and back. Throws RunError where the line is none.
   [[nodiscard]] std::string text() const;

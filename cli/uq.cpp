@@ -106,6 +106,7 @@ void uq_command(const UqOptions& options, const Console& console) {
   const UqDesign design(study);
   const std::string dir = options.output.empty() ? "out/" + study.name : options.output;
   keep_results_of_sweep(dir);
+  design.require_valid_runs();
   const std::string marked = StudyFolder(study, dir).path();
   const SweepOptions runs{.file = design.write_runs(marked), .output = marked, .overrides = {}};
   console.say(fmt::format("{}: {} uncertain inputs, {} evaluations of {} runs", study.name, design.inputs().size(),

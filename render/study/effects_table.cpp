@@ -12,6 +12,7 @@
 #include "sim/base/printable.h"
 #include "sim/base/statistics.h"
 #include "sim/base/text.h"
+#include "sim/scenario/show.h"
 
 namespace reamsim {
 
@@ -20,6 +21,8 @@ namespace {
 constexpr std::size_t kMostRunsInRows = 20;
 /// Rows of levels, so that the table fits a screen.
 constexpr std::size_t kMostRows = 24;
+/// Characters of a parameter.
+constexpr std::size_t kMostCell = 24;
 
 using Row = std::vector<std::string>;
 
@@ -30,6 +33,23 @@ std::string cut(const std::string& text, std::size_t most) {
     out += c;
   }
   return out;
+}
+
+/// Numbers of a list with four digits, and "…" where the rest does not fit: [-41.2, 9.2, 36.6].
+std::string short_cell(const std::string& cell, std::size_t most) {
+  std::string text = shown_cell(cell);
+  if (cell.starts_with('[') && cell.ends_with(']')) {
+    std::string list;
+    bool numbers = true;
+    for (std::string part : split(cell.substr(1, cell.size() - 2), ',')) {
+      part.erase(0, part.find_first_not_of(' '));
+      const auto number = parse_number(part);
+      numbers = numbers && number;
+      if (number) list += (list.empty() ? "" : ", ") + fmt::format("{:.4g}", *number);
+    }
+    if (numbers) text = "[" + list + "]";
+  }
+  return text_width(printable(text)) > most ? cut(text, most - 1) + "…" : cut(text, most);
 }
 
 bool is_wider(const std::vector<std::string>& lines, std::size_t width) {
@@ -50,15 +70,9 @@ Row titled(const ColumnName& name, const Row& cells) {
   return out;
 }
 
-/// Parameters and results that differ between the runs.
-std::vector<Row> columns_of_runs(const RunTable& table) {
-  std::vector<Row> out;
-  const std::vector<ColumnName> names = column_names(table.parameters);
-  for (std::size_t p = 0; p < names.size(); ++p) {
-    Row cells;
-    for (const CollectedRun& run : table.runs) cells.push_back(cut(shown_cell(run.cells[p]), 24));
-    if (varies(cells)) out.push_back(titled(names[p], cells));
-  }
+/// Results that differ between the runs; all of them where none does.
+std::vector<Row> columns_of_results(const RunTable& table) {
+  std::vector<Row> all, varied;
   for (const ColumnName& name : headline_results()) {
     const auto found = std::ranges::find(table.results, name.key);
     if (found == table.results.end()) continue;
@@ -68,8 +82,26 @@ std::vector<Row> columns_of_runs(const RunTable& table) {
       const double number = run.numbers.empty() ? std::numeric_limits<double>::quiet_NaN() : run.numbers[place];
       cells.push_back(std::isnan(number) ? "-" : fmt::format("{:.4g}", number));
     }
-    if (varies(cells) || table.runs.size() == 1) out.push_back(titled(name, cells));
+    all.push_back(titled(name, cells));
+    if (varies(cells)) varied.push_back(all.back());
   }
+  return varied.empty() ? all : varied;
+}
+
+/// Parameters that differ between the runs, and results.
+std::vector<Row> columns_of_runs(const RunTable& table) {
+  std::vector<Row> out;
+  const std::vector<ColumnName> names = column_names(table.parameters);
+  for (std::size_t p = 0; p < names.size(); ++p) {
+    Row cells, shown;
+    for (const CollectedRun& run : table.runs) {
+      cells.push_back(run.cells[p]);
+      shown.push_back(short_cell(run.cells[p], kMostCell));
+    }
+    if (varies(cells)) out.push_back(titled(names[p], shown));
+  }
+  const std::vector<Row> results = columns_of_results(table);
+  out.insert(out.end(), results.begin(), results.end());
   return out;
 }
 

@@ -138,7 +138,7 @@ CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, co
     states.push_back(state_of(folder, run));
     if (states.back() == RunState::done) columns.add(summary_numbers(folder.run_dir(run.id)));
   }
-  CollectedStudy out{.counts = {}, .table = {plan.columns, {}, {}, runs.size()}};
+  CollectedStudy out{.counts = {}, .table = {plan.columns, {}, {}, runs.size()}, .warnings = {}};
   const std::vector<std::size_t> results = columns.other_than(plan.columns);
   for (const std::size_t place : results) out.table.results.push_back(columns.names()[place]);
   const std::vector<bool> in_table = runs_of_table(runs.size(), most_in_table);
@@ -147,7 +147,10 @@ CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, co
   for (std::size_t i = 0; i < runs.size(); ++i) {
     CollectedRun run = collected(folder, plan.runs[i], runs[i], states[i]);
     count(run.state, out.counts);
-    run.numbers = columns.values(run.state == RunState::done ? summary_numbers(folder.run_dir(run.id)) : Numbers());
+    const RunSummary summary = run.state == RunState::done ? read_run_summary(folder.run_dir(run.id)) : RunSummary();
+    run.numbers = columns.values(summary.numbers);
+    out.warnings.add(run.number, summary.warnings);
+    for (const std::string& warning : summary.warnings) run.message += (run.message.empty() ? "" : "; ") + warning;
     file.row(run);
     if (!in_table[i]) continue;
     std::vector<double> numbers;

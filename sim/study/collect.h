@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/study/identify.h"
+#include "sim/study/run_messages.h"
 #include "sim/study/run_table.h"
 #include "sim/study/study_folder.h"
 
@@ -30,12 +31,14 @@ inline constexpr std::size_t kMostRunsOfTable = 50'000;
 struct CollectedStudy {
   StudyCounts counts;
   RunTable table;
+  RunMessages warnings;  ///< of runs that are done
 };
 
 /// Writes DIR/runs.csv, a row for each run of the plan: `run`, `id`, `status` (done, failed, interrupted, missing),
-/// `message`, the columns of the plan, and every number of summary.json but times and memory, which differ from run to
-/// run; nested names are joined by dots. A missing value is an empty cell. Reads one summary at a time. Returns the
-/// rows, at most `most_in_table` (runs_of_table()). Throws RunError.
+/// `message` (why it failed; of a run that is done its warnings), the columns of the plan, and every number of
+/// summary.json but times and memory, which differ from run to run; nested names are joined by dots. A missing value is
+/// an empty cell. Reads one summary at a time. Returns the rows, at most `most_in_table` (runs_of_table()). Throws
+/// RunError.
 CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
                             std::size_t most_in_table = kMostRunsOfTable);
 

@@ -11,6 +11,8 @@
 
 #include "sim/base/error.h"
 #include "sim/study/fit_problem.h"
+#include "sim/study/fit_warnings.h"
+#include "sim/study/minimize.h"
 #include "sim/study/nonnegative_least_squares.h"
 
 namespace reamsim {
@@ -36,41 +38,6 @@ constexpr double kMostRelativeError = 0.5, kMostExponentError = 1;
 
 /// Constants with a higher correlation are hard to tell apart.
 constexpr double kHighCorrelation = 0.99;
-
-/// The place of the least value of `f` between `low` and `high`: the best of a scan, refined by golden section.
-template <class Function>
-double minimize(const Function& f, double low, double high, int scan) {
-  const double step = (high - low) / scan;
-  int best = 0;
-  double least = f(low);
-  for (int i = 1; i <= scan; ++i) {
-    const double value = f(low + i * step);
-    if (value < least) {
-      least = value;
-      best = i;
-    }
-  }
-  double a = std::max(low, low + (best - 1) * step), b = std::min(high, low + (best + 1) * step);
-  const double ratio = 0.5 * (std::sqrt(5.0) - 1);
-  double c = b - ratio * (b - a), d = a + ratio * (b - a);
-  double at_c = f(c), at_d = f(d);
-  while (b - a > 1e-9 * (high - low)) {
-    if (at_c < at_d) {
-      b = d;
-      d = c;
-      at_d = at_c;
-      c = b - ratio * (b - a);
-      at_c = f(c);
-    } else {
-      a = c;
-      c = d;
-      at_c = at_d;
-      d = a + ratio * (b - a);
-      at_d = f(d);
-    }
-  }
-  return 0.5 * (a + b);
-}
 
 std::vector<DensityClass> classes_of(const ForceBasis& basis, const FitOptions& options) {
   const std::array<double, 256> volume = basis.volume_mm3();
@@ -113,6 +80,7 @@ class Fit {
       : cutting_(cutting),
         options_(options),
         basis_(basis),
+        measured_file_(measured.file),
         classes_(classes_of(basis, options)),
         problem_(basis, frames, measured, units()) {}
 
@@ -120,6 +88,8 @@ class Fit {
     choose_searches();
     ForceFit out = fit();
     if (fix_undetermined(out)) out = fit();
+    require_energy(out);
+    out.warnings = fit_warnings(out);
     add_statements(out);
     return out;
   }
@@ -140,8 +110,9 @@ class Fit {
   /// whether it did.
   bool fix_undetermined(const ForceFit& fit) {
     const auto is_vague = [&](const char* name, double most) { return fit.of(name).standard_error > most; };
-    const bool normal = fit_normal_ratio_ && is_vague("k_n", kMostRelativeError * std::max(normal_ratio_, 0.1));
-    const bool exponent = fit_exponent_ && is_vague("p", kMostExponentError);
+    const bool normal =
+        fit_normal_ratio_ && (without_energy() || is_vague("k_n", kMostRelativeError * std::max(normal_ratio_, 0.1)));
+    const bool exponent = fit_exponent_ && (without_energy() || is_vague("p", kMostExponentError));
     if (normal) {
       fit_normal_ratio_ = normal_matters_ = false;
       normal_ratio_ = cutting_.normal_ratio;
@@ -151,6 +122,25 @@ class Fit {
       exponent_ = cutting_.density_exponent;
     }
     return normal || exponent;
+  }
+
+  /// Whether every specific energy is 0. Then nothing tells k_n and p.
+  [[nodiscard]] bool without_energy() const {
+    return linear_.head(is_law() ? 1 : static_cast<Eigen::Index>(problem_.units())).isZero(0);
+  }
+
+  /// Throws InputError where every coefficient is 0: such a fit says nothing but that the measured columns are wrong.
+  void require_energy(const ForceFit& fit) const {
+    if (!linear_.isZero(0)) return;
+    const bool zeros = std::ranges::all_of(fit.residuals, [](const ChannelResidual& r) { return r.rms_measured == 0; });
+    throw InputError({measured_file_, 0, 0}, "",
+                     zeros ? "every measured value in the time of contact is 0"
+                           : fit.constants[0].name + " is 0: a negative value would fit better",
+                     zeros
+                         ? "check the columns, and that time_s begins with the run"
+                         : "check the sign of each column: axial_force_n is positive where the bone pushes the tool "
+                           "out, spin_torque_nmm where it brakes a positive spin_rpm; reverse the sign of a load cell "
+                           "that measures the force on the bone");
   }
 
   [[nodiscard]] bool is_law() const { return options_.model == FitModel::law; }
@@ -275,6 +265,8 @@ class Fit {
       out.constants[i].standard_error = std::nan("");
       if (out.constants[i].fitted && !out.constants[i].at_bound) free.push_back(static_cast<Eigen::Index>(i));
     }
+    out.covariance.resize(0, 0);
+    if (free.empty()) return;
     const Eigen::MatrixXd all = derivatives();
     const Eigen::MatrixXd part = all(Eigen::all, free);
     const Eigen::MatrixXd information = part.transpose() * problem_.gram() * part;
@@ -310,14 +302,14 @@ class Fit {
   }
 
   void add_statements(ForceFit& out) const {
-    if (is_law() && !fit_exponent_) {
+    if (is_law() && !fit_exponent_ && !without_energy()) {
       out.statements.push_back(fmt::format(
           "the removed bone has nearly one density: it cannot tell the exponent from u0, so p stays that of "
           "the run ({:g}); what is determined is u = {:.5g} J/mm3 at {:.3g} g/cm3",
           exponent_, linear_[0] * std::pow(mean_density() / cutting_.reference_density_g_cm3, exponent_),
           mean_density()));
     }
-    if (options_.fit_normal_ratio && !normal_matters_) {
+    if (options_.fit_normal_ratio && !normal_matters_ && !without_energy()) {
       out.statements.push_back(fmt::format(
           "the measured columns do not tell k_n, which stays that of the run ({:g}); measure the axial force and the "
           "spin torque together",
@@ -332,7 +324,8 @@ class Fit {
       }
     }
     add_correlations(out);
-    if (out.statements.empty()) out.statements.emplace_back("all constants are determined by these data");
+    if (out.statements.empty() && out.warnings.empty())
+      out.statements.emplace_back("all constants are determined by these data");
   }
 
   [[nodiscard]] double mean_density() const {
@@ -376,6 +369,7 @@ class Fit {
   const CuttingSettings& cutting_;
   const FitOptions& options_;
   const ForceBasis& basis_;
+  const std::string& measured_file_;
   std::vector<DensityClass> classes_;
   std::vector<double> density_;  ///< of each grade
   FitProblem problem_;

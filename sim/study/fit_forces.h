@@ -69,6 +69,7 @@ struct ForceFit {
   std::vector<DensityClass> classes;
   std::vector<ChannelResidual> residuals;
   std::vector<std::string> statements;  ///< on identifiability, in words
+  std::vector<std::string> warnings;    ///< fit_warnings()
   ForceConstants force;                 ///< for ForceBasis::forces()
 
   /// Throws std::out_of_range.
@@ -77,7 +78,7 @@ struct ForceFit {
 
 /// The constants that best explain a measured history: least squares, weighted by the noise of each column, which is
 /// estimated from the residuals. `frames`: of the run, ascending. Throws InputError where no measured time lies in the
-/// run's contact.
+/// run's contact, and where no positive constant explains what was measured.
 ForceFit fit_forces(const ForceBasis& basis, const std::vector<FrameTime>& frames, const CuttingSettings& cutting,
                     const MeasuredForces& measured, const FitOptions& options);
 

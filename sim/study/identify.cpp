@@ -3,11 +3,60 @@
 
 #include "sim/study/identify.h"
 
+#include <map>
+
 #include "sim/base/error.h"
 #include "sim/scenario/parse.h"
 #include "sim/study/run_id.h"
 
 namespace reamsim {
+
+namespace {
+
+constexpr std::size_t kMostGroups = 3, kMostNumbers = 5;
+
+/// "3, 5 and 7"; of many the first ones.
+std::string numbers_text(const std::vector<std::size_t>& rows) {
+  const std::size_t shown = rows.size() <= kMostNumbers ? rows.size() - 1 : kMostNumbers;
+  std::string out;
+  for (std::size_t i = 0; i < shown; ++i) out += (i == 0 ? "" : ", ") + std::to_string(rows[i] + 1);
+  return out + " and " +
+         (shown + 1 == rows.size() ? std::to_string(rows.back() + 1) : std::to_string(rows.size() - shown) + " more");
+}
+
+IdentifiedRun identified(const Study& study, const PlannedRun& run, Checksums& checksums) {
+  try {
+    return {run_id(scenario_of(study, run), study.keep, checksums), ""};
+  } catch (const InputError& error) {
+    return {"", (run.place.empty() ? "" : run.place + ": ") + message_of(error)};
+  }
+}
+
+}  // namespace
+
+std::vector<std::size_t> rows_of_run(const std::vector<IdentifiedRun>& runs, std::size_t run) {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    if (runs[i].id == runs[run].id) out.push_back(i);
+  return out;
+}
+
+std::vector<std::string> same_runs(const std::vector<IdentifiedRun>& runs) {
+  std::map<std::string, std::vector<std::size_t>> rows_of;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    if (!runs[i].id.empty()) rows_of[runs[i].id].push_back(i);
+  std::vector<std::string> out;
+  std::size_t groups = 0;
+  for (const IdentifiedRun& run : runs) {
+    const auto found = rows_of.find(run.id);
+    if (found == rows_of.end()) continue;
+    if (found->second.size() > 1 && ++groups <= kMostGroups)
+      out.push_back("runs " + numbers_text(found->second) + " are the same run, which is simulated once");
+    rows_of.erase(found);
+  }
+  if (groups > kMostGroups) out.push_back(std::to_string(groups - kMostGroups) + " more runs are given twice");
+  return out;
+}
 
 Scenario scenario_of(const Study& study, const PlannedRun& run) {
   Scenario scenario = parse_scenario(study.base, run.overrides);
@@ -25,11 +74,7 @@ std::vector<IdentifiedRun> identify_runs(const Study& study, const StudyPlan& pl
   Checksums checksums;
   std::vector<IdentifiedRun> out;
   for (const PlannedRun& run : plan.runs) {
-    try {
-      out.push_back({run_id(scenario_of(study, run), study.keep, checksums), ""});
-    } catch (const InputError& error) {
-      out.push_back({"", (run.place.empty() ? "" : run.place + ": ") + message_of(error)});
-    }
+    out.push_back(run.mistake.empty() ? identified(study, run, checksums) : IdentifiedRun{"", run.mistake});
     if (done) done(out.size());
   }
   return out;

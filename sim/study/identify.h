@@ -23,6 +23,12 @@ struct IdentifiedRun {
 std::vector<IdentifiedRun> identify_runs(const Study& study, const StudyPlan& plan,
                                          const std::function<void(std::size_t)>& done = {});
 
+/// The runs with the folder of this one, itself among them: a table may have a patient twice.
+std::vector<std::size_t> rows_of_run(const std::vector<IdentifiedRun>& runs, std::size_t run);
+
+/// "runs 3 and 7 are the same run", a line for each such group, of at most three.
+std::vector<std::string> same_runs(const std::vector<IdentifiedRun>& runs);
+
 /// The scenario of a run. Throws InputError.
 Scenario scenario_of(const Study& study, const PlannedRun& run);
 

@@ -66,6 +66,7 @@ std::string column_of(ForceChannel channel) {
 MeasuredForces read_measured_forces(const std::string& path) {
   const std::string text = read_file(path, kExpected);
   MeasuredForces out;
+  out.file = path;
   out.channels = channels_in(path);
   out.values.resize(out.channels.size());
   const std::string header = header_line(path);

@@ -29,6 +29,7 @@ struct MeasuredForces {
   std::vector<ForceChannel> channels;
   std::vector<double> time_s;
   std::vector<std::vector<double>> values;  ///< by channel and time; NaN where nothing was measured
+  std::string file = {};                    ///< for messages
 };
 
 /// Reads a CSV file with `time_s` and any columns of ForceChannel; others are skipped, and cells may be empty. Axial

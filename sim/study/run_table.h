@@ -16,7 +16,7 @@ struct CollectedRun {
   int number = 0;  ///< in the plan, from 1
   std::string id;  ///< "": its scenario is wrong
   RunState state = RunState::missing;
-  std::string message;             ///< of a failure
+  std::string message;             ///< of a failure; of a run that is done its warnings
   std::vector<std::string> cells;  ///< by parameter
   std::vector<double> numbers;     ///< by result; NaN where it is missing
   bool has_report = false;         ///< report.html is in its folder

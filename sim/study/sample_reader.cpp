@@ -42,6 +42,7 @@ class SampleReader {
   void read_entry(const YamlEntry& entry) {
     const YamlNode& node = *entry.value;
     if (entry.key == "method") {
+      sample_.method_where = node.mark.in(file_);
       sample_.method = static_cast<SampleMethod>(place_of(node, "sample.method", kMethods));
     } else if (entry.key == "n") {
       sample_.n = static_cast<int>(whole(node, "sample.n", 1, kMostSamples));

@@ -50,6 +50,7 @@ enum class SampleMethod { sobol, latin_hypercube, monte_carlo, saltelli };
 
 struct SampleSettings {
   SampleMethod method = SampleMethod::sobol;
+  SourceLocation method_where = {};  ///< where the study gives it
   int n = 0;
   std::uint64_t seed = 1;
   std::vector<SampledKey> of;
@@ -65,8 +66,9 @@ struct Study {
   std::vector<std::string> set;  ///< "key=value", for every run
   std::vector<Variation> vary;
   std::optional<Variation> table;
-  std::vector<std::string> labels;        ///< column `label` of the table, by row; empty: it has none
-  std::vector<std::string> table_places;  ///< file and line of each row, for messages
+  std::vector<std::string> labels;          ///< column `label` of the table, by row; empty: it has none
+  std::vector<std::string> table_places;    ///< file and line of each row, for messages
+  std::vector<std::string> table_mistakes;  ///< of each row, files that do not exist; "": none
   std::optional<SampleSettings> sample;
   KeptFiles keep{.forces = false, .grids = false, .pictures = false};
 };

@@ -162,6 +162,7 @@ class StudyReader {
     study_.table = std::move(table.rows);
     study_.labels = std::move(table.labels);
     study_.table_places = std::move(table.places);
+    study_.table_mistakes = std::move(table.mistakes);
   }
 
   void read_keep(const YamlNode& node) {

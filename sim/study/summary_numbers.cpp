@@ -34,11 +34,20 @@ void flatten(const Json& json, const std::string& name, Numbers& out) {
 
 }  // namespace
 
-Numbers summary_numbers(const std::string& run_dir) {
-  Numbers out;
+RunSummary read_run_summary(const std::string& run_dir) {
+  RunSummary out;
   const Json json = parse_result_json(read_file_start(run_dir + "/summary.json", kMostSummaryBytes));
-  if (json.is_object()) flatten(json, "", out);
+  if (!json.is_object()) return out;
+  flatten(json, "", out.numbers);
+  const Json warnings = json.value("warnings", Json());
+  for (const Json& warning : warnings.is_array() ? warnings : Json::array()) {
+    if (warning.is_string()) out.warnings.push_back(warning.get<std::string>());
+  }
   return out;
+}
+
+Numbers summary_numbers(const std::string& run_dir) {
+  return read_run_summary(run_dir).numbers;
 }
 
 }  // namespace reamsim

@@ -10,9 +10,13 @@
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/base/mistake_list.h"
+#include "sim/base/printable.h"
+#include "sim/scenario/find_key.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
 #include "sim/study/distribution.h"
+#include "sim/study/identify.h"
 #include "sim/study/unit_points.h"
 
 namespace reamsim {
@@ -67,8 +71,9 @@ void require_samples_alone(const Study& study) {
                      "remove it, or use `reamsim sweep`");
   }
   if (study.sample->method != SampleMethod::sobol) {
-    throw InputError({study.file, 0, 0}, "sample.method", "found a method other than sobol",
-                     "expected sobol: the estimators of the indices need its pairs of samples");
+    throw InputError(study.sample->method_where, "sample.method", "found a method other than sobol",
+                     "remove it: `reamsim uq` draws the pairs of samples that its indices need with sobol itself; "
+                     "other methods, saltelli too, are for `reamsim sweep`");
   }
   if (study.keep.pictures || study.keep.grids) {
     throw InputError({study.file, 0, 0}, "keep", "found pictures or vdb",
@@ -105,9 +110,58 @@ UqDesign::UqDesign(Study study) : study_(std::move(study)) {
       b_(i, d) = both[static_cast<std::size_t>(i)][static_cast<std::size_t>(count + d)];
     }
   }
+  require_samples_in_range();
   for (const Eigen::VectorXd& point : points()) {
     if (run_places_.emplace(run_part(point), run_points_.size()).second) run_points_.push_back(run_part(point));
   }
+}
+
+void UqDesign::require_samples_in_range() const {
+  MistakeList mistakes;
+  for (std::size_t d = 0; d < inputs_.size(); ++d) {
+    const SampledKey& sampled = study_.sample->of[inputs_[d].key];
+    if (sampled.distribution.dimensions() > 1) continue;  // of vectors, the scenario knows: require_valid_runs()
+    const Range& range = find_key(sampled.key, sampled.where).info.range;
+    std::vector<double> outside;
+    for (const Eigen::MatrixXd* sample : {&a_, &b_}) {
+      for (const double u : sample->col(static_cast<Eigen::Index>(d))) {
+        const double value = sample_number(sampled.distribution, u);
+        if (!range.contains(value)) outside.push_back(value);
+      }
+    }
+    if (outside.empty()) continue;
+    const auto excess = [&](double value) { return std::max(range.min - value, value - range.max); };
+    mistakes.add(InputError(sampled.where, sampled.key,
+                            "found " + rounded_text(*std::ranges::max_element(outside, {}, excess)) + ": " +
+                                std::to_string(outside.size()) + " of " + std::to_string(2 * a_.rows()) +
+                                " samples lie outside " + range_text(range),
+                            "expected a distribution within that range, such as uniform, or a smaller spread"));
+  }
+  mistakes.throw_if_any();
+}
+
+Study UqDesign::study_of_runs() const {
+  Study runs = study_;
+  std::erase_if(runs.set, [](const std::string& assignment) { return assignment.starts_with("output.force_basis="); });
+  runs.set.insert(runs.set.begin(), std::string("output.force_basis=") + (needs_basis() ? "true" : "false"));
+  std::erase_if(runs.sample->of, is_constant);
+  runs.sample->points = run_points_;
+  if (runs.sample->of.empty()) runs.sample.reset();
+  return runs;
+}
+
+void UqDesign::require_valid_runs() const {
+  const Study study = study_of_runs();
+  int refused = 0;
+  std::string first;
+  for (const IdentifiedRun& run : identify_runs(study, make_plan(study))) {
+    if (run.mistake.empty()) continue;
+    if (refused++ == 0) first = printable(run.mistake);
+  }
+  if (refused == 0) return;
+  throw InputError({shown_path(study.file), 0, 0}, "sample.of",
+                   std::to_string(refused) + " of " + std::to_string(runs()) + " runs are wrong, the first: " + first,
+                   "expected distributions whose values the scenario accepts together");
 }
 
 std::vector<Eigen::VectorXd> UqDesign::points() const {
@@ -152,19 +206,15 @@ bool UqDesign::needs_basis() const {
 }
 
 std::string UqDesign::write_runs(const std::string& dir) const {
-  Study runs = study_;
-  std::erase_if(runs.sample->of, is_constant);
-  std::string text = std::string(kRunsMark) +
-                     "version: 1\nname: runs\nbase: " + json_string(recorded_path(study_.base)) +
-                     "\nset:\n  output.force_basis: " + (needs_basis() ? "true" : "false") + "\n";
-  for (const std::string& assignment : study_.set) {
+  const Study runs = study_of_runs();
+  std::string text =
+      std::string(kRunsMark) + "version: 1\nname: runs\nbase: " + json_string(recorded_path(study_.base)) + "\nset:\n";
+  for (const std::string& assignment : runs.set) {
     const std::size_t equals = assignment.find('=');
-    if (assignment.substr(0, equals) == "output.force_basis") continue;  // written above
     text += "  " + assignment.substr(0, equals) + ": " + assignment.substr(equals + 1) + "\n";
   }
   text += "keep: [summary, forces]\n";
-  if (!runs.sample->of.empty()) {
-    runs.sample->points = run_points_;
+  if (runs.sample) {
     const StudyPlan plan = make_plan(runs);
     std::string table;
     for (const SampledKey& sampled : runs.sample->of) table += (table.empty() ? "" : ",") + csv_text(sampled.key);

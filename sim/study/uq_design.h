@@ -26,7 +26,7 @@ bool holds_uq_runs(const std::string& dir);
 /// need.
 class UqDesign {
  public:
-  /// Throws InputError unless the study consists of samples alone.
+  /// Throws InputError unless the study consists of samples alone, each within the range of its key.
   explicit UqDesign(Study study);
 
   [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return inputs_; }
@@ -43,11 +43,17 @@ class UqDesign {
   [[nodiscard]] std::vector<std::string> constants(const Eigen::VectorXd& point) const;
   /// Whether forces come from the force basis of the runs: some inputs are constants. Otherwise from their forces.csv.
   [[nodiscard]] bool needs_basis() const;
+  /// Throws InputError where a scenario refuses a run: such a run would fail after the others are simulated, and no
+  /// band or index follows from the rest.
+  void require_valid_runs() const;
   /// Writes DIR/runs.yaml, a study of the runs, with their force basis where it is needed, and its table. Returns its
   /// path. Throws RunError.
   [[nodiscard]] std::string write_runs(const std::string& dir) const;
 
  private:
+  void require_samples_in_range() const;
+  /// The samples of the inputs that need runs.
+  [[nodiscard]] Study study_of_runs() const;
   [[nodiscard]] std::vector<double> run_part(const Eigen::VectorXd& point) const;
 
   Study study_;

@@ -225,6 +225,8 @@ def check_small(page, folder):
     assert "2 of 6 runs failed" in page.find("#failures").text
     message = rows[4]["message"].removeprefix("'")  # so that a spreadsheet takes it for a text
     assert message in page.find("#failures").text, f"{message!r} in {page.find('#failures').text!r}"
+    warned = [row["message"] for row in rows if row["status"] == "done" and row["message"]]
+    assert page.find("#warned").is_displayed() == (len(warned) > 0) and all(text in page.find("#warned").text for text in warned)
     links = [link.get_attribute("href") for link in page.all("#table tbody a")]
     assert len(links) == 4 and all((folder / "runs" / row["id"] / "report.html").resolve().as_uri() in links for row in rows[:4]), links
     page.click(page.find("#table tbody a"))
@@ -250,6 +252,7 @@ def write_large(program, folder):
         force = 50 * depth * u / 0.15 * float(row["cutting.normal_ratio"]) * feed
         summary = {"headline": {"peak_axial_force_n": force, "peak_spin_torque_nmm": 12 * depth * u * feed},
                    "removed_mm3": 80 * depth + random.gauss(0, 5), "balance": random.gauss(0, 1e-6),
+                   "warnings": ["removed 2 mm3 in frame 0, without force"] if int(row["run"]) % 1000 == 9 else [],
                    "more": {f"number_{i}_mm": random.random() for i in range(100)}}
         run = study / "runs" / row["id"]
         run.mkdir()
@@ -318,6 +321,8 @@ def use_large(folder, width):
 
     def use(page):
         check_rows_in_sight(page)
+        assert "10 of 10000 runs are done and have warnings" in page.find("#warned").text, page.find("#warned").text
+        assert " and 9 more: removed 2 mm3 in frame 0, without force" in page.find("#warned").text
         if width < WIDE_PX:
             return  # what is shown and computed does not depend on the window
         check_filters(page, rows)

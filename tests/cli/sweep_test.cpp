@@ -170,6 +170,39 @@ TEST_F(Sweep, AFailingRunIsOneRow) {
   EXPECT_THAT(collected.err, AllOf(HasSubstr("run 2"), HasSubstr("run 3")));
 }
 
+TEST_F(Sweep, WarningsOfFinishedRunsAreShown) {
+  // A tool that begins inside the block removes bone at once, without force.
+  write("study.yaml",
+        "version: 1\nbase: s.yaml\nset: {motion.plunge.approach_mm: 0}\nvary:\n"
+        "  - motion.plunge.entry_mm: [[0, 0, 0], [0, 0, -1]]\n");
+  const auto named = AllOf(HasSubstr("of 2 runs have warnings"), HasSubstr("reamsim: warning: run "));
+  EXPECT_THAT(sweep({"plan", "study.yaml"}).err, named);
+  for (const char* command : {"run", "collect"}) {
+    const ProgramResult result = sweep({command, "study.yaml", "-o", "out"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_THAT(result.err, AllOf(HasSubstr("1 of 2 finished runs have warnings; the column message of runs.csv"),
+                                  HasSubstr("reamsim: warning: run 2: ")));
+  }
+  const std::vector<std::string> table = lines("out/runs.csv");
+  const std::string id = table[2].substr(2, 16);
+  const auto summary = nlohmann::json::parse(read("out/runs/" + id + "/summary.json"));
+  const std::string warning = summary["warnings"][0];
+  EXPECT_THAT(table[1], HasSubstr(",done,,"));
+  EXPECT_THAT(table[2], AllOf(HasSubstr(",done,"), HasSubstr(warning.substr(0, 30))));
+}
+
+TEST_F(Sweep, RowsOfTheSameRunCountEach) {
+  write("cohort.csv",
+        "motion.plunge.depth_mm,motion.plunge.entry_mm\n0.5,\n0.5,\"[900, 0, 0]\"\n0.5,\n0.5,\"[900, 0, 0]\"\n");
+  write("study.yaml", "version: 1\nbase: s.yaml\nset: {motion.plunge.from: contact}\ntable: cohort.csv\n");
+  const ProgramResult result = sweep({"run", "study.yaml", "-o", "out"});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.out, AllOf(HasSubstr("runs 1 and 3 are the same run, which is simulated once"),
+                                HasSubstr("runs 2 and 4 are the same run"), HasSubstr("4 runs: 2 done, 2 failed")));
+  EXPECT_THAT(result.err, AllOf(HasSubstr("run 2 and 1 more: "), HasSubstr("2 runs failed; the others")));
+  EXPECT_EQ(finished("out"), 1);
+}
+
 /// What /proc knows of a process; "" once it has ended.
 std::string process_file(const std::string& process, const char* name) {
   std::ifstream file("/proc/" + process + "/" + name, std::ios::binary);
@@ -221,6 +254,22 @@ TEST_F(Sweep, AMistakeInATableNamesItsLine) {
                               HasSubstr("motion.plunge.depth_mm: found the text"), HasSubstr("1 of 2 runs are wrong")));
   EXPECT_EQ(sweep({"run", "study.yaml", "-o", "out"}).status, 1);
   EXPECT_THAT(lines("out/runs.csv")[2], AllOf(HasSubstr("2,,failed,"), HasSubstr("cohort.csv:4: ")));
+}
+
+TEST_F(Sweep, AMissingFileInATableFailsItsRow) {
+  write("cohort.csv", "label,tool.mesh,motion.plunge.depth_mm\nP1,,0.5\nP2,none.stl,0.5\nP3,,deep\n");
+  write("study.yaml", "version: 1\nbase: s.yaml\ntable: cohort.csv\n");
+  const ProgramResult plan = sweep({"plan", "study.yaml"});
+  EXPECT_EQ(plan.status, 2);
+  const auto named = AllOf(HasSubstr("run 2: "), HasSubstr("cohort.csv:3: tool.mesh: "), HasSubstr("none.stl"),
+                           HasSubstr("run 3: "), HasSubstr("cohort.csv:4: "));
+  EXPECT_THAT(plan.err, AllOf(named, HasSubstr("2 of 3 runs are wrong")));
+  const ProgramResult result = sweep({"run", "study.yaml", "-o", "out"});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.err, named);
+  EXPECT_THAT(result.out, HasSubstr("3 runs: 1 done, 2 failed"));
+  EXPECT_THAT(lines("out/runs.csv")[2],
+              AllOf(HasSubstr("2,,failed,"), HasSubstr("cohort.csv:3: "), HasSubstr(",P2,none.stl,")));
 }
 
 TEST_F(Sweep, PlanWritesNothing) {

@@ -125,6 +125,20 @@ TEST_F(Uq, StudiesThatAreNoUncertaintyAnalysisAreRefused) {
       refused(
           "vary: [{motion.plunge.depth_mm: [1]}]\nsample: {n: 8, of: {cutting.normal_ratio: {normal: [1, 0.1]}}}\n"),
       HasSubstr("vary: an uncertainty analysis has no such key"));
+  EXPECT_THAT(refused("sample: {n: 8, method: saltelli, of: {cutting.normal_ratio: {normal: [1, 0.1]}}}\n"),
+              AllOf(HasSubstr("uq.yaml:3:"), HasSubstr("`reamsim uq` draws the pairs"), HasSubstr("`reamsim sweep`")));
+  // Samples that the key or the whole scenario refuses: nothing is simulated.
+  EXPECT_THAT(
+      refused("sample:\n  n: 8\n  of:\n    motion.plunge.depth_mm: {uniform: [0.5, 1]}\n"
+              "    bone.phantom.density_g_cm3: {normal: [1.9, 0.3]}\n"),
+      AllOf(HasSubstr("uq.yaml:7:5: bone.phantom.density_g_cm3: found 2."), HasSubstr("of 16 samples lie outside"),
+            HasSubstr("to 2; expected a distribution within that range")));
+  EXPECT_THAT(refused("sample: {n: 8, of: {cutting.normal_ratio: {normal: [0, 1]}}}\n"),
+              HasSubstr("uq.yaml:3:21: cutting.normal_ratio: found -"))
+      << "a constant";
+  EXPECT_THAT(refused("set: {motion.plunge.entry_mm: [0, 0, 0]}\nsample: {n: 8, of: {motion.plunge.entry_mm: "
+                      "{shift_sd_mm: 1e7}}}\n"),
+              AllOf(HasSubstr("uq.yaml: sample.of: "), HasSubstr("runs are wrong, the first: ")));
   // Between 4 and 63, the analysis warns.
   write("uq.yaml", "version: 1\nbase: s.yaml\nsample: {n: 4, of: {cutting.normal_ratio: {uniform: [0.4, 0.6]}}}\n");
   const ProgramResult few =

@@ -86,6 +86,30 @@ TEST_F(Collect, TheTableHasTheRunsOfTheFile) {
   EXPECT_EQ(part.all, 5U);
 }
 
+TEST_F(Collect, TheMessageOfAFinishedRunHasItsWarnings) {
+  finish(0, R"({"a": 1, "warnings": ["removed bone, at once", "normal"]})");
+  finish(1, R"({"a": 2, "warnings": ["normal"]})");
+  finish(2, R"({"a": 3, "warnings": []})");
+  const CollectedStudy found = collect_runs(folder_, plan_, runs_);
+  EXPECT_EQ(found.table.runs[0].message, "removed bone, at once; normal");
+  EXPECT_EQ(found.table.runs[2].message, "");
+  EXPECT_EQ(found.warnings.runs(), 2);
+  EXPECT_THAT(found.warnings.lines(),
+              ::testing::ElementsAre("run 1: removed bone, at once", "run 1 and 1 more: normal"));
+  EXPECT_EQ(found.warnings.lines(1).size(), 1U);
+  EXPECT_THAT(file_bytes(path("out/runs.csv")), HasSubstr(",done,\"removed bone, at once; normal\",1,1"));
+}
+
+TEST_F(Collect, RowsOfTheSameRunAreFound) {
+  std::vector<IdentifiedRun> runs;
+  for (const char* id : {"a", "b", "a", "", "", "a", "b", "c"}) runs.push_back({id, ""});
+  EXPECT_THAT(same_runs(runs), ::testing::ElementsAre("runs 1, 3 and 6 are the same run, which is simulated once",
+                                                      "runs 2 and 7 are the same run, which is simulated once"));
+  EXPECT_THAT(rows_of_run(runs, 1), ::testing::ElementsAre(1, 6));
+  runs.assign(9, {"a", ""});
+  EXPECT_THAT(same_runs(runs), ::testing::ElementsAre(HasSubstr("runs 1, 2, 3, 4, 5 and 4 more are")));
+}
+
 TEST_F(Collect, ADamagedResultIsNotDone) {
   finish(0, R"({"a": 1})");
   const std::string dir = folder_.run_dir(runs_[0].id);

@@ -203,6 +203,59 @@ TEST(Fit, SaysThatAxialForceAloneDeterminesAProduct) {
   EXPECT_THAT(fit.statements, Contains(HasSubstr("hard to tell apart")));
 }
 
+/// The message of the InputError that a fit ends with; "" where it does not.
+std::string refusal_of(const Simulated& run, const MeasuredForces& measured, const FitOptions& options) {
+  try {
+    fit_forces(run.basis, run.frames, run.cutting, measured, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void expect_refusals(const Simulated& run) {
+  std::mt19937 random(8);
+  const FitOptions fixed{.class_edges_g_cm3 = {}, .fit_normal_ratio = false};
+  for (const std::vector<ForceChannel>& channels : {kAxial, {ForceChannel::axial_force}}) {
+    MeasuredForces reversed = measure(run, true_constants(), channels, 0.02, random);
+    reversed.file = "measured.csv";
+    for (std::vector<double>& values : reversed.values)
+      for (double& value : values) value = -value;
+    for (const FitOptions& options : {FitOptions(), fixed, kClasses}) {
+      const std::string name = options.model == FitModel::law ? "u0" : "u1";
+      EXPECT_THAT(refusal_of(run, reversed, options), HasSubstr("measured.csv: " + name + " is 0: a negative value"));
+    }
+    for (std::vector<double>& values : reversed.values) std::ranges::fill(values, 0);
+    EXPECT_THAT(refusal_of(run, reversed, {}), HasSubstr("every measured value in the time of contact is 0"));
+  }
+}
+
+TEST(Fit, RefusesForcesThatNoPositiveEnergyExplains) {
+  expect_refusals(simulated(two_layers()));
+  expect_refusals(simulated(two_layers(1.2, 1.2)));
+}
+
+TEST(Fit, WarnsOfOtherSignsAndUnits) {
+  const Simulated run = simulated(two_layers());
+  CuttingSettings law = run.cutting;
+  law.specific_energy_j_mm3 = 0.21;
+  std::mt19937 random(9);
+  const MeasuredForces right = measure(run, force_constants(law), kAxial, 0.01, random);
+  const auto warnings = [&](double axial_factor, double torque_factor, const FitOptions& options) {
+    MeasuredForces wrong = right;
+    for (double& value : wrong.values[0]) value *= axial_factor;
+    for (double& value : wrong.values[1]) value *= torque_factor;
+    return fit_forces(run.basis, run.frames, run.cutting, wrong, options).warnings;
+  };
+  EXPECT_THAT(warnings(1, 1, {}), ::testing::IsEmpty());
+  EXPECT_THAT(warnings(1, 1, kClasses), ::testing::IsEmpty());
+  EXPECT_THAT(warnings(1, 0.001, {}), Contains(HasSubstr("axial_force_n: R2 is -"))) << "N m";
+  EXPECT_THAT(warnings(-1, 1, {}), Contains(HasSubstr("check its sign and its unit (N)")));
+  EXPECT_THAT(warnings(1, -1, {}), Contains(HasSubstr("spin_torque_nmm: R2 is -")));
+  EXPECT_THAT(warnings(1e6, 1e6, {}), Contains(HasSubstr("cutting.specific_energy_j_mm3 accepts 0.000001 to 10")));
+  EXPECT_THAT(warnings(1e6, 1e6, kClasses), Contains(HasSubstr("u1 is ")));
+}
+
 TEST(Fit, TakesTimesBetweenFramesAndEmptyCells) {
   const Simulated run = simulated(two_layers());
   std::mt19937 random(7);

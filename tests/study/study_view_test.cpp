@@ -174,6 +174,21 @@ TEST(StudyTable, OfASampleHasQuantiles) {
   EXPECT_THAT(study_table(grid(1), main_effects(grid(1)), 100), Not(Contains(HasSubstr("over all runs"))));
 }
 
+TEST(StudyTable, ShortensListsLegibly) {
+  TableMaker maker({"bone.glenoid.center_mm", "label"}, {"removed_mm3"});
+  maker.done({"[-41.200000, 9.200000, 36.600000]", "a name of more than twenty-four letters"}, {1});
+  maker.done({"[4958.800000, 5009.200000, 5036.600000]", "short"}, {2});
+  const std::vector<std::string> lines = study_table(maker.table(), {}, 100);
+  EXPECT_THAT(lines, Contains(AllOf(HasSubstr("[-41.2, 9.2, 36.6]"), HasSubstr("a name of more than twe…"))));
+  EXPECT_THAT(lines, Contains(HasSubstr("[4959, 5009, 5037]")));
+}
+
+TEST(StudyTable, HasNumbersWhereAllRunsAreEqual) {
+  TableMaker maker({"label"}, {"removed_mm3"});
+  maker.done({"A"}, {12.5}).done({"A"}, {12.5});
+  EXPECT_THAT(study_table(maker.table(), {}, 100), Contains(HasSubstr("12.5")).Times(2));
+}
+
 TEST(StudyTable, IsEmptyWithoutResults) {
   TableMaker maker({"motion.plunge.depth_mm"}, {});
   const RunTable& table = maker.failed({"1"}, "no").table();

@@ -77,9 +77,10 @@ class Sweep:
 
     @functools.cached_property
     def runs(self) -> Any:
-        """runs.csv: a row per run. Columns ``run``, ``id``, ``status``, ``message``, then the parameters, then every
-        number of summary.json with its dotted name (``forces.peak_force_n``). A pandas DataFrame, or a numpy record
-        array without pandas; a missing number is NaN."""
+        """runs.csv: a row per run. Columns ``run``, ``id``, ``status``, ``message`` (why a run failed; of a finished run its
+        warnings), then the parameters, then every number of summary.json with its dotted name
+        (``forces.peak_force_n``). A pandas DataFrame, or a numpy record array without pandas; a missing number is
+        NaN."""
         return as_table(self._columns)
 
     def run(self, id: str) -> Run:

@@ -73,6 +73,7 @@ export function readStudy(data) {
     reports: words(data.reports, Uint32Array),
     ids: textOf(data.ids).split("\n"),
     message: (run) => data.messages.texts[messages[run]],
+    hasMessages: data.messages.texts.some((text) => text !== ""),
     columns,
     byKey: new Map(columns.map((column) => [column.key, column])),
     parameters: columns.filter((column) => column.parameter),

@@ -10,7 +10,9 @@ import { Table } from "./table.js";
 
 const start = performance.now();
 const study = readStudy(JSON.parse(find("study-data").textContent));
-const failed = Array.from(study.states.keys()).filter((run) => study.stateText(run) === "failed");
+const withState = (state) => Array.from(study.states.keys()).filter((run) => study.stateText(run) === state);
+const failed = withState("failed");
+const warned = withState("done").filter((run) => study.message(run) !== "");
 
 // --- the values of one run
 
@@ -32,18 +34,21 @@ function showRun(run) {
   dialog.querySelector(".scroll").scrollTop = 0;
 }
 
-// --- which runs failed, and why
+// --- which runs failed or have warnings, and why
 
-function showFailures() {
-  if (failed.length === 0) return;
+function showMessages(id, runs, what) {
+  if (runs.length === 0) return;
   const runsOf = new Map();
-  for (const run of failed) runsOf.set(study.message(run), [...(runsOf.get(study.message(run)) ?? []), run]);
-  find("failures").hidden = false;
-  find("failures-title").textContent = `${failed.length} of ${study.count} runs failed`;
+  for (const run of runs) {
+    if (!runsOf.has(study.message(run))) runsOf.set(study.message(run), []);
+    runsOf.get(study.message(run)).push(run);
+  }
+  find(id).hidden = false;
+  find(`${id}-title`).textContent = `${runs.length} of ${study.count} runs ${what}`;
   const most = [...runsOf].sort((a, b) => b[1].length - a[1].length).slice(0, 10);
-  find("failure-list").replaceChildren(...most.map(([message, runs]) => part("li", {},
-    part("button", { type: "button", class: "as-link", onclick: () => showRun(runs[0]) }, `Run ${study.numbers[runs[0]]}`),
-    `${runs.length > 1 ? ` and ${runs.length - 1} more` : ""}: ${message}`)));
+  find(`${id}-list`).replaceChildren(...most.map(([message, same]) => part("li", {},
+    part("button", { type: "button", class: "as-link", onclick: () => showRun(same[0]) }, `Run ${study.numbers[same[0]]}`),
+    `${same.length > 1 ? ` and ${same.length - 1} more` : ""}: ${message}`)));
 }
 
 // --- columns of the table
@@ -90,7 +95,8 @@ function begin() {
   const counts = ["done", "failed", "interrupted", "missing"].map((state, i) => [study.states.filter((s) => s === 3 - i).length, state]);
   const missing = study.count < study.all ? ` The page has ${study.count} of the ${study.all} runs, drawn at random; runs.csv has all.` : "";
   find("counts").textContent = `${numberText(study.count)} runs: ${counts.filter(([n]) => n > 0).map(([n, state]) => `${numberText(n)} ${state}`).join(", ")}.${missing}`;
-  showFailures();
+  showMessages("failures", failed, "failed");
+  showMessages("warned", warned, "are done and have warnings");
   const results = study.headline.map((key) => study.byKey.get(key));
   const others = study.results.filter((column) => !results.includes(column));
   fillColumns(find("effect-result"), [["Headline", results], ["Other results", others]], study.headline[0]);

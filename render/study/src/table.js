@@ -29,7 +29,7 @@ export class Table {
       { key: "status", title: "Status", chars: 9, values: study.states, cell: (run) => study.stateText(run) },
     ];
     if (study.reports.includes(1)) fixed.push({ key: "report", title: "Report", chars: 6, values: study.reports });
-    if (study.states.includes(2)) fixed.push({ key: "message", title: "Message", chars: 30, words: (run) => study.message(run), cell: (run) => study.message(run) });
+    if (study.hasMessages) fixed.push({ key: "message", title: "Message", chars: 30, words: (run) => study.message(run), cell: (run) => study.message(run) });
     return fixed;
   }
 
