@@ -257,7 +257,8 @@ def write_large(program, folder):
         run = study / "runs" / row["id"]
         run.mkdir()
         (run / "summary.json").write_text(json.dumps(summary))
-        (run / "manifest.json").write_text(json.dumps({"kind": "run", "files": ["summary.json"]}))
+        (run / "scenario.yaml").write_text("version: 2\n")
+        (run / "manifest.json").write_text(json.dumps({"kind": "run", "files": ["scenario.yaml", "summary.json"]}))
     start = time.monotonic()
     subprocess.run([program, "sweep", "collect", folder / "large.yaml", "-o", study], check=True, capture_output=True)
     print(f"10,000 runs collected in {time.monotonic() - start:.1f} s")
