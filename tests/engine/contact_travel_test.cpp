@@ -138,7 +138,7 @@ TEST(ContactTravel, OnTheGlenoidPhantom) {
 
 /// A half space below z = 0 with a hole of the shape of a tool, `depth_mm` deep; the fractions are of 8³ points.
 Bone with_hole(const Profile& tool, double depth_mm) {
-  VoxelGrid grid{{56, 56, 30}, kVoxel_mm, {-14.1, -13.8, -11.9}};
+  VoxelGrid grid{{34, 34, 14}, kVoxel_mm, {-8.6, -8.3, -5.9}};
   FilledVoxmap voxmap(grid);
   constexpr int kParts = 8;
   const auto is_bone = [&](const Vec3& p) {
