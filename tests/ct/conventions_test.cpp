@@ -128,9 +128,9 @@ TEST_F(Conventions, EveryAnatomicalSpaceOfNrrdGivesTheSameVoxmap) {
 
 TEST_F(Conventions, FieldsOfNrrdAreFoundAsTheyAreWritten) {
   const std::string long_text(70'000, 'x');
-  for (const std::string& fields :
-       {std::string("Space: left-anterior-superior"), std::string("SPACE: LAS"),
-        std::string("space:=left-posterior-superior\nspace: LAS"), "note:=" + long_text + "\nspace: LAS"}) {
+  for (const std::string& fields : {std::string("Space: left-anterior-superior"), std::string("SPACE: LAS"),
+                                    std::string("space:=left-posterior-superior\nspace: LAS"),
+                                    std::string("# space: LPS\nspace: LAS"), "note:=" + long_text + "\nspace: LAS"}) {
     const std::string label = fields.substr(0, 60);
     expect_same(import(nrrd("space.nrrd", fields, {1, -1, 1})), reference_, label);
     EXPECT_THAT(warnings_, IsEmpty()) << label;

@@ -27,16 +27,21 @@ std::string plain(const std::string& text) {
   return out;
 }
 
-/// The value of the field `space` of an NRRD header, plain(); empty without one. Fields are written in any case, and
-/// `space:=value` is no field. ITK names the space into which it converted.
-std::string nrrd_space(const std::string& path) {
+/// The value of a field of an NRRD header; empty without it. Fields are written in any case; `space:=value` and
+/// comments are none.
+std::string nrrd_field(const std::string& path, const std::string& name) {
   constexpr std::size_t kMostBytes = 1 << 24;  // of a header, which may hold any texts
   std::istringstream header(read_file_start(path, kMostBytes));
   for (std::string line; std::getline(header, line) && !line.empty() && line != "\r";) {
-    const std::size_t colon = line.find(": ");
-    if (colon != std::string::npos && plain(line.substr(0, colon)) == "space") return plain(line.substr(colon));
+    const std::size_t colon = line.starts_with('#') ? std::string::npos : line.find(": ");
+    if (colon != std::string::npos && plain(line.substr(0, colon)) == plain(name)) return line.substr(colon + 2);
   }
   return "";
+}
+
+/// The space of an NRRD, plain(). ITK names the space into which it converted.
+std::string nrrd_space(const std::string& path) {
+  return plain(nrrd_field(path, "space"));
 }
 
 bool is_anatomical(const std::string& space) {
@@ -63,19 +68,15 @@ double mm_of_unit(const std::string& unit) {
 
 /// Millimetres in the units of the axes of the space of an NRRD, of its field `space units`: "cm" "cm" "cm".
 Vec3 mm_of_space_units(const std::string& path) {
+  const std::string units = nrrd_field(path, "space units");
   Vec3 out = Vec3::Ones();
-  std::istringstream header(read_file_start(path, 1 << 16));
-  for (std::string line; std::getline(header, line) && !line.empty() && line != "\r";) {
-    if (!line.starts_with("space units:")) continue;
-    std::size_t at = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::size_t open = line.find('"', at);
-      const std::size_t close = open == std::string::npos ? open : line.find('"', open + 1);
-      if (close == std::string::npos) return out;
-      out[axis] = mm_of_unit(line.substr(open + 1, close - open - 1));
-      at = close + 1;
-    }
-    return out;
+  std::size_t at = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::size_t open = units.find('"', at);
+    const std::size_t close = open == std::string::npos ? open : units.find('"', open + 1);
+    if (close == std::string::npos) return out;
+    out[axis] = mm_of_unit(units.substr(open + 1, close - open - 1));
+    at = close + 1;
   }
   return out;
 }
