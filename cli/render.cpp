@@ -4,9 +4,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/commands.h"
@@ -19,6 +22,7 @@
 #include "sim/record/manifest.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
+#include "sim/scenario/show.h"
 
 namespace reamsim {
 
@@ -70,13 +74,39 @@ bool describes_a_camera(const std::string& option) {
   return option.starts_with('{');
 }
 
-/// The cameras that the options describe in braces, as a YAML list.
-std::string described_cameras(const RenderOptions& options) {
-  std::string list;
-  for (const auto& camera : options.cameras) {
-    if (describes_a_camera(camera)) list += (list.empty() ? "[" : ", ") + camera;
+/// The cameras that an option describes in braces. Its mistakes name the option instead of the key that it sets.
+std::vector<UserCamera> described_cameras(const RenderOptions& options, const std::string& described) {
+  constexpr std::string_view kPlace = "--set render.user_cameras=", kKey = "render.user_cameras.0.";
+  try {
+    return settings_of(options, "[" + described + "]").render.user_cameras;
+  } catch (const InputError& error) {
+    std::vector<Mistake> mistakes = error.mistakes();
+    for (Mistake& mistake : mistakes) {
+      if (!mistake.where.file.starts_with(kPlace)) continue;
+      mistake.where = {"--camera " + shown_path(described), 0, 0};
+      if (mistake.key.starts_with(kKey)) mistake.key.erase(0, kKey.size());
+    }
+    throw InputError(std::move(mistakes));
   }
-  return list.empty() ? list : list + "]";
+}
+
+/// The cameras of the results that an option names, or those that it describes; `known` are those of
+/// render.user_cameras.
+void add_cameras(const RenderOptions& options, const std::string& option, const std::vector<UserCamera>& known,
+                 RenderSettings& settings) {
+  const auto own = std::ranges::find(known, option, &UserCamera::name);
+  if (describes_a_camera(option)) {
+    std::ranges::move(described_cameras(options, option), std::back_inserter(settings.user_cameras));
+  } else if (own != known.end()) {
+    settings.user_cameras.push_back(*own);
+  } else if (const auto view = from_name<CameraView>(option)) {
+    settings.cameras.push_back(*view);
+  } else {
+    std::string names = "glenoid, oblique, section, overview";
+    for (const UserCamera& camera : known) names += ", " + camera.name;
+    throw InputError({}, "--camera", "found '" + option + "'",
+                     "expected " + names + ", or a camera in braces: '{name: N, position_mm: [x, y, z]}'");
+  }
 }
 
 /// Keeps the cameras of the run that the options name, and adds those that they describe.
@@ -84,26 +114,13 @@ void choose_cameras(const RenderOptions& options, RenderSettings& settings) {
   const std::vector<UserCamera> known = std::move(settings.user_cameras);
   settings.cameras.clear();
   settings.user_cameras.clear();
-  const std::string described = described_cameras(options);
-  if (!described.empty()) settings.user_cameras = settings_of(options, described).render.user_cameras;
-  std::string names = "glenoid, oblique, section, overview";
-  for (const UserCamera& camera : known) names += ", " + camera.name;
-  const auto taken = [&](const std::string& name) {
-    return std::ranges::count(names_of(settings.cameras), name) > 0 ||
-           std::ranges::find(settings.user_cameras, name, &UserCamera::name) != settings.user_cameras.end();
-  };
-  for (const std::string& name : options.cameras) {
-    if (describes_a_camera(name)) continue;
-    if (taken(name)) throw InputError({}, "--camera", "found " + name + " twice", "give each camera once");
-    const auto own = std::ranges::find(known, name, &UserCamera::name);
-    if (own != known.end()) {
-      settings.user_cameras.push_back(*own);
-    } else if (const auto view = from_name<CameraView>(name)) {
-      settings.cameras.push_back(*view);
-    } else {
-      throw InputError({}, "--camera", "found '" + name + "'",
-                       "expected " + names + ", or a camera in braces: '{name: N, position_mm: [x, y, z]}'");
-    }
+  for (const std::string& option : options.cameras) add_cameras(options, option, known, settings);
+  std::set<std::string> names;
+  std::vector<std::string> all = names_of(settings.cameras);
+  for (const UserCamera& camera : settings.user_cameras) all.push_back(camera.name);
+  for (const std::string& name : all) {
+    if (!names.insert(name).second)
+      throw InputError({}, "--camera", "found " + name + " twice", "give each camera once");
   }
 }
 

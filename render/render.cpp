@@ -111,6 +111,9 @@ class PictureComposer {
 
   void finish() { writer_.finish(); }
 
+  /// One of each picture of the final state that looks empty.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+
  private:
   [[nodiscard]] const ForceRow& row_of(std::int64_t frame) const {
     return captions_.log().at(frame, dir_ + "/forces.csv");
@@ -139,7 +142,15 @@ class PictureComposer {
     labels.title = "After reaming";
     labels.values = captions_.after(frame.deepest_mm);
     labels.contours = std::move(frame.contours);
-    writer_.write(dir_ + "/reamed" + suffix(frame.camera) + ".png", page_with(std::move(frame.image), camera, labels));
+    const std::string name = "reamed" + suffix(frame.camera) + ".png";
+    if (frame.image.has_plain_rows()) {
+      warnings_.push_back(
+          fmt::format("{} looks empty: move position_mm of the camera {} out of the bone, aim target_mm at the bone, "
+                      "or use a larger "
+                      "fov_deg or width_mm",
+                      name, camera.name));
+    }
+    writer_.write(dir_ + "/" + name, page_with(std::move(frame.image), camera, labels));
   }
 
   void add_turn(RenderedFrame frame) {
@@ -177,6 +188,7 @@ class PictureComposer {
   std::optional<ContactSheet> sheet_;
   std::optional<Film> film_;
   std::optional<FilmEncoder> turntable_film_;
+  std::vector<std::string> warnings_;
   PngWriter writer_;
 };
 
@@ -203,6 +215,9 @@ void render_pictures(const RunData& run, const PictureOptions& options, const Pi
     if (report != nullptr && !thread->warning().empty()) report->warn(thread->warning());
     for (; frame; frame = thread->next()) composer.add(std::move(*frame));
     composer.finish();
+    if (report != nullptr) {
+      for (const std::string& warning : composer.warnings()) report->warn(warning);
+    }
   } catch (const std::filesystem::filesystem_error& error) {
     throw RunError(run.dir() + ": " + error.code().message());
   } catch (const std::bad_alloc&) {

@@ -24,6 +24,14 @@ std::uint32_t blended(std::uint32_t over, std::uint32_t under) {
 
 }  // namespace
 
+bool PixelImage::has_plain_rows() const {
+  for (int y = 0; y < height_px; ++y) {
+    const auto row = pixels.begin() + std::ptrdiff_t{width_px} * y;
+    if (std::any_of(row, row + width_px, [&](std::uint32_t pixel) { return pixel != *row; })) return false;
+  }
+  return true;
+}
+
 void PixelImage::paste(const PixelImage& part, int x, int y) {
   const int columns = std::min(part.width_px, width_px - x);
   const int rows = std::min(part.height_px, height_px - y);

@@ -23,6 +23,8 @@ struct PixelImage {
   [[nodiscard]] std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_px) + static_cast<std::size_t>(x);
   }
+  /// Whether each row has one colour, as a picture of the background alone.
+  [[nodiscard]] bool has_plain_rows() const;
   /// Composites `part` over this picture with its upper left corner at (x, y), both at least 0, clipped to this
   /// picture.
   void paste(const PixelImage& part, int x, int y);

@@ -108,9 +108,23 @@ TEST_F(ViewsOfARun, CamerasInBracesOfTheRunAndUnknown) {
   expect_complaint(render({"--camera", "theirs"}),
                    "expected glenoid, oblique, section, overview, mine, or a camera in");
   expect_complaint(render({"--camera", "mine", "--camera", "mine"}), "found mine twice");
-  expect_complaint(render({"--camera", "{name: other}"}), "user_cameras.0.position_mm: missing");
-  expect_complaint(render({"--camera", "{name: other, position_mm: [0, 0, 5], fov_deg: 500}"}), "fov_deg: found 500");
+  expect_complaint(render({"--camera", "{name: other}"}), "--camera {name: other}: position_mm: missing");
+  expect_complaint(render({"--camera", "{name: other, position_mm: [0, 0, 5], fov_deg: 500}"}),
+                   "}: fov_deg: found 500");
+  expect_complaint(render({"--camera", "{name: other, position_mm: ["}), "--camera {name: other, position_mm: [: YAML");
   expect_complaint(render({"--only", "posters"}), "posters");
+}
+
+TEST_F(ViewsOfARun, APictureWithoutBoneIsWarnedOf) {
+  expect_done(run(kDrawn));
+  const auto warned = [&](const std::string& camera) {
+    const ProgramResult done = render({"--only", "pictures", "--camera", camera});
+    EXPECT_EQ(done.status, 0);
+    return done.err.find("looks empty") != std::string::npos;
+  };
+  EXPECT_FALSE(warned("{name: outside, position_mm: [30, 0, 40]}"));
+  EXPECT_TRUE(warned("{name: away, position_mm: [0, 0, 40], target_mm: [0, 0, 80]}"));
+  EXPECT_TRUE(warned("{name: inside, position_mm: [3, 0, -4], target_mm: [9, 0, -4]}"));
 }
 
 // Of a run with two states.
