@@ -194,6 +194,54 @@ TEST_F(BoundaryDensity, HoldsOnObliqueScans) {
   }
 }
 
+/// The part of a voxel at `center` that lies in a box about the origin.
+double part_in_box(const TestImage& image, const Vec3& center, const Vec3& half_mm) {
+  constexpr int kPerAxis = 6;
+  const Vec3 reach = 0.5 * image.direction.cwiseAbs() * image.spacing_mm;
+  if (((center.cwiseAbs() + reach).array() < half_mm.array()).all()) return 1;
+  if (((center.cwiseAbs() - reach).array() > half_mm.array()).any()) return 0;
+  int inside = 0;
+  for (int n = 0; n < kPerAxis * kPerAxis * kPerAxis; ++n) {
+    const Vec3 step =
+        (Vec3(n % kPerAxis, n / kPerAxis % kPerAxis, n / kPerAxis / kPerAxis) + Vec3::Constant(0.5)) / kPerAxis -
+        Vec3::Constant(0.5);
+    const Vec3 p = center + image.direction * image.spacing_mm.cwiseProduct(step);
+    inside += (p.cwiseAbs().array() < half_mm.array()).all() ? 1 : 0;
+  }
+  return inside / std::pow(kPerAxis, 3);
+}
+
+// The normal near an edge leads along the slice, so that trusted voxels are many steps away.
+TEST_F(BoundaryDensity, HoldsAtTheEdgesOfThickSlices) {
+  for (const double slice_mm : {2.0, 3.0}) {
+    for (const double degrees : {0.0, 5.0, 35.0}) {
+      for (const double threshold_hu : {200.0, 400.0}) {
+        TestImage image;
+        image.spacing_mm = Vec3(0.6, 0.6, slice_mm);
+        image.direction = Eigen::AngleAxisd(degrees * std::numbers::pi / 180, Vec3::UnitX()).toRotationMatrix();
+        image.dims = (36 * image.spacing_mm.cwiseInverse()).array().round().cast<int>();
+        const Vec3 last_mm = (image.dims - Vec3i::Ones()).cast<double>().cwiseProduct(image.spacing_mm);
+        image.origin_mm = image.direction * (-0.5 * last_mm);
+        image.sample([&](const Vec3& p) { return -50 + 850 * part_in_box(image, p, {11, 9, 10}); });
+        write_image<float>(image, folder_.file("box.nrrd"));
+        BoneSettings settings = settings_for(folder_.file("box.nrrd"), 0.5);
+        settings.ct.threshold_hu = threshold_hu;
+        const FilledVoxmap voxmap = voxmap_from_ct(settings, report_);
+        double sum = 0, truth = 0;
+        const double density = DensityMapping().density_from_hu(800);
+        for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
+          const std::uint8_t grade = voxmap.grade.get(voxmap.grid.coord(e));
+          if (grade == 0) continue;
+          sum += std::pow(DensityMapping::density_from_grade(grade), 2);
+          truth += std::pow(density, 2);
+        }
+        EXPECT_NEAR(sum / truth - 1, 0, 0.01)
+            << "slices of " << slice_mm << " mm, turned by " << degrees << " deg, threshold " << threshold_hu;
+      }
+    }
+  }
+}
+
 TEST_F(BoundaryDensity, OfADensePlateInObliqueScansIsThatOfAnAlignedOne) {
   double worst = 0;
   for (const double plate_mm : {3.5, 5.0}) {

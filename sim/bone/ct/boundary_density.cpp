@@ -28,6 +28,13 @@ constexpr double kRounding_hu = 10;
 /// The search for trusted voxels ends this far beyond the point spread, voxels.
 constexpr double kSearch = 2.5;
 
+/// The length of the search, in the shortest steps of a ray. Near the edges of thick slices the normal leads along the
+/// slice, and a ray crosses many voxels before it has left the point spread.
+double search_steps(const Lattice& lattice, const Vec3i& spread) {
+  const double spread_mm = spread.cast<double>().cwiseProduct(lattice.spacing_mm).maxCoeff();
+  return std::sqrt(3.0) * spread_mm / lattice.spacing_mm.minCoeff() + kSearch;
+}
+
 /// The line through a voxel along the inward normal, in voxel indices.
 struct Ray {
   Vec3 start;
@@ -47,13 +54,13 @@ struct Estimate {
 class BoundaryEstimator {
  public:
   BoundaryEstimator(const AlignedImage& hu, const Mask& bone, const Mask& trusted, const BoundaryNormals& normals,
-                    double noise_hu, int spread_voxels)
+                    double noise_hu, const Vec3i& spread)
       : hu_(hu),
         bone_(bone),
         trusted_(trusted),
         normals_(normals),
         tolerance_hu_(std::max(kDeviations * noise_hu, kRounding_hu)),
-        search_(spread_voxels * std::sqrt(3.0) + kSearch) {}
+        search_(search_steps(hu.lattice, spread)) {}
 
   [[nodiscard]] Estimate operator()(const Vec3i& voxel) const {
     const Vec3 normal = normals_.inward(voxel);
@@ -235,7 +242,7 @@ BoundaryDensity correct(AlignedImage& hu, const Mask& mask, const Vec3& psf_mm, 
   const BoundaryNormals normals(mask, lattice);
   BoundaryDensity out;
   out.noise_hu = noise_between(hu, trusted);
-  const BoundaryEstimator estimate(hu, mask, trusted, normals, out.noise_hu, spread.maxCoeff());
+  const BoundaryEstimator estimate(hu, mask, trusted, normals, out.noise_hu, spread);
 
   Mask known = dilated(mask, lattice, Vec3i::Constant(kByRay));
   std::vector<std::size_t> places;

@@ -273,7 +273,7 @@ auto with_open_scan(const CtSettings& settings, Report& report, const Use& use) 
 /// The width of the point spread along each axis of LPS, mm; 0: the spacing of the lattice. A value of an oblique scan
 /// is as wide as its voxel reaches along the axis, and interpolation widens it.
 Vec3 psf_of(const ct::ScanGeometry& scan, const CtSettings& settings) {
-  constexpr double kInterpolated = 1.25;  // the least at which uniform blocks are right, whatever their threshold
+  constexpr double kInterpolated = 1.25;  // with less, values at the surface of uniform blocks are too low
   if (settings.psf_mm > 0 || ct::is_axis_aligned(scan)) return Vec3::Constant(settings.psf_mm);
   return kInterpolated * scan.step_mm.cwiseAbs().rowwise().sum();
 }
