@@ -115,6 +115,7 @@ FilledVoxmap Bone::take_voxels() {
 }
 
 Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
+  constexpr double kRounding = 1e-6;  // of a float
   StoredBone stored = read_stored_bone(settings.vdb.path);
   note_contradictions(settings, stored.anatomy, report);
   Bone bone(std::move(stored.voxmap));
@@ -124,6 +125,11 @@ Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
   if (stored.anatomy.glenoid && !settings.glenoid.center_mm && !settings.glenoid.landmarks &&
       !settings.glenoid.near_mm) {
     report.note("glenoid frame from the VDB");
+  }
+  if (stored.densest_g_cm3 > DensityMapping::kMaxDensity_g_cm3 * (1 + kRounding)) {
+    report.warn(fmt::format("{}: found {:.4g} g/cm3; the most that is represented is {:g} g/cm3, and forces there are "
+                            "those of it: is the grid `density` in g/cm3?",
+                            settings.vdb.path, stored.densest_g_cm3, DensityMapping::kMaxDensity_g_cm3));
   }
   if (bone.voxmap->grid.voxel_mm != settings.voxel_mm) {
     report.note(fmt::format("voxels of {:.6g} mm from the VDB; bone.voxel_mm is ignored", bone.voxmap->grid.voxel_mm));

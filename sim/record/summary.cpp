@@ -200,13 +200,19 @@ void write_scenario(const std::string& dir, const ReamingScene& scene, const Run
 }
 
 bool is_result_of(const std::string& dir, const Scenario& scenario) {
-  const std::string text = read_file(dir + "/scenario.yaml", "the scenario.yaml of a run");
+  const std::string file = dir + "/scenario.yaml", text = read_file(file, "the scenario.yaml of a run");
+  Scenario resolved = scenario;
+  if (scenario.bone.source == BoneSource::vdb) {  // whose side and voxels are known only when it has been read
+    const BoneSettings written = parse_scenario(file, {}).bone;
+    if (scenario.bone.side == BodySide::unknown) resolved.bone.side = written.side;
+    resolved.bone.voxel_mm = written.voxel_mm;
+  }
   std::size_t body = 0;
   for (int line = 0; line < kHeadLines && body != std::string::npos; ++line) {
     body = text.find('\n', body);
     if (body != std::string::npos) ++body;
   }
-  return body != std::string::npos && text.substr(body) == scenario_body(scenario, input_sums(scenario));
+  return body != std::string::npos && text.substr(body) == scenario_body(resolved, input_sums(scenario));
 }
 
 void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts) {

@@ -269,7 +269,9 @@ void describe_bone(KeyVisitor& v, BoneSettings& bone) {
             .doc = "Side of the body; required with a glenoid frame: with bone.glenoid, a glenoid phantom, or a frame: "
                    "glenoid. Without it that of a VDB applies"},
            bone.side);
-  v.number({.name = "voxel_mm", .doc = "Edge length of a voxel. A VDB keeps its own", .range = between(0.01, 5)},
+  v.number({.name = "voxel_mm",
+            .doc = "Edge length of a voxel. A VDB keeps its own",
+            .range = between(BoneSettings::kLeastVoxel_mm, BoneSettings::kMostVoxel_mm)},
            bone.voxel_mm);
   v.choice(
       {.name = "surface_voxels",

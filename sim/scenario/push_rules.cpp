@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include "sim/scenario/push_rules.h"
+
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/show.h"
 
@@ -25,6 +27,17 @@ void check_balance(const Scenario& s, const KeyLocations& at, const std::string&
 
 }  // namespace
 
+void check_push_step(const Scenario& scenario, const KeyLocations& locations) {
+  if (!scenario.motion.push) return;
+  const double max_feed_mm_s = scenario.motion.push->max_feed_mm_s, rate_hz = scenario.motion.frame_rate_hz;
+  const double most_mm = scenario.engine.max_step_voxels * scenario.bone.voxel_mm;
+  if (max_feed_mm_s / rate_hz <= most_mm) return;
+  const std::string key = "motion.push.max_feed_mm_s";
+  throw InputError(locations.of(key), key, "found " + number_text(max_feed_mm_s),
+                   "expected at most " + number_text(most_mm * rate_hz) +
+                       ": a frame of it is longer than engine.max_step_voxels; raise frame_rate_hz or lower it");
+}
+
 void check_push(const Scenario& scenario, const KeyLocations& locations) {
   if (!scenario.motion.push) return;
   const PushSettings& push = *scenario.motion.push;
@@ -35,14 +48,8 @@ void check_push(const Scenario& scenario, const KeyLocations& locations) {
   };
   if (!push.profile.empty() && locations.given("motion.push.thrust_n"))
     fail("profile", "found beside thrust_n", "one of both");
-  // A frame of the fastest feed is one substep, so that its balance is that of its cut.
-  const double step_mm = push.max_feed_mm_s / scenario.motion.frame_rate_hz;
-  const double most_mm = scenario.engine.max_step_voxels * scenario.bone.voxel_mm;
-  if (step_mm > most_mm) {
-    fail("max_feed_mm_s", "found " + number_text(push.max_feed_mm_s),
-         "at most " + number_text(most_mm * scenario.motion.frame_rate_hz) +
-             ": a frame of it is longer than engine.max_step_voxels; raise frame_rate_hz or lower it");
-  }
+  // The voxels of a VDB are known when it has been read: sim/scene.
+  if (scenario.bone.source != BoneSource::vdb) check_push_step(scenario, locations);
 }
 
 void check_compliance(const Scenario& scenario, const KeyLocations& locations) {

@@ -137,6 +137,7 @@ struct PilotHoleSettings {
 struct BoneSettings {
   BoneSource source = BoneSource::phantom;
   BodySide side = BodySide::unknown;  ///< left | right; required where a glenoid frame is, unless a VDB knows it
+  static constexpr double kLeastVoxel_mm = 0.01, kMostVoxel_mm = 5;
   double voxel_mm = 0.25;
   SurfaceVoxels surface_voxels = SurfaceVoxels::automatic;  ///< see with_surface_voxels()
   DensitySettings density;

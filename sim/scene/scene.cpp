@@ -9,6 +9,7 @@
 #include "sim/bone/frame_check.h"
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/scenario/passes.h"
+#include "sim/scenario/push_rules.h"
 #include "sim/tool/clipped_tool.h"
 
 namespace reamsim {
@@ -118,9 +119,11 @@ ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& f
     const BoneSettings settings = with_surface_voxels(scenario.bone, scenario.cutting);
     scene.bone = bones == nullptr ? load_bone(settings, report) : bones->load(settings, report);
     scene.scenario.bone.side = scene.bone.side;
+    if (scenario.bone.source == BoneSource::vdb) scene.scenario.bone.voxel_mm = scene.bone.voxmap->grid.voxel_mm;
   });
   load_passes(scene, bone, mistakes, report);
   if (bone) mistakes.attempt([&] { check_camera_frames(scene); });
+  if (bone) mistakes.attempt([&] { check_push_step(scene.scenario, scenario.keys); });
   MistakeList frame;
   if (bone) check_glenoid_frame(scene.bone, scenario.bone, frame, report);
   const auto located = [&](const MistakeList& found, MistakeList& to) {

@@ -39,12 +39,14 @@ struct StoredBone {
   FilledVoxmap voxmap;
   StoredAnatomy anatomy;
   std::string erosion;  ///< of the run that wrote it; "" if unknown
+  double densest_g_cm3 = 0;  ///< of the voxels, before they are limited to DensityMapping::kMaxDensity_g_cm3
 };
 
 /// Reads `density`, `fill` and the metadata. Throws as read_bone_vdb(), and InputError for invalid metadata.
 StoredBone read_stored_bone(const std::string& path);
 
-/// Reads `density` and `fill`. Throws InputError: no such file, truncated, no such grid, not isotropic, absurdly large.
+/// Reads `density` and `fill`. Throws InputError: no such file, truncated, no such grid, not isotropic, voxels
+/// out of the range of bone.voxel_mm, absurdly large.
 FilledVoxmap read_bone_vdb(const std::string& path);
 
 }  // namespace reamsim

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <fmt/core.h>
 #include <openvdb/openvdb.h>
 
 #include <algorithm>
@@ -43,6 +44,12 @@ double checked_voxel(const std::string& path, const openvdb::FloatGrid& grid) {
                    expected);
     }
     if (!std::isfinite(matrix(3, row))) fail_reading(path, "a grid without a finite position", expected);
+  }
+  // As bone.voxel_mm, which the scenario of the results holds.
+  if (voxel_mm < BoneSettings::kLeastVoxel_mm || voxel_mm > BoneSettings::kMostVoxel_mm) {
+    fail_reading(path, fmt::format("voxels of {:g} mm", voxel_mm),
+                 fmt::format("expected {:g} to {:g} mm: is the grid in another unit?", BoneSettings::kLeastVoxel_mm,
+                             BoneSettings::kMostVoxel_mm));
   }
   return voxel_mm;
 }
@@ -101,11 +108,14 @@ Placement checked_placement(const std::string& path, const openvdb::FloatGrid& d
   return *written;
 }
 
-void read_grades(const std::string& path, const openvdb::FloatGrid& density, const openvdb::Coord& first,
-                 FilledVoxmap& voxmap) {
+/// Returns the densest voxel, g/cm³.
+double read_grades(const std::string& path, const openvdb::FloatGrid& density, const openvdb::Coord& first,
+                   FilledVoxmap& voxmap) {
+  double densest = 0;
   for (auto value = density.cbeginValueOn(); value; ++value) {
     if (!std::isfinite(*value)) fail_reading(path, "a density that is NaN or infinite", "expected g/cm^3");
     if (*value <= 0) continue;
+    densest = std::max(densest, double{*value});
     const std::uint8_t grade =
         DensityMapping::grade_from_density(std::min(double{*value}, DensityMapping::kMaxDensity_g_cm3));
     openvdb::CoordBBox box;
@@ -115,6 +125,7 @@ void read_grades(const std::string& path, const openvdb::FloatGrid& density, con
       voxmap.grade.set({(*c).x(), (*c).y(), (*c).z()}, grade);
     }
   }
+  return densest;
 }
 
 void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const openvdb::Coord& first,
@@ -171,7 +182,8 @@ FilledVoxmap read_voxmap(const std::string& path, StoredBone* stored) {
   voxmap.frame = frame_name(*density);
   voxmap.mapping = mapping_of(*density);
   voxmap.layers = parse_stored_layers(value_of<std::string>(*density, vdb_keys::kLayers).value_or(""));
-  read_grades(path, *density, placement.first, voxmap);
+  const double densest = read_grades(path, *density, placement.first, voxmap);
+  if (stored != nullptr) stored->densest_g_cm3 = densest;
   if (file.has(vdb_keys::kFill)) {
     const openvdb::FloatGrid::Ptr fill = file.read(vdb_keys::kFill);
     if (fill->transform() != density->transform()) {
