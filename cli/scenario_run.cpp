@@ -23,6 +23,7 @@
 #include "sim/record/output_folder.h"
 #include "sim/record/summary.h"
 #include "sim/run/measure.h"
+#include "sim/run/peak_warnings.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
 
@@ -166,7 +167,7 @@ class ScenarioRun {
     facts_.checkpoints_s = checkpoints_.seconds();
     report_.note(checkpoints_.cost());
     recorder.close();
-    if (mean_travel_mm() == 0) warn_of_rounding(scene_, recorder.totals(), report_);
+    warn_of_peaks(scene_, recorder.totals(), report_);
     if (outputs_) outputs_->snapshots_written(end.frame);  // also where that is frame 0
     print_report();
   }

@@ -15,6 +15,12 @@ Vec3 scaled(const rs_i64* sums, double scale) {
   return Vec3(static_cast<double>(sums[0]), static_cast<double>(sums[1]), static_cast<double>(sums[2])) / scale;
 }
 
+/// The tool's origin at the beginning of a substep, B.
+Vec3 start_of(const Substep& substep, const PendingFrame& frame) {
+  if (frame.substeps == 1) return frame.before.position_mm;
+  return substep.pose.position_mm - substep.duration_s * substep.origin_velocity_mm_s;
+}
+
 }  // namespace
 
 FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<SubstepSums>& sums) {
@@ -26,6 +32,7 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
   out.deflection_mm = frame.deflection_mm;
   out.pose = frame.pose;
   rs_i64 removed = 0;
+  std::optional<Vec3> touched_from_mm;  // where the first substep with contact begins
   for (const auto& [slot, substep] : frame.cut) {
     const SubstepSums& sum = sums[slot];
     const Mat3 bone_from_sums = bone_from_shell(substep.pose, sums_rotate_).linear();
@@ -37,6 +44,7 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
     out.torque_nmm += torque / frame.substeps;
     out.energy_mj += static_cast<double>(sum.energy) / RS_ENERGY_SCALE;
     out.floor_energy_mj += static_cast<double>(sum.floor_energy) / RS_ENERGY_SCALE;
+    if (sum.contacts > 0 && !touched_from_mm) touched_from_mm = start_of(substep, frame);
     out.contacts += sum.contacts;
     removed += sum.removed;
   }
@@ -50,8 +58,7 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
   // The tool spins about −z of T, so the torque of the bone on it is about +z.
   out.spin_torque_nmm = out.torque_nmm.dot(tool_z);
   if (out.push) out.push->drill_power_w = 1e-3 * out.spin_torque_nmm * out.pose.spin_rpm * kRadPerRpm_s;
-  if (out.contacts > 0 && !run_.first_contact_mm)
-    run_.first_contact_mm = contact_mm_.value_or(frame.before.position_mm);
+  if (touched_from_mm && !run_.first_contact_mm) run_.first_contact_mm = contact_mm_.value_or(*touched_from_mm);
   if (run_.first_contact_mm) out.depth_mm = -(frame.pose.position_mm - *run_.first_contact_mm).dot(tool_z);
   return out;
 }

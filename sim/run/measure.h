@@ -10,7 +10,4 @@ namespace reamsim {
 /// Measures the reamed bone: metrics, depth map, and the time of measuring. `fill_before`: the fill before the run.
 void measure(RunFacts& facts, const ReamingScene& scene, const FillBricks& fill_before, const RunTotals& totals);
 
-/// Warns where the tool advances so little in the frame of the peak force that the rounding of losses counts.
-void warn_of_rounding(const ReamingScene& scene, const RunTotals& totals, Report& report);
-
 }  // namespace reamsim

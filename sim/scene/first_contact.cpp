@@ -105,9 +105,9 @@ class ContactRays {
   [[nodiscard]] Meeting first() const {
     const double voxel_mm = bone_.voxmap.grid.voxel_mm, fine_mm = kFine_voxels * voxel_mm;
     const Meeting coarse = least(kCoarse_voxels * voxel_mm, kNever);
-    if (coarse.travel_mm == kNever) return coarse;
     const Meeting fine = least(fine_mm, coarse.travel_mm + kSlack_voxels * voxel_mm);
-    // The fine rays are others: a spike of bone may lie between them.
+    // The fine rays are others: a spike of bone may lie between the fine or between the coarse ones.
+    if (std::min(fine.travel_mm, coarse.travel_mm) == kNever) return coarse;
     return refined(fine.travel_mm <= coarse.travel_mm ? fine : coarse, fine_mm);
   }
 

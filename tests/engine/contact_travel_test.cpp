@@ -175,6 +175,14 @@ TEST(ContactTravel, InAHoleOfTheSameReamerIsItsFloor) {
   EXPECT_LT(most, 1.1) << "the rim counts within a voxel of the floor";
 }
 
+TEST(ContactTravel, OnACornerThatNoCoarseRayMeets) {
+  const Bone block = phantom_bone(PhantomShape::half_space);
+  for (const double overlap_mm : {0.25, 0.3, 0.35, 0.6}) {
+    const double beside_mm = 20 + (7 - overlap_mm) / std::sqrt(2.0);
+    EXPECT_NEAR(travel(block, flat(7), {beside_mm, beside_mm, 2}), 2, kTolerance_mm) << overlap_mm;
+  }
+}
+
 TEST(ContactTravel, SeesWholeVoxelsAsCubesAndPilotHoles) {
   const Bone whole = phantom_bone(PhantomShape::sphere, SurfaceVoxels::whole);
   const double found = travel(whole, flat(7), {0, 0, 20});
@@ -236,6 +244,24 @@ TEST(ContactTravel, TheLogCountsTheSameDepth) {
       EXPECT_NEAR(logged_depth(round, tool, axis, 2), 2, kTolerance_mm);
     }
   }
+}
+
+// A frame advances by two voxels here; the depth counts from the first of its substeps that touches.
+TEST(ContactTravel, OfFastFramesTheLogCountsFromTheSubstep) {
+  ReamingScene scene;
+  scene.scenario = quiet_scenario("auto");
+  scene.scenario.cutting.erosion = ErosionMode::exact;
+  scene.bone = phantom_bone(PhantomShape::half_space);
+  scene.tool = make_tool(flat(7), 64);
+  scene.motion.frame_rate_hz = 20;
+  std::vector<ToolPose> poses;
+  for (int k = 0; k <= 6; ++k) {
+    poses.push_back({.position_mm = {0, 0, 0.75 - k}, .orientation = Quat::Identity(), .spin_rpm = 250});
+  }
+  scene.motion.poses = PoseSequence(std::move(poses));
+  const double depth_mm = run(scene).totals.max_depth_mm;
+  EXPECT_GE(depth_mm, 5.25 - kTolerance_mm);
+  EXPECT_LE(depth_mm, 5.25 + scene.scenario.engine.max_step_voxels * kVoxel_mm);
 }
 
 }  // namespace
