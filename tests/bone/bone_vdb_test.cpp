@@ -304,6 +304,9 @@ TEST_F(BoneVdb, RefusesOtherTransforms) {
   openvdb::math::Mat4d mirrored = openvdb::math::Mat4d::identity();
   mirrored(0, 0) = -1;
   EXPECT_THAT(text_for(mirrored), HasSubstr("mirrored"));
+  openvdb::math::Mat4d metres = openvdb::math::Mat4d::identity();
+  for (int axis = 0; axis < 3; ++axis) metres(axis, axis) = 0.0005;
+  EXPECT_THAT(text_for(metres), HasSubstr("voxels of 0.0005 mm; expected 0.01 to 5 mm: is the grid in another unit?"));
 }
 
 TEST_F(BoneVdb, RefusesOtherContents) {

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <openvdb/openvdb.h>
 
 #include "bone_fixture.h"
 #include "sim/bone/vdb/bone_vdb.h"
@@ -61,6 +62,25 @@ TEST(LoadBone, VdbGoesOnWhereItStopped) {
   EXPECT_EQ(again.fill.get(reamed), 777);
   EXPECT_FALSE(again.glenoid);
   EXPECT_THAT(report.notes, Contains(HasSubstr("from the VDB")));
+}
+
+TEST(LoadBone, AVdbThatIsNotInGramsPerCubicCentimetreIsWarnedOf) {
+  const TempDir dir;
+  BoneSettings settings;
+  settings.source = BoneSource::vdb;
+  settings.vdb.path = dir.path() + "/hu.vdb";
+  openvdb::initialize();
+  const auto warnings = [&](float density) {
+    auto grid = openvdb::FloatGrid::create(0.0F);
+    grid->setName("density");
+    grid->fill(openvdb::CoordBBox({0, 0, 0}, {9, 9, 9}), density);
+    openvdb::io::File(settings.vdb.path).write({grid});
+    Report report;
+    load_bone(settings, report);
+    return report.warnings;
+  };
+  EXPECT_THAT(warnings(2), testing::Not(Contains(HasSubstr("density"))));
+  EXPECT_THAT(warnings(800), Contains(HasSubstr("found 800 g/cm3; the most that is represented is 2 g/cm3")));
 }
 
 TEST(LoadBone, TheRimIsThePhantomsOwnOrTheScenarios) {

@@ -39,7 +39,7 @@ TEST_F(StoredFrame, ASecondRunGoesOnFromTheFirst) {
   std::filesystem::rename(path("out"), path("first"));
   const ProgramResult again = run(vdb_scenario("first/reamed.vdb"), {"--set", "motion.plunge.depth_mm=2"});
   expect_done(again);
-  EXPECT_THAT(read("out/scenario.yaml"), HasSubstr("  side: left\n"));
+  EXPECT_THAT(read("out/scenario.yaml"), HasSubstr("  side: left\n  voxel_mm: 1\n"));
   // The second takes another millimetre off the same face.
   const double first_mm3 = number_after(read("first/summary.json"), "\"removed_mm3\": ");
   const double second_mm3 = number_after(read("out/summary.json"), "\"removed_mm3\": ");
@@ -48,6 +48,34 @@ TEST_F(StoredFrame, ASecondRunGoesOnFromTheFirst) {
   std::filesystem::rename(path("out"), path("second"));
   const ProgramResult resolved = call({"check", "second/scenario.yaml"});
   EXPECT_EQ(resolved.status, 0) << resolved.err;
+}
+
+// Side and voxels in scenario.yaml are then those of the VDB.
+TEST_F(StoredFrame, CompleteResultsOfAVdbAreKnownAgain) {
+  expect_done(run(kScan));
+  std::filesystem::rename(path("out"), path("first"));
+  const std::string scenario = vdb_scenario("first/reamed.vdb");
+  expect_done(run(scenario));
+  std::filesystem::rename(path("out"), path("out.partial"));
+  const ProgramResult other = run(scenario, {"--resume", "--set", "motion.plunge.depth_mm=2"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err, HasSubstr("holds the complete results of another scenario"));
+  expect_done(run(scenario, {"--resume"}));
+  EXPECT_TRUE(exists("out/forces.csv"));
+}
+
+TEST_F(StoredFrame, APushIsCheckedAgainstTheVoxelsOfTheVdb) {
+  const std::string fine = with(with(kSmall, "voxel_mm: 0.5", "voxel_mm: 0.2"), "depth_mm: 1\n", "depth_mm: 0.2\n");
+  expect_done(run(fine));
+  std::filesystem::rename(path("out"), path("first"));
+  const std::size_t bone = kSmall.find("bone:\n"), tool = kSmall.find("tool:\n"), plunge = kSmall.find("  plunge:\n");
+  const std::string pushed = kSmall.substr(0, bone) + "bone: {source: vdb, vdb: {path: first/reamed.vdb}}\n" +
+                             kSmall.substr(tool, plunge - tool) +
+                             "  push: {thrust_n: 60, depth_mm: 0.5, max_feed_mm_s: 11}\n" +
+                             kSmall.substr(kSmall.find("render:\n"));
+  const ProgramResult refused = run(pushed);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("motion.push.max_feed_mm_s: found 11; expected at most 10"));
 }
 
 TEST_F(StoredFrame, ImportOfAScenarioWritesFrameAndSide) {
