@@ -127,9 +127,10 @@ Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
     report.note("glenoid frame from the VDB");
   }
   if (stored.densest_g_cm3 > DensityMapping::kMaxDensity_g_cm3 * (1 + kRounding)) {
-    report.warn(fmt::format("{}: found {:.4g} g/cm3; the most that is represented is {:g} g/cm3, and forces there are "
-                            "those of it: is the grid `density` in g/cm3?",
-                            settings.vdb.path, stored.densest_g_cm3, DensityMapping::kMaxDensity_g_cm3));
+    report.warn(
+        fmt::format("{}: found {:.4g} g/cm3; the most that is represented is {:g} g/cm3, and forces there are "
+                    "those of it: is the grid `density` in g/cm3?",
+                    settings.vdb.path, stored.densest_g_cm3, DensityMapping::kMaxDensity_g_cm3));
   }
   if (bone.voxmap->grid.voxel_mm != settings.voxel_mm) {
     report.note(fmt::format("voxels of {:.6g} mm from the VDB; bone.voxel_mm is ignored", bone.voxmap->grid.voxel_mm));

@@ -38,7 +38,7 @@ Metadata metadata_of(const StoredAnatomy& anatomy);
 struct StoredBone {
   FilledVoxmap voxmap;
   StoredAnatomy anatomy;
-  std::string erosion;  ///< of the run that wrote it; "" if unknown
+  std::string erosion;       ///< of the run that wrote it; "" if unknown
   double densest_g_cm3 = 0;  ///< of the voxels, before they are limited to DensityMapping::kMaxDensity_g_cm3
 };
 
