@@ -32,7 +32,8 @@ constexpr double kSearch = 2.5;
 /// slice, and a ray crosses many voxels before it has left the point spread.
 double search_steps(const Lattice& lattice, const Vec3i& spread) {
   const double spread_mm = spread.cast<double>().cwiseProduct(lattice.spacing_mm).maxCoeff();
-  return std::sqrt(3.0) * spread_mm / lattice.spacing_mm.minCoeff() + kSearch;
+  const double voxels = std::round(spread_mm / lattice.spacing_mm.minCoeff());  // kSearch covers less than one more
+  return std::sqrt(3.0) * voxels + kSearch;
 }
 
 /// The line through a voxel along the inward normal, in voxel indices.
