@@ -17,7 +17,12 @@ namespace reamsim {
 
 std::string read_file(const std::string& path, const std::string& expected) {
   std::ifstream in(path, std::ios::binary);
-  std::string content{std::istreambuf_iterator<char>(in), {}};
+  std::string content;
+  try {
+    content.assign(std::istreambuf_iterator<char>(in), {});
+  } catch (const std::ios_base::failure&) {  // a folder can be opened, but not read; or the disk fails
+    content.clear();
+  }
   if (content.empty()) throw InputError({path, 0, 0}, "", "cannot be read", expected);
   return content;
 }

@@ -124,6 +124,7 @@ InputError unrepaired(const std::string& path, const MeshDiagnosis& found) {
 struct CheckedMesh {
   TriangleMesh mesh;
   bool repaired = false;
+  double outer_mm3 = 0;  ///< outer_volume_mm3()
 };
 
 /// The mesh, repaired if requested. Throws InputError if meshToVolume cannot use it.
@@ -136,20 +137,21 @@ CheckedMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
   if (out.repaired && !settings.repair) throw unrepaired(settings.path, found);
   report.note("mesh: " + std::to_string(mesh.triangles.size()) + " triangles, " + found.text());
   if (out.repaired) report.warn("mesh repaired: " + repair(mesh).text());
-  const double volume_mm3 = mesh.volume_mm3();
+  const std::vector<MeshPiece> pieces = turn_outwards(mesh);
+  out.outer_mm3 = outer_volume_mm3(pieces);
   const double box_mm3 = mesh.bounds().half().prod() * 8;
-  if (std::abs(volume_mm3) <= 1e-9 * box_mm3) {
+  if (out.outer_mm3 <= 1e-9 * box_mm3) {
     throw InputError({settings.path, 0, 0}, "", "the mesh encloses no volume", "give the surface of a solid");
   }
-  for (const std::string& warning : warnings_of(pieces_of(mesh))) report.warn(warning);
-  if (volume_mm3 < 0) report.warn("the triangles of the mesh face inwards; orientation flipped");
+  for (const std::string& warning : warnings_of(pieces)) report.warn(warning);
   return out;
 }
 
 /// Upper bound of the fraction of the mesh's box in bricks with bone: the volume, and the bricks at the surface. A
 /// surface of area A intersects about √3·A/b² bricks of side b.
-double bone_fraction(const TriangleMesh& mesh, double voxel_mm) {
+double bone_fraction(const CheckedMesh& checked, double voxel_mm) {
   constexpr double kPassed = 2;
+  const TriangleMesh& mesh = checked.mesh;
   double area_mm2 = 0;
   for (const auto& triangle : mesh.triangles) {
     const auto [a, b, c] = mesh.corners(triangle);
@@ -157,7 +159,7 @@ double bone_fraction(const TriangleMesh& mesh, double voxel_mm) {
   }
   const double brick_mm = GradeBricks::kSide * voxel_mm;
   const double box_mm3 = mesh.bounds().half().prod() * 8;
-  return std::min(1.0, (std::abs(mesh.volume_mm3()) + kPassed * area_mm2 * brick_mm) / box_mm3);
+  return std::min(1.0, (checked.outer_mm3 + kPassed * area_mm2 * brick_mm) / box_mm3);
 }
 
 /// What to do where the voxels of a repaired mesh differ from it.
@@ -171,9 +173,9 @@ std::string remedy_for(const MeshDiagnosis& repaired) {
          "and unite surfaces that overlap";
 }
 
-/// Compares the volume of the voxels with that of the mesh, to detect leaks and filled cavities.
+/// Compares the volume of the voxels with that of the mesh, to detect leaks and overlaps.
 void check_volume(const std::string& path, const CheckedMesh& checked, double voxels_mm3, Report& report) {
-  const double mesh_mm3 = std::abs(checked.mesh.volume_mm3());
+  const double mesh_mm3 = checked.outer_mm3;
   const double error = std::abs(voxels_mm3 - mesh_mm3) / mesh_mm3;
   report.note(fmt::format("bone volume: {:.0f} mm3 in voxels, {:.0f} mm3 in the mesh", voxels_mm3, mesh_mm3));
   if (error <= kMaxVolumeError) return;
@@ -199,7 +201,7 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report, cons
   const bool has_glenoid = settings.glenoid.center_mm || settings.glenoid.landmarks || settings.glenoid.near_mm;
   check_mesh_unit(bone.path, mesh.bounds(), bone.scale, has_glenoid, report);
   const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels,
-                                        {bone_fraction(mesh, settings.voxel_mm), kMeshBytesPerVoxel});
+                                        {bone_fraction(checked, settings.voxel_mm), kMeshBytesPerVoxel});
   begin_stage(stages, BoneStage::distances);
   const double cortical_voxels = bone.cortical_mm / settings.voxel_mm;
   const MeshDepth depth(bone.path, mesh, grid, cortical_voxels);

@@ -6,7 +6,6 @@
 #include <fmt/core.h>
 #include <filesystem>
 
-#include "sim/base/error.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {
@@ -65,7 +64,7 @@ Bone BoneCache::load(const BoneSettings& settings, Report& report) {
     report_ = {};
     try {
       bone_ = shared ? bone_from_source(settings, report_) : load_bone(settings, report_);
-    } catch (const InputError&) {
+    } catch (...) {  // also where memory ends: what was said before may be why
       append(report_, report);
       throw;
     }

@@ -4,9 +4,9 @@
 #include "sim/study/cohort_table.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sim/base/csv.h"
-#include "sim/base/printable.h"
 #include "sim/scenario/show.h"
 #include "sim/scenario/text_file.h"
 
@@ -91,16 +91,6 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-/// On one line; "" without mistakes.
-std::string text_of(const MistakeList& mistakes) {
-  try {
-    mistakes.throw_if_any();
-  } catch (const InputError& error) {
-    return printable(error.what());
-  }
-  return "";
-}
-
 class TableReader {
  public:
   TableReader(const std::string& path, const KeyValues& values, MistakeList& mistakes)
@@ -157,18 +147,22 @@ class TableReader {
                        "expected " + std::to_string(header.cells.size()) + ", as in the header");
     }
     std::vector<KeyValue> level;
-    MistakeList of_row;
+    std::vector<Mistake> of_row;
     for (std::size_t i = 0; i < line.cells.size(); ++i) {
       const std::string name = trimmed(header.cells[i]);
       if (name == kLabel) {
         table_.labels.push_back(trimmed(line.cells[i]));
       } else {
         const std::string cell = trimmed(line.cells[i]);
-        const bool is_valid = of_row.attempt([&] { level.push_back(values_.of_cell(name, cell, where)); });
-        if (!is_valid) level.push_back({.shown = cell, .applied = ""});
+        try {
+          level.push_back(values_.of_cell(name, cell, where));
+        } catch (const InputError& error) {
+          of_row.insert(of_row.end(), error.mistakes().begin(), error.mistakes().end());
+          level.push_back({.shown = cell, .applied = ""});
+        }
       }
     }
-    table_.mistakes.push_back(text_of(of_row));
+    table_.mistakes.push_back(std::move(of_row));
     table_.rows.levels.push_back(std::move(level));
     table_.places.push_back(file_ + ":" + std::to_string(line.number));
   }

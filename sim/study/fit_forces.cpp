@@ -89,7 +89,7 @@ class Fit {
     ForceFit out = fit();
     if (fix_undetermined(out)) out = fit();
     require_energy(out);
-    out.warnings = fit_warnings(out);
+    out.warnings = fit_warnings(out, cutting_.reference_density_g_cm3);
     add_statements(out);
     return out;
   }

@@ -3,9 +3,12 @@
 
 #include "sim/study/identify.h"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 
 #include "sim/base/error.h"
+#include "sim/base/mistake_list.h"
 #include "sim/scenario/parse.h"
 #include "sim/study/run_id.h"
 
@@ -24,11 +27,33 @@ std::string numbers_text(const std::vector<std::size_t>& rows) {
          (shown + 1 == rows.size() ? std::to_string(rows.back() + 1) : std::to_string(rows.size() - shown) + " more");
 }
 
+/// The mistakes of the scenario that are not those of keys whose cells were refused: these keys have the value of the
+/// base scenario, or none.
+std::vector<Mistake> further_mistakes(const PlannedRun& run, const InputError& error) {
+  MistakeList refused;
+  if (!run.mistakes.empty()) refused.add(InputError(run.mistakes));
+  std::vector<Mistake> out;
+  std::ranges::copy_if(error.mistakes(), std::back_inserter(out),
+                       [&](const Mistake& mistake) { return !refused.concerns(mistake.key); });
+  return out;
+}
+
+/// All mistakes on one line, with the place of the row first.
+std::string text_of(const PlannedRun& run, const std::vector<Mistake>& further) {
+  std::string out;
+  for (const Mistake& mistake : run.mistakes) out += (out.empty() ? "" : " | ") + mistake.line();
+  const std::string place = out.empty() && !run.place.empty() ? run.place + ": " : "";
+  for (const Mistake& mistake : further) out += (out.empty() ? place : " | ") + mistake.line();
+  return out;
+}
+
 IdentifiedRun identified(const Study& study, const PlannedRun& run, Checksums& checksums) {
   try {
-    return {run_id(scenario_of(study, run), study.keep, checksums), ""};
+    const Scenario scenario = scenario_of(study, run);
+    if (run.mistakes.empty()) return {run_id(scenario, study.keep, checksums), ""};
+    return {"", text_of(run, {})};
   } catch (const InputError& error) {
-    return {"", (run.place.empty() ? "" : run.place + ": ") + message_of(error)};
+    return {"", text_of(run, further_mistakes(run, error))};
   }
 }
 
@@ -74,7 +99,7 @@ std::vector<IdentifiedRun> identify_runs(const Study& study, const StudyPlan& pl
   Checksums checksums;
   std::vector<IdentifiedRun> out;
   for (const PlannedRun& run : plan.runs) {
-    out.push_back(run.mistake.empty() ? identified(study, run, checksums) : IdentifiedRun{"", run.mistake});
+    out.push_back(identified(study, run, checksums));
     if (done) done(out.size());
   }
   return out;

@@ -15,7 +15,7 @@ namespace reamsim {
 /// A planned run with the name of its folder.
 struct IdentifiedRun {
   std::string id;       ///< run_id(); "" where the scenario is wrong
-  std::string mistake;  ///< then why
+  std::string mistake;  ///< then why: all mistakes of its row and its scenario, on one line
 };
 
 /// Parses the scenario of every run, as a command does that runs it alone. `done`: called with the number of finished

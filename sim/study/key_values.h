@@ -16,7 +16,7 @@ class KeyValues {
   /// `folder`: of the study file, the base of relative paths in it.
   explicit KeyValues(std::string folder) : folder_(std::move(folder)) {}
 
-  /// The value of `key` that `node` holds. Throws InputError: unknown key, or an input file that does not exist.
+  /// The value of `key` that `node` holds. Throws InputError: unknown key, or a text that names no input file.
   [[nodiscard]] KeyValue of_node(const std::string& key, const YamlNode& node, const SourceLocation& where) const;
   /// The value of `key` as the cell of a table has it; an empty one leaves the value of the base scenario.
   [[nodiscard]] KeyValue of_cell(const std::string& key, const std::string& cell, const SourceLocation& where) const;

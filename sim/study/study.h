@@ -66,9 +66,9 @@ struct Study {
   std::vector<std::string> set;  ///< "key=value", for every run
   std::vector<Variation> vary;
   std::optional<Variation> table;
-  std::vector<std::string> labels;          ///< column `label` of the table, by row; empty: it has none
-  std::vector<std::string> table_places;    ///< file and line of each row, for messages
-  std::vector<std::string> table_mistakes;  ///< of each row, files that do not exist; "": none
+  std::vector<std::string> labels;                   ///< column `label` of the table, by row; empty: it has none
+  std::vector<std::string> table_places;             ///< file and line of each row, for messages
+  std::vector<std::vector<Mistake>> table_mistakes;  ///< of each row: cells that name no input file
   std::optional<SampleSettings> sample;
   KeptFiles keep{.forces = false, .grids = false, .pictures = false};
 };

@@ -64,7 +64,7 @@ class Planner {
     std::vector<const Variation*> variations;
     for (const Variation& variation : study_.vary) variations.push_back(&variation);
     if (study_.table) variations.push_back(&*study_.table);
-    combine(variations, 0, {.number = 0, .cells = {}, .overrides = fixed_, .place = "", .mistake = ""});
+    combine(variations, 0, {.number = 0, .cells = {}, .overrides = fixed_, .place = "", .mistakes = {}});
     return std::move(plan_);
   }
 
@@ -113,7 +113,7 @@ class Planner {
     for (std::size_t i = 0; i < variation.levels.size(); ++i) {
       PlannedRun run = so_far;
       if (is_table) run.place = study_.table_places[i];
-      if (is_table) run.mistake = study_.table_mistakes[i];
+      if (is_table) run.mistakes = study_.table_mistakes[i];
       if (is_table && !study_.labels.empty()) run.cells.insert(run.cells.begin(), study_.labels[i]);
       for (std::size_t k = 0; k < variation.keys.size(); ++k) {
         const KeyValue& value = variation.levels[i][k];

@@ -16,7 +16,7 @@ struct PlannedRun {
   std::vector<std::string> cells;      ///< by column of the plan
   std::vector<std::string> overrides;  ///< of the base scenario, "key=value"
   std::string place;                   ///< of its row in the table, for messages; "": none
-  std::string mistake;                 ///< of that row, with its place; "": none
+  std::vector<Mistake> mistakes;       ///< of the cells of that row
 };
 
 /// All runs of a study, and their parameters as a table.

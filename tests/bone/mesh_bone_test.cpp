@@ -143,6 +143,36 @@ TEST_F(MeshBone, APieceBesidesTheBoneIsNamed) {
                                    "cavity"));
 }
 
+TEST_F(MeshBone, EachPieceThatFacesInwardsIsTurnedAndSaid) {
+  const TriangleMesh bone = box_mesh({0, 0, 0}, {10, 10, 10}), other = box_mesh({20, 0, 0}, {28, 8, 8});
+  EXPECT_DOUBLE_EQ(voxmap_from_mesh(settings_for(joined(bone, inside_out(other)), 0.5), report_).bone_mm3(), 1512);
+  EXPECT_THAT(report_.warnings,
+              testing::ElementsAre("the triangles of a piece of the mesh face inwards: 512 mm3 at (24.0, 4.0, 4.0) mm; "
+                                   "orientation flipped",
+                                   HasSubstr("a piece besides the largest: 512 mm3")));
+  report_ = {};
+  const TriangleMesh twin = box_mesh({20, 0, 0}, {30, 10, 10});
+  EXPECT_DOUBLE_EQ(voxmap_from_mesh(settings_for(joined(bone, inside_out(twin)), 0.5), report_).bone_mm3(), 2000)
+      << "the signed volumes add up to 0";
+}
+
+TEST_F(MeshBone, TheRepairTurnsAPieceOfWhichMostFacesInwards) {
+  TriangleMesh other = box_mesh({20, 0, 0}, {28, 8, 8});
+  for (std::size_t i = 0; i < 8; ++i) std::swap(other.triangles[i][1], other.triangles[i][2]);
+  BoneSettings settings = settings_for(joined(box_mesh({0, 0, 0}, {10, 10, 10}), other), 0.5);
+  settings.mesh.repair = true;
+  EXPECT_DOUBLE_EQ(voxmap_from_mesh(settings, report_).bone_mm3(), 1512);
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("4 triangles turned")));
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("a piece of the mesh face inwards: 512 mm3")));
+}
+
+TEST_F(MeshBone, ALargeSurfaceInsideAnotherIsBoneAndNotAScaleMistake) {
+  const TriangleMesh hollow = joined(box_mesh({0, 0, 0}, {10, 10, 10}), inside_out(box_mesh({1, 1, 1}, {9, 9, 9})));
+  const TriangleMesh nest = joined(hollow, box_mesh({3, 3, 3}, {7, 7, 7}));
+  EXPECT_DOUBLE_EQ(voxmap_from_mesh(settings_for(nest, 0.5), report_).bone_mm3(), 1000);
+  EXPECT_THAT(report_.warnings, testing::ElementsAre(HasSubstr("the mesh has 2 surfaces inside another;")));
+}
+
 TEST_F(MeshBone, TrianglesOfMixedOrientationAreTurnedByTheRepair) {
   TriangleMesh mesh = sphere_mesh({0, 0, 0}, 8, 3);
   const double truth_mm3 = mesh.volume_mm3();

@@ -157,6 +157,19 @@ TEST_F(Cite, AStudyAndAComparisonHaveWhatTheirRunsUsed) {
   EXPECT_THAT(refused.err, AllOf(HasSubstr("compared"), HasSubstr("CITATION.txt")));
 }
 
+TEST_F(Cite, ARunWhoseSummaryIsAFolderIsLeftOut) {
+  const std::string old = REAMSIM_ROOT "/tests/cli/results_0_1_0/results/";
+  std::filesystem::create_directories(path("study/runs/good"));
+  std::filesystem::create_directories(path("study/runs/bad/summary.json"));
+  write("study/study.json", "{}");
+  for (const char* file : {"scenario.yaml", "summary.json"})
+    std::filesystem::copy(old + file, path("study/runs/good/") + file);
+  const ProgramResult result = call({"cite", "study"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("Scardovelli"));
+  expect_refused(call({"cite", "study/runs/bad"}), 2, {"summary.json", "cannot be read"});
+}
+
 TEST_F(Cite, NoResults) {
   expect_refused(call({"cite", "nix"}), 2, {"nix", "not found"});
   std::filesystem::create_directory(path("empty"));

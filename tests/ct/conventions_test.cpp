@@ -159,15 +159,51 @@ TEST_F(Conventions, ANiftiWithoutQformAndSformIsWarnedOf) {
 }
 
 TEST_F(Conventions, UnitsOfNrrdCountForSpacingAndOrigin) {
-  const std::pair<const char*, double> units[] = {{"m", 1e3},   {"cm", 10},          {"mm", 1},
-                                                  {"um", 1e-3}, {"\xC2\xB5m", 1e-3}, {"furlong", 1}};
+  const std::pair<const char*, double> units[] = {
+      {"m", 1e3},          {"cm", 10},   {"mm", 1},        {"um", 1e-3},      {"\xC2\xB5m", 1e-3},  {"CM", 10},
+      {"centimetres", 10}, {"in", 25.4}, {"Inches", 25.4}, {"Millimetre", 1}, {"micrometers", 1e-3}};
   const TestImage in_mm = egg_;
   for (const auto& [unit, mm] : units) {
     egg_.spacing_mm = in_mm.spacing_mm / mm;
     egg_.origin_mm = in_mm.origin_mm / mm;
     const std::string lines = fmt::format("space: RAS\nspace units: \"{0}\" \"{0}\" \"{0}\"", unit);
     expect_same(import(nrrd("units.nrrd", lines, {-1, -1, 1})), reference_, unit);
+    EXPECT_THAT(warnings_, IsEmpty()) << unit;
   }
+}
+
+TEST_F(Conventions, AnUnknownUnitOfNrrdIsTakenAsMillimetresWithAWarning) {
+  const std::string path = nrrd("units.nrrd", "space: LPS\nspace units: \"mm\" \"furlong\" \"mm\"", Vec3::Ones());
+  expect_same(import(path), reference_, "furlong");
+  ASSERT_THAT(warnings_, SizeIs(1));
+  EXPECT_THAT(warnings_[0], HasSubstr(path + ": lengths are in \"furlong\", an unknown unit; mm are assumed"));
+}
+
+TEST_F(Conventions, UnitsOfTheAxesOfNrrdCountForSpacings) {
+  const Vec3 spacing = egg_.spacing_mm;
+  egg_.direction = Mat3::Identity();
+  egg_.origin_mm = Vec3::Zero();
+  const auto spaced = [&](const std::string& fields, double mm) {
+    std::string bytes = bytes_of(nrrd("directions.nrrd", "content: x", Vec3::Ones()));
+    const std::size_t first = bytes.find("space directions"), end = bytes.find("\n\n", first);
+    const Vec3 s = spacing / mm;
+    bytes.replace(first, end - first, fmt::format("spacings: {} {} {}\n{}", s.x(), s.y(), s.z(), fields));
+    return bytes;
+  };
+  const auto import_bytes = [&](const std::string& bytes) {
+    std::ofstream(folder_.file("spaced.nrrd"), std::ios::binary) << bytes;
+    return import(folder_.file("spaced.nrrd"));
+  };
+  const FilledVoxmap in_mm = import_bytes(spaced("units: \"mm\" \"\" \"mm\"", 1));
+  ASSERT_GT(volume_mm3(in_mm), 3000);
+  expect_same(import_bytes(spaced("units: \"cm\" \"cm\" \"CM\"", 10)), in_mm, "cm");
+  EXPECT_THAT(warnings_, SizeIs(1)) << "of the orientation";
+  std::string layers = spaced("kinds: list domain domain domain\nunits: \"\" \"m\" \"m\" \"m\"", 1e3);
+  for (const auto& [from, to] :
+       {std::pair{"dimension: 3", "dimension: 4"}, {"sizes: ", "sizes: 1 "}, {"spacings: ", "spacings: nan "}}) {
+    layers.replace(layers.find(from), std::strlen(from), to);
+  }
+  expect_same(import_bytes(layers), in_mm, "the first axis is none of the space");
 }
 
 TEST_F(Conventions, UnitsOfNiftiCountForSpacingAndOrigin) {

@@ -45,6 +45,38 @@ TEST(MeshPieces, InsideAnotherIsWhollyInside) {
   EXPECT_FALSE(pieces_of(outer)[0].inside_another);
 }
 
+TEST(MeshPieces, AnIslandInACavityIsInsideAnother) {
+  const auto pieces = pieces_of(joined({box_mesh({-5, -5, -5}, {5, 5, 5}), inside_out(sphere_mesh({0, 0, 0}, 4, 2)),
+                                        sphere_mesh({0, 0, 0}, 2, 2), box_mesh({-1, -1, -1}, {1, 1, 1})}));
+  ASSERT_EQ(pieces.size(), 4U);
+  EXPECT_FALSE(pieces[0].inside_another);
+  for (std::size_t n = 1; n < pieces.size(); ++n) EXPECT_TRUE(pieces[n].inside_another) << n;
+  EXPECT_NEAR(outer_volume_mm3(pieces), 1000, 1e-9);
+  EXPECT_THAT(warnings_of(pieces), ::testing::ElementsAre(HasSubstr("3 surfaces inside another")));
+}
+
+TEST(MeshPieces, OfTwoCopiesNoneIsInsideTheOther) {
+  const TriangleMesh sphere = sphere_mesh({0, 0, 0}, 4, 2);
+  for (const MeshPiece& piece : pieces_of(joined({sphere, sphere}))) EXPECT_FALSE(piece.inside_another);
+}
+
+TEST(MeshPieces, ThoseOutsideTheOthersAreTurnedOutwards) {
+  const TriangleMesh large = box_mesh({0, 0, 0}, {9, 9, 9}), cavity = box_mesh({3, 3, 3}, {4, 4, 4}),
+                     small = box_mesh({20, 0, 0}, {22, 2, 2});
+  TriangleMesh mesh = joined({large, cavity, inside_out(small)});
+  const auto pieces = turn_outwards(mesh);
+  EXPECT_EQ(mesh.triangles, joined({large, cavity, small}).triangles);
+  EXPECT_NEAR(outer_volume_mm3(pieces), 729 + 8, 1e-9);
+  EXPECT_THAT(warnings_of(pieces)[0], ::testing::StrEq("the triangles of a piece of the mesh face inwards: 8.00 mm3 at "
+                                                       "(21.0, 1.0, 1.0) mm; orientation flipped"));
+  mesh = joined({large, inside_out(cavity), small});
+  turn_outwards(mesh);
+  EXPECT_EQ(mesh.triangles, joined({large, inside_out(cavity), small}).triangles) << "a cavity stays one";
+  mesh = joined({inside_out(large), inside_out(small)});
+  EXPECT_THAT(warnings_of(turn_outwards(mesh))[0], HasSubstr("the triangles of the mesh face inwards;"));
+  EXPECT_NEAR(mesh.volume_mm3(), 729 + 8, 1e-9);
+}
+
 TEST(MeshPieces, ThreeAreNamedAndTheOthersCounted) {
   std::vector<TriangleMesh> parts{box_mesh({0, 0, 0}, {9, 9, 9}), box_mesh({3, 3, 3}, {4, 4, 4})};
   for (int i = 1; i <= 5; ++i) parts.push_back(box_mesh({20.0 * i, 0, 0}, {20.0 * i + i, 1, 1}));

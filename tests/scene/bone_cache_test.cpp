@@ -6,11 +6,40 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <new>
 
+#include "sim/mesh/mesh_io.h"
 #include "tests/cli/data_files.h"
+#include "tests/support/mesh_shapes.h"
 #include "tests/support/temp_dir.h"
+
+namespace {
+
+/// The most bytes that one allocation may take: a test of what happens without memory lowers it.
+std::atomic<std::size_t> most_bytes{std::numeric_limits<std::size_t>::max()};
+
+}  // namespace
+
+// Inlined, GCC takes the pair new and free() for a mistake.
+[[gnu::noinline]] void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+  return bytes > most_bytes ? nullptr : std::malloc(bytes == 0 ? 1 : bytes);
+}
+[[gnu::noinline]] void* operator new(std::size_t bytes) {
+  void* const memory = operator new(bytes, std::nothrow);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
 
 namespace reamsim::test {
 namespace {
@@ -106,6 +135,26 @@ TEST(BoneCache, AChangedFileIsLoadedAgain) {
   std::filesystem::last_write_time(settings.ct.path,
                                    std::filesystem::last_write_time(settings.ct.path) + std::chrono::seconds(2));
   EXPECT_EQ(loaded(bones, settings), 2);
+}
+
+TEST(BoneCache, WhatWasSaidBeforeMemoryEndedIsKept) {
+  const TempDir dir;
+  // The table of bricks of the lattice around two cubes, 50 mm apart along each axis, takes more than 1 MB.
+  TriangleMesh mesh = box_mesh({0, 0, 0}, {3, 3, 3});
+  const TriangleMesh other = box_mesh({50, 50, 50}, {52, 52, 52});
+  for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({a + 8, b + 8, c + 8});
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  write_stl(dir.path() + "/bone.stl", mesh);
+  BoneSettings settings;
+  settings.source = BoneSource::mesh;
+  settings.voxel_mm = 0.1;
+  settings.mesh.path = dir.path() + "/bone.stl";
+  BoneCache bones;
+  Report report;
+  most_bytes = 1'000'000;
+  EXPECT_THROW(bones.load(settings, report), std::bad_alloc);
+  most_bytes = std::numeric_limits<std::size_t>::max();
+  EXPECT_THAT(report.warnings, ::testing::Contains(::testing::HasSubstr("a piece besides the largest")));
 }
 
 }  // namespace

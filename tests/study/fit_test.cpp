@@ -250,10 +250,31 @@ TEST(Fit, WarnsOfOtherSignsAndUnits) {
   EXPECT_THAT(warnings(1, 1, {}), ::testing::IsEmpty());
   EXPECT_THAT(warnings(1, 1, kClasses), ::testing::IsEmpty());
   EXPECT_THAT(warnings(1, 0.001, {}), Contains(HasSubstr("axial_force_n: R2 is -"))) << "N m";
-  EXPECT_THAT(warnings(-1, 1, {}), Contains(HasSubstr("check its sign and its unit (N)")));
+  EXPECT_THAT(warnings(-1, 1, {}),
+              Contains(HasSubstr("check sign and unit of every measured column (axial_force_n in N, "
+                                 "spin_torque_nmm in N mm)")));
   EXPECT_THAT(warnings(1, -1, {}), Contains(HasSubstr("spin_torque_nmm: R2 is -")));
+  EXPECT_THAT(warnings(1, 0.001, {}), Contains(HasSubstr("spin_torque_nmm in N mm"))) << "the column that is wrong";
+  for (const FitOptions& options : {FitOptions(), kClasses}) {
+    const std::vector<std::string> of_kilo = warnings(0.001, 0.001, options);
+    ASSERT_THAT(of_kilo, ::testing::Not(::testing::IsEmpty())) << "kN and N m";
+    EXPECT_THAT(of_kilo[0], ::testing::AllOf(HasSubstr("far below what is usual for bone"),
+                                             HasSubstr("(axial_force_n in N, spin_torque_nmm in N mm)")));
+  }
   EXPECT_THAT(warnings(1e6, 1e6, {}), Contains(HasSubstr("cutting.specific_energy_j_mm3 accepts 0.000001 to 10")));
   EXPECT_THAT(warnings(1e6, 1e6, kClasses), Contains(HasSubstr("u1 is ")));
+}
+
+TEST(Fit, DoesNotWarnOfSoftBone) {
+  // u0 at 1.8 g/cm3 says nothing of bone of 0.3 g/cm3: literature-low is 0.0006 J/mm3 there.
+  const Simulated run = simulated(two_layers(0.3, 0.2));
+  CuttingSettings low = run.cutting;
+  low.specific_energy_j_mm3 = 0.05;
+  low.density_exponent = 2.5;
+  std::mt19937 random(10);
+  const MeasuredForces measured = measure(run, force_constants(low), kAxial, 0.01, random);
+  for (const FitOptions& options : {FitOptions(), kClasses})
+    EXPECT_THAT(fit_forces(run.basis, run.frames, run.cutting, measured, options).warnings, ::testing::IsEmpty());
 }
 
 TEST(Fit, TakesTimesBetweenFramesAndEmptyCells) {

@@ -87,5 +87,31 @@ TEST_F(StudyPlanning, WrongScenariosAreToldByRun) {
   }
 }
 
+TEST_F(StudyPlanning, AMissingFileHidesNoOtherMistakeOfItsRow) {
+  write("cohort.csv",
+        "tool.mesh,bone.voxel_mm,motion.plunge.depth_mm\nnone.stl,-1,deep\nflat.stl,1,1\n${REAMSIM_UNSET}/x.stl,1,1\n");
+  const Study read = study("table: cohort.csv\n");
+  const std::vector<IdentifiedRun> runs = identify_runs(read, make_plan(read));
+  ASSERT_EQ(runs.size(), 3U);
+  EXPECT_THAT(runs[0].mistake,
+              AllOf(HasSubstr("cohort.csv:2: tool.mesh: no such file"), HasSubstr(" | "),
+                    HasSubstr("bone.voxel_mm: found -1"), HasSubstr("motion.plunge.depth_mm: found the text")));
+  EXPECT_EQ(runs[0].mistake.find('\n'), std::string::npos);
+  EXPECT_EQ(runs[1].mistake, "");
+  EXPECT_THAT(runs[2].mistake, AllOf(HasSubstr("cohort.csv:4: tool.mesh: "), HasSubstr("is not set")));
+}
+
+TEST_F(StudyPlanning, AKeyThatOnlyTheTableHasIsNotMissingWhereItsFileIs) {
+  write("base.yaml",
+        "version: 2\nbone: {source: mesh, voxel_mm: 1}\ntool: {mesh: flat.stl}\n"
+        "motion: {plunge: {entry_mm: [0, 0, 0], axis: [0, 0, -1], feed_mm_s: 5, depth_mm: 1}}\n");
+  write("cohort.csv", "bone.mesh.path\nnone.stl\n");
+  const Study read = study("table: cohort.csv\n");
+  const std::vector<IdentifiedRun> runs = identify_runs(read, make_plan(read));
+  ASSERT_EQ(runs.size(), 1U);
+  EXPECT_THAT(runs[0].mistake, HasSubstr("cohort.csv:2: bone.mesh.path: no such file"));
+  EXPECT_EQ(runs[0].mistake.find(" | "), std::string::npos) << runs[0].mistake;
+}
+
 }  // namespace
 }  // namespace reamsim::test

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "sim/base/error.h"
+#include "sim/base/printable.h"
 #include "sim/bone/ct/image_file.h"
 #include "sim/bone/ct/image_io.h"
 #include "sim/bone/ct/scan_transfer.h"
@@ -64,6 +65,19 @@ void put_part(ResultWriter& out, const std::string& path, const std::string& key
   read_voxels(*io, box, part.layer, path, key, out.array<float>(static_cast<std::size_t>(box.voxels())));
 }
 
+void warn_of_gaps(const std::string& path, const HeaderGaps& gaps, Report& report) {
+  constexpr std::size_t kLongestUnit = 40;
+  if (!gaps.unknown_unit.empty()) {
+    report.warn(path + ": lengths are in \"" + printable(gaps.unknown_unit.substr(0, kLongestUnit)) +
+                "\", an unknown unit; mm are assumed. Check the size of the scan, or export the file in mm");
+  }
+  if (!gaps.says_orientation) {
+    report.warn(path +
+                ": the header does not say how the axes lie in the body; left, posterior, superior are assumed. "
+                "Check side and glenoid, or export the file with its orientation");
+  }
+}
+
 /// An NRRD, NIfTI or MetaImage file. A child process reads its header, and another one its voxels.
 class FileScan : public LabelSource {
  public:
@@ -74,10 +88,7 @@ class FileScan : public LabelSource {
     facts_ = take_facts(result.reader());
     metadata_ = take_texts(result.reader());
     check_fits_in_memory(static_cast<double>(facts_.geometry.size()), facts_.bytes_per_voxel, path, key);
-    if (facts_.says_orientation) return;
-    report.warn(path +
-                ": the header does not say how the axes lie in the body; left, posterior, superior are assumed. " +
-                "Check side and glenoid, or export the file with its orientation");
+    warn_of_gaps(path, facts_.gaps, report);
   }
 
   [[nodiscard]] const ScanGeometry& geometry() const override { return facts_.geometry; }

@@ -258,7 +258,7 @@ ImageFacts check_image(itk::ImageIOBase& io, const std::string& path, const std:
   out.pixel_type = pixel_type_of(io);
   out.layers = static_cast<int>(io.GetNumberOfComponents());
   out.bytes_per_voxel = static_cast<double>(io.GetComponentSize()) * io.GetNumberOfComponents();
-  out.says_orientation = says_orientation(io);
+  out.gaps = gaps_of(io);
   check_fits_in_memory(static_cast<double>(out.geometry.size()), out.bytes_per_voxel, path, key);
   check_file_length(path, key, out.geometry.size(), out.bytes_per_voxel);
   const QuietLibraries quiet;

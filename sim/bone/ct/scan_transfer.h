@@ -15,6 +15,12 @@ namespace reamsim::ct {
 
 // What child processes hand back about images. The functions that take it throw InputError where it is inconsistent.
 
+/// What the header of an image file leaves open.
+struct HeaderGaps {
+  bool says_orientation = true;   ///< how the axes lie in the body
+  std::string unknown_unit = {};  ///< of lengths, taken as mm; empty: none
+};
+
 /// What the header of an image file says.
 struct ImageFacts {
   std::string format;
@@ -22,7 +28,7 @@ struct ImageFacts {
   ScanGeometry geometry;
   int layers = 1;
   double bytes_per_voxel = 0;  ///< of all layers
-  bool says_orientation = true;
+  HeaderGaps gaps;
 };
 
 /// A DICOM file of a folder.
