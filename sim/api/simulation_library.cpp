@@ -265,7 +265,10 @@ StepResult Simulation::peek(const Pose& pose, std::optional<double> dt) {
   return guarded([&] {
     if (core_->scene.scenario.cutting.erosion != ErosionMode::exact)
       throw BadInput("peek() needs cutting.erosion: exact");
-    return result_of(core_->stepper.peek(core_->motion_to(pose, dt)));
+    const FrameMotion motion = core_->motion_to(pose, dt);
+    StepResult out;
+    core_->compute([&] { out = result_of(core_->stepper.peek(motion)); });
+    return out;
   });
 }
 

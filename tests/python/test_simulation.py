@@ -228,6 +228,15 @@ def test_peek_is_the_step_that_follows(block):
     assert done.removed_mm3 > 0 and peeked == done
 
 
+def test_peek_has_the_substeps_of_the_step(block):
+    simulation = reamsim.Simulation(block)
+    simulation.start([0, 0, 1], [1, 0, 0, 0], 250)
+    for place, dt_s in (([0, 0, -3], 0.5), ([2, 0, -4], 2.0)):
+        peeked = simulation.peek(place, [1, 0, 0, 0], 250, dt_s=dt_s)
+        done = simulation.step(place, [1, 0, 0, 0], 250, dt_s=dt_s)
+        assert done.removed_mm3 > 0 and peeked == done
+
+
 def test_warnings_of_the_simulator_are_warnings_of_python(block):
     simulation = reamsim.Simulation(block)
     with pytest.warns(reamsim.ReamsimWarning, match="starts in the bone") as caught:
