@@ -50,7 +50,7 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
   // The tool spins about −z of T, so the torque of the bone on it is about +z.
   out.spin_torque_nmm = out.torque_nmm.dot(tool_z);
   if (out.push) out.push->drill_power_w = 1e-3 * out.spin_torque_nmm * out.pose.spin_rpm * kRadPerRpm_s;
-  if (out.contacts > 0 && !run_.first_contact_mm)
+  if (out.in_contact() && !run_.first_contact_mm)
     run_.first_contact_mm = contact_mm_.value_or(frame.before.position_mm);
   if (run_.first_contact_mm) out.depth_mm = -(frame.pose.position_mm - *run_.first_contact_mm).dot(tool_z);
   return out;

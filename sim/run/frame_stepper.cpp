@@ -264,7 +264,7 @@ void FrameStepper::clear_batch() {
 
 /// Warns once of conditions that the user may not intend.
 void FrameStepper::warn_of(const FrameResult& result) {
-  if (result.contacts == 0) return;
+  if (!result.in_contact()) return;
   const std::string at = "frame " + std::to_string(result.frame);
   const std::int64_t first = scene_.motion.first_frame;
   if (result.frame == first) {
