@@ -77,6 +77,8 @@ struct Simulation::Core {
     if (!out.later_passes.empty()) throw InputError("motion.passes: a simulation has one tool; use motion.plunge");
     if (scenario.motion.compliance)
       report.warn("motion.compliance: without springs here, the tool is where step() puts it");
+    if (scenario.motion.push)
+      report.warn("motion.push: without a hand here, planned_poses() are those of a push that meets no bone");
     return out;
   }
 

@@ -221,6 +221,13 @@ TEST_F(Library, SpringsAreLeftOutWithAWarning) {
   EXPECT_THAT(springs.warnings(), ::testing::Contains(::testing::HasSubstr("motion.compliance")));
 }
 
+TEST_F(Library, APushIsLeftOutWithAWarning) {
+  const Simulation push(scenario(),
+                        {"motion.plunge=null", "motion.push={thrust_n: 60, depth_mm: 1, approach_mm: 0.2}"});
+  EXPECT_THAT(push.warnings(), ::testing::Contains(::testing::HasSubstr("motion.push: without a hand here")));
+  EXPECT_GT(push.planned_poses().size(), 10U);
+}
+
 TEST_F(Library, MistakesAreTyped) {
   EXPECT_THROW(Simulation("no such file.yaml"), BadInput);
   EXPECT_THROW(Simulation(scenario(), {"bone.voxel_mm=-1"}), BadInput);
