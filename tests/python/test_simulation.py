@@ -246,6 +246,13 @@ def test_warnings_of_the_simulator_are_warnings_of_python(block):
         simulation.step([0, 0, -1.2], [1, 0, 0, 0], 0)
 
 
+def test_planned_poses_of_a_push_are_warned_of(block):
+    block["motion"] = {"frame_rate_hz": 500, "push": {"thrust_n": 60, "depth_mm": 1}}
+    with pytest.warns(reamsim.ReamsimWarning, match="motion.push: without a hand here"):
+        simulation = reamsim.Simulation(block)
+    assert len(simulation.planned_poses()) > 10
+
+
 def test_simulations_do_not_meet(block):
     """Two with different voxels, steps in turn, give what each gives alone."""
     coarse = {"bone__voxel_mm": 0.8, "device": "serial"}
