@@ -101,7 +101,9 @@ void print_results(const Console& console, const UqResults& results) {
                             quantile(values, 0.5), kUnits[i], quantile(values, 0.05), quantile(values, 0.95),
                             results.dominant[i]));
   }
-  console.say("±: 95 % sampling error of an index, by which it may exceed 100 %; a larger sample.n lowers it");
+  console.say(
+      "±: 95 % sampling error of an index as of independent samples (those of sobol scatter less), by which it may "
+      "exceed 100 %; a larger sample.n lowers it");
 }
 
 void uq_command(const UqOptions& options, const Console& console) {

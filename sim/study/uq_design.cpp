@@ -12,6 +12,7 @@
 #include "sim/base/file.h"
 #include "sim/base/mistake_list.h"
 #include "sim/base/printable.h"
+#include "sim/base/text.h"
 #include "sim/scenario/find_key.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
