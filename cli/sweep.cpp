@@ -175,7 +175,14 @@ void warn_of_other_plan(const SweepRuns& sweep, const StudyFolder& folder, const
 void status_command(const SweepOptions& options, const Console& console) {
   const SweepRuns sweep = load_sweep(options);
   const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
-  console.say(counts_text(count_runs(folder, sweep.runs)));
+  const StudyCounts counts = count_runs(folder, sweep.runs);
+  console.say(counts_text(counts));
+  const RunMessages warnings = warnings_of_runs(folder, sweep.plan, sweep.runs);
+  warn_of_runs(warnings,
+               fmt::format("{} of {} finished runs have warnings; `reamsim sweep collect` writes all of them to the "
+                           "column message of runs.csv",
+                           warnings.runs(), counts.done),
+               console);
   print(failures_of(sweep, folder), console);
   warn_of_other_plan(sweep, folder, console);
 }
@@ -270,7 +277,9 @@ class StudyRun {
  private:
   void note_wrong_scenarios() {
     for (std::size_t i = 0; i < sweep_.runs.size() && shard_.index == 0; ++i) {
-      if (sweep_.runs[i].id.empty()) failures_.add(sweep_.plan.runs[i].number, {sweep_.runs[i].mistake});
+      if (!sweep_.runs[i].id.empty()) continue;
+      failures_.add(sweep_.plan.runs[i].number, {sweep_.runs[i].mistake});
+      ++wrong_;
     }
   }
 
@@ -279,8 +288,10 @@ class StudyRun {
     if (answer.outcome == WorkerAnswer::Outcome::failed) {
       folder_.note_failure(sweep_.runs[answer.run].id, answer.text);
       // Each row that is this run, as runs.csv counts them.
-      for (const std::size_t row : rows_of_run(sweep_.runs, answer.run))
+      for (const std::size_t row : rows_of_run(sweep_.runs, answer.run)) {
         failures_.add(sweep_.plan.runs[row].number, {answer.text});
+        wrong_ += answer.wrong_input ? 1 : 0;
+      }
     }
     if (answer.outcome == WorkerAnswer::Outcome::busy) ++busy_;
     if (answer.outcome == WorkerAnswer::Outcome::done && !answer.text.empty()) {
@@ -292,9 +303,17 @@ class StudyRun {
     if (busy_ > 0) console_.say(fmt::format("{} runs are being simulated by another process", busy_));
     print(failures_, console_);
     if (failures_.runs() > 0) {
-      throw RunError(fmt::format("{} runs failed; the others are complete; the same command repeats those that failed",
-                                 failures_.runs()));
+      throw RunError(fmt::format("{} runs failed; the others are complete; {}", failures_.runs(), advice()));
     }
+  }
+
+  /// A run with wrong input fails again.
+  [[nodiscard]] std::string advice() const {
+    const std::string repeat = "the same command repeats those that failed";
+    if (wrong_ == 0) return repeat;
+    const std::string correct = "correct the input that the messages name, or the values of its key in the study";
+    if (wrong_ == failures_.runs()) return correct + ": repeated as they are, they fail again";
+    return fmt::format("for {} of them {}; {}", wrong_, correct, repeat);
   }
 
   RunOptionsOfSweep options_;
@@ -306,6 +325,7 @@ class StudyRun {
   std::vector<std::string> continued_;  ///< which runs, after which frame
   std::int64_t answered_ = 0;
   int busy_ = 0;
+  int wrong_ = 0;  ///< of the failures: those by wrong input
 };
 
 }  // namespace

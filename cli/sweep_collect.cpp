@@ -13,6 +13,8 @@
 #include "render/study/study_page.h"
 #include "sim/base/file.h"
 #include "sim/record/citation.h"
+#include "sim/study/uq_design.h"
+#include "sim/study/uq_outputs.h"
 
 namespace reamsim {
 
@@ -38,6 +40,21 @@ std::string effects_line(const std::string& dir, const MainEffects& effects) {
   return "main effects: " + dir + "/effects.png" + part;
 }
 
+/// Without the results that follow from the constants of the force law.
+RunTable without_forces(RunTable table) {
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < table.results.size(); ++i) {
+    if (!depends_on_law(table.results[i])) kept.push_back(i);
+  }
+  for (CollectedRun& run : table.runs) {
+    for (std::size_t i = 0; i < kept.size(); ++i) run.numbers[i] = run.numbers[kept[i]];
+    run.numbers.resize(kept.size());
+  }
+  for (std::size_t i = 0; i < kept.size(); ++i) table.results[i] = table.results[kept[i]];
+  table.results.resize(kept.size());
+  return table;
+}
+
 }  // namespace
 
 std::string counts_text(const StudyCounts& counts) {
@@ -52,7 +69,10 @@ void warn_of_runs(const RunMessages& messages, const std::string& sentence, cons
 }
 
 void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const Console& console) {
-  const CollectedStudy collected = collect_runs(folder, sweep.plan, sweep.runs);
+  CollectedStudy collected = collect_runs(folder, sweep.plan, sweep.runs);
+  // Effects on forces without the sampled constants would contradict those of the analysis.
+  const bool base_law = has_forces_of_base_law(sweep.study, folder.path());
+  if (base_law) collected.table = without_forces(std::move(collected.table));
   const MainEffects effects = main_effects(collected.table);
   if (effects.empty()) {
     remove_effects(folder.path());
@@ -65,7 +85,9 @@ void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const C
   for (const std::string& line : table) console.say(line);
   if (!table.empty()) console.say("");
   console.say(counts_text(collected.counts));
-  console.say("table: " + folder.path() + "/runs.csv");
+  console.say(
+      "table: " + folder.path() + "/runs.csv" +
+      (base_law ? " (its forces and energies are those of the base's force law, without the sampled constants)" : ""));
   if (!effects.empty()) console.say(effects_line(folder.path(), effects));
   console.say("page: " + folder.path() + "/sweep.html");
   warn_of_runs(collected.warnings,

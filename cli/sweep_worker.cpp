@@ -19,6 +19,7 @@
 #include "cli/sweep_commands.h"
 #include "cli/sweep_estimate.h"
 #include "cli/sweep_options.h"
+#include "cli/sweep_workers.h"
 #include "sim/base/error.h"
 #include "sim/base/printable.h"
 #include "sim/base/text.h"
@@ -87,6 +88,8 @@ class RunWorker {
       return {'b', message_of(error)};
     } catch (const Interrupted& error) {
       return {'i', message_of(error)};
+    } catch (const InputError& error) {
+      return {kWrongInput, message_of(error)};
     } catch (const std::exception& error) {
       return {'f', message_of(error)};
     }

@@ -104,6 +104,7 @@ class Worker {
     const std::string_view kinds = "dfbi";  // in the order of Outcome
     const std::size_t kind = kinds.find(text_[0]);
     if (kind != std::string_view::npos) answer.outcome = static_cast<WorkerAnswer::Outcome>(kind);
+    answer.wrong_input = text_[0] == kWrongInput;
     text_.erase(0, end + 1);
     run_.reset();
     return answer;

@@ -15,12 +15,16 @@ namespace reamsim {
 /// What workers do with the runs of a study.
 enum class WorkerTask { simulate, check };
 
+/// The letter of a failure whose cause is the input.
+inline constexpr char kWrongInput = 'e';
+
 /// What a worker says of a run.
 struct WorkerAnswer {
   enum class Outcome { done, failed, busy, interrupted };
 
   std::size_t run = 0;  ///< index in the plan
   Outcome outcome = Outcome::done;
+  bool wrong_input = false;  ///< of a failure: the scenario or a file is wrong
   /// The message of a failure; of a check, its estimates (RunEstimate); of a run, whether it was continued, or "".
   std::string text;
 };

@@ -74,7 +74,9 @@ void write_indices(const std::string& dir, const UqResults& results, std::size_t
     for (std::size_t d = 0; d < results.inputs.size(); ++d) {
       const auto at = static_cast<Eigen::Index>(d);
       output["inputs"][results.inputs[d]] = {{"first_order", results.first[i][at]},
+                                             {"first_order_error", results.first_error[i][at]},
                                              {"total", results.total[i][at]},
+                                             {"total_error", results.total_error[i][at]},
                                              {"mean_in_lowest_fifth", results.low[i][at]},
                                              {"mean_in_highest_fifth", results.high[i][at]}};
     }
@@ -99,6 +101,9 @@ void print_results(const Console& console, const UqResults& results) {
                             quantile(values, 0.5), kUnits[i], quantile(values, 0.05), quantile(values, 0.95),
                             results.dominant[i]));
   }
+  console.say(
+      "±: 95 % sampling error of an index as of independent samples (those of sobol scatter less), by which it may "
+      "exceed 100 %; a larger sample.n lowers it");
 }
 
 void uq_command(const UqOptions& options, const Console& console) {

@@ -92,9 +92,15 @@ class Guarded {
   /// The same for steps, whose warnings become warnings of Python.
   template <class Work>
   auto step(const Work& work) {
-    auto out = compute(work);
+    std::optional<decltype(compute(work))> out;
+    try {
+      out = compute(work);
+    } catch (const Error&) {
+      warn();
+      throw;
+    }
     warn();
-    return out;
+    return *std::move(out);
   }
 
   /// Gives Python the warnings since the last call.

@@ -77,6 +77,8 @@ struct Simulation::Core {
     if (!out.later_passes.empty()) throw InputError("motion.passes: a simulation has one tool; use motion.plunge");
     if (scenario.motion.compliance)
       report.warn("motion.compliance: without springs here, the tool is where step() puts it");
+    if (scenario.motion.push)
+      report.warn("motion.push: without a hand here, planned_poses() are those of a push that meets no bone");
     return out;
   }
 
@@ -265,7 +267,10 @@ StepResult Simulation::peek(const Pose& pose, std::optional<double> dt) {
   return guarded([&] {
     if (core_->scene.scenario.cutting.erosion != ErosionMode::exact)
       throw BadInput("peek() needs cutting.erosion: exact");
-    return result_of(core_->stepper.peek(core_->motion_to(pose, dt)));
+    const FrameMotion motion = core_->motion_to(pose, dt);
+    StepResult out;
+    core_->compute([&] { out = result_of(core_->stepper.peek(motion)); });
+    return out;
   });
 }
 

@@ -13,24 +13,20 @@
 #include "sim/base/parallel.h"
 #include "sim/motion/bounded_path.h"
 #include "sim/predict/predicted_passes.h"
+#include "sim/tool/outline.h"
 
 namespace reamsim {
 
 namespace {
 
+/// Half a voxel's diagonal, voxels: bone of a voxel is no further from its centre.
+constexpr double kVoxelRadius_voxels = 0.5 * 1.7320508;
 /// Half a brick's diagonal, voxels.
 constexpr double kBrickRadius_voxels = 0.5 * BrickLattice::kSide * 1.7320508;
 /// Smallest step along the path, voxels.
 constexpr double kStep_voxels = 0.5;
 /// The same where the first contact is searched for.
 constexpr double kFineStep_voxels = 0.05;
-
-/// Every pose of the motion, or those of a long one at the smallest step.
-std::vector<PathSample> path_of(const Tool& tool, const Motion& motion, double voxel_mm) {
-  BoundedPath path(tool.reach_mm, kStep_voxels * voxel_mm);
-  path.add(motion.poses);
-  return path.finish();
-}
 
 /// The same where the tool turns.
 constexpr double kTurnStep_voxels = 0.005;
@@ -67,7 +63,9 @@ class ContactSearch {
     voxmap_.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
       const Vec3 middle =
           voxmap_.grid.origin_mm + voxel_mm_ * BrickLattice::kSide * (coord.cast<double>() + Vec3::Constant(0.5));
-      bricks_.push_back({coord, middle});
+      bool has_bone = fill_.brick(coord) == nullptr;  // an earlier pass may have removed all of it
+      if (!has_bone) for_each_bone_voxel(coord, [&](const Vec3&, double) { has_bone = true; });
+      if (has_bone) bricks_.push_back({coord, middle});
     });
   }
 
@@ -85,8 +83,10 @@ class ContactSearch {
     return voxels * voxmap_.grid.voxel_mm3();
   }
 
-  /// Finds the smallest distance between the tool and a voxel's face.
-  void find_nearest(ContactForecast& out) {
+  /// Finds the smallest distance between the tool and a voxel's face. The tool touches the bone unless it stays out of
+  /// reach for certain: beyond half a voxel's diagonal from each centre, the distance that a step along the path may
+  /// hide, and `margin_mm`.
+  void find_nearest(double margin_mm, ContactForecast& out) {
     double bound_mm = kNever;  // upper bound of the distance
     for (Brick& brick : bricks_) {
       follow(brick.middle_mm, [&](double mm, double) {
@@ -116,7 +116,7 @@ class ContactSearch {
       });
       if (best_mm <= 0) break;
     }
-    out.touches = best_mm <= 0;
+    out.touches = best_mm <= (kVoxelRadius_voxels - 0.5 * kStep_voxels) * voxel_mm_ + margin_mm;
     out.nearest_mm = std::max(0.0, best_mm);
   }
 
@@ -247,16 +247,42 @@ class ContactSearch {
   std::vector<Brick> bricks_;
 };
 
-ContactForecast forecast_pass(const Voxmap& voxmap, const FillBricks& fill, const Tool& tool, const Motion& motion) {
+/// Bound of the distance outside the tool's profile at which a run finds contact with a point of a voxel.
+double margin_mm(const Scenario& scenario, const Tool& tool) {
+  if (scenario.cutting.erosion == ErosionMode::exact) return tool.clip_slack_mm() + fit_outline(tool.profile).bulge_mm;
+  return kVoxelRadius_voxels * tool.shell.cell_mm;  // a point of the shell lies in a cell that the surface cuts
+}
+
+/// Whether earlier passes leave what is predicted, to within a voxel. Wear, springs, a hand, cutting edges that turn
+/// and points of a shell can leave more bone.
+bool leaves_as_predicted(const ReamingScene& scene) {
+  const auto is_envelope = [](const Tool& tool) { return !tool.teeth; };
+  return scene.scenario.cutting.erosion == ErosionMode::exact && scene.scenario.motion.is_prescribed() &&
+         is_envelope(scene.tool) && std::ranges::all_of(scene.later_passes, is_envelope, &Pass::tool);
+}
+
+/// `most`: at least the bone that the pass meets.
+ContactForecast forecast_pass(const ReamingScene& scene, const FillBricks& fill, const FillBricks& most,
+                              const Tool& tool, const Motion& motion) {
+  const Voxmap& voxmap = *scene.bone.voxmap;
   ContactForecast out;
   if (motion.poses.empty()) return out;
-  const ToolPath path(path_of(tool, motion, voxmap.grid.voxel_mm), tool.reach_mm);
+  // Every pose of the motion, or those of a long one at the smallest step.
+  BoundedPath poses(tool.reach_mm, kStep_voxels * voxmap.grid.voxel_mm);
+  poses.add(motion.poses);
+  const ToolPath path(poses.finish(), tool.reach_mm);
   ContactSearch search(voxmap, fill, tool.profile, path);
   out.start_mm3 = search.start_mm3();
   if (out.start_mm3 > voxmap.grid.voxel_mm3()) {
     out.touches = true;
   } else {
-    search.find_nearest(out);
+    const double reach_mm = margin_mm(scene.scenario, tool) + poses.deviation_mm();
+    search.find_nearest(reach_mm, out);
+    if (!out.touches && &most != &fill) {
+      ContactForecast before;
+      ContactSearch(voxmap, most, tool.profile, path).find_nearest(reach_mm, before);
+      out.touches = before.touches;
+    }
     out.frame += motion.first_frame;
   }
   if (out.touches) out.frames = search.frames();
@@ -267,13 +293,14 @@ ContactForecast forecast_pass(const Voxmap& voxmap, const FillBricks& fill, cons
 }  // namespace
 
 ContactForecast forecast_contact(const ReamingScene& scene) {
-  return forecast_pass(*scene.bone.voxmap, scene.bone.fill, scene.tool, scene.motion);
+  return forecast_pass(scene, scene.bone.fill, scene.bone.fill, scene.tool, scene.motion);
 }
 
 std::vector<ContactForecast> forecast_passes(const ReamingScene& scene) {
   std::vector<ContactForecast> out;
+  const bool predictable = leaves_as_predicted(scene);
   for_each_predicted_pass(scene, [&](const FillBricks& fill, const Tool& tool, const Motion& motion) {
-    out.push_back(forecast_pass(*scene.bone.voxmap, fill, tool, motion));
+    out.push_back(forecast_pass(scene, fill, predictable ? fill : scene.bone.fill, tool, motion));
   });
   return out;
 }

@@ -17,7 +17,7 @@ namespace reamsim {
 /// Prediction of contact from the tool's envelope of revolution, without simulation.
 struct ContactForecast {
   double start_mm3 = 0;         ///< bone in the tool at its first pose
-  bool touches = false;         ///< the tool touches the bone
+  bool touches = false;         ///< the tool touches the bone, or comes so close that a run may find contact
   double nearest_mm = 0;        ///< smallest distance if it does not, to within a voxel (more on very long paths)
   std::int64_t frame = 0;       ///< the frame of that distance
   Vec3 bone_mm = Vec3::Zero();  ///< the nearest point of the bone, B

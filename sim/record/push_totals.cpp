@@ -36,7 +36,7 @@ void PushTotals::add(const FrameResult& row) {
   drill_mj += 1e3 * push.drill_power_w * frame_s;
   peak_hand_power_w = std::max(peak_hand_power_w, push.hand_power_w);
   peak_drill_power_w = std::max(peak_drill_power_w, push.drill_power_w);
-  if (row.contacts > 0) peak_feed_mm_s = std::max(peak_feed_mm_s, push.feed_mm_s);
+  if (row.in_contact()) peak_feed_mm_s = std::max(peak_feed_mm_s, push.feed_mm_s);
   still_s_ = last_ && push.feed_mm_s < kStill_mm_s && push.thrust_n > 0 ? still_s_ + frame_s : 0;
   add_events(row);
   last_ = row;
@@ -50,8 +50,7 @@ void PushTotals::add_events(const FrameResult& row) {
     b.open = row.time_s - b.event.time_s < kOvershoot_s - 1e-9;
   }
   if (!last_) return;  // the bone in the first pose is removed without force
-  // An edge force may hold the tool before it removes any bone.
-  if ((row.contacts > 0 || row.axial_force_n > 0) && !first_contact_) {
+  if (row.in_contact() && !first_contact_) {
     first_contact_ = *last_;
     events_.push_back(event_of(row, "contact", push.feed_mm_s));
   }

@@ -34,7 +34,7 @@ struct FrameResult {
   Vec3 torque_nmm = Vec3::Zero();  ///< about the tool's origin
   double axial_force_n = 0;        ///< along +z of T
   double spin_torque_nmm = 0;      ///< resistance to the spin: positive while cutting
-  std::int64_t contacts = 0;       ///< voxels touched
+  std::int64_t contacts = 0;       ///< voxels touched; of `erosion: exact` those that lost bone
   double removed_mm3 = 0;
   double energy_mj = 0;
   double floor_energy_mj = 0;
@@ -42,6 +42,9 @@ struct FrameResult {
   std::optional<PushResult> push = {};  ///< of a tool that a hand pushes
   /// Of a tool on springs, from the planned position, in T.
   std::optional<Vec3> deflection_mm = {};
+
+  /// Bone exerts a force on the tool, or the tool removes bone. Edges that rub do the first alone.
+  [[nodiscard]] bool in_contact() const { return contacts > 0 || !force_n.isZero(0); }
 };
 
 /// What the voxels of one grade exert on the tool in a frame, per specific energy of 1 N/mm²; a row of force_basis.npy

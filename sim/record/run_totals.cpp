@@ -11,7 +11,7 @@ namespace reamsim {
 
 void PassTotals::add(const FrameResult& row) {
   last_frame = row.frame;
-  if (row.contacts > 0 && first_contact_frame < 0) first_contact_frame = row.frame;
+  if (row.in_contact() && first_contact_frame < 0) first_contact_frame = row.frame;
   removed_mm3 += row.removed_mm3;
   energy_mj += row.energy_mj;
   max_depth_mm = std::max(max_depth_mm, row.depth_mm);
@@ -34,7 +34,7 @@ void RunTotals::add(const FrameResult& row) {
   ++frames;
   if (std::ssize(passes) < row.pass) passes.push_back({.first_frame = row.frame});
   PassTotals& pass = passes.back();
-  const bool first_contact = row.contacts > 0 && pass.first_contact_frame < 0;
+  const bool first_contact = row.in_contact() && pass.first_contact_frame < 0;
   const bool deepest = first_contact || row.depth_mm > pass.max_depth_mm;
   if (deepest) deepest_pose = row.pose;
   pass.add(row);
@@ -63,7 +63,7 @@ void RunTotals::add(const FrameResult& row) {
     if (!deflection) deflection.emplace();
     deflection->add(row, deepest);
   }
-  if (row.contacts == 0) return;
+  if (!row.in_contact()) return;
   ++contact_frames;
   if (first_contact_frame < 0) first_contact_frame = row.frame;
   last_contact_frame = row.frame;

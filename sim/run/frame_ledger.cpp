@@ -44,7 +44,7 @@ FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<Subs
     out.torque_nmm += torque / frame.substeps;
     out.energy_mj += static_cast<double>(sum.energy) / RS_ENERGY_SCALE;
     out.floor_energy_mj += static_cast<double>(sum.floor_energy) / RS_ENERGY_SCALE;
-    if (sum.contacts > 0 && !touched_from_mm) touched_from_mm = start_of(substep, frame);
+    if ((sum.contacts > 0 || !force.isZero(0)) && !touched_from_mm) touched_from_mm = start_of(substep, frame);
     out.contacts += sum.contacts;
     removed += sum.removed;
   }

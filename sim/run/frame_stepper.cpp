@@ -85,13 +85,8 @@ void FrameStepper::add(const FrameMotion& motion, const std::shared_ptr<const Mo
                        const std::optional<PushResult>& push) {
   PendingFrame& pending = open(motion);
   pending.push = push;
-  const int n = count_substeps(motion.before, motion.pose, scene_.tool, resolved_, max_step_mm_);
-  pending.substeps = n;
-  for (int i = 0; i < n; ++i) {
-    const Substep substep =
-        make_substep(motion.before, motion.pose, double(i) / n, double(i + 1) / n, motion.duration_s, motion.frame);
-    if (const auto voi = broad_phase(substep, pending)) enqueue(substep, args_of(substep, *voi), window, pending);
-  }
+  enqueue_motion(motion, count_substeps(motion.before, motion.pose, scene_.tool, resolved_, max_step_mm_), window,
+                 pending);
 }
 
 SubstepSums FrameStepper::add_part(const FrameMotion& part, int i, int parts) {
@@ -143,15 +138,22 @@ std::vector<SubstepSums> FrameStepper::evaluate(const std::vector<FrameMotion>& 
 }
 
 FrameResult FrameStepper::peek(const FrameMotion& m) {
-  const std::vector<SubstepSums> sums = evaluate({m});
-  const PendingFrame frame{.frame = m.frame,
-                           .pass = scene_.motion.pass,
-                           .before = m.before,
-                           .pose = m.pose,
-                           .time_s = m.time_s,
-                           .cut = {{0, make_substep(m.before, m.pose, 0, 1, m.duration_s, m.frame)}}};
+  PendingFrame frame = pending_of(m);
   FrameLedger as_it_would_be = ledger_;
-  return as_it_would_be.close(frame, sums);
+  const int n = count_substeps(m.before, m.pose, scene_.tool, resolved_, max_step_mm_);
+  if (n == 1) {
+    frame.cut = {{0, make_substep(m.before, m.pose, 0, 1, m.duration_s, m.frame)}};
+    return as_it_would_be.close(frame, evaluate({m}));
+  }
+  // Each substep needs the bone that those before it leave, so the motion cuts, and the bone is put back.
+  read_fill();
+  enqueue_motion(m, n, nullptr, frame);
+  if (frame.cut.empty()) return as_it_would_be.close(frame, {});
+  collect();
+  engine_.restore(scene_.bone.view());
+  const FrameResult out = as_it_would_be.close(frame, batch_.sums);
+  clear_batch();
+  return out;
 }
 
 std::optional<SubstepArgs> FrameStepper::single_args(const FrameMotion& m) const {
@@ -176,12 +178,26 @@ std::string FrameStepper::name_of_pass() const {
 }
 
 PendingFrame& FrameStepper::open(const FrameMotion& motion) {
-  return pending_.emplace_back(PendingFrame{.frame = motion.frame,
-                                            .pass = scene_.motion.pass,
-                                            .before = motion.before,
-                                            .pose = motion.pose,
-                                            .time_s = motion.time_s,
-                                            .cut = {}});
+  return pending_.emplace_back(pending_of(motion));
+}
+
+PendingFrame FrameStepper::pending_of(const FrameMotion& motion) const {
+  return {.frame = motion.frame,
+          .pass = scene_.motion.pass,
+          .before = motion.before,
+          .pose = motion.pose,
+          .time_s = motion.time_s,
+          .cut = {}};
+}
+
+void FrameStepper::enqueue_motion(const FrameMotion& motion, int substeps,
+                                  const std::shared_ptr<const MotionWindow>& window, PendingFrame& pending) {
+  pending.substeps = substeps;
+  for (int i = 0; i < substeps; ++i) {
+    const Substep substep = make_substep(motion.before, motion.pose, double(i) / substeps, double(i + 1) / substeps,
+                                         motion.duration_s, motion.frame);
+    if (const auto voi = broad_phase(substep, pending)) enqueue(substep, args_of(substep, *voi), window, pending);
+  }
 }
 
 /// The volume of interest in the shell's frame; nullopt where the tool cannot touch bone.
@@ -237,6 +253,10 @@ void FrameStepper::record() {
   }
   frame_wall_s_ = batch_watch_.seconds() / static_cast<double>(std::max<std::size_t>(pending_.size(), 1));
   pending_.clear();
+  clear_batch();
+}
+
+void FrameStepper::clear_batch() {
   batch_ = {};
   enqueued_ = 0;
   removed_.clear();
@@ -244,7 +264,7 @@ void FrameStepper::record() {
 
 /// Warns once of conditions that the user may not intend.
 void FrameStepper::warn_of(const FrameResult& result) {
-  if (result.contacts == 0) return;
+  if (!result.in_contact()) return;
   const std::string at = "frame " + std::to_string(result.frame);
   const std::int64_t first = scene_.motion.first_frame;
   if (result.frame == first) {

@@ -69,7 +69,8 @@ class FrameStepper {
   /// cut.
   std::vector<SubstepSums> evaluate(const std::vector<FrameMotion>& motions);
 
-  /// The row that a motion would have, from evaluate().
+  /// The row that add() and finish_batch() would record of a motion, which leaves bone and sums as they are. Only for
+  /// the engine `exact`, with an empty batch.
   FrameResult peek(const FrameMotion& motion);
 
   /// The arguments of a frame that has a single substep; nullopt for others.
@@ -89,12 +90,17 @@ class FrameStepper {
 
  private:
   PendingFrame& open(const FrameMotion& motion);
+  [[nodiscard]] PendingFrame pending_of(const FrameMotion& motion) const;
+  /// Enqueues the substeps of a motion.
+  void enqueue_motion(const FrameMotion& motion, int substeps, const std::shared_ptr<const MotionWindow>& window,
+                      PendingFrame& pending);
   std::optional<Aabb> broad_phase(const Substep& substep, PendingFrame& pending) const;
   [[nodiscard]] SubstepArgs args_of(const Substep& substep, const Aabb& voi) const;
   void enqueue(const Substep& substep, const SubstepArgs& args, std::shared_ptr<const MotionWindow> window,
                PendingFrame& pending);
   void collect();
   void record();
+  void clear_batch();
   void warn_of(const FrameResult& result);
 
   ReamingScene& scene_;

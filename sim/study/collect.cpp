@@ -130,6 +130,15 @@ StudyCounts count_runs(const StudyFolder& folder, const std::vector<IdentifiedRu
   return counts;
 }
 
+RunMessages warnings_of_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs) {
+  RunMessages out;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (state_of(folder, runs[i]) != RunState::done) continue;
+    out.add(plan.runs[i].number, read_run_summary(folder.run_dir(runs[i].id)).warnings);
+  }
+  return out;
+}
+
 CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
                             std::size_t most_in_table) {
   NumberColumns columns;

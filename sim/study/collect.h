@@ -24,6 +24,9 @@ struct StudyCounts {
 
 StudyCounts count_runs(const StudyFolder& folder, const std::vector<IdentifiedRun>& runs);
 
+/// The warnings of the runs that are done, from their summaries.
+RunMessages warnings_of_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs);
+
 /// Most runs of a table in memory.
 inline constexpr std::size_t kMostRunsOfTable = 50'000;
 

@@ -25,6 +25,14 @@ Eigen::MatrixXd outputs_of(const Eigen::MatrixXd& inputs, const Model& model) {
   return out;
 }
 
+/// Half the width of the 95 % interval of mean(above)/mean(below), by the delta method.
+double error_of_ratio(const Eigen::ArrayXd& above, const Eigen::ArrayXd& below) {
+  constexpr double kQuantile = 1.96;  // 97.5 % of a normal distribution
+  const auto count = static_cast<double>(above.size());
+  const Eigen::ArrayXd deviation = above - above.mean() / below.mean() * below;
+  return kQuantile * std::sqrt(deviation.square().sum() / (count * (count - 1))) / below.mean();
+}
+
 }  // namespace
 
 std::vector<SobolIndices> sobol_indices(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const Model& model) {
@@ -45,10 +53,13 @@ std::vector<SobolIndices> sobol_indices(const Eigen::MatrixXd& a, const Eigen::M
     for (Eigen::Index output = 0; output < of_a.cols(); ++output) {
       SobolIndices& to = out[static_cast<std::size_t>(output)];
       const double all = variance[output];
-      const double alone = from_b.col(output).dot(of_mixed.col(output) - from_a.col(output)) / count;
-      const double rest = 0.5 * (from_a.col(output) - of_mixed.col(output)).squaredNorm() / count;
-      to.first.push_back(all > 0 ? alone / all : 0);
-      to.total.push_back(all > 0 ? rest / all : 0);
+      const Eigen::ArrayXd y_a = from_a.col(output), y_b = from_b.col(output), y_mixed = of_mixed.col(output);
+      const Eigen::ArrayXd alone = y_b * (y_mixed - y_a), rest = 0.5 * (y_a - y_mixed).square();
+      const Eigen::ArrayXd squares = 0.5 * (y_a.square() + y_b.square());
+      to.first.push_back(all > 0 ? alone.mean() / all : 0);
+      to.total.push_back(all > 0 ? rest.mean() / all : 0);
+      to.first_error.push_back(all > 0 ? error_of_ratio(alone, squares) : 0);
+      to.total_error.push_back(all > 0 ? error_of_ratio(rest, squares) : 0);
       to.mean = mean[output];
       to.variance = all;
     }
@@ -62,8 +73,9 @@ std::string dominant_inputs(const SobolIndices& indices, const std::vector<std::
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, std::greater(), [&](std::size_t i) { return indices.total[i]; });
   const auto part = [&](std::size_t i) {
-    return fmt::format("{} ({:.0f} % of the variance alone, {:.0f} % in total)", names[i], 100 * indices.first[i],
-                       100 * indices.total[i]);
+    return fmt::format("{} ({:.0f} ± {:.0f} % of the variance alone, {:.0f} ± {:.0f} % in total)", names[i],
+                       100 * indices.first[i], 100 * indices.first_error[i], 100 * indices.total[i],
+                       100 * indices.total_error[i]);
   };
   constexpr double kMatters = 0.1;
   std::string out = part(order[0]) + " dominates";

@@ -11,10 +11,14 @@
 namespace reamsim {
 
 /// Fractions of the variance of an output (Sobol 2001). The first-order index of an input is what it explains alone,
-/// its total index what remains unexplained without it. Both are 0 where the output does not vary.
+/// its total index what remains unexplained without it. Both are 0 where the output does not vary. They are estimates:
+/// that of an input that explains nearly all may exceed 1, and the first order may exceed the total.
 struct SobolIndices {
   std::vector<double> first;
   std::vector<double> total;
+  /// Half the widths of their 95 % intervals, as of independent samples; those of a Sobol sequence scatter less.
+  std::vector<double> first_error;
+  std::vector<double> total_error;
   double mean = 0;
   double variance = 0;
 };

@@ -12,6 +12,7 @@
 #include "sim/base/file.h"
 #include "sim/base/mistake_list.h"
 #include "sim/base/printable.h"
+#include "sim/base/text.h"
 #include "sim/scenario/find_key.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
@@ -37,6 +38,9 @@ constexpr std::array<std::string_view, 9> kConstants{"cutting.specific_energy_j_
 
 /// The first line of the study of the runs, by which a folder is known as that of an analysis.
 constexpr std::string_view kRunsMark = "# The runs of an uncertainty analysis; written by reamsim.\n";
+
+/// What the runs have where forces for the constants follow from them.
+constexpr std::string_view kWithBasis = "output.force_basis=true";
 
 std::string runs_file(const std::string& dir) {
   return dir + "/runs.yaml";
@@ -92,6 +96,10 @@ bool holds_uq_runs(const std::string& dir) {
   return read_file_start(runs_file(dir), kRunsMark.size()) == kRunsMark;
 }
 
+bool has_forces_of_base_law(const Study& runs, const std::string& dir) {
+  return holds_uq_runs(dir) && std::ranges::find(runs.set, kWithBasis) != runs.set.end();
+}
+
 UqDesign::UqDesign(Study study) : study_(std::move(study)) {
   require_samples_alone(study_);
   const SampleSettings& sample = *study_.sample;
@@ -143,7 +151,7 @@ void UqDesign::require_samples_in_range() const {
 Study UqDesign::study_of_runs() const {
   Study runs = study_;
   std::erase_if(runs.set, [](const std::string& assignment) { return assignment.starts_with("output.force_basis="); });
-  runs.set.insert(runs.set.begin(), std::string("output.force_basis=") + (needs_basis() ? "true" : "false"));
+  runs.set.insert(runs.set.begin(), needs_basis() ? std::string(kWithBasis) : "output.force_basis=false");
   std::erase_if(runs.sample->of, is_constant);
   runs.sample->points = run_points_;
   if (runs.sample->of.empty()) runs.sample.reset();

@@ -21,6 +21,8 @@ struct UncertainInput {
 
 /// Whether a folder holds the runs of an uncertainty analysis, as UqDesign::write_runs() names them.
 bool holds_uq_runs(const std::string& dir);
+/// Whether it does, and their forces are those of the base's force law: sampled constants of the law have no runs.
+bool has_forces_of_base_law(const Study& runs, const std::string& dir);
 
 /// The points at which the outputs of a study are needed for bands and sensitivity indices, and the runs that they
 /// need.

@@ -68,15 +68,6 @@ struct Intervals {
   }
 };
 
-/// Numbers of a summary that the constants of the force law change: these come from the basis.
-bool depends_on_law(const std::string& name) {
-  static constexpr std::string_view kSections[] = {"headline.", "forces.", "force_law.", "passes."};
-  static constexpr std::string_view kNumbers[] = {"work_mj", "energy_mj", "floor_energy_mj", "friction_energy_mj",
-                                                  "balance"};
-  return std::ranges::any_of(kSections, [&](std::string_view section) { return name.starts_with(section); }) ||
-         std::ranges::find(kNumbers, name) != std::end(kNumbers);
-}
-
 /// The numbers that differ between runs; a run that lacks one has NaN.
 class RunNumbers {
  public:
@@ -198,6 +189,14 @@ void add_ends(const UqDesign& design, UqResults& out) {
 
 }  // namespace
 
+bool depends_on_law(const std::string& name) {
+  static constexpr std::string_view kSections[] = {"headline.", "forces.", "force_law.", "passes."};
+  static constexpr std::string_view kNumbers[] = {"work_mj", "energy_mj", "floor_energy_mj", "friction_energy_mj",
+                                                  "balance"};
+  return std::ranges::any_of(kSections, [&](std::string_view section) { return name.starts_with(section); }) ||
+         std::ranges::find(kNumbers, name) != std::end(kNumbers);
+}
+
 UqResults evaluate_uq(const UqDesign& design, const std::vector<std::string>& run_dirs) {
   const RunNumbers numbers(run_dirs);
   UqResults out;
@@ -232,8 +231,13 @@ UqResults evaluate_uq(const UqDesign& design, const std::vector<std::string>& ru
   const auto indices =
       sobol_indices(design.a(), design.b(), [&](const Eigen::VectorXd& point) { return evaluated.at(key_of(point)); });
   for (const SobolIndices& of_output : indices) {
-    out.first.push_back(Eigen::Map<const Eigen::VectorXd>(of_output.first.data(), std::ssize(of_output.first)));
-    out.total.push_back(Eigen::Map<const Eigen::VectorXd>(of_output.total.data(), std::ssize(of_output.total)));
+    const auto vector_of = [](const std::vector<double>& values) {
+      return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), std::ssize(values)));
+    };
+    out.first.push_back(vector_of(of_output.first));
+    out.total.push_back(vector_of(of_output.total));
+    out.first_error.push_back(vector_of(of_output.first_error));
+    out.total_error.push_back(vector_of(of_output.total_error));
     out.dominant.push_back(dominant_inputs(of_output, out.inputs));
   }
   add_ends(design, out);

@@ -23,11 +23,15 @@ struct UqResults {
   std::vector<std::string> outputs;
   Eigen::MatrixXd samples;                    ///< of the two independent samples: rows points, columns outputs
   std::vector<Eigen::VectorXd> first, total;  ///< Sobol indices by output, over the inputs
-  std::vector<std::string> dominant;          ///< in words, by output
-  std::vector<Eigen::VectorXd> low, high;     ///< means of an output in the lowest and highest fifth of each input
-  std::vector<double> time_s;                 ///< ends of the intervals of the histories
-  std::vector<ForceHistory> histories;        ///< of the same points as `samples`
+  std::vector<Eigen::VectorXd> first_error, total_error;  ///< half their 95 % intervals
+  std::vector<std::string> dominant;                      ///< in words, by output
+  std::vector<Eigen::VectorXd> low, high;  ///< means of an output in the lowest and highest fifth of each input
+  std::vector<double> time_s;              ///< ends of the intervals of the histories
+  std::vector<ForceHistory> histories;     ///< of the same points as `samples`
 };
+
+/// Whether a result of a study's table, such as "forces.peak_force_n", follows from the constants of the force law.
+bool depends_on_law(const std::string& name);
 
 /// Evaluates all points of a design. `run_dirs`: finished runs, in the order of the design, with a force basis where it
 /// needs one. Outputs

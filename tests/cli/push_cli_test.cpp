@@ -12,6 +12,7 @@ namespace reamsim::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// kSmall with a push; `more` are lines of motion.push.
 std::string pushed(const std::string& more) {
@@ -85,6 +86,24 @@ TEST_F(PushCommand, StallEndsAndIsListed) {
   ASSERT_EQ(events.size(), 3U);
   EXPECT_EQ(events[1].at("event"), "stall");
   EXPECT_EQ(std::stod(events[1].at("value")), 60);
+}
+
+TEST_F(PushCommand, AnEdgeForceWithoutRemovalIsContact) {
+  const std::string yaml = pushed("    until: stall\n") +
+                           "cutting: {edge_force: {tangential_n_mm: 1, normal_n_mm: 1000, cutting_edges: 6}}\n";
+  const ProgramResult result = run(yaml);
+  expect_done(result);
+  EXPECT_EQ(summary()["removed_mm3"], 0);
+  const auto rows = table("out/forces.csv"), events = table("out/events.csv");
+  std::size_t touching = 0;
+  for (const auto& row : rows) touching += std::stod(row.at("axial_force_n")) > 0 ? 1 : 0;
+  EXPECT_GT(touching, 5U);
+  ASSERT_GE(events.size(), 2U);
+  EXPECT_EQ(events[0].at("event"), "contact");
+  EXPECT_EQ(events[1].at("event"), "stall");
+  EXPECT_EQ(summary()["contact_frames"], touching);
+  EXPECT_EQ(std::to_string(summary()["first_contact_frame"].get<int>()), events[0].at("frame"));
+  EXPECT_THAT(result.err, Not(HasSubstr("never touches")));
 }
 
 TEST_F(PushCommand, ProfileSetsTheThrust) {

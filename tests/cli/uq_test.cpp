@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Uq : public Sweep {
  protected:
@@ -63,6 +64,26 @@ TEST_F(Uq, OtherInputsNeedRuns) {
   EXPECT_EQ(removed["inputs"]["cutting.specific_energy_j_mm3"]["total"], 0);
   EXPECT_GT(removed["inputs"]["motion.plunge.depth_mm"]["mean_in_highest_fifth"].get<double>(),
             removed["inputs"]["motion.plunge.depth_mm"]["mean_in_lowest_fifth"].get<double>());
+}
+
+// Effects of geometry alone on forces, with the force law of the base, would contradict those of all inputs.
+TEST_F(Uq, ForcesHaveOneAnswer) {
+  write("uq.yaml",
+        "version: 1\nbase: s.yaml\nsample: {n: 16, of: {motion.plunge.depth_mm: {uniform: [0.5, 1]}, "
+        "cutting.specific_energy_j_mm3: {uniform: [0.05, 0.3]}}}\n");
+  const ProgramResult result =
+      reamsim({.arguments = {"uq", "uq.yaml", "-o", "uq"}, .environment = {}, .folder = "", .interrupt_when = {}});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("Removed volume"), HasSubstr("those of the base's force law"),
+                                HasSubstr("peak_axial_force_n: "), HasSubstr("±: 95 % sampling error")));
+  for (const std::string& shown : {result.out, read("uq/effects.csv")}) {
+    EXPECT_THAT(shown, AllOf(Not(HasSubstr("Peak axial force")), Not(HasSubstr("headline."))));
+  }
+  EXPECT_THAT(lines("uq/runs.csv")[0], HasSubstr("headline.peak_axial_force_n"));
+  const auto input = nlohmann::json::parse(
+      read("uq/uq.json"))["outputs"]["peak_axial_force_n"]["inputs"]["cutting.specific_energy_j_mm3"];
+  EXPECT_GT(input["first_order_error"].get<double>(), 0.01);
+  EXPECT_GT(input["total_error"].get<double>(), 0.01);
 }
 
 TEST_F(Uq, ConstantsInWhichForcesAreNotLinearNeedRuns) {

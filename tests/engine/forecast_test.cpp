@@ -4,6 +4,7 @@
 // What `check` says that exact erosion will take, against what it takes.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -15,6 +16,7 @@
 #include "sim/engine/make_engine.h"
 #include "sim/plan/memory_plan.h"
 #include "sim/predict/contact_forecast.h"
+#include "tests/engine/frame_rows.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::forecast_tests {
@@ -107,6 +109,25 @@ TEST(ContactForecast, MeetsWhatItTouches) {
   EXPECT_TRUE(forecast_contact(upright({0, 1, 9}, {0, 1, -0.05})).touches);
   EXPECT_TRUE(forecast_contact(upright({-90, 0, -0.3}, {90, 0, -0.3})).touches) << "only on the way";
   EXPECT_TRUE(forecast_contact(plunge()).touches);
+}
+
+TEST(ContactForecast, IsNeverWrongWhereARunCuts) {
+  // Down and back up, with the turning point between the steps of the search. The rim of the bore lies 0.025 mm above
+  // the tool's origin.
+  for (const double lowest_mm : {0.12, 0.02, -0.03, -0.045, -0.07}) {
+    ReamingScene scene = upright({0, 1, 0.5}, {0, 1, lowest_mm});
+    std::vector<ToolPose> poses = scene.motion.poses.all();
+    for (std::size_t i = poses.size(); i-- > 0;) poses.push_back(poses[i]);
+    scene.motion.poses = poses;
+    const bool touches = forecast_contact(scene).touches;
+    const test::FrameRows rows = test::run_rows(scene);
+    EXPECT_TRUE(touches || std::ranges::none_of(rows.rows, &FrameResult::in_contact)) << lowest_mm;
+    if (lowest_mm < -0.026) {
+      EXPECT_TRUE(std::ranges::any_of(rows.rows, &FrameResult::in_contact)) << lowest_mm;
+    }
+  }
+  // Over a rounded tool, more than the diagonal of a voxel of 0.2 mm is clear of the bone.
+  EXPECT_FALSE(forecast_contact(upright({0, 1, 9}, {0, 1, 0.4})).touches);
 }
 
 /// The first and the last frame that removes bone: more than the units of fill by which windows of smooth motion and

@@ -156,6 +156,55 @@ TEST_F(Library, PeekIsTheStepThatFollowsAndRemovesNothing) {
   EXPECT_EQ(peeked.removed_mm3, done.removed_mm3);
 }
 
+/// Every number of a step.
+std::vector<double> numbers_of(const StepResult& step) {
+  std::vector<double> out{static_cast<double>(step.frame),
+                          step.time_s,
+                          step.axial_force_n,
+                          step.spin_torque_nmm,
+                          step.depth_mm,
+                          static_cast<double>(step.contacts),
+                          step.removed_mm3,
+                          step.energy_mj,
+                          step.floor_energy_mj,
+                          step.balance,
+                          step.pose.spin_rpm,
+                          step.pose.spin_angle_rad.value_or(-1)};
+  for (const auto& v : {step.force_n, step.torque_nmm, step.pose.position_mm})
+    out.insert(out.end(), v.begin(), v.end());
+  out.insert(out.end(), step.pose.quaternion.begin(), step.pose.quaternion.end());
+  return out;
+}
+
+// The bone that a substep meets is the one that the substeps before it leave.
+TEST_F(Library, PeekHasTheSubstepsOfTheStep) {
+  for (const char* change : {"engine.device=auto", "engine.device=serial", "engine.max_step_voxels=0.25",
+                             "cutting.edge_force={tangential_n_mm: 2, normal_n_mm: 3, cutting_edges: 6}"}) {
+    Simulation simulation(scenario(), {change});
+    Pose at = simulation.planned_poses().front();
+    at.spin_rpm = 300;
+    const auto moved = [&at](double x, double z) {
+      at.position_mm = {x, 0, z};
+      return at;
+    };
+    simulation.start(moved(0, 1));
+    for (const auto& [pose, dt] :
+         std::vector<std::pair<Pose, std::optional<double>>>{{moved(0, -3), 0.5},    // from outside, many substeps
+                                                             {moved(0, -3.01), {}},  // a single one
+                                                             {moved(3, -4), 2.0},    // sideways within the bone
+                                                             {moved(3, 6), 0.1},     // out of it
+                                                             {moved(90, 40), 0.1},   // far from it
+                                                             {moved(0, -4.5), 1.0}}) {
+      const Volume before = simulation.fill();
+      const std::vector<double> peeked = numbers_of(simulation.peek(pose, dt));
+      EXPECT_EQ(simulation.fill().values, before.values);
+      EXPECT_EQ(numbers_of(simulation.peek(pose, dt)), peeked) << "a second time";
+      EXPECT_EQ(peeked, numbers_of(simulation.step(pose, dt))) << change << ", frame " << simulation.frame();
+    }
+    EXPECT_GT(simulation.removed_mm3(), 100);
+  }
+}
+
 TEST_F(Library, FillAndDensityCoverTheBone) {
   Simulation simulation(scenario());
   const Volume fill = simulation.fill(), density = simulation.density();
@@ -170,6 +219,13 @@ TEST_F(Library, SpringsAreLeftOutWithAWarning) {
   const Simulation rigid(scenario()), springs(scenario(), {"motion.compliance={stiffness_n_mm: [10, 10, 10]}"});
   EXPECT_THAT(rigid.warnings(), ::testing::Not(::testing::Contains(::testing::HasSubstr("motion.compliance"))));
   EXPECT_THAT(springs.warnings(), ::testing::Contains(::testing::HasSubstr("motion.compliance")));
+}
+
+TEST_F(Library, APushIsLeftOutWithAWarning) {
+  const Simulation push(scenario(),
+                        {"motion.plunge=null", "motion.push={thrust_n: 60, depth_mm: 1, approach_mm: 0.2}"});
+  EXPECT_THAT(push.warnings(), ::testing::Contains(::testing::HasSubstr("motion.push: without a hand here")));
+  EXPECT_GT(push.planned_poses().size(), 10U);
 }
 
 TEST_F(Library, MistakesAreTyped) {

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 
 import numpy
 import pytest
@@ -108,6 +109,30 @@ def test_warnings_of_the_program_are_warnings(small, tmp_path):
     with pytest.warns(reamsim.ReamsimWarning, match="never"):
         run = reamsim.run(small, tmp_path / "out", motion__plunge__entry_mm=[50, 0, 0])
     assert any("never" in warning for warning in run.warnings)
+
+
+def test_warnings_before_an_error_are_warnings_too(small, fake_program):
+    fake_program('echo "reamsim: warning: a hole" >&2; echo "reamsim: error: no such device" >&2; exit 2')
+    with pytest.raises(reamsim.InputError, match="^no such device$"), \
+            pytest.warns(reamsim.ReamsimWarning, match="^a hole$") as caught:
+        reamsim.run(small)
+    assert caught[0].filename == __file__, "it names the caller"
+    # Where warnings are errors, the error of the program is not lost.
+    with warnings.catch_warnings(), pytest.raises(reamsim.InputError, match="^no such device$") as raised:
+        warnings.simplefilter("error", reamsim.ReamsimWarning)
+        reamsim.run(small)
+    assert isinstance(raised.value.__cause__, reamsim.ReamsimWarning)
+
+
+def test_each_run_shows_its_warnings(small, fake_program):
+    fake_program('echo "reamsim: warning: a hole" >&2; echo "reamsim: error: no such device" >&2; exit 2')
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("default", reamsim.ReamsimWarning)
+        with pytest.raises(reamsim.InputError):
+            reamsim.run(small)
+        with pytest.raises(reamsim.InputError):
+            reamsim.run(small)
+    assert len(caught) == 2
 
 
 def test_progress_is_shown_on_request(small, tmp_path, capfd):

@@ -228,6 +228,15 @@ def test_peek_is_the_step_that_follows(block):
     assert done.removed_mm3 > 0 and peeked == done
 
 
+def test_peek_has_the_substeps_of_the_step(block):
+    simulation = reamsim.Simulation(block)
+    simulation.start([0, 0, 1], [1, 0, 0, 0], 250)
+    for place, dt_s in (([0, 0, -3], 0.5), ([2, 0, -4], 2.0)):
+        peeked = simulation.peek(place, [1, 0, 0, 0], 250, dt_s=dt_s)
+        done = simulation.step(place, [1, 0, 0, 0], 250, dt_s=dt_s)
+        assert done.removed_mm3 > 0 and peeked == done
+
+
 def test_warnings_of_the_simulator_are_warnings_of_python(block):
     simulation = reamsim.Simulation(block)
     with pytest.warns(reamsim.ReamsimWarning, match="starts in the bone") as caught:
@@ -235,6 +244,13 @@ def test_warnings_of_the_simulator_are_warnings_of_python(block):
     assert caught[0].filename == __file__, "it names the caller"
     with pytest.warns(reamsim.ReamsimWarning, match="spindle speed is zero"):
         simulation.step([0, 0, -1.2], [1, 0, 0, 0], 0)
+
+
+def test_planned_poses_of_a_push_are_warned_of(block):
+    block["motion"] = {"frame_rate_hz": 500, "push": {"thrust_n": 60, "depth_mm": 1}}
+    with pytest.warns(reamsim.ReamsimWarning, match="motion.push: without a hand here"):
+        simulation = reamsim.Simulation(block)
+    assert len(simulation.planned_poses()) > 10
 
 
 def test_simulations_do_not_meet(block):

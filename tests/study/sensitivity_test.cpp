@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <random>
 
 #include "sim/study/nonnegative_least_squares.h"
 #include "sim/study/sensitivity.h"
@@ -63,6 +64,41 @@ TEST(Sensitivity, SobolIndicesOfAProduct) {
   EXPECT_NEAR(found[0].mean / (1000 * 0.15 * 0.5 * 2), 1, 1e-3);
   EXPECT_NEAR(found[0].variance / (150 * 150 * (all - 1)), 1, 0.01);
   EXPECT_THAT(dominant_inputs(found[0], {"u0", "k_n", "depth"}), ::testing::StartsWith("u0 ("));
+}
+
+// u·(1 + x/2) of inputs in ±1: in independent samples the intervals have the true indices in 95 % of all cases.
+TEST(Sensitivity, IntervalsHaveTheTrueIndices) {
+  static constexpr int kTrials = 400, kSamples = 64;
+  std::mt19937_64 random(5);
+  const auto sample = [&random] {
+    Eigen::MatrixXd out(kSamples, 2);
+    for (int i = 0; i < kSamples; ++i)
+      for (int j = 0; j < 2; ++j) out(i, j) = std::ldexp(static_cast<double>(random() >> 11), -52) - 1;
+    return out;
+  };
+  // V = 1/3·(1 + 1/12); the first order of x is 0.
+  const double first[] = {12.0 / 13, 0}, total[] = {1, 1.0 / 13};
+  int first_within[2] = {}, total_within[2] = {};
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Eigen::MatrixXd a = sample(), b = sample();
+    const auto found = sobol_indices(a, b, [](const Eigen::VectorXd& x) {
+      return Eigen::VectorXd(Eigen::VectorXd::Constant(1, x[0] * (1 + 0.5 * x[1])));
+    })[0];
+    for (std::size_t i = 0; i < 2; ++i) {
+      first_within[i] += std::abs(found.first[i] - first[i]) <= found.first_error[i] ? 1 : 0;
+      total_within[i] += std::abs(found.total[i] - total[i]) <= found.total_error[i] ? 1 : 0;
+    }
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(static_cast<double>(first_within[i]) / kTrials, 0.95, 0.05) << i;
+    EXPECT_NEAR(static_cast<double>(total_within[i]) / kTrials, 0.95, 0.05) << i;
+  }
+}
+
+TEST(Sensitivity, AnIndexAboveOneHasItsError) {
+  const SobolIndices found{
+      .first = {1.02}, .total = {1.01}, .first_error = {0.06}, .total_error = {0.03}, .mean = 1, .variance = 1};
+  EXPECT_EQ(dominant_inputs(found, {"depth"}), "depth (102 ± 6 % of the variance alone, 101 ± 3 % in total) dominates");
 }
 
 TEST(Sensitivity, AConstantHasNoIndices) {

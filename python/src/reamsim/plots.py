@@ -73,7 +73,8 @@ def curve(run: Run, column: str, over: str = "depth") -> tuple[numpy.ndarray, nu
     if column not in (rows.dtype.names or ()):
         raise ValueError(f"column={column!r}: forces.csv has no such column")
     y = numpy.cumsum(rows[column]) if column in _SUMS else rows[column]
-    touching = numpy.flatnonzero(rows["contacts"] > 0)
+    # Edges that rub exert a force without removing bone.
+    touching = numpy.flatnonzero((rows["contacts"] > 0) | (rows["axial_force_n"] != 0))
     if touching.size == 0:
         return numpy.empty(0), numpy.empty(0)
     first, last = int(touching[0]), int(touching[-1])

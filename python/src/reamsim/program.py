@@ -10,6 +10,7 @@ import pathlib
 import shutil
 import signal
 import subprocess
+import sys
 import warnings
 from collections.abc import Sequence
 
@@ -75,12 +76,29 @@ def call(arguments: Sequence[str], *, show_output: bool = False) -> str:
             if child.returncode == 0:
                 raise
     lines = err.splitlines()
-    for line in lines:
-        if line.startswith(_WARNING):
-            warnings.warn(line.removeprefix(_WARNING), ReamsimWarning, stacklevel=3)
+    error = None
     if child.returncode != 0:
-        raise _error([line for line in lines if not line.startswith(_WARNING)], child.returncode)
+        error = _error([line for line in lines if not line.startswith(_WARNING)], child.returncode)
+    try:
+        _warn([line.removeprefix(_WARNING) for line in lines if line.startswith(_WARNING)])
+    except ReamsimWarning as warning:  # the caller wants warnings as errors
+        if error is None:
+            raise
+        raise error from warning
+    if error is not None:
+        raise error
     return out
+
+
+def _warn(texts: Sequence[str]) -> None:
+    """Issues warnings in the name of the caller of this package. Those of a line within it would be shown once, however
+    many runs have them."""
+    package, level = str(pathlib.Path(__file__).parent), 2
+    frame = sys._getframe(1)
+    while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == package:
+        frame, level = frame.f_back, level + 1
+    for text in texts:
+        warnings.warn(text, ReamsimWarning, stacklevel=level)
 
 
 def _communicate(child: subprocess.Popen[str], show_output: bool) -> tuple[str, str]:

@@ -80,7 +80,7 @@ def scenario_file(scenario: str | os.PathLike[str] | Mapping[str, Any]) -> Itera
             yield str(path)
         except InputError as error:
             lines = [re.sub(rf"^{re.escape(str(path))}(:\d+:\d+)?", "scenario", line) for line in error.lines]
-            raise InputError(lines, error.status) from None
+            raise InputError(lines, error.status) from error.__cause__
 
 
 def scenario_text(scenario: Mapping[str, Any], folder: pathlib.Path) -> str:

@@ -104,7 +104,8 @@ class Simulation {
   /// start(). `stop` is called several times a second; where it returns true, the steps end early: as many as results.
   /// Wrong poses are found before the first step.
   std::vector<StepResult> run(std::span<const Pose> poses, const std::function<bool()>& stop = {});
-  /// Force and torque that step() would give, without removing bone. Only for erosion exact.
+  /// What step() would return, without removing bone. Only for erosion exact. A motion of more than
+  /// engine.max_step_voxels takes longer than in step(), because the bone is put back.
   [[nodiscard]] StepResult peek(const Pose& pose, std::optional<double> dt = {});
 
   /// The part of each voxel that is left, 0 to 1.
