@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "sim/scenario/find_key.h"
+#include "sim/scenario/presets.h"
 
 namespace reamsim {
 
@@ -78,9 +79,12 @@ std::vector<std::string> refused_constants(const ForceFit& fit) {
 /// J/mm3: a tenth of the least that the project assumes at a density, and several times that of the thinnest chips
 /// (docs/physics.md, section 4).
 Range usual_energy(double density_g_cm3) {
-  constexpr double kTenthOfLeast = 0.005, kExponent = 2.5, kDensity = 1.8;  // of literature-low
-  constexpr double kMost = 20;
-  return {kTenthOfLeast * std::pow(std::min(density_g_cm3 / kDensity, 1.0), kExponent), kMost};
+  constexpr double kOfLeast = 0.1, kMost = 20;
+  CuttingSettings low;
+  low.preset = EnergyPreset::literature_low;
+  apply_preset({}, low);
+  const double relative = std::min(density_g_cm3 / low.reference_density_g_cm3, 1.0);
+  return {kOfLeast * low.specific_energy_j_mm3 * std::pow(relative, low.density_exponent), kMost};
 }
 
 /// The specific energies of a fit, each at the density of the bone that tells it: u0 itself may be extrapolated.

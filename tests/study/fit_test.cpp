@@ -7,6 +7,7 @@
 #include <iostream>
 #include <numbers>
 
+#include "sim/scenario/presets.h"
 #include "sim/study/fit_forces.h"
 #include "tests/study/basis_scene.h"
 
@@ -269,8 +270,8 @@ TEST(Fit, DoesNotWarnOfSoftBone) {
   // u0 at 1.8 g/cm3 says nothing of bone of 0.3 g/cm3: literature-low is 0.0006 J/mm3 there.
   const Simulated run = simulated(two_layers(0.3, 0.2));
   CuttingSettings low = run.cutting;
-  low.specific_energy_j_mm3 = 0.05;
-  low.density_exponent = 2.5;
+  low.preset = EnergyPreset::literature_low;
+  apply_preset({}, low);
   std::mt19937 random(10);
   const MeasuredForces measured = measure(run, force_constants(low), kAxial, 0.01, random);
   for (const FitOptions& options : {FitOptions(), kClasses})
