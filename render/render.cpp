@@ -146,8 +146,7 @@ class PictureComposer {
     if (frame.image.has_plain_rows()) {
       warnings_.push_back(
           fmt::format("{} looks empty: move position_mm of the camera {} out of the bone, aim target_mm at the bone, "
-                      "or use a larger "
-                      "fov_deg or width_mm",
+                      "or use a larger fov_deg or width_mm",
                       name, camera.name));
     }
     writer_.write(dir_ + "/" + name, page_with(std::move(frame.image), camera, labels));
