@@ -2,22 +2,32 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Installs what is missing, builds, and runs the tests: ./test.sh [--all] [ctest arguments]. --all adds those that need a
-# browser (label browser), and installs one. Campaigns of minutes to hours (label long), and those that need a cluster (label
-# cluster) or make roots of Debian and a container (label container), are left out: ctest --test-dir build/release -L 'long|cluster|container'
+# Installs what is missing, builds, and runs the tests: ./test.sh [--all] [--developer] [ctest arguments].
+#   --all        adds the tests that need a browser (label browser), and installs one
+#   --developer  adds the checks of a change (label developer): warnings are errors, and the format
+# Campaigns of minutes to hours (label long), and tests that need a cluster (label cluster) or make roots of Debian and a
+# container (label container), are left out: ctest --test-dir build/release -L 'long|cluster|container'
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source cmake/setup.sh
-browser=OFF
 # Tests of the public CT and meshes are skipped where this folder does not hold them.
 export REAMSIM_DATA="${REAMSIM_DATA:-$PWD/../shared/data}"
-if [ "${1-}" = --all ]; then
-  browser=ON
+browser=OFF
+developer=OFF
+while true; do
+  case "${1-}" in
+    --all) browser=ON ;;
+    --developer) developer=ON ;;
+    *) break ;;
+  esac
   shift
-  install_missing "${browser_packages[@]}"
-fi
-install_missing "${build_packages[@]}" "${test_packages[@]}"
-build_release ON all "-DREAMSIM_BROWSER_TESTS=$browser"
+done
+packages=("${build_packages[@]}" "${test_packages[@]}")
+left_out='long|cluster|container'
+[ $browser = OFF ] || packages+=("${browser_packages[@]}")
+[ $developer = ON ] && packages+=("${developer_packages[@]}") || left_out+='|developer'
+install_missing "${packages[@]}"
+build_release ON all 40 "-DREAMSIM_BROWSER_TESTS=$browser" "-DCMAKE_COMPILE_WARNING_AS_ERROR=$developer"
 say "testing"
 # One more than processors: many tests wait for a browser, a limit of time, or a signal.
-ctest --test-dir "$build" --output-on-failure --parallel "$(($(nproc) + 1))" --label-exclude '^(long|cluster|container)$' "$@"
+ctest --test-dir "$build" --output-on-failure --parallel "$(($(nproc) + 1))" --label-exclude "^($left_out)$" "$@"

@@ -1,7 +1,13 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Third-party libraries, all from Debian 12 packages (see run.sh for the list). Their headers count as system headers.
+# Third-party libraries, all from Debian's packages (cmake/setup.sh lists them). Their headers count as system headers.
+# ITK first: since 5.4 it brings VTK, whose FindTBB stops where that of OpenVDB has defined TBB::tbb before.
+find_package(ITK REQUIRED QUIET COMPONENTS
+  ITKCommon ITKIOImageBase ITKIONRRD ITKIONIFTI ITKIOMeta ITKIOGDCM ITKSmoothing ITKAnisotropicSmoothing ITKCurvatureFlow
+  ITKImageGrid ITKImageFunction ITKThresholding ITKConnectedComponents ITKMathematicalMorphology
+  ITKBinaryMathematicalMorphology ITKDistanceMap ITKLabelMap)
+
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
@@ -9,6 +15,9 @@ find_package(fmt REQUIRED)
 find_package(Boost REQUIRED)  # headers: Sobol sequence, quantiles
 find_package(OpenCL REQUIRED)
 find_package(yaml-cpp REQUIRED)
+if(NOT TARGET yaml-cpp::yaml-cpp)  # its name since 0.8
+  add_library(yaml-cpp::yaml-cpp ALIAS yaml-cpp)
+endif()
 find_package(assimp REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
@@ -21,15 +30,9 @@ find_package(meshoptimizer REQUIRED)
 list(APPEND CMAKE_MODULE_PATH "/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB")
 find_package(OpenVDB REQUIRED QUIET)
 
-find_package(ITK REQUIRED QUIET COMPONENTS
-  ITKCommon ITKIOImageBase ITKIONRRD ITKIONIFTI ITKIOMeta ITKIOGDCM ITKSmoothing ITKAnisotropicSmoothing ITKCurvatureFlow
-  ITKImageGrid ITKImageFunction ITKThresholding ITKConnectedComponents ITKMathematicalMorphology
-  ITKBinaryMathematicalMorphology ITKDistanceMap ITKLabelMap)
-
 # ITK reads DICOM through GDCM and brings its libraries; its headers serve to read tags without pixels.
 find_path(GDCM_HEADERS gdcmReader.h PATH_SUFFIXES gdcm-3.0 gdcm REQUIRED)
 
-pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
 pkg_check_modules(EGL REQUIRED IMPORTED_TARGET egl)
 pkg_check_modules(SECCOMP REQUIRED IMPORTED_TARGET libseccomp)
 pkg_check_modules(PANGOCAIRO REQUIRED IMPORTED_TARGET pangocairo)
