@@ -171,7 +171,7 @@ void Outputs::make_pictures(Report& report, const Console& console) {
     progress.update(done, total);
     if (stop_requested()) throw Interrupted();
   };
-  render_pictures(run_, options_.pictures, tell, &report, render_thread_.get());
+  render_context_ = render_pictures(run_, options_.pictures, tell, &report, render_thread_.get());
   progress.finish();
 }
 

@@ -55,6 +55,8 @@ class Outputs {
   /// `report` gets all warnings. Throws InputError when a result is missing or damaged, RunError when an output cannot
   /// be made or written, and Interrupted; always after both threads have ended.
   void make(Report& report, const Console& console);
+  /// After make(): what rendered the pictures, empty where there are none.
+  [[nodiscard]] const std::string& render_context() const { return render_context_; }
   /// Writes report.html if the options ask for it. DIR/summary.json must be complete.
   void make_report() const;
 
@@ -67,6 +69,7 @@ class Outputs {
 
   RunData run_;
   OutputOptions options_;
+  std::string render_context_;
   std::unique_ptr<RenderThread> render_thread_;  ///< during a simulation with pictures
 };
 

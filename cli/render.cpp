@@ -285,7 +285,7 @@ void add_render_command(CLI::App& app, Console& console) {
       ->take_all();
   command->add_option("--width", options->width_px, "Width of the pictures in pixels");
   command->add_option("--height", options->height_px, "Height of the pictures in pixels");
-  command->add_option("--context", options->context, "OpenGL context")->type_name("osmesa|egl");
+  command->add_option("--context", options->context, "OpenGL context")->type_name("auto|osmesa|egl");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { render_command(*options, console); });
 }

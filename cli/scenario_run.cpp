@@ -199,6 +199,7 @@ class ScenarioRun {
     const Stopwatch watch;
     const auto finish = [&] {
       facts_.render_s = watch.seconds();
+      facts_.render_context = outputs_->render_context();
       finish_summary(totals);
     };
     try {

@@ -33,7 +33,16 @@ find_package(OpenVDB REQUIRED QUIET)
 # ITK reads DICOM through GDCM and brings its libraries; its headers serve to read tags without pixels.
 find_path(GDCM_HEADERS gdcmReader.h PATH_SUFFIXES gdcm-3.0 gdcm REQUIRED)
 
-pkg_check_modules(EGL REQUIRED IMPORTED_TARGET egl)
+pkg_check_modules(EGL REQUIRED IMPORTED_TARGET egl)  # headers
+# Opened at run time, where it exists: Mesa has no OSMesa since 25.1.
+find_library(REAMSIM_OSMESA NAMES libOSMesa.so.8 OSMesa NO_CACHE)
+set(REAMSIM_OFFSCREEN EGL)
+if(REAMSIM_OSMESA)
+  set(REAMSIM_OFFSCREEN OSMesa)
+  message(STATUS "reamsim: pictures are rendered with OSMesa (${REAMSIM_OSMESA})")
+else()
+  message(STATUS "reamsim: pictures are rendered with EGL; this system has no OSMesa")
+endif()
 pkg_check_modules(SECCOMP REQUIRED IMPORTED_TARGET libseccomp)
 pkg_check_modules(PANGOCAIRO REQUIRED IMPORTED_TARGET pangocairo)
 

@@ -197,8 +197,8 @@ void require_film_program(const RenderSettings& settings) {
   if (settings.enabled && settings.film != FilmFormat::none) require_encoder(settings.film);
 }
 
-void render_pictures(const RunData& run, const PictureOptions& options, const PictureProgress& progress, Report* report,
-                     RenderThread* thread) {
+std::string render_pictures(const RunData& run, const PictureOptions& options, const PictureProgress& progress,
+                            Report* report, RenderThread* thread) {
   if (options.settings.cameras.empty() && options.settings.user_cameras.empty()) {
     throw InputError({}, "render.cameras", "found none", "expected at least one camera");
   }
@@ -217,6 +217,7 @@ void render_pictures(const RunData& run, const PictureOptions& options, const Pi
     if (report != nullptr) {
       for (const std::string& warning : composer.warnings()) report->warn(warning);
     }
+    return thread->context();
   } catch (const std::filesystem::filesystem_error& error) {
     throw RunError(run.dir() + ": " + error.code().message());
   } catch (const std::bad_alloc&) {

@@ -27,9 +27,9 @@ void require_film_program(const RenderSettings& settings);
 /// DIR/contact_sheet.png, DIR/turntable/NNN.png, and films of frames and turntable, DIR/reamed.mp4 and
 /// DIR/turntable.mp4 (or .webp, .apng). `report` gets a warning when the requested context is not available and the
 /// other one is used, and when a picture of the final state looks empty. `thread` has started to render the same run
-/// with the same options. Throws InputError when a result is missing or damaged or a camera is unknown, RunError when a
-/// picture cannot be made or written.
-void render_pictures(const RunData& run, const PictureOptions& options, const PictureProgress& progress = nullptr,
+/// with the same options. Returns what rendered (OffscreenContext::description()). Throws InputError when a result is
+/// missing or damaged or a camera is unknown, RunError when a picture cannot be made or written.
+std::string render_pictures(const RunData& run, const PictureOptions& options, const PictureProgress& progress = nullptr,
                      Report* report = nullptr, RenderThread* thread = nullptr);
 
 }  // namespace reamsim

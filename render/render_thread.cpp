@@ -72,6 +72,7 @@ class RenderThread::Pass {
     thread_.wait_for_snapshot(view_.frames().front());
     Renderer renderer(view_);
     thread_.warning_ = renderer.warning();
+    thread_.context_ = renderer.context();
     render_cameras(renderer, RenderedFrame::Kind::before, schedule_.halves);
     if (schedule_.renders_during_run()) {
       for (const std::int64_t frame : view_.frames()) render_frame(renderer, frame);

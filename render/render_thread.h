@@ -79,6 +79,8 @@ class RenderThread {
   std::optional<RenderedFrame> next() { return queue_.pop(); }
   /// After next() has returned: a warning if the requested graphics context is not available; else empty.
   [[nodiscard]] const std::string& warning() const { return warning_; }
+  /// After next() has returned: what renders (OffscreenContext::description()).
+  [[nodiscard]] const std::string& context() const { return context_; }
 
  private:
   class Pass;
@@ -93,6 +95,7 @@ class RenderThread {
   bool stop_ = false;
   FrameQueue queue_;
   std::string warning_;
+  std::string context_;
   std::thread thread_;  ///< last member, because it uses the others
 };
 

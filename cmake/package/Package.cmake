@@ -34,9 +34,15 @@ set(same_version "(= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME reamsim)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(egl "libegl1, libegl-mesa0, libgl1-mesa-dri")
+if(REAMSIM_OSMESA)
+  set(offscreen_opengl "libosmesa6")
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS ${egl})  # render.context: egl
+else()
+  set(offscreen_opengl ${egl})
+endif()
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS
-  "pocl-opencl-icd | opencl-icd, libosmesa6, gnuplot-nox | gnuplot, fonts-dejavu-core")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri")  # render.context: egl
+  "pocl-opencl-icd | opencl-icd, ${offscreen_opengl}, gnuplot-nox | gnuplot, fonts-dejavu-core")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "ffmpeg, python3-reamsim")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "simulator of glenoid reaming
 reamsim removes bone from a CT scan, a surface mesh or a generated phantom

@@ -7,6 +7,8 @@
 #include <EGL/eglext.h>
 
 #include <array>
+#include <span>
+#include <string_view>
 
 #include "sim/base/error.h"
 
@@ -16,7 +18,8 @@ namespace {
 class EglContext final : public OffscreenContext {
  public:
   EglContext()
-      : library_({"libEGL.so.1", "libEGL.so"}, "EGL"),
+      : OffscreenContext(RenderContext::egl),
+        library_({"libEGL.so.1", "libEGL.so"}, "EGL"),
         make_current_(library_.function<decltype(&eglMakeCurrent)>("eglMakeCurrent")),
         destroy_(library_.function<decltype(&eglDestroyContext)>("eglDestroyContext")) {
     create();
@@ -46,10 +49,13 @@ class EglContext final : public OffscreenContext {
   void create() {
     const auto get_display = library_.function<decltype(&eglGetPlatformDisplay)>("eglGetPlatformDisplay");
     const auto initialize = library_.function<decltype(&eglInitialize)>("eglInitialize");
-    display_ = get_display(EGL_PLATFORM_SURFACELESS_MESA, reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr);
-    if (display_ == EGL_NO_DISPLAY) throw RunError("EGL has no surfaceless platform (Mesa's)");
+    const EGLDeviceEXT software = software_device();
+    display_ = software != nullptr ? get_display(EGL_PLATFORM_DEVICE_EXT, software, nullptr)
+                                   : get_display(EGL_PLATFORM_SURFACELESS_MESA,
+                                                 reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr);
+    if (display_ == EGL_NO_DISPLAY) throw RunError("EGL has no platform without a display (Mesa's)");
     if (initialize(display_, nullptr, nullptr) != EGL_TRUE) {
-      throw RunError("EGL cannot initialize its surfaceless platform");
+      throw RunError("EGL cannot initialize its platform without a display");
     }
     bind_opengl();
     const std::array<EGLint, 5> wanted{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, 0, EGL_NONE};
@@ -65,6 +71,23 @@ class EglContext final : public OffscreenContext {
     const auto create_context = library_.function<decltype(&eglCreateContext)>("eglCreateContext");
     context_ = create_context(display_, config, EGL_NO_CONTEXT, attributes.data());
     if (context_ == EGL_NO_CONTEXT) throw RunError("EGL cannot create an OpenGL 4.5 core context");
+  }
+
+  /// Mesa's software rasteriser among the devices of EGL, so that pictures do not depend on the machine's GPU; null
+  /// where EGL does not list devices, or has no such one.
+  [[nodiscard]] EGLDeviceEXT software_device() const {
+    const auto address = library_.function<decltype(&eglGetProcAddress)>("eglGetProcAddress");
+    const auto query_devices = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(address("eglQueryDevicesEXT"));
+    const auto query_string = reinterpret_cast<PFNEGLQUERYDEVICESTRINGEXTPROC>(address("eglQueryDeviceStringEXT"));
+    if (query_devices == nullptr || query_string == nullptr) return nullptr;
+    std::array<EGLDeviceEXT, 32> devices{};
+    EGLint count = 0;
+    if (query_devices(static_cast<EGLint>(devices.size()), devices.data(), &count) != EGL_TRUE) return nullptr;
+    for (const EGLDeviceEXT device : std::span(devices).first(static_cast<std::size_t>(count))) {
+      const char* const extensions = query_string(device, EGL_EXTENSIONS);
+      if (extensions != nullptr && std::string_view(extensions).find("EGL_MESA_device_software") != std::string_view::npos) return device;
+    }
+    return nullptr;
   }
 
   void bind_opengl() {
@@ -101,7 +124,8 @@ constexpr int OSMESA_CONTEXT_MINOR_VERSION = 0x37;
 class OsmesaContext final : public OffscreenContext {
  public:
   OsmesaContext()
-      : library_({"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"}, "OSMesa"),
+      : OffscreenContext(RenderContext::osmesa),
+        library_({"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"}, "OSMesa"),
         make_current_(library_.function<MakeCurrent>("OSMesaMakeCurrent")),
         destroy_(library_.function<DestroyContext>("OSMesaDestroyContext")) {
     const int attributes[] = {OSMESA_FORMAT,
@@ -152,6 +176,14 @@ class OsmesaContext final : public OffscreenContext {
 
 }  // namespace
 
+std::string OffscreenContext::description() const {
+  const auto text = [this](GLenum name) {
+    const GLubyte* const found = gl_.GetString(name);
+    return std::string(found == nullptr ? "unknown" : reinterpret_cast<const char*>(found));
+  };
+  return std::string(name_of(kind_)) + ": " + text(GL_RENDERER) + ", " + text(GL_VERSION);
+}
+
 std::unique_ptr<OffscreenContext> make_egl_context() {
   return std::make_unique<EglContext>();
 }
@@ -162,7 +194,7 @@ std::unique_ptr<OffscreenContext> make_osmesa_context() {
 
 std::unique_ptr<OffscreenContext> make_context(RenderContext wanted, std::string& fallback) {
   fallback.clear();
-  const bool osmesa_first = wanted == RenderContext::osmesa;
+  const bool osmesa_first = wanted != RenderContext::egl;
   std::string first_reason;
   try {
     return osmesa_first ? make_osmesa_context() : make_egl_context();
@@ -171,7 +203,9 @@ std::unique_ptr<OffscreenContext> make_context(RenderContext wanted, std::string
   }
   try {
     auto other = osmesa_first ? make_egl_context() : make_osmesa_context();
-    fallback = first_reason + "; rendering with " + (osmesa_first ? "egl" : "osmesa") + " instead";
+    if (wanted != RenderContext::automatic) {
+      fallback = first_reason + "; rendering with " + (osmesa_first ? "egl" : "osmesa") + " instead";
+    }
     return other;
   } catch (const RunError& error) {
     throw RunError("no off-screen OpenGL context: " + first_reason + "; " + error.what());

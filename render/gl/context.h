@@ -54,24 +54,32 @@ class OffscreenContext {
   OffscreenContext(const OffscreenContext&) = delete;
   OffscreenContext& operator=(const OffscreenContext&) = delete;
 
+  /// What renders: the name of the context, OpenGL's renderer and its version, as in "egl: llvmpipe (LLVM 19.1.7,
+  /// 256 bits), 4.5 (Core Profile) Mesa 25.0.7".
+  [[nodiscard]] std::string description() const;
   /// The OpenGL functions of this context.
   [[nodiscard]] const Gl& gl() const { return gl_; }
   /// Makes this context current on the calling thread.
   virtual void make_current() = 0;
 
  protected:
-  OffscreenContext() = default;
+  explicit OffscreenContext(RenderContext kind) : kind_(kind) {}
   Gl gl_;
+
+ private:
+  RenderContext kind_;
 };
 
 /// Mesa's software rasteriser through libOSMesa. Throws RunError: no library, no OpenGL 4.5.
 std::unique_ptr<OffscreenContext> make_osmesa_context();
 
-/// EGL on Mesa's surfaceless platform. Throws RunError: no library, no such platform, no OpenGL 4.5.
+/// EGL without a window: Mesa's software rasteriser where EGL lists it, otherwise what Mesa's surfaceless platform
+/// chooses. Throws RunError: no library, no such platform, no OpenGL 4.5.
 std::unique_ptr<OffscreenContext> make_egl_context();
 
-/// The `wanted` context, or the other one if it is not available; `fallback` then says so (else empty). Both give the
-/// same pictures on Mesa. Throws RunError with both reasons when neither works.
+/// The `wanted` context: `automatic` is OSMesa, or EGL where there is no OSMesa. Of a context that was asked for by name
+/// and is not available the other one is made; `fallback` then says so (else empty). Both give the same pictures on
+/// Mesa. Throws RunError with both reasons when neither works.
 std::unique_ptr<OffscreenContext> make_context(RenderContext wanted, std::string& fallback);
 
 }  // namespace reamsim

@@ -20,7 +20,7 @@ namespace reamsim {
   X(DepthMask) X(Disable) X(DrawArrays) X(DrawElements) X(Enable) X(EnableVertexAttribArray) \
   X(FramebufferRenderbuffer) X(GenBuffers) X(GenFramebuffers) X(GenRenderbuffers) X(GenTextures) X(GenVertexArrays) \
   X(BindRenderbuffer) X(GetError) X(GetIntegerv) X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) \
-  X(GetShaderiv) X(GetUniformLocation) X(LinkProgram) X(PixelStorei) X(ReadPixels) \
+  X(GetShaderiv) X(GetString) X(GetUniformLocation) X(LinkProgram) X(PixelStorei) X(ReadPixels) \
   X(RenderbufferStorageMultisample) X(ShaderSource) X(StencilFunc) X(StencilOpSeparate) X(TexImage2D) X(TexParameteri) X(Uniform1f) X(Uniform1i) \
   X(Uniform3fv) X(Uniform4fv) X(UniformMatrix4fv) X(UseProgram) X(VertexAttribPointer) X(Viewport)
 // clang-format on

@@ -113,6 +113,10 @@ double Renderer::deepest_mm() const {
   return state_->tiles.deepest_mm();
 }
 
+std::string Renderer::context() const {
+  return state_->context->description();
+}
+
 const std::string& Renderer::warning() const {
   return state_->warning;
 }

@@ -41,6 +41,8 @@ class Renderer {
   [[nodiscard]] double deepest_mm() const;
   /// A warning if the requested graphics context is not available and the other one is used; else empty.
   [[nodiscard]] const std::string& warning() const;
+  /// What renders (OffscreenContext::description()).
+  [[nodiscard]] std::string context() const;
 
  private:
   struct State;

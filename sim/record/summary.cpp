@@ -360,6 +360,7 @@ void write_summary(const std::string& dir, const ReamingScene& scene, const RunT
   json["tool"] = tool_json(scene.tool);
   if (facts.clearance) json["clearance"] = clearance_json(*facts.clearance, scene);
   if (finished) {
+    if (!facts.render_context.empty()) json["render"] = {{"context", facts.render_context}};
     json["timings_s"] = {{"load", facts.load_s},
                          {"simulate", facts.simulate_s},
                          {"broad_phase", totals.broad_phase_s},

@@ -35,6 +35,7 @@ struct RunFacts {
   double write_s = 0;
   double render_s = 0;
   Stopwatch since_start;
+  std::string render_context;  ///< what rendered the pictures; empty without pictures
   std::vector<InputSum> inputs;
   std::vector<std::string> warnings;
   std::optional<HolderClearance> clearance;

@@ -110,9 +110,9 @@ enum class Projection { perspective, orthographic };
 template <>
 inline constexpr auto kChoiceNames<Projection> = name_list("perspective", "orthographic");
 
-enum class RenderContext { osmesa, egl };
+enum class RenderContext { automatic, osmesa, egl };
 template <>
-inline constexpr auto kChoiceNames<RenderContext> = name_list("osmesa", "egl");
+inline constexpr auto kChoiceNames<RenderContext> = name_list("auto", "osmesa", "egl");
 
 enum class FilmFormat { none, mp4, webp, apng };
 template <>

@@ -272,7 +272,7 @@ struct UserCamera {
 
 struct RenderSettings {
   bool enabled = true;
-  RenderContext context = RenderContext::osmesa;
+  RenderContext context = RenderContext::automatic;
   int width_px = 1920;
   int height_px = 1080;
   int every_frames = 0;  ///< 0 = ten pictures over the run, and a film of 150

@@ -58,7 +58,7 @@ TEST_F(CommandLine, HelpAndVersion) {
   EXPECT_THAT(version.out, HasSubstr("reamsim "));
   EXPECT_THAT(version.out, HasSubstr("Apache License, Version 2.0"));
   EXPECT_THAT(version.out, HasSubstr("Copyright the reamsim authors"));
-  for (const char* part : {"OpenVDB 1", "Eigen 3.", "ITK 5.", "yaml-cpp 0.", "assimp 5.", "OSMesa 8", "OpenCL: "}) {
+  for (const char* part : {"OpenVDB 1", "Eigen ", "ITK 5.", "yaml-cpp 0.", "assimp ", "libpng 1.", "OpenCL: "}) {
     EXPECT_THAT(version.out, HasSubstr(part));
   }
   EXPECT_EQ(call({"-V"}).out, version.out);
