@@ -34,7 +34,7 @@ namespace reamsim {
 namespace {
 
 /// Duration of the timed part of the simulation.
-constexpr double kTiming_s = 1;
+constexpr double kCheckTiming_s = 1;
 /// Time of a picture of 1920 × 1080, measured on two cores as docs/formats.md describes.
 constexpr double kPicture_s = 0.4;
 
@@ -120,7 +120,7 @@ void add_pass(ReamingScene& scene, double budget_s, PassPlans& plans) {
 void note_plans(ReamingScene& scene, double load_s, MistakeList& mistakes, Report& report, Json& figures) {
   PassPlans plans;
   std::string no_time;
-  const double budget_s = kTiming_s / static_cast<double>(1 + scene.later_passes.size());
+  const double budget_s = kCheckTiming_s / static_cast<double>(1 + scene.later_passes.size());
   try {
     const bool fine = mistakes.attempt([&] {
       do {

@@ -39,7 +39,6 @@ struct CompareOptions {
 constexpr std::size_t kMostWithDifferences = 8;
 
 /// Characters of a line on the terminal.
-constexpr std::size_t kTerminalWidth = 100;
 
 /// The metrics on the terminal; runs.csv has all.
 constexpr std::array kShown{

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,6 +14,9 @@
 #include "sim/base/stopwatch.h"
 
 namespace reamsim {
+
+/// Columns of a table in a terminal.
+inline constexpr std::size_t kTerminalWidth = 100;
 
 /// Messages: results and progress on stdout, warnings and errors on stderr.
 class Console {

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A text in single quotes for YAML.
-std::string quoted(const std::string& text) {
+std::string yaml_quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? "''" : std::string(1, c);
   return out + "'";
@@ -72,7 +72,7 @@ std::string bone_text(const FirstScenario& first) {
   std::string out = fmt::format("bone:\n  source: {}\n", name_of(bone.source));
   if (bone.side != BodySide::unknown) out += fmt::format("  side: {}\n", name_of(bone.side));
   if (bone.source != BoneSource::vdb) out += fmt::format("  voxel_mm: {}\n", shortest_text(bone.voxel_mm));
-  out += fmt::format("  {}:\n    path: {}\n", name_of(bone.source), quoted(first.bone_path));
+  out += fmt::format("  {}:\n    path: {}\n", name_of(bone.source), yaml_quoted(first.bone_path));
   if (bone.source == BoneSource::ct) out += ct_text(bone.ct);
   if (bone.source == BoneSource::mesh) out += mesh_text(bone.mesh, first.scale_note);
   return out + glenoid_text(first);
@@ -134,7 +134,7 @@ PlungeSettings first_plunge() {
 
 std::string text_of(const FirstScenario& first) {
   return fmt::format("{}\nversion: 2\n\n{}\ntool:\n  mesh: {}\n\n{}\nrender:\n  cameras: [glenoid, section, oblique]\n",
-                     first.first_line, bone_text(first), quoted(first.tool_path), motion_text(first.plunge));
+                     first.first_line, bone_text(first), yaml_quoted(first.tool_path), motion_text(first.plunge));
 }
 
 }  // namespace reamsim

@@ -110,7 +110,7 @@ RunData open_run(const std::string& dir) {
 
 namespace {
 
-OutputOptions options_of(const ReamingScene& scene) {
+OutputOptions output_options_of(const ReamingScene& scene) {
   const Scenario& scenario = scene.scenario;
   const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap->grid.voxel_mm);
   return {.pictures = {.settings = scenario.render, .mean_travel_mm = mean_mm},
@@ -131,13 +131,13 @@ bool has_deflections(const std::string& dir) {
 }  // namespace
 
 Outputs::Outputs(const ReamingScene& scene, const std::string& dir)
-    : run_(inputs_of(scene, dir)), options_(options_of(scene)) {
+    : run_(inputs_of(scene, dir)), options_(output_options_of(scene)) {
   if (options_.render || options_.meshes) run_.predict();
   if (options_.render) render_thread_ = std::make_unique<RenderThread>(run_, options_.pictures);
 }
 
 Outputs Outputs::of_finished(const ReamingScene& scene, const std::string& dir) {
-  return {RunData(dir), options_of(scene)};
+  return {RunData(dir), output_options_of(scene)};
 }
 
 void Outputs::snapshots_written(std::int64_t frame) {

@@ -40,7 +40,7 @@ struct PreviewOptions {
 };
 
 /// A path as a page holds it, which may lie anywhere.
-std::string absolute_path(const std::string& path) {
+std::string recorded_absolute_path(const std::string& path) {
   return recorded_path(fs::absolute(path).lexically_normal().string());
 }
 
@@ -50,8 +50,8 @@ PreviewRequest starting_request(const PreviewOptions& options, const std::string
   const MeshScale scale = mesh_scale(options.input, options.scale, console);
   const FirstScenario first{.first_line = "# A first scenario, put together by reamsim preview.",
                             .bone = first_bone(options.input, kVoxel_mm, scale.scale, CtSettings().threshold_hu),
-                            .bone_path = absolute_path(options.input),
-                            .tool_path = absolute_path(tool),
+                            .bone_path = recorded_absolute_path(options.input),
+                            .tool_path = recorded_absolute_path(tool),
                             .scale_note = scale.why,
                             .glenoid = std::nullopt,
                             .plunge = first_plunge()};

@@ -23,7 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Characters of a line on the terminal.
-constexpr std::size_t kTerminalWidth = 100;
 /// Warnings of runs on the terminal, at most.
 constexpr std::size_t kMostWarnings = 3;
 

@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kTiming_s = 0.1;
+constexpr double kEstimateTiming_s = 0.1;
 
 }  // namespace
 
@@ -71,7 +71,7 @@ double RunEstimator::simulate_s(ReamingScene& scene, RunResources& resources) {
   const auto known = s_per_frame_.find(key);
   if (known != s_per_frame_.end()) return known->second * frames;
   const auto engine = load_engine(scene, resources.devices);  // also finds what does not fit the device
-  const double seconds = plan_time(scene, *engine, kTiming_s).simulate_s;
+  const double seconds = plan_time(scene, *engine, kEstimateTiming_s).simulate_s;
   s_per_frame_[key] = seconds / std::max(1.0, frames);
   return seconds;
 }

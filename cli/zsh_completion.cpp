@@ -11,7 +11,7 @@ namespace reamsim {
 
 namespace {
 
-constexpr const char* kHead = R"zsh(#compdef reamsim
+constexpr const char* kZshHead = R"zsh(#compdef reamsim
 # zsh completion for reamsim; written by: reamsim help --format zsh
 
 # _reamsim_names [OPTIONS OF compadd] KIND: names of shipped scenarios or studies, from the program on the command line.
@@ -29,7 +29,7 @@ _reamsim_inputs() { _alternative 'names:shipped scenario:_reamsim_names scenario
 )zsh";
 
 /// Text within single quotes, where zsh's _arguments gives [, ] and : a meaning.
-std::string quoted(const std::string& text) {
+std::string zsh_quoted(const std::string& text) {
   std::string out;
   for (const char c : text) {
     if (c == '\'') {
@@ -76,8 +76,8 @@ std::string spec_of(const ArgumentText& option) {
   }
   const std::string names = option.flags.size() > 1 ? "'{" + braces + "}'" : braces;
   const std::string first = option.repeats ? "*" : "(" + all + ")";
-  const std::string value = option.value.empty() ? "" : ":" + quoted(option.value) + ":" + action_of(option);
-  return "    '" + first + names + "[" + quoted(option.description) + "]" + value + "'";
+  const std::string value = option.value.empty() ? "" : ":" + zsh_quoted(option.value) + ":" + action_of(option);
+  return "    '" + first + names + "[" + zsh_quoted(option.description) + "]" + value + "'";
 }
 
 std::string options_text(const CLI::App& app) {
@@ -96,7 +96,7 @@ std::string function_name(const std::string& path) {
 std::string leaf(const ListedCommand& command) {
   std::string out = function_name(command.name) + "() {\n  _arguments" + options_text(*command.app);
   for (const ArgumentText& argument : positionals_of(*command.app)) {
-    out += std::string(" \\\n    '") + (argument.repeats ? "*" : "") + ":" + quoted(argument.value) + ":" +
+    out += std::string(" \\\n    '") + (argument.repeats ? "*" : "") + ":" + zsh_quoted(argument.value) + ":" +
            action_of(argument) + "'";
   }
   return out + "\n}\n\n";
@@ -107,7 +107,7 @@ std::string branch(const ListedCommand& command) {
   std::string list, cases;
   for (const ListedCommand& below : listed_commands(*command.app)) {
     if (below.name.find(' ') != std::string::npos) continue;
-    list += "    '" + below.name + ":" + quoted(below.app->get_description()) + "'\n";
+    list += "    '" + below.name + ":" + zsh_quoted(below.app->get_description()) + "'\n";
     const std::string path = command.name.empty() ? below.name : command.name + " " + below.name;
     cases += "        " + below.name + ") " + function_name(path) + " ;;\n";
   }
@@ -124,7 +124,7 @@ std::string branch(const ListedCommand& command) {
 }  // namespace
 
 std::string zsh_completion(const CLI::App& root) {
-  std::string out = kHead;
+  std::string out = kZshHead;
   std::vector<ListedCommand> commands = listed_commands(root);
   commands.push_back({"", &root});
   for (const ListedCommand& command : commands) {

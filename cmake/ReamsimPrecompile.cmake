@@ -12,7 +12,8 @@ if(REAMSIM_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   add_compile_options($<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
 endif()
 
-# Nothing in the code of tests or of the command line itself is hot.
+# Nothing is hot in tests, in the command line itself, and in libraries that read settings and write files (COLD of
+# reamsim_library). The same bytes: no option lets a compiler change floating-point results.
 set(REAMSIM_QUICK_TO_COMPILE $<$<CONFIG:Release>:-O1>)
 
 # A precompiled header no longer counts as a system header, and GCC 12 warns of what cannot happen in std::string's
@@ -44,6 +45,7 @@ if(REAMSIM_PRECOMPILE)
       <iomanip> <limits> <map> <memory> <nlohmann/json.hpp> <numeric> <optional> <set> <span> <sstream> <string>
       <string_view> <utility> <variant> <vector>)
   reamsim_headers(common_headers LINK Eigen3::Eigen nlohmann_json::nlohmann_json HEADERS ${common})
+  reamsim_headers(cold_headers OPTIONS ${REAMSIM_QUICK_TO_COMPILE} LINK Eigen3::Eigen nlohmann_json::nlohmann_json HEADERS ${common})
   reamsim_headers(command_headers OPTIONS ${REAMSIM_QUICK_TO_COMPILE} LINK Eigen3::Eigen nlohmann_json::nlohmann_json CLI11::CLI11
                   HEADERS ${common} <CLI/CLI.hpp>)
   if(REAMSIM_TESTS)

@@ -16,7 +16,7 @@
 namespace reamsim {
 namespace {
 
-constexpr int kWidth_px = 1920;
+constexpr int kSegmentationWidth_px = 1920;
 constexpr int kMaxHeight_px = 1400;
 constexpr int kGap_px = 24;
 constexpr int kHead_px = 44;
@@ -25,7 +25,7 @@ constexpr double kText_px = 20;
 constexpr double kOutline_px = 1.6;
 /// The bone window of radiology: black at its lower end, white at its upper end.
 constexpr double kBlack_hu = -450, kWhite_hu = 1050;
-constexpr std::uint32_t kPaperRgb = 0xf7f7f9;
+constexpr std::uint32_t kPaperColor = 0xf7f7f9;
 constexpr Rgba kOutlineColor{0.90, 0.62, 0.0, 1};  // Okabe and Ito's orange
 constexpr Rgba kMarkColor{0.34, 0.71, 0.91, 1};    // and their sky blue
 constexpr Rgba kLetterColor{1, 1, 1, 0.9};
@@ -54,7 +54,7 @@ std::vector<Panel> panels_of(const std::vector<ScanPlane>& planes) {
     all_mm += width_mm(plane);
     tallest_mm = std::max(tallest_mm, height_mm(plane));
   }
-  const double room_px = kWidth_px - kGap_px * (static_cast<double>(planes.size()) + 1);
+  const double room_px = kSegmentationWidth_px - kGap_px * (static_cast<double>(planes.size()) + 1);
   const double scale = std::min(room_px / all_mm, (kMaxHeight_px - kHead_px - kFoot_px) / tallest_mm);
   std::vector<Panel> out;
   double x = kGap_px + 0.5 * (room_px - scale * all_mm);
@@ -167,7 +167,7 @@ void draw_foot(const Canvas& canvas, const Panel& panel, const std::string& lege
   const TextLine length(canvas, fmt::format("{:g} mm", bar_mm), kText_px);
   length.draw(kGap_px + bar_px + 12, y + 2 - 0.5 * length.height);
   const TextLine text_line(canvas, legend, kText_px);
-  text_line.draw(kWidth_px - kGap_px - text_line.width, y + 2 - 0.5 * text_line.height);
+  text_line.draw(kSegmentationWidth_px - kGap_px - text_line.width, y + 2 - 0.5 * text_line.height);
 }
 
 }  // namespace
@@ -177,7 +177,7 @@ void write_segmentation_picture(const std::string& dir, const Segmentation& segm
   const std::vector<Panel> panels = panels_of(segmentation.planes);
   int tallest = 0;
   for (const Panel& panel : panels) tallest = std::max(tallest, panel.height);
-  PixelImage image = plain_image(kWidth_px, kHead_px + tallest + kFoot_px, kPaperRgb);
+  PixelImage image = plain_image(kSegmentationWidth_px, kHead_px + tallest + kFoot_px, kPaperColor);
   for (const Panel& panel : panels) paint(panel, image);
   const Canvas canvas(image);
   for (const Panel& panel : panels) {

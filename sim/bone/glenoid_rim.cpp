@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kFall_mm = 4;  // of the surface, that ends the face
 constexpr double kFarthest_mm = 35;
-constexpr double kAbove_mm = 3;  // a surface that rises more than this in a step is a wall
-constexpr double kBelow_mm = 8;  // one that falls more ends
+constexpr double kWallRise_mm = 3;   // a surface that rises more than this in a step is a wall
+constexpr double kFallReach_mm = 8;  // one that falls more ends
 constexpr double kLeastStep_mm = 0.4;
 /// Distance from the origin, height.
 using Profile = std::vector<Vec2>;
@@ -27,10 +27,10 @@ std::optional<Profile> profile_of(const BoneProbe& probe, const Rigid& bone_from
   Profile out{Vec2::Zero()};
   double highest_mm = 0;
   for (double at_mm = step_mm; at_mm <= kFarthest_mm; at_mm += step_mm) {
-    const double start_mm = out.back().y() + kAbove_mm;
+    const double start_mm = out.back().y() + kWallRise_mm;
     const Vec3 from = bone_from_face * Vec3(at_mm * along + start_mm * Vec3::UnitZ());
     if (probe.fraction(from) >= 0.5) return std::nullopt;
-    const auto fall = probe.distance_to_bone(from, down, kAbove_mm + kBelow_mm);
+    const auto fall = probe.distance_to_bone(from, down, kWallRise_mm + kFallReach_mm);
     out.emplace_back(at_mm, fall ? start_mm - *fall : highest_mm - kFall_mm);
     highest_mm = std::max(highest_mm, out.back().y());
     if (!fall || out.back().y() <= highest_mm - kFall_mm) return out;

@@ -45,10 +45,10 @@ std::vector<double> distances_of(const PearOutline& outline, const std::vector<V
 
 /// Tukey's biweight for residuals of the scale of the points.
 std::vector<double> weights_of(const std::vector<double>& residuals) {
-  constexpr double kNormalMad = 1.4826, kTukey = 4.685, kLeastScale_mm = 0.2;
+  constexpr double kSigmaPerMad = 1.4826, kTukey = 4.685, kLeastScale_mm = 0.2;
   std::vector<double> sizes;
   for (const double r : residuals) sizes.push_back(std::abs(r));
-  const double reach = kTukey * std::max(kNormalMad * quantile(sizes, 0.5), kLeastScale_mm);
+  const double reach = kTukey * std::max(kSigmaPerMad * quantile(sizes, 0.5), kLeastScale_mm);
   std::vector<double> out;
   for (const double r : residuals) {
     const double u = 1 - r * r / (reach * reach);

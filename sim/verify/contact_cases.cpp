@@ -14,7 +14,7 @@ namespace reamsim::verify {
 namespace {
 
 constexpr double kForceLimit = 5e-3;  // of a steady plunge at 0.25 mm
-const char* const kLimitReason = "limit set by this project";
+const char* const kContactLimitReason = "limit set by this project";
 
 std::vector<SteadyPlunge> ratio_plunges(bool quick) {
   std::vector<SteadyPlunge> out = {kExample, example_with(&SteadyPlunge::density_g_cm3, 0.4),
@@ -75,13 +75,13 @@ std::vector<Check> half_checks(const PlungeRun& run, const Setting& setting) {
     const double form = expected.*load.member;
     const std::string quantity = std::string(load.name) + ", " + where;
     if (form != 0) {
-      out.push_back(relative_check(quantity, load.unit, form, found.*load.member, kForceLimit, kLimitReason));
+      out.push_back(relative_check(quantity, load.unit, form, found.*load.member, kForceLimit, kContactLimitReason));
     } else {
       // A flat face has no such load: a fraction of the load across it.
       const bool force = load.member == &HalfFaceLoads::along_e_n;
       const double scale = force ? expected.along_t_n : expected.about_t_nmm;
-      out.push_back(
-          {quantity, load.unit, Measure::absolute, 0, found.*load.member, kForceLimit * std::abs(scale), kLimitReason});
+      out.push_back({quantity, load.unit, Measure::absolute, 0, found.*load.member, kForceLimit * std::abs(scale),
+                     kContactLimitReason});
     }
   }
   return out;
@@ -117,14 +117,14 @@ CaseFindings ratio_case(const Setting& setting) {
     const double found = measured_ratio_mm({.plunge = plunge}, setting);
     out.checks.push_back(relative_check("T/F_z, " + with_density(plunge), "mm",
                                         plunge.torque_nmm() / plunge.axial_force_n(), found, kForceLimit,
-                                        kLimitReason));
+                                        kContactLimitReason));
     out.checks.push_back({"T/F_z in the limit of slow feed, " + with_density(plunge), "mm", Measure::reported,
                           plunge.ratio_mm(), found, 0, "beside it"});
   }
   const double tilted = measured_ratio_mm({.plunge = kExample, .tilt_deg = 17}, setting);
   out.checks.push_back(relative_check("T/F_z, axis tilted by 17°", "mm",
                                       kExample.torque_nmm() / kExample.axial_force_n(), tilted, kForceLimit,
-                                      kLimitReason));
+                                      kContactLimitReason));
   return out;
 }
 

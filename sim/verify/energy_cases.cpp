@@ -10,7 +10,7 @@ namespace reamsim::verify {
 
 namespace {
 
-constexpr double kVoxel_mm = 0.25, kRate_hz = 500, kLayer_mm = 1.5, kDense = 1.8, kSoft = 0.4;
+constexpr double kVoxel_mm = 0.25, kEnergyRate_hz = 500, kLayer_mm = 1.5, kDense = 1.8, kSoft = 0.4;
 
 double layered_density(const Vec3& p) {
   return p.z() > -kLayer_mm ? kDense : kSoft;
@@ -20,7 +20,7 @@ double layered_density(const Vec3& p) {
 Motion every_kind_of_motion() {
   const Quat first = rotation({1, 0.4, 0}, 10), last = rotation({0.2, 1, 0}, 8) * first;
   return path(
-      kRate_hz, {-1.5, -0.5, 2},
+      kEnergyRate_hz, {-1.5, -0.5, 2},
       {{{-1.5, -0.5, -2}, 120, 250, first}, {{0.5, 0.5, -2}, 80, 20, first}, {{0.5, 0.5, -2.5}, 60, 100, last}});
 }
 

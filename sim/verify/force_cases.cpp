@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kClear_mm = 0.1;
 /// Limits of the project for a steady plunge in full contact at 0.25 mm.
-constexpr double kForceLimit = 5e-3, kRippleLimit = 2e-3;
-const char* const kLimitReason = "limit set by this project";
+constexpr double kFormLimit = 5e-3, kRippleLimit = 2e-3;
+const char* const kFormLimitReason = "limit set by this project";
 
 /// Torque, axial force and removal rate as refinements over the voxel size.
 std::vector<Refinement> steady_refinements(const SteadyPlunge& plunge, const Setting& setting) {
@@ -67,15 +67,15 @@ CaseFindings steady_case(const Setting& setting) {
   for (std::size_t i = 0; i < out.refinements.size(); ++i) {
     const Refinement& refinement = out.refinements[i];
     out.checks.push_back(relative_check(refinement.quantity + ", " + text_of(kExample), refinement.unit, simple[i],
-                                        refinement.levels.back().found, kForceLimit, kLimitReason));
+                                        refinement.levels.back().found, kFormLimit, kFormLimitReason));
   }
   for (const SteadyPlunge& plunge : variations(setting.quick)) {
     setting.progress("steady plunge, " + text_of(plunge));
     const MeanLoads mean = mean_loads(steady_rows({.plunge = plunge}, setting));
     out.checks.push_back(relative_check("torque, " + text_of(plunge), "N·mm", plunge.torque_nmm(), mean.spin_torque_nmm,
-                                        kForceLimit, kLimitReason));
+                                        kFormLimit, kFormLimitReason));
     out.checks.push_back(relative_check("axial force, " + text_of(plunge), "N", plunge.axial_force_n(),
-                                        mean.axial_force_n, kForceLimit, kLimitReason));
+                                        mean.axial_force_n, kFormLimit, kFormLimitReason));
   }
   return out;
 }
@@ -95,9 +95,9 @@ CaseFindings ripple_case(const Setting& setting) {
         setting));
   };
   out.checks.push_back({"convex, axis tilted by 17°, exact", "", Measure::at_most, kRippleLimit,
-                        ripple(kExample, ErosionMode::exact, 17), 0, kLimitReason});
+                        ripple(kExample, ErosionMode::exact, 17), 0, kFormLimitReason});
   out.checks.push_back({"convex along the lattice, exact", "", Measure::at_most, kRippleLimit,
-                        ripple(kExample, ErosionMode::exact, 0), 0, kLimitReason});
+                        ripple(kExample, ErosionMode::exact, 0), 0, kFormLimitReason});
   out.checks.push_back({"flat along the lattice, exact", "", Measure::reported, 0, ripple(flat, ErosionMode::exact, 0),
                         0, "0.2 µm per frame is 52 of the 65535 steps of a voxel, and all voxels round together"});
   out.checks.push_back({"convex along the lattice, remove", "", Measure::reported, 0,
@@ -111,7 +111,7 @@ CaseFindings ripple_case(const Setting& setting) {
 
 namespace {
 
-constexpr double kLayer_mm = 2, kAround_mm = 1;
+constexpr double kFormLayer_mm = 2, kAround_mm = 1;
 constexpr int kAroundFrames = 400;  // from kAround_mm above the interface to as far below it
 
 /// Rows about the interface of a block with a layer of the first plunge's density on that of the second.
@@ -119,12 +119,12 @@ std::vector<FrameResult> rows_about_interface(const SteadyPlunge& dense, const S
                                               const Setting& setting) {
   constexpr int kApproach = 24;
   const FilledVoxmap bone = block({18, 18, 4}, voxel_mm, [&](const Vec3& p) {
-    return p.z() > -kLayer_mm ? dense.density_g_cm3 : soft.density_g_cm3;
+    return p.z() > -kFormLayer_mm ? dense.density_g_cm3 : soft.density_g_cm3;
   });
   const double x = 0.12 * voxel_mm, y = 0.21 * voxel_mm, rate = dense.feed_mm_s * kAroundFrames / (2 * kAround_mm);
   const Motion motion = path(rate, {x, y, kClear_mm},
-                             {{{x, y, -(kLayer_mm - kAround_mm)}, kApproach, dense.rpm},
-                              {{x, y, -(kLayer_mm + kAround_mm)}, kAroundFrames, dense.rpm}});
+                             {{{x, y, -(kFormLayer_mm - kAround_mm)}, kApproach, dense.rpm},
+                              {{x, y, -(kFormLayer_mm + kAround_mm)}, kAroundFrames, dense.rpm}});
   const Reamed reamed = ream(scene_of(bone, make_tool(head_of(dense)), motion), setting);
   const auto rows = reamed.after(kApproach);
   return {rows.begin(), rows.end()};
@@ -158,8 +158,8 @@ CaseFindings layered_case(const Setting& setting) {
     add_level(above, voxel_mm, mean_loads(all.first(kAroundFrames / 2)).spin_torque_nmm);
     add_level(below, voxel_mm, mean_loads(all.last(kAroundFrames / 2)).spin_torque_nmm);
   }
-  for (const Refinement& refinement : {above, below}) add_refinement(out, refinement, kForceLimit, kLimitReason);
-  out.checks.push_back({"depth of the step, finest voxels", "mm", Measure::absolute, kLayer_mm, step_mm,
+  for (const Refinement& refinement : {above, below}) add_refinement(out, refinement, kFormLimit, kFormLimitReason);
+  out.checks.push_back({"depth of the step, finest voxels", "mm", Measure::absolute, kFormLayer_mm, step_mm,
                         2 * kAround_mm / kAroundFrames, "one frame of feed"});
   return out;
 }

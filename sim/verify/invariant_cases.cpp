@@ -14,7 +14,7 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kRate_hz = 1000, kVoxel_mm = 0.25, kDensity = 1.8;
+constexpr double kInvariantRate_hz = 1000, kInvariantVoxel_mm = 0.25, kDensity = 1.8;
 constexpr SteadyPlunge kHead{12, 5, 1, 250, 0.2, kDensity};
 constexpr double kHead_mm = 6;
 
@@ -54,8 +54,8 @@ void add_nothing(std::span<const FrameResult> rows, double cut_mm3, std::vector<
 
 /// The block reamed by the head along a path.
 Reamed reamed_along(const std::vector<Leg>& legs, const Setting& setting) {
-  const Motion motion = path(kRate_hz, {0.03, 0.05, 2.5}, legs);
-  return ream(scene_of(block({20, 20, 8}, kVoxel_mm, kDensity), head(), motion), setting);
+  const Motion motion = path(kInvariantRate_hz, {0.03, 0.05, 2.5}, legs);
+  return ream(scene_of(block({20, 20, 8}, kInvariantVoxel_mm, kDensity), head(), motion), setting);
 }
 
 constexpr int kDown = 100;
@@ -92,8 +92,9 @@ CaseFindings retraction_case(const Setting& setting) {
   const double touch = kHead.outer_mm * std::tan(12 * pi / 180);
   const Vec3 above = entry + (touch + 0.05) * axis, low = above - 1.5 * axis;
   const Leg slow{low, 600, 250, turned}, back{above, 150, 250, turned};
-  const Reamed reamed =
-      ream(scene_of(block({20, 20, 8}, kVoxel_mm, kDensity), head(), path(kRate_hz, above, {slow, back})), setting);
+  const Reamed reamed = ream(
+      scene_of(block({20, 20, 8}, kInvariantVoxel_mm, kDensity), head(), path(kInvariantRate_hz, above, {slow, back})),
+      setting);
   add_nothing(reamed.after(600), reamed.removed_mm3(), out.checks);
   // In such a fast plunge the corner of the rim does not pass each voxel at its deepest position.
   Leg fast = down_leg(), fast_back = fast;
@@ -113,8 +114,8 @@ CaseFindings second_pass_case(const Setting& setting) {
   out.form = "no force, no torque, nothing removed";
   const Quat turned = oblique(12);
   const Leg down = down_leg(), side{down.to_mm + Vec3(2, 1, 0), 60, 250, turned};
-  ReamingScene scene =
-      scene_of(block({24, 24, 8}, kVoxel_mm, kDensity), head(), path(kRate_hz, {0.03, 0.05, 2.5}, {down, side}));
+  ReamingScene scene = scene_of(block({24, 24, 8}, kInvariantVoxel_mm, kDensity), head(),
+                                path(kInvariantRate_hz, {0.03, 0.05, 2.5}, {down, side}));
   const Reamed first = ream(scene, setting);
   scene.bone = first.bone;
   const Reamed second = ream(std::move(scene), setting);
@@ -156,7 +157,7 @@ constexpr double kChangedBlock_mm = 20;
 /// The transformed block, for a `turn` that permutes the axes of the lattice.
 FilledVoxmap changed_block(const Change& change) {
   const Mat3 back = change.turn.transpose();
-  FilledVoxmap bone = block({kChangedBlock_mm, kChangedBlock_mm, 8}, kVoxel_mm,
+  FilledVoxmap bone = block({kChangedBlock_mm, kChangedBlock_mm, 8}, kInvariantVoxel_mm,
                             [&](const Vec3& p) { return uneven_density(back * p); });
   bone.grid.origin_mm += change.shift;
   return bone;
@@ -168,7 +169,7 @@ void compare(const Change& change, const Setting& setting, double tolerance, con
              std::vector<Check>& checks) {
   const Quat turned = oblique(12);
   const Leg down = down_leg(), side{down.to_mm + Vec3(1.5, 0.7, 0), 60, 250, turned};
-  const Motion motion = path(kRate_hz, {0.03, 0.05, 2.5}, {down, side});
+  const Motion motion = path(kInvariantRate_hz, {0.03, 0.05, 2.5}, {down, side});
   const Reamed plain = ream(scene_of(changed_block({}), head(), motion), setting);
   const Reamed other = ream(scene_of(changed_block(change), head(), changed(motion, change)), setting);
   double force = 0, torque = 0;
@@ -223,11 +224,11 @@ CaseFindings rotated_case(const Setting& setting) {
   const auto loads = [&](const Quat& turned, const Vec3& offset) {
     const Vec3 axis = turned * Vec3(0, 0, 1);
     // Deep enough for full contact.
-    const double begin = 8, end = begin + 2 * kVoxel_mm;
+    const double begin = 8, end = begin + 2 * kInvariantVoxel_mm;
     const Motion motion =
-        path(kHead.feed_mm_s * kFrames / (2 * kVoxel_mm), offset + 5 * axis,
+        path(kHead.feed_mm_s * kFrames / (2 * kInvariantVoxel_mm), offset + 5 * axis,
              {{offset - begin * axis, 130, 250, turned}, {offset - end * axis, kFrames, 250, turned}});
-    const Reamed reamed = ream(scene_of(block({34, 34, 14}, kVoxel_mm, kDensity), tool, motion), setting);
+    const Reamed reamed = ream(scene_of(block({34, 34, 14}, kInvariantVoxel_mm, kDensity), tool, motion), setting);
     return mean_loads(reamed.after(130));
   };
   const MeanLoads plain = loads(Quat::Identity(), {0.03, 0.05, 0});

@@ -14,9 +14,9 @@ namespace reamsim::verify {
 
 namespace {
 
-constexpr double kClear_mm = 0.1;
+constexpr double kPlungeClear_mm = 0.1;
 constexpr double kEdge_mm = 0.1;
-constexpr double kHead_mm = 8;  // height of a head
+constexpr double kPlungeHead_mm = 8;  // height of a head
 
 /// The part of a block of `size_mm` in front of the plane through `point_mm` with the normal `inward`.
 FilledVoxmap half_block(const Vec3& size_mm, double voxel_mm, double density_g_cm3, const Vec3& point_mm,
@@ -45,8 +45,8 @@ FilledVoxmap bone_of(const PlungeRun& run, const Vec3& size_mm) {
 }  // namespace
 
 Profile head_of(const SteadyPlunge& plunge) {
-  return plunge.radius_mm ? convex_profile(*plunge.radius_mm, plunge.outer_mm, plunge.bore_mm, kHead_mm, kEdge_mm)
-                          : flat_profile(plunge.outer_mm, plunge.bore_mm, kHead_mm);
+  return plunge.radius_mm ? convex_profile(*plunge.radius_mm, plunge.outer_mm, plunge.bore_mm, kPlungeHead_mm, kEdge_mm)
+                          : flat_profile(plunge.outer_mm, plunge.bore_mm, kPlungeHead_mm);
 }
 
 std::string text_of(const SteadyPlunge& p) {
@@ -64,7 +64,7 @@ std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& settin
   const Quat turned = rotation({1, 0.3, 0}, run.tilt_deg);
   const Vec3 axis = turned * Vec3(0, 0, 1);
   const double begin = plunge.full_contact_mm() + slant + kPast_mm + 0.37 * voxel_mm, end = begin + travel_mm;
-  const double rate = plunge.feed_mm_s * run.frames / voxel_mm, above = slant + kClear_mm;
+  const double rate = plunge.feed_mm_s * run.frames / voxel_mm, above = slant + kPlungeClear_mm;
   const Motion motion =
       path(rate, entry + above * axis,
            {{entry - begin * axis, static_cast<int>(std::ceil(10 * (begin + above))), plunge.rpm, turned},

@@ -15,9 +15,9 @@ namespace reamsim::verify {
 
 namespace {
 
-constexpr double kLimit = 5e-3;
-const char* const kLimitReason = "limit set by this project";
-constexpr double kHead_mm = 8, kEdge_mm = 0.1;
+constexpr double kPushLimit = 5e-3;
+const char* const kPushLimitReason = "limit set by this project";
+constexpr double kPushHead_mm = 8, kPushEdge_mm = 0.1;
 
 /// A push straight down on a block, with the head in the bone by `begin_mm` at its start.
 struct Push {
@@ -96,7 +96,7 @@ CaseFindings push_steady_case(const Setting& setting) {
   for (const double thrust_n : {20.0, 50.0, 100.0}) {
     const double found = steady_feed(kExample, thrust_n, setting.quick ? 0.5 : 0.25, setting);
     out.checks.push_back(relative_check(fmt::format("feed at {:g} N", thrust_n), "mm/s",
-                                        quadratic_feed(kExample, thrust_n), found, kLimit, kLimitReason));
+                                        quadratic_feed(kExample, thrust_n), found, kPushLimit, kPushLimitReason));
   }
   const SteadyPlunge flat = example_with(&SteadyPlunge::radius_mm, std::nullopt);
   constexpr double kLayer_mm = 1.5, kVoxel_mm = 0.5, kThrust_n = 50;
@@ -113,9 +113,9 @@ CaseFindings push_steady_case(const Setting& setting) {
     return balanced_feed_of(layer, kThrust_n);
   };
   out.checks.push_back(relative_check("feed in the upper layer, flat head", "mm/s", feed_in(1.8),
-                                      mean_feed(reamed, 0.6, 1.1), kLimit, kLimitReason));
+                                      mean_feed(reamed, 0.6, 1.1), kPushLimit, kPushLimitReason));
   out.checks.push_back(relative_check("feed in the lower layer, flat head", "mm/s", feed_in(0.4),
-                                      mean_feed(reamed, 1.8, 2.3), kLimit, kLimitReason));
+                                      mean_feed(reamed, 1.8, 2.3), kPushLimit, kPushLimitReason));
   SteadyPlunge soft = flat;
   soft.density_g_cm3 = 0.4;
   out.checks.push_back({"ratio of the linear parts", "", Measure::relative, 20.25,
@@ -131,7 +131,7 @@ CaseFindings push_ball_case(const Setting& setting) {
   SteadyPlunge head = kExample;
   head.bore_mm = 0;
   const double deepest = setting.quick ? 1 : 4;
-  Push push{.head = convex_profile(29, 15, 0, kHead_mm, kEdge_mm),
+  Push push{.head = convex_profile(29, 15, 0, kPushHead_mm, kPushEdge_mm),
             .voxel_mm = 0.25,
             .rate_hz = 500,
             .block_mm = deepest + 1,
@@ -143,7 +143,7 @@ CaseFindings push_ball_case(const Setting& setting) {
   const auto add = [&](double depth_mm) {
     out.checks.push_back(relative_check(fmt::format("time from contact to {:g} mm", depth_mm), "s",
                                         time_to_depth_s(head, 50, 5, depth_mm), time_at(reamed, depth_mm) - contact_s,
-                                        kLimit, kLimitReason));
+                                        kPushLimit, kPushLimitReason));
   };
   add(1);
   if (!setting.quick) add(4);
@@ -172,7 +172,7 @@ Push heavy(double thrust_n, double rate_hz, double time_s) {
 }
 
 /// The time constant of the approach to the steady feed, from the velocities at two times.
-double time_constant_s(const Reamed& reamed, double steady_mm_s, std::size_t a, std::size_t b) {
+double speed_time_constant_s(const Reamed& reamed, double steady_mm_s, std::size_t a, std::size_t b) {
   const auto missing = [&](std::size_t k) { return 1 - reamed.rows[k].push->velocity_mm_s / steady_mm_s; };
   return (reamed.rows[b].time_s - reamed.rows[a].time_s) / std::log(missing(a) / missing(b));
 }
@@ -190,14 +190,14 @@ CaseFindings push_mass_case(const Setting& setting) {
   const Reamed slow = pushed(heavy(kSmall_n, 1000, 0.06), setting);
   const double steady = quadratic_feed(soft, kSmall_n);
   out.checks.push_back(relative_check("τ from the velocities at 5 and 30 ms", "ms", 10 / linear_resistance(soft),
-                                      1e3 * time_constant_s(slow, steady, 5, 30), 0.02, kLimitReason));
+                                      1e3 * speed_time_constant_s(slow, steady, 5, 30), 0.02, kPushLimitReason));
   constexpr double kThrust_n = 2;
   Refinement travel{"travel in 32 ms under 2 N", "mm", "frame, s", travel_of_mass_mm(soft, kThrust_n, 10, 0.032)};
   for (const double frame_s : {8e-3, 4e-3, 2e-3, 1e-3}) {
     const Reamed reamed = pushed(heavy(kThrust_n, 1 / frame_s, 0.032), setting);
     add_level(travel, frame_s, depth_of(reamed.rows.back()) - depth_of(reamed.rows.front()));
   }
-  add_refinement(out, std::move(travel), kLimit, kLimitReason);
+  add_refinement(out, std::move(travel), kPushLimit, kPushLimitReason);
   return out;
 }
 
@@ -224,7 +224,7 @@ CaseFindings push_stall_case(const Setting& setting) {
                         "the bone holds the thrust"});
   out.checks.push_back({"the stall ends the push", "s", Measure::at_most, 0.2, below.rows.back().time_s, 0, "0.1 s"});
   out.checks.push_back(relative_check("feed 100 N above it", "mm/s", balanced_feed_of(flat, kMore_n),
-                                      mean_feed(above, 0.35, 0.85), kLimit, kLimitReason));
+                                      mean_feed(above, 0.35, 0.85), kPushLimit, kPushLimitReason));
   return out;
 }
 
@@ -235,7 +235,7 @@ CaseFindings push_energy_case(const Setting& setting) {
       "head without bore from first contact through two layers (1.8 and 0.4 g/cm³) with 0.5 kg and 0.5 N·s/mm, to 1.5 "
       "mm";
   out.form = "work of the hand + work of the drive + E_floor = E_cut + kinetic + damping energy + loss within frames";
-  Push push{.head = convex_profile(12, 5, 0, kHead_mm, 0.05), .voxel_mm = 0.25, .rate_hz = 500, .block_mm = 3};
+  Push push{.head = convex_profile(12, 5, 0, kPushHead_mm, 0.05), .voxel_mm = 0.25, .rate_hz = 500, .block_mm = 3};
   push.width_mm = 13;
   push.density = [](const Vec3& p) { return p.z() > -1 ? 1.8 : 0.4; };
   push.settings.approach_mm = 0.2;
@@ -256,7 +256,7 @@ CaseFindings push_energy_case(const Setting& setting) {
   out.checks.push_back({"work of the drive", "mJ", Measure::reported, 0, hand.drill_mj, 0, ""});
   out.checks.push_back({"damping energy", "mJ", Measure::reported, 0, hand.damping_mj, 0, ""});
   out.checks.push_back({"loss within frames", "mJ", Measure::reported, 0, hand.lost_mj, 0, ""});
-  out.checks.push_back(relative_check("both sides", "mJ", taken, given, 1e-4, kLimitReason));
+  out.checks.push_back(relative_check("both sides", "mJ", taken, given, 1e-4, kPushLimitReason));
   return out;
 }
 

@@ -10,10 +10,10 @@ namespace reamsim::verify {
 
 namespace {
 
-constexpr double kDensity = 1.8;
+constexpr double kStepDensity = 1.8;
 
 // A ball swept sideways.
-constexpr double kBall_mm = 8, kDeep_mm = 3, kSweep_mm = 8, kSpeed_mm_s = 10, kVoxel_mm = 0.5;
+constexpr double kBall_mm = 8, kDeep_mm = 3, kSweep_mm = 8, kSpeed_mm_s = 10, kStepVoxel_mm = 0.5;
 constexpr int kDownFrames = 64;
 
 double swept_mm3() {
@@ -27,8 +27,8 @@ ReamingScene swept_ball(double frame_s, std::optional<double> shell_spacing_mm) 
   const int frames = static_cast<int>(std::lround(kSweep_mm / (kSpeed_mm_s * frame_s)));
   const Motion motion = path(1 / frame_s, origin(start + Vec3(0, 0, kDeep_mm + 0.1)),
                              {{origin(start), kDownFrames}, {origin(start + way), frames}});
-  return scene_of(block({26, 22, 5}, kVoxel_mm, kDensity), make_tool(ball_profile(kBall_mm, 0.05), shell_spacing_mm),
-                  motion);
+  return scene_of(block({26, 22, 5}, kStepVoxel_mm, kStepDensity),
+                  make_tool(ball_profile(kBall_mm, 0.05), shell_spacing_mm), motion);
 }
 
 /// Results of the sweep, without the plunge before it.
@@ -97,20 +97,20 @@ CaseFindings time_step_case(const Setting& setting) {
 
 namespace {
 
-constexpr SteadyPlunge kHead{12, 5, 1, 250, 0.2, kDensity};
+constexpr SteadyPlunge kStepHead{12, 5, 1, 250, 0.2, kStepDensity};
 
 /// Mean loads of the head in full contact, fed along a tilted axis by 1 mm, entering at `entry`. The axial parts and
 /// the volume per second are what counts.
 MeanLoads tilted_plunge(const Tool& tool, double voxel_mm, const Vec3& entry, const Setting& setting) {
   constexpr double kBegin_mm = 5.5, kTravel_mm = 1;
-  constexpr int kFrames = 200, kDown = 110;
+  constexpr int kFrames = 200, kFramesDown = 110;
   const Quat turned = rotation({1, 0.4, 0}, 25);
   const Vec3 axis = turned * Vec3(0, 0, 1), begin = entry - kBegin_mm * axis, end = begin - kTravel_mm * axis;
-  const double seconds = kTravel_mm / kHead.feed_mm_s;
-  const Motion motion =
-      path(kFrames / seconds, entry + 3 * axis, {{begin, kDown, kHead.rpm, turned}, {end, kFrames, kHead.rpm, turned}});
-  const Reamed reamed = ream(scene_of(block({22, 22, 10}, voxel_mm, kDensity), tool, motion), setting);
-  MeanLoads mean = mean_loads(reamed.after(kDown));
+  const double seconds = kTravel_mm / kStepHead.feed_mm_s;
+  const Motion motion = path(kFrames / seconds, entry + 3 * axis,
+                             {{begin, kFramesDown, kStepHead.rpm, turned}, {end, kFrames, kStepHead.rpm, turned}});
+  const Reamed reamed = ream(scene_of(block({22, 22, 10}, voxel_mm, kStepDensity), tool, motion), setting);
+  MeanLoads mean = mean_loads(reamed.after(kFramesDown));
   mean.removed_mm3 /= seconds;
   return mean;
 }
@@ -124,8 +124,8 @@ CaseFindings voxel_case(const Setting& setting) {
       "cannulated convex head (R 12, a 5, r₀ 1 mm) in full contact, fed along an axis tilted by 25° at random offsets; "
       "means over 1 mm of feed";
   out.form = "as for the steady plunge, its integral over the face";
-  const Tool tool = make_tool(convex_profile(*kHead.radius_mm, kHead.outer_mm, kHead.bore_mm, 12, 0.05));
-  std::vector<Refinement> refinements = load_refinements(kHead);
+  const Tool tool = make_tool(convex_profile(*kStepHead.radius_mm, kStepHead.outer_mm, kStepHead.bore_mm, 12, 0.05));
+  std::vector<Refinement> refinements = load_refinements(kStepHead);
   for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
     Offsets offsets(25);
     std::vector<Sample> samples[3];

@@ -16,9 +16,9 @@ using std::numbers::pi;
 
 // The reamer of the example in docs/physics.md, 6.
 constexpr double kRadius_mm = 29, kDepth_mm = 4;
-constexpr double kEdge_mm = 0.05;
-constexpr double kRate_hz = 1000;
-constexpr double kClear_mm = 0.1;
+constexpr double kBlockEdge_mm = 0.05;
+constexpr double kVolumeRate_hz = 1000;
+constexpr double kVolumeClear_mm = 0.1;
 constexpr int kPlungeFrames = 40;
 constexpr unsigned kSeed = 29;
 
@@ -35,7 +35,7 @@ Sample plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_mm, co
     return ball_origin({offset_mm.x(), offset_mm.y(), kRadius_mm - z}, kRadius_mm, turned);
   };
   const double width = 2 * std::sqrt(2 * kRadius_mm * kDepth_mm) + 4 * voxel_mm + 4;
-  const Motion motion = path(kRate_hz, origin(-kClear_mm), {{origin(depth), kPlungeFrames, 250, turned}});
+  const Motion motion = path(kVolumeRate_hz, origin(-kVolumeClear_mm), {{origin(depth), kPlungeFrames, 250, turned}});
   const Reamed reamed =
       ream(scene_of(block({width, width, kDepth_mm + 4}, voxel_mm, kReferenceDensity_g_cm3), tool, motion, erosion),
            setting);
@@ -71,7 +71,7 @@ CaseFindings half_space_case(const Setting& setting) {
   out.scene = "ball of 29 mm radius plunged 4 mm into the face of a block, along a lattice axis, centred on a vertex";
   out.form = "π·d²·(R − d/3)";
   const double cap = cap_mm3(kRadius_mm, kDepth_mm);
-  const Tool tool = make_tool(ball_profile(kRadius_mm, kEdge_mm));
+  const Tool tool = make_tool(ball_profile(kRadius_mm, kBlockEdge_mm));
   Refinement refinement = volume_refinement(cap);
   for (const double voxel_mm : four_voxels(kFinestVoxel_mm)) {
     const Sample sample = plunged_ball(tool, voxel_mm, Vec3::Zero(), Quat::Identity(), ErosionMode::exact, setting);
@@ -106,7 +106,7 @@ CaseFindings tilted_cap_case(const Setting& setting) {
   out.scene = "the same ball, its axis tilted by 0 to 60° in " + std::to_string(tilts) +
               " steps, offset at random by up to half a voxel along each axis (seed " + std::to_string(kSeed) + ")";
   out.form = "π·d²·(R − d/3)";
-  const Tool tool = make_tool(ball_profile(kRadius_mm, kEdge_mm));
+  const Tool tool = make_tool(ball_profile(kRadius_mm, kBlockEdge_mm));
   Refinement refinement = volume_refinement(cap_mm3(kRadius_mm, kDepth_mm));
   double at_limit = std::numeric_limits<double>::quiet_NaN();
   for (const double voxel_mm : four_voxels(kFinestVoxel_mm)) {
@@ -115,7 +115,7 @@ CaseFindings tilted_cap_case(const Setting& setting) {
     if (voxel_mm == kLimitVoxel_mm) at_limit = *refinement.levels.back().error;
   }
   finish(refinement);
-  const Tool sampled = make_tool(ball_profile(kRadius_mm, 10 * kEdge_mm), kShellVoxels * kLimitVoxel_mm);
+  const Tool sampled = make_tool(ball_profile(kRadius_mm, 10 * kBlockEdge_mm), kShellVoxels * kLimitVoxel_mm);
   const double whole = *tilted_level(sampled, kLimitVoxel_mm, 2, ErosionMode::remove, setting).error;
   out.checks.push_back({"RMS volume error at 0.25 mm, exact", "", Measure::at_most, kAim, at_limit, 0, kAimReason});
   out.checks.push_back(order_check(refinement));
@@ -133,14 +133,15 @@ constexpr double kOuter_mm = 8, kLength_mm = 5;
 /// A flat-ended cylinder plunged along its axis, at random offsets.
 Level plunged_cylinder(const Tool& tool, double voxel_mm, const Quat& turned, int runs, const Setting& setting) {
   constexpr int kFrames = 120;
-  constexpr double kAbove_mm = 4;  // clear of the face even when tilted
+  constexpr double kEntry_mm = 4;  // clear of the face even when tilted
   Offsets offsets(kSeed);
   const Vec3 axis = turned * Vec3(0, 0, 1);
   std::vector<Sample> samples;
   for (int i = 0; i < runs; ++i) {
     const Vec3 offset = offsets.draw(voxel_mm), entry(offset.x(), offset.y(), 0);
     const double length = kLength_mm + offset.z();
-    const Motion motion = path(kRate_hz, entry + kAbove_mm * axis, {{entry - length * axis, kFrames, 250, turned}});
+    const Motion motion =
+        path(kVolumeRate_hz, entry + kEntry_mm * axis, {{entry - length * axis, kFrames, 250, turned}});
     const ReamingScene scene = scene_of(block({24, 24, 11}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
     samples.push_back({pi * kOuter_mm * kOuter_mm * length, ream(scene, setting).removed_mm3()});
   }
@@ -177,7 +178,7 @@ CaseFindings sweep_case(const Setting& setting) {
       "π·d²·(R − d/3) + L·[R²·acos((R − d)/R) − (R − d)·√(2Rd − d²)]: "
       "the part of a capsule below the face";
   const double volume = cap_mm3(kBall_mm, kDeep_mm) + kSweep_mm * segment_mm2(kBall_mm, kDeep_mm);
-  const Tool tool = make_tool(ball_profile(kBall_mm, kEdge_mm));
+  const Tool tool = make_tool(ball_profile(kBall_mm, kBlockEdge_mm));
   const Quat turned = tilt(20, 0.7);
   const Vec3 way = kSweep_mm * Vec3(std::cos(25 * pi / 180), std::sin(25 * pi / 180), 0);
   Refinement refinement = volume_refinement(volume);
@@ -185,7 +186,7 @@ CaseFindings sweep_case(const Setting& setting) {
     const Vec3 start(-0.5 * way.x() + 0.31 * voxel_mm, -0.5 * way.y() + 0.17 * voxel_mm, kBall_mm - kDeep_mm);
     const auto origin = [&](const Vec3& center) { return ball_origin(center, kBall_mm, turned); };
     const Motion motion = path(
-        kRate_hz, origin(start + Vec3(0, 0, kDeep_mm + kClear_mm)),
+        kVolumeRate_hz, origin(start + Vec3(0, 0, kDeep_mm + kVolumeClear_mm)),
         {{origin(start), 62, 250, turned}, {origin(start + way), static_cast<int>(kSweep_mm / kStep_mm), 250, turned}});
     const ReamingScene scene = scene_of(block({30, 24, 5}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
     add_level(refinement, voxel_mm, ream(scene, setting).removed_mm3());

@@ -3,7 +3,10 @@
 
 """Reads the grids of reamed.vdb with OpenVDB's own Python module: a second program that opens what reamsim writes."""
 
-import pyopenvdb as vdb
+try:
+    import pyopenvdb as vdb
+except ImportError:  # its name since OpenVDB 11
+    import openvdb as vdb
 
 UNITS = {"density": "g/cm^3", "fill": "1", "surface": "mm", "removed_frame": "frame index"}
 

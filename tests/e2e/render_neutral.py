@@ -8,8 +8,6 @@ import subprocess
 import sys
 import tempfile
 
-import pyopenvdb as vdb
-
 import grids
 
 WAYS = {
@@ -26,7 +24,7 @@ def run(program, scenario, out, settings):
     subprocess.run([program, "run", scenario, "-o", str(out), "--quiet", *sets], check=True)
     path = str(out / "reamed.vdb")
     found = grids.read(path)
-    metadata = [vdb.readMetadata(path), *(grid.metadata for grid in found.values())]
+    metadata = [grids.vdb.readMetadata(path), *(grid.metadata for grid in found.values())]
     return (out / "forces.csv").read_bytes(), found, metadata
 
 

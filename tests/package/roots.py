@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Roots of Debian for the tests of packages and image: made with mmdebstrap from the mirror that apt of this machine uses, and
-entered in a mount namespace of their own, whose mounts end with it."""
+"""Roots of Debian for the tests of packages, image and releases: made with mmdebstrap from the mirror that apt of this machine uses,
+and entered in a mount namespace of their own, whose mounts end with it."""
 
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -54,20 +55,25 @@ def packages(build, folder):
     return found
 
 
-def mirror(function):
-    """What a function of cmake/package/apt_mirror.sh says."""
-    return run(["bash", "-c", f"source '{ROOT}/cmake/package/apt_mirror.sh' && {function}"])
+def apt(*command):
+    return run([*command]).splitlines()
 
 
-def bootstrap(root):
-    """A minimal Debian 12 that knows the mirror."""
-    settings = [f"--aptopt={line}" for line in mirror("apt_mirror_settings").splitlines()]
-    sources = mirror("apt_mirror_sources")
-    if not sources:
-        skip("apt of this machine knows no mirror of Debian")
+def mirror():
+    """Where apt of this machine gets Debian's main from."""
+    lines = apt("apt-get", "indextargets", "--format", "$(REPO_URI) $(RELEASE)", "Created-By: Packages", "Origin: Debian",
+                "Component: main")
+    found = sorted({line.split()[0] for line in lines if "-" not in line.split()[1]})
+    return found[0] if found else skip("apt of this machine knows no mirror of Debian; run apt-get update")
+
+
+def bootstrap(root, release="bookworm"):
+    """A minimal Debian of this release, with apt's settings of this machine: a proxy, an archive whose dates have passed."""
+    wanted = re.compile(r"Acquire::(Check-Valid-Until|Check-Date|https?::Proxy) ")
+    settings = [f"--aptopt={line}" for line in apt("apt-config", "dump") if wanted.match(line)]
     begin = time.monotonic()
-    run(["mmdebstrap", "--variant=minbase", *settings, "bookworm", root, "-"], input=sources)
-    print(f"mmdebstrap --variant=minbase: {time.monotonic() - begin:.0f} s, {size_mb(root):.0f} MB", flush=True)
+    run(["mmdebstrap", "--variant=minbase", *settings, release, root, mirror()])
+    print(f"mmdebstrap --variant=minbase {release}: {time.monotonic() - begin:.0f} s, {size_mb(root):.0f} MB", flush=True)
     shutil.copy("/etc/resolv.conf", root / "etc/resolv.conf")
 
 
@@ -77,14 +83,20 @@ def size_mb(root):
     return int(run(["du", "-sxk", "--exclude=proc", "--exclude=var/lib/apt/lists", root]).split()[0]) / 1e3
 
 
-def enter(root, *command, more_mounts="", user=None, environment=()):
-    """Runs a command in the root: by default as its root with a home, otherwise as an ordinary user without one. The settings of
-    `environment` are the only ones beside PATH and LANG."""
+def entered(root, *command, more_mounts="", user=None, environment=()):
+    """The command line and the environment that run a command in the root: by default as its root with a home, otherwise as an
+    ordinary user without one. The settings of `environment` are the only ones beside PATH and LANG."""
     fixed = ["PATH=/usr/bin:/bin:/usr/sbin:/sbin", "LANG=C.UTF-8", *environment]
     if user is None:
-        who = ["env", "-i", *fixed, "HOME=/root", "DEBIAN_FRONTEND=noninteractive"]
+        who = ["env", "-i", *fixed[:2], "HOME=/root", "DEBIAN_FRONTEND=noninteractive", *environment]
     else:
         who = ["setpriv", f"--reuid={user}", f"--regid={user}", "--clear-groups", "--no-new-privs", "--inh-caps=-all", "env", "-i", *fixed]
     script = f"set -e\n{ENTER}{more_mounts}\nexec chroot \"$root\" \"$@\""
-    return run(["unshare", "--mount", "--propagation", "private", "bash", "-c", script, "bash", *who, *command],
-               env={**os.environ, "root": str(root)})
+    return (["unshare", "--mount", "--propagation", "private", "bash", "-c", script, "bash", *who, *(str(part) for part in command)],
+            {**os.environ, "root": str(root)})
+
+
+def enter(root, *command, **more):
+    """Runs a command in the root (entered()), and returns what it prints."""
+    line, environment = entered(root, *command, **more)
+    return run(line, env=environment)

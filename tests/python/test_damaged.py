@@ -106,7 +106,7 @@ def test_a_depth_map_off_its_lattice(copied):
 
 def test_optional_packages(copied, monkeypatch):
     run = reamsim.load(copied)
-    for package in ("pyopenvdb", "matplotlib"):
+    for package in ("pyopenvdb", "openvdb", "matplotlib"):
         monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(reamsim.MissingPackage, match="pyopenvdb.*python3-openvdb"):
         run.fill

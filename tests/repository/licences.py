@@ -54,7 +54,7 @@ def check_licences_of_pictures(root):
 
 def check_packages(root):
     arrays = re.findall(r"_packages=\(([^)]*)\)", (root / "cmake/setup.sh").read_text())
-    packages = " ".join(arrays).split()
+    packages = re.findall(r"[^\s'?|]+", " ".join(arrays))
     assert len(packages) > 50, packages
     page = (root / "docs/third-party.md").read_text()
     missing = [package for package in packages if f"`{package}`" not in page]

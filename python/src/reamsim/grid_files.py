@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import importlib
 import pathlib
 import re
 import zlib
@@ -23,19 +24,16 @@ def read_vdb(path: pathlib.Path, name: str, unit: str) -> Grid:
     """The grid `name` of reamed.vdb on the whole lattice; 4 bytes a voxel.
 
     Raises:
-        MissingPackage: pyopenvdb is not installed.
+        MissingPackage: OpenVDB's Python module is not installed.
         ResultsError: the file is missing, damaged or has no such grid.
     """
-    try:
-        import pyopenvdb
-    except ImportError:
-        raise MissingPackage("pyopenvdb", f"the grid {name} of {path.name}", "python3-openvdb") from None
+    openvdb = _openvdb(f"the grid {name} of {path.name}")
     if not path.is_file():
         raise ResultsError(f"{path}: no such file; the run did not write or keep it")
     if not _is_complete(path):
         raise ResultsError(f"{path}: damaged: its checksum does not fit; expected a complete file")
     try:
-        grid = pyopenvdb.read(str(path), name)
+        grid = openvdb.read(str(path), name)
         dims = tuple(int(n) for n in grid.metadata["lattice_dims"])
     except (OSError, RuntimeError, KeyError) as error:
         raise ResultsError(f"{path}: damaged, or has no grid {name}: {error}") from error
@@ -43,6 +41,16 @@ def read_vdb(path: pathlib.Path, name: str, unit: str) -> Grid:
     grid.copyToArray(values)
     return Grid(values, numpy.array(grid.transform.indexToWorld((0, 0, 0))), float(grid.transform.voxelSize()[0]),
                 unit=unit)
+
+
+def _openvdb(purpose: str):
+    """OpenVDB's Python module, which was called pyopenvdb before OpenVDB 11. Raises MissingPackage."""
+    for name in ("openvdb", "pyopenvdb"):
+        try:
+            return importlib.import_module(name)
+        except ImportError:
+            pass
+    raise MissingPackage("pyopenvdb", purpose, "python3-openvdb")
 
 
 def _is_complete(path: pathlib.Path) -> bool:
