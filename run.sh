@@ -8,7 +8,7 @@ start=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source cmake/setup.sh
 install_missing "${build_packages[@]}"
-build_release OFF all 20
+build_release OFF all "$build_minutes"
 cd "$start"
 
 [ $# -gt 0 ] || set -- "$root/trajectories/default.yaml"

@@ -27,7 +27,7 @@ left_out='long|cluster|container'
 [ $browser = OFF ] || packages+=("${browser_packages[@]}")
 [ $developer = ON ] && packages+=("${developer_packages[@]}") || left_out+='|developer'
 install_missing "${packages[@]}"
-build_release ON all 40 "-DREAMSIM_BROWSER_TESTS=$browser" "-DCMAKE_COMPILE_WARNING_AS_ERROR=$developer"
+build_release ON all "$test_build_minutes" "-DREAMSIM_BROWSER_TESTS=$browser" "-DCMAKE_COMPILE_WARNING_AS_ERROR=$developer"
 say "testing"
 # One more than processors: many tests wait for a browser, a limit of time, or a signal.
 ctest --test-dir "$build" --output-on-failure --parallel "$(($(nproc) + 1))" --label-exclude "^($left_out)$" "$@"

@@ -7,6 +7,11 @@ find_package(ITK REQUIRED QUIET COMPONENTS
   ITKCommon ITKIOImageBase ITKIONRRD ITKIONIFTI ITKIOMeta ITKIOGDCM ITKSmoothing ITKAnisotropicSmoothing ITKCurvatureFlow
   ITKImageGrid ITKImageFunction ITKThresholding ITKConnectedComponents ITKMathematicalMorphology
   ITKBinaryMathematicalMorphology ITKDistanceMap ITKLabelMap)
+# Since ITK 5.4 its smoothing filters link Fourier transforms, and these FFTW, whose development files ITK does not bring. None of
+# them is used.
+if(TARGET ITKFFT)
+  set_target_properties(ITKFFT PROPERTIES INTERFACE_LINK_LIBRARIES ITKCommon)
+endif()
 
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)

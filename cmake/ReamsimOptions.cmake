@@ -79,6 +79,8 @@ function(reamsim_test name)
   target_link_libraries(${name} PRIVATE reamsim_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
   target_compile_options(${name} PRIVATE ${REAMSIM_QUICK_TO_COMPILE})
   reamsim_precompile(${name} test_headers)
+  # Names of tests, which are short, must differ within a unit.
+  set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 12)
   set(properties TIMEOUT ${REAMSIM_TEST_TIMEOUT_S})
   if(ARG_HOST_THREADS)
     list(APPEND properties LABELS host_threads)

@@ -10,13 +10,16 @@
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build="$root/build/release"
+# Minutes of processor that a build takes from nothing, without and with tests.
+build_minutes=18
+test_build_minutes=35
 
-# OSMesa was removed from Mesa in 25.1; EGL renders where it does not exist. ITK 5.4 asks for FFTW and does not bring it.
+# OSMesa was removed from Mesa in 25.1; EGL renders where it does not exist.
 build_packages=(
   build-essential cmake ninja-build 'pkgconf|pkg-config' file
   ocl-icd-opencl-dev opencl-headers pocl-opencl-icd libeigen3-dev 'libosmesa6?' libegl-dev libegl1 libgl1-mesa-dri libgl-dev
   libopenvdb-dev libtbb-dev libboost-dev libboost-iostreams-dev libassimp-dev libfmt-dev libyaml-cpp-dev libinsighttoolkit5-dev
-  libfftw3-dev libcli11-dev nlohmann-json3-dev libpango1.0-dev libssl-dev zlib1g-dev libjpeg-dev libpng-dev libmeshoptimizer-dev
+  libcli11-dev nlohmann-json3-dev libpango1.0-dev libssl-dev zlib1g-dev libjpeg-dev libpng-dev libmeshoptimizer-dev
   libseccomp-dev python3-dev pybind11-dev
   gnuplot-nox fonts-dejavu-core)
 test_packages=(lintian doxygen ffmpeg libgtest-dev libgmock-dev libbenchmark-dev python3-openvdb python3-jsonschema libopenvdb-tools
