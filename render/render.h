@@ -29,7 +29,8 @@ void require_film_program(const RenderSettings& settings);
 /// other one is used, and when a picture of the final state looks empty. `thread` has started to render the same run
 /// with the same options. Returns what rendered (OffscreenContext::description()). Throws InputError when a result is
 /// missing or damaged or a camera is unknown, RunError when a picture cannot be made or written.
-std::string render_pictures(const RunData& run, const PictureOptions& options, const PictureProgress& progress = nullptr,
-                     Report* report = nullptr, RenderThread* thread = nullptr);
+std::string render_pictures(const RunData& run, const PictureOptions& options,
+                            const PictureProgress& progress = nullptr, Report* report = nullptr,
+                            RenderThread* thread = nullptr);
 
 }  // namespace reamsim

@@ -50,9 +50,9 @@ class EglContext final : public OffscreenContext {
     const auto get_display = library_.function<decltype(&eglGetPlatformDisplay)>("eglGetPlatformDisplay");
     const auto initialize = library_.function<decltype(&eglInitialize)>("eglInitialize");
     const EGLDeviceEXT software = software_device();
-    display_ = software != nullptr ? get_display(EGL_PLATFORM_DEVICE_EXT, software, nullptr)
-                                   : get_display(EGL_PLATFORM_SURFACELESS_MESA,
-                                                 reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr);
+    display_ = software != nullptr
+                   ? get_display(EGL_PLATFORM_DEVICE_EXT, software, nullptr)
+                   : get_display(EGL_PLATFORM_SURFACELESS_MESA, reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr);
     if (display_ == EGL_NO_DISPLAY) throw RunError("EGL has no platform without a display (Mesa's)");
     if (initialize(display_, nullptr, nullptr) != EGL_TRUE) {
       throw RunError("EGL cannot initialize its platform without a display");
@@ -85,7 +85,9 @@ class EglContext final : public OffscreenContext {
     if (query_devices(static_cast<EGLint>(devices.size()), devices.data(), &count) != EGL_TRUE) return nullptr;
     for (const EGLDeviceEXT device : std::span(devices).first(static_cast<std::size_t>(count))) {
       const char* const extensions = query_string(device, EGL_EXTENSIONS);
-      if (extensions != nullptr && std::string_view(extensions).find("EGL_MESA_device_software") != std::string_view::npos) return device;
+      if (extensions != nullptr &&
+          std::string_view(extensions).find("EGL_MESA_device_software") != std::string_view::npos)
+        return device;
     }
     return nullptr;
   }

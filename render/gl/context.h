@@ -77,9 +77,9 @@ std::unique_ptr<OffscreenContext> make_osmesa_context();
 /// chooses. Throws RunError: no library, no such platform, no OpenGL 4.5.
 std::unique_ptr<OffscreenContext> make_egl_context();
 
-/// The `wanted` context: `automatic` is OSMesa, or EGL where there is no OSMesa. Of a context that was asked for by name
-/// and is not available the other one is made; `fallback` then says so (else empty). Both give the same pictures on
-/// Mesa. Throws RunError with both reasons when neither works.
+/// The `wanted` context: `automatic` is OSMesa, or EGL where there is no OSMesa. Of a context that was asked for by
+/// name and is not available the other one is made; `fallback` then says so (else empty). Both give the same pictures
+/// on Mesa. Throws RunError with both reasons when neither works.
 std::unique_ptr<OffscreenContext> make_context(RenderContext wanted, std::string& fallback);
 
 }  // namespace reamsim

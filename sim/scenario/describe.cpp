@@ -77,7 +77,9 @@ void describe_metrics(KeyVisitor& v, MetricSettings& metrics) {
 
 void describe_render(KeyVisitor& v, RenderSettings& render) {
   v.flag({.name = "enabled", .doc = "Render pictures"}, render.enabled);
-  v.choice({.name = "context", .doc = "Off-screen OpenGL context. auto: OSMesa, or EGL where this system has no OSMesa"}, render.context);
+  v.choice(
+      {.name = "context", .doc = "Off-screen OpenGL context. auto: OSMesa, or EGL where this system has no OSMesa"},
+      render.context);
   v.integer({.name = "width_px", .doc = "Width of the pictures", .range = between(64, 16384)}, render.width_px);
   v.integer({.name = "height_px", .doc = "Height of the pictures", .range = between(64, 16384)}, render.height_px);
   v.integer({.name = "every_frames",

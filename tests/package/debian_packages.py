@@ -22,9 +22,11 @@ PLACES = {
     "python3-reamsim": [r"usr/lib/python3/dist-packages/reamsim/__init__\.py",
                         r"usr/lib/python3/dist-packages/reamsim/_simulation\.cpython-3\d+-\S+\.so"],
 }
+# Mesa has no OSMesa since 25.1.
+OFFSCREEN = "libosmesa6" if subprocess.run("ldconfig -p | grep -q libOSMesa", shell=True).returncode == 0 else "libegl1"
 NEEDS = {
     "reamsim": ["libc6", "libopenvdb", "libinsighttoolkit5", "pocl-opencl-icd | opencl-icd", "gnuplot-nox | gnuplot",
-                "fonts-dejavu-core", "libosmesa6"],
+                "fonts-dejavu-core", OFFSCREEN],
     "libreamsim-dev": ["libopenvdb-dev", "libinsighttoolkit5-dev", "libseccomp-dev", "pkgconf | pkg-config"],
     "python3-reamsim": ["python3-numpy", "python3-yaml", f"reamsim (= {VERSION})", "python3 (<< 3."],
 }

@@ -67,7 +67,12 @@ def mirror():
     return found[0] if found else skip("apt of this machine knows no mirror of Debian; run apt-get update")
 
 
-def bootstrap(root, release="bookworm"):
+def own_release():
+    """The release of this machine, as mmdebstrap names it."""
+    return re.search(r"^VERSION_CODENAME=(\w+)$", pathlib.Path("/etc/os-release").read_text(), re.M)[1]
+
+
+def bootstrap(root, release):
     """A minimal Debian of this release, with apt's settings of this machine: a proxy, an archive whose dates have passed."""
     wanted = re.compile(r"Acquire::(Check-Valid-Until|Check-Date|https?::Proxy) ")
     settings = [f"--aptopt={line}" for line in apt("apt-config", "dump") if wanted.match(line)]
