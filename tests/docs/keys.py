@@ -23,7 +23,9 @@ IMPLANT = ("metrics: {implant: {backside_radius_mm: 29, width_mm: 22, height_mm:
            "to_mm: [0, 0, -12], diameter_mm: 5}]}}\n")
 BLOCK = "bone: {source: phantom, voxel_mm: 0.5, phantom: {shape: half_space, size_mm: [8, 8, 4]}}\n"
 SLOW = "{approach_mm: 0.1, feed_mm_s: 1, depth_mm: 0.3, dwell_s: 0, retract_mm: 1}"
-TAIL = "version: 2\nrender: {enabled: false}\n"
+TAIL = "version: 2\n"
+WITHOUT_PICTURES = "render: {enabled: false}\n"
+WITH_PICTURES = "render: {width_px: 64, height_px: 64, cameras: [overview], report: false}\n"
 # Each has results that others lack.
 RUNS = {
     "plunge": f"{GLENOID}{IMPLANT}tool: {{mesh: reamer.stl, {HOLDER}}}\ncutting: {{preset: literature-low}}\n"
@@ -86,7 +88,7 @@ def simulate(program, folder, root):
         (folder / name).symlink_to(root / "assets" / mesh)
     scans.write_scan(folder / "ball.nrrd")
     for name, text in RUNS.items():
-        (folder / f"{name}.yaml").write_text(text + TAIL)
+        (folder / f"{name}.yaml").write_text(text + TAIL + (WITH_PICTURES if name == "flat" else WITHOUT_PICTURES))
         subprocess.run([program, "run", f"{name}.yaml", "-o", name, "--quiet"], cwd=folder, check=True, timeout=120, capture_output=True)
     subprocess.run([program, "compare", "shell", "resolved", "-o", "compared"], cwd=folder, check=True, capture_output=True)
 
