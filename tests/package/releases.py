@@ -71,7 +71,7 @@ def minutes(wall_s, processor_s, ok):
 
 def first_commands(release):
     """Packages, build and default run: what ./run.sh does, in steps that are timed, and then ./run.sh itself."""
-    step = 'set -eu; source cmake/setup.sh; {}'
+    step = 'set -euo pipefail; source cmake/setup.sh; {}'
     row = release.row
     row["packages"] = minutes(*release.run("bash", "-c", step.format('install_missing "${build_packages[@]}"'), user=True))
     row["build"] = minutes(*release.run("bash", "-c", step.format('build_release OFF all "$build_minutes"'), user=True))
