@@ -4,7 +4,7 @@
 #include "sim/scenario/shipped.h"
 
 #include <dlfcn.h>
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <link.h>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "sim/study/other_plan.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
