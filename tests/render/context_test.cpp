@@ -63,6 +63,21 @@ TEST(ContextTest, ChosenByName) {
   EXPECT_NE(make_context(RenderContext::egl, fallback), nullptr);
 }
 
+TEST(ContextTest, AutomaticTakesWhatThisSystemHasWithoutAWarning) {
+  std::string fallback;
+  const auto context = make_context(RenderContext::automatic, fallback);
+  EXPECT_EQ(fallback, "");
+  bool has_osmesa = true;
+  try {
+    const DynamicLibrary osmesa({"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"}, "OSMesa");
+  } catch (const RunError&) {
+    has_osmesa = false;
+  }
+  const std::string expected = has_osmesa ? "osmesa: llvmpipe" : "egl: llvmpipe";
+  EXPECT_EQ(context->description().substr(0, expected.size()), expected) << "neither needs a GPU";
+  EXPECT_NE(context->description().find("Mesa"), std::string::npos);
+}
+
 TEST(DynamicLibraryTest, AMissingLibraryIsARunErrorThatNamesIt) {
   try {
     const DynamicLibrary missing({"libnowhere.so.1"}, "Nowhere");
