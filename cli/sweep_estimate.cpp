@@ -11,11 +11,11 @@
 #include "sim/base/error.h"
 #include "sim/base/mistake_list.h"
 #include "sim/base/stopwatch.h"
-#include "sim/plan/memory_plan.h"
-#include "sim/plan/time_plan.h"
 #include "sim/predict/clearance.h"
 #include "sim/predict/contact_forecast.h"
+#include "sim/run/memory_plan.h"
 #include "sim/run/simulation.h"
+#include "sim/run/time_plan.h"
 #include "sim/scenario/passes.h"
 
 namespace reamsim {

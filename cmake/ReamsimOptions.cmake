@@ -53,18 +53,19 @@ if(REAMSIM_SANITIZE OR REAMSIM_COVERAGE)
   set(REAMSIM_PROGRAM_TIMEOUT_S 600)
 endif()
 
-# reamsim_library(NAME SOURCES ... LINK ... [PRIVATE ...] [COLD]): one static library per folder, so that the linker enforces
-# the layers. COLD: compiled for a quick build instead of a fast program.
+# reamsim_library(NAME SOURCES ... LINK ... [PRIVATE ...] [HOT]): a static library of a folder, so that the linker enforces the
+# layers. HOT: compiled for a fast program instead of a quick build.
 function(reamsim_library name)
-  cmake_parse_arguments(ARG "COLD" "" "SOURCES;LINK;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "HOT" "" "SOURCES;LINK;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   set_property(GLOBAL APPEND PROPERTY REAMSIM_LIBRARIES ${name})
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE reamsim_options ${ARG_PRIVATE})
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
-  if(ARG_COLD)
-    target_compile_options(${name} PRIVATE ${REAMSIM_QUICK_TO_COMPILE})
-    reamsim_precompile(${name} cold_headers)
+  if(ARG_HOT)
+    target_compile_options(${name} PRIVATE ${REAMSIM_FAST_TO_RUN})
+    reamsim_precompile(${name} hot_headers)
   else()
+    target_compile_options(${name} PRIVATE ${REAMSIM_QUICK_TO_COMPILE})
     reamsim_precompile(${name} common_headers)
   endif()
 endfunction()

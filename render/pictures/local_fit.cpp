@@ -3,11 +3,11 @@
 
 #include "render/pictures/local_fit.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "sim/base/gaussian.h"
+#include "sim/base/linear_algebra.h"
 #include "sim/base/parallel.h"
 
 namespace reamsim {
@@ -61,7 +61,7 @@ std::pair<double, int> fit_in(const RasterField& field, const std::vector<std::u
   });
   if (count == 0) return {0, 0};
   for (int k = 1; k < Terms; ++k) normal(k, k) += kRidge * normal(0, 0);
-  return {normal.ldlt().solve(right)(0), count};
+  return {solve_ldlt(normal, right)(0), count};
 }
 
 }  // namespace

@@ -58,7 +58,8 @@ struct ScapularAxes {
 };
 
 /// The rotation by the smallest angle that takes direction `from` to direction `to`; where they are opposite, about any
-/// axis across them. It is a function of its own because Eigen's version takes long to compile.
+/// axis across them. Eigen's FromTwoVectors takes six seconds to compile, for a singular value decomposition in that
+/// case.
 Quat smallest_rotation(const Vec3& from, const Vec3& to);
 
 }  // namespace reamsim

@@ -3,20 +3,16 @@
 
 #include "sim/bone/face_surface.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/linear_algebra.h"
 #include "sim/base/statistics.h"
 
 namespace reamsim {
 
 namespace {
-
-using Vec4 = Eigen::Vector4d;
-using Mat4 = Eigen::Matrix4d;
 
 Vec3 mean_of(const std::vector<Vec3>& points) {
   Vec3 sum = Vec3::Zero();
@@ -43,9 +39,8 @@ std::optional<SphereFit> algebraic_fit(const std::vector<Vec3>& points, const Ve
     products += row * row.transpose();
     right += p.squaredNorm() * row;
   }
-  Eigen::ColPivHouseholderQR<Mat4> solver(products);
-  if (solver.rank() < 4) return std::nullopt;
-  const Vec4 found = solver.solve(right);
+  const auto [found, rank] = solve_qr(products, right);
+  if (rank < 4) return std::nullopt;
   const double squared_radius = found.w() + found.head<3>().squaredNorm();
   if (!(squared_radius > 0)) return std::nullopt;
   return SphereFit{.center_mm = mean + found.head<3>(), .radius_mm = std::sqrt(squared_radius), .rms_mm = 0};
@@ -63,7 +58,7 @@ double refine(SphereFit& sphere, const std::vector<Vec3>& points) {
     products += row * row.transpose();
     right += (distance - sphere.radius_mm) * row;
   }
-  const Vec4 step = Eigen::ColPivHouseholderQR<Mat4>(products).solve(right);
+  const Vec4 step = solve_qr(products, right).x;
   sphere.center_mm += step.head<3>();
   sphere.radius_mm += step.w();
   return step.norm();
@@ -207,12 +202,12 @@ std::optional<PlaneFit> fit_plane(const std::vector<Vec3>& points, const Vec3& o
   out.point_mm = mean_of(points);
   Mat3 spread = Mat3::Zero();
   for (const Vec3& p : points) spread += (p - out.point_mm) * (p - out.point_mm).transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread / static_cast<double>(points.size()));
+  const SymmetricEigen3 axes = symmetric_eigen(Mat3(spread / static_cast<double>(points.size())));
   constexpr double kOnALine = 1e-9;
-  if (axes.eigenvalues()(1) <= kOnALine * axes.eigenvalues()(2)) return std::nullopt;
-  out.normal = axes.eigenvectors().col(0).normalized();
+  if (axes.values(1) <= kOnALine * axes.values(2)) return std::nullopt;
+  out.normal = axes.vectors.col(0).normalized();
   if (out.normal.dot(outward) < 0) out.normal = -out.normal;
-  out.rms_mm = std::sqrt(std::max(axes.eigenvalues()(0), 0.0));
+  out.rms_mm = std::sqrt(std::max(axes.values(0), 0.0));
   return out;
 }
 

@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "sim/base/error.h"
+#include "sim/bone/vdb/mesh_distance.h"
 #include "sim/bone/voxmap/lattice.h"
-#include "sim/mesh/mesh_distance.h"
 
 namespace reamsim {
 

@@ -3,12 +3,11 @@
 
 #include "sim/bone/pear_outline.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/linear_algebra.h"
 #include "sim/base/statistics.h"
 #include "sim/bone/implicit.h"
 
@@ -20,7 +19,7 @@ constexpr std::size_t kLeastPoints = 12;
 constexpr double kLeastRatio = 0.5, kMostRatio = 0.95;
 constexpr double kSlimmest = 2.02;  // height over the sum of radii at which both circles are one, and a margin
 
-using Parameters = Eigen::Matrix<double, 6, 1>;
+using Parameters = Vec6;
 
 Parameters parameters_of(const PearOutline& o) {
   Parameters out;
@@ -80,11 +79,11 @@ bool improve(PearOutline& outline, const std::vector<Vec2>& points, const std::v
   }
   const auto count = static_cast<Eigen::Index>(points.size());
   const Eigen::Map<const Eigen::VectorXd> w(weights.data(), count), r(here.data(), count);
-  const Eigen::Matrix<double, 6, 6> products = slopes.transpose() * w.asDiagonal() * slopes;
+  const Mat6 products = slopes.transpose() * w.asDiagonal() * slopes;
   const Parameters right = slopes.transpose() * w.asDiagonal() * r;
-  Eigen::Matrix<double, 6, 6> damped = products;
+  Mat6 damped = products;
   damped.diagonal() += damping * (products.diagonal() + Parameters::Constant(1e-6));
-  const PearOutline next = outline_of(at - damped.ldlt().solve(right));
+  const PearOutline next = outline_of(at - solve_ldlt(damped, right));
   const bool better = weighted_squares(distances_of(next, points), weights) < weighted_squares(here, weights);
   if (better) outline = next;
   damping = better ? damping / 5 : damping * 5;
@@ -95,12 +94,12 @@ bool improve(PearOutline& outline, const std::vector<Vec2>& points, const std::v
 PearOutline first_outline(const std::vector<Vec2>& points, bool reversed) {
   Vec2 mean = Vec2::Zero();
   for (const Vec2& p : points) mean += p / static_cast<double>(points.size());
-  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  Mat2 spread = Mat2::Zero();
   for (const Vec2& p : points) spread += (p - mean) * (p - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread / static_cast<double>(points.size()));
-  const Vec2 along = axes.eigenvectors().col(1);
+  const SymmetricEigen2 axes = symmetric_eigen(Mat2(spread / static_cast<double>(points.size())));
+  const Vec2 along = axes.vectors.col(1);
   // The variance of points around an ellipse is half of each squared semi-axis.
-  const Vec2 half = (2 * axes.eigenvalues().cwiseMax(1e-6)).cwiseSqrt();
+  const Vec2 half = (2 * axes.values.cwiseMax(1e-6)).cwiseSqrt();
   PearOutline out{.center_mm = mean,
                   .axis_rad = std::atan2(along.y(), along.x()) + (reversed ? std::numbers::pi : 0.0),
                   .height_mm = 2 * half.y(),

@@ -3,10 +3,11 @@
 
 #include "sim/metrics/native_face.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "sim/base/linear_algebra.h"
 
 namespace reamsim {
 
@@ -89,7 +90,7 @@ class FaceGrid {
         right += near->height_mm * row;
       }
     }
-    const Vec3 plane = products.ldlt().solve(right);
+    const Vec3 plane = solve_ldlt(products, right);
     const double slope2 = plane.tail<2>().squaredNorm();
     return std::isfinite(slope2) ? std::sqrt(1 + std::min(slope2, kMaxSlope * kMaxSlope)) : 1;
   }

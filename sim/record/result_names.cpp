@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <regex>
 #include <vector>
 
+#include "sim/base/pattern.h"
 #include "sim/record/manifest.h"
 
 namespace reamsim {
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 /// Names of files relative to the results folder; a finished folder has at least one of `marks`.
 struct Names {
-  std::regex files;
+  Pattern files;
   std::vector<std::string> marks;
 };
 
@@ -34,15 +34,15 @@ Names names_of_run() {
       "(reamed|turntable)\\.(mp4|webp|apng)|snapshots/([0-9]+\\.vdb|tool(_[0-9]+)?\\.stl)|turntable/[0-9]+\\.png|"
       "plots/(forces_decimated|forces_depth|energy|removed_density|spectrum|push|deflection)\\.(csv|gp|png|svg|pdf)";
   const std::string pictures = "(reamed|before_after|frames/[0-9]+)" + camera + "\\.png";
-  return {std::regex("(" + files + "|" + pictures + ")" + unfinished), {"scenario.yaml", "summary.json"}};
+  return {Pattern("(" + files + "|" + pictures + ")" + unfinished), {"scenario.yaml", "summary.json"}};
 }
 
 const Names& names_of(ResultKind kind) {
   static const Names names[] = {
       names_of_run(),
-      {std::regex("CITATION\\.txt|compare\\.(csv|gp|png|svg|pdf)|(curves|runs)\\.csv"), {"compare.csv"}},
-      {std::regex("CITATION\\.txt|verification\\.(md|json|gp|png|svg)"), {"verification.json"}},
-      {std::regex("CITATION\\.txt|bench\\.(json|gp|png|svg)"), {"bench.gp"}},
+      {Pattern("CITATION\\.txt|compare\\.(csv|gp|png|svg|pdf)|(curves|runs)\\.csv"), {"compare.csv"}},
+      {Pattern("CITATION\\.txt|verification\\.(md|json|gp|png|svg)"), {"verification.json"}},
+      {Pattern("CITATION\\.txt|bench\\.(json|gp|png|svg)"), {"bench.gp"}},
   };  // in the order of ResultKind
   return names[static_cast<std::size_t>(kind)];
 }
@@ -50,9 +50,9 @@ const Names& names_of(ResultKind kind) {
 /// Files that only unfinished results have: ours, and in no manifest. A process that is killed may leave them in
 /// complete ones.
 bool is_of_unfinished(const std::string& place, ResultKind kind) {
-  static const std::regex checkpoints("checkpoint-[01]\\.bin(\\.tmp)?");
+  static const Pattern checkpoints("checkpoint-[01]\\.bin(\\.tmp)?");
   if (place == std::string(kManifestName) + ".tmp") return true;
-  return kind == ResultKind::run && std::regex_match(place, checkpoints);
+  return kind == ResultKind::run && checkpoints.matches(place);
 }
 
 constexpr const char* kFolders[] = {"frames", "plots", "snapshots", "turntable"};
@@ -87,7 +87,7 @@ class OwnEntries {
     if (is_of_unfinished(place, kind_)) return true;
     if (manifest_ && (place == kManifestName || manifest_->files.contains(place))) return true;
     if (kind_ == ResultKind::run && place == kVerification) return true;
-    return (!manifest_ || !manifest_->complete) && std::regex_match(place, names_.files);
+    return (!manifest_ || !manifest_->complete) && names_.files.matches(place);
   }
 
  private:

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "sim/base/linear_algebra.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/show.h"
 
@@ -29,9 +29,9 @@ RimSpread spread_of(const std::vector<Vec3>& rim_mm) {
   for (const Vec3& p : rim_mm) out.middle_mm += p / static_cast<double>(rim_mm.size());
   Mat3 products = Mat3::Zero();
   for (const Vec3& p : rim_mm) products += (p - out.middle_mm) * (p - out.middle_mm).transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(products / static_cast<double>(rim_mm.size()));
-  out.directions = axes.eigenvectors();
-  out.deviations_mm = axes.eigenvalues().cwiseMax(0).cwiseSqrt();
+  const SymmetricEigen3 axes = symmetric_eigen(Mat3(products / static_cast<double>(rim_mm.size())));
+  out.directions = axes.vectors;
+  out.deviations_mm = axes.values.cwiseMax(0).cwiseSqrt();
   return out;
 }
 

@@ -268,7 +268,7 @@ class Fit {
     out.covariance.resize(0, 0);
     if (free.empty()) return;
     const Eigen::MatrixXd all = derivatives();
-    const Eigen::MatrixXd part = all(Eigen::all, free);
+    const Eigen::MatrixXd part = all(Eigen::seqN(0, all.rows()), free);
     const Eigen::MatrixXd information = part.transpose() * problem_.gram() * part;
     const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information * scale.asDiagonal());

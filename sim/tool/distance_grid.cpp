@@ -10,7 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/parallel.h"
-#include "sim/mesh/mesh_distance.h"
+#include "sim/bone/vdb/mesh_distance.h"
 #include "sim/tool/envelope.h"
 
 namespace reamsim {

@@ -19,7 +19,7 @@ LAYERS = [
     ("sim/isolation", ["sim_isolation"]),
     ("sim/scenario", ["sim_scenario"]),
     ("sim/device", ["sim_device"]),
-    ("sim/mesh", ["sim_mesh", "sim_mesh_distance"]),
+    ("sim/mesh", ["sim_mesh"]),
     ("sim/bone/voxmap", ["sim_voxmap"]),
     ("sim/bone/vdb", ["sim_bone_vdb"]),
     ("sim/bone/ct", ["sim_bone_ct"]),
@@ -27,12 +27,12 @@ LAYERS = [
     ("sim/motion", ["sim_motion"]),
     ("sim/tool", ["sim_tool"]),
     ("assets", ["reamer_shapes"]),
-    ("sim/engine/common", ["sim_engine_common"]),
-    ("sim/engine/dense", ["sim_engine_dense"]),
-    ("sim/engine/bricked", ["sim_engine_bricked"]),
-    ("sim/engine/exact", ["sim_engine_exact"]),
-    ("sim/engine/serial", ["sim_engine_serial"]),
-    ("sim/engine/basis", ["sim_engine_basis"]),
+    ("sim/engine/common", []),
+    ("sim/engine/dense", []),
+    ("sim/engine/bricked", []),
+    ("sim/engine/exact", []),
+    ("sim/engine/serial", []),
+    ("sim/engine/basis", []),
     ("sim/engine", ["sim_engine"]),
     ("sim/scene", ["sim_scene"]),
     ("sim/metrics", ["sim_metrics"]),
@@ -40,7 +40,6 @@ LAYERS = [
     ("sim/record", ["sim_record"]),
     ("sim/run", ["sim_run"]),
     ("sim/api", ["sim_api"]),
-    ("sim/plan", ["sim_plan"]),
     ("sim/study", ["sim_study", "sim_study_forces"]),
     ("sim/bench", ["sim_bench"]),
     ("sim/verify", ["sim_verify"]),
@@ -60,7 +59,7 @@ RANK = {name: rank for rank, (folder, libraries) in enumerate(LAYERS) for name i
 
 # Standing before is not enough for these: a picture needs no engine, an engine no file format, nothing but the
 # command line needs the benchmark or the verification, and Python has the library of docs/library.md alone.
-ENGINES = re.compile(r"sim[_/](engine|run|plan|bench|verify)")
+ENGINES = re.compile(r"sim[_/](engine|run|bench|verify)")
 FORBIDDEN = [
     (re.compile(r"render"), ENGINES),
     (re.compile(r"sim[_/]engine"), re.compile(r"sim[_/](record|scene|metrics|bone_ct|bone/ct)")),

@@ -3,12 +3,12 @@
 
 #include "sim/bone/ct/humeral_head.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "sim/base/linear_algebra.h"
 #include "sim/base/statistics.h"
 
 namespace reamsim::ct {
@@ -135,16 +135,16 @@ std::vector<Vec3> points_on(const std::vector<SurfacePoint>& surface, const Sphe
 /// Gauss–Newton steps on the distances of the points near the sphere, ever nearer.
 Sphere refined(const std::vector<SurfacePoint>& surface, Sphere sphere) {
   for (const double within_mm : {4.0, 4.0, 3.0, 3.0, 2.0, 2.0, 1.5, 1.5, 1.5, 1.5}) {
-    Eigen::Matrix4d products = 1e-9 * Eigen::Matrix4d::Identity();
-    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    Mat4 products = 1e-9 * Mat4::Identity();
+    Vec4 right = Vec4::Zero();
     for (const Vec3& p : points_on(surface, sphere, within_mm)) {
       const Vec3 way = p - sphere.center_mm;
       const Vec3 unit = way.normalized();
-      const Eigen::Vector4d row(unit.x(), unit.y(), unit.z(), 1);
+      const Vec4 row(unit.x(), unit.y(), unit.z(), 1);
       products += row * row.transpose();
       right += (way.norm() - sphere.radius_mm) * row;
     }
-    const Eigen::Vector4d step = products.ldlt().solve(right);
+    const Vec4 step = solve_ldlt(products, right);
     sphere.center_mm += step.head<3>();
     sphere.radius_mm += step.w();
   }

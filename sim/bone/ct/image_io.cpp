@@ -16,12 +16,12 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
-#include <regex>
 #include <sstream>
 #include <stdexcept>
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/base/pattern.h"
 #include "sim/bone/ct/image_conventions.h"
 #include "sim/bone/ct/nifti_header.h"
 #include "sim/bone/ct/quiet.h"
@@ -148,22 +148,21 @@ std::string printable_start(const std::string& line) {
 /// MetaIO reads as many numbers as the header has dimensions, without end, and takes the header for compressed voxels
 /// where these follow it and have no size.
 void check_meta_image(const std::string& path, const std::string& key) {
-  static const std::regex few_dimensions(R"(NDims\s*[=:]\s*[1-9]\s*)");
-  static const std::regex is_compressed(R"(CompressedData\s*[=:]\s*[Tt1].*\s*)");
-  static const std::regex is_local(R"(ElementDataFile\s*[=:]\s*(LOCAL|Local|local)\s*)");
+  static const Pattern few_dimensions(R"(NDims\s*[=:]\s*[1-9]\s*)");
+  static const Pattern is_compressed(R"(CompressedData\s*[=:]\s*[Tt1].*\s*)");
+  static const Pattern is_local(R"(ElementDataFile\s*[=:]\s*(LOCAL|Local|local)\s*)");
   std::istringstream header(read_file_start(path, 1 << 16));
   bool compressed = false;
   bool sized = false;
   for (std::string line; std::getline(header, line);) {
-    compressed = compressed || std::regex_match(line.substr(0, kLongestLine), is_compressed);
+    compressed = compressed || is_compressed.matches(line.substr(0, kLongestLine));
     sized = sized || line.starts_with("CompressedDataSize");
-    if (std::regex_match(line.substr(0, kLongestLine), is_local)) {  // voxels follow
+    if (is_local.matches(line.substr(0, kLongestLine))) {  // voxels follow
       if (!compressed || sized) return;
       throw InputError({path}, key, "the MetaImage header has no CompressedDataSize",
                        "add it, or save the image without compression");
     }
-    if (line.find("NDims") == std::string::npos || std::regex_match(line.substr(0, kLongestLine), few_dimensions))
-      continue;
+    if (line.find("NDims") == std::string::npos || few_dimensions.matches(line.substr(0, kLongestLine))) continue;
     throw InputError({path}, key, "the MetaImage header says \"" + printable_start(line) + "\"", "expected NDims = 3");
   }
 }

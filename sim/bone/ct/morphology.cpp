@@ -24,32 +24,28 @@ using FloatImage = itk::Image<float, 3>;
 using MaskImage = itk::Image<std::uint8_t, 3>;
 using LabelImage = itk::Image<std::uint32_t, 3>;
 
-/// An ITK image of `data`, which it does not own.
-template <typename Value, unsigned Dimensions>
-typename itk::Image<Value, Dimensions>::Pointer view(Value* data, const std::array<int, Dimensions>& dims,
-                                                     const std::array<double, Dimensions>& spacing) {
-  using Importer = itk::ImportImageFilter<Value, Dimensions>;
+/// An ITK image of `values`, which it does not own.
+template <typename Value>
+typename itk::Image<Value, 3>::Pointer view(std::vector<Value>& values, const Vec3i& dims,
+                                            const Vec3& spacing = Vec3::Ones()) {
+  using Importer = itk::ImportImageFilter<Value, 3>;
   const auto importer = Importer::New();
   typename Importer::RegionType region;
   typename Importer::SpacingType step;
-  itk::SizeValueType count = 1;
-  for (unsigned axis = 0; axis < Dimensions; ++axis) {
+  for (unsigned axis = 0; axis < 3; ++axis) {
     region.SetSize(axis, static_cast<itk::SizeValueType>(dims[axis]));
     step[axis] = spacing[axis];
-    count *= region.GetSize(axis);
   }
   importer->SetRegion(region);
   importer->SetSpacing(step);
-  importer->SetImportPointer(data, count, false);
+  importer->SetImportPointer(values.data(), values.size(), false);
   importer->Update();
   return importer->GetOutput();
 }
 
 template <typename Value>
 typename itk::Image<Value, 3>::Pointer view(std::vector<Value>& values, const Lattice& lattice) {
-  const Vec3i& d = lattice.dims;
-  const Vec3& s = lattice.spacing_mm;
-  return view<Value, 3>(values.data(), {d.x(), d.y(), d.z()}, {s.x(), s.y(), s.z()});
+  return view(values, lattice.dims, lattice.spacing_mm);
 }
 
 void copy_back(const FloatImage& filtered, std::vector<float>& values) {
@@ -80,15 +76,10 @@ Mask extreme_in_box(Mask mask, const Lattice& lattice, const Vec3i& radius, bool
   return mask;
 }
 
-/// Labels of the connected components of the background.
-template <unsigned Dimensions>
-std::vector<std::uint32_t> label_background(std::vector<std::uint8_t>& background,
-                                            const std::array<int, Dimensions>& dims, std::uint32_t& count) {
-  std::array<double, Dimensions> spacing{};
-  spacing.fill(1);
-  const auto label = itk::ConnectedComponentImageFilter<itk::Image<std::uint8_t, Dimensions>,
-                                                        itk::Image<std::uint32_t, Dimensions>>::New();
-  label->SetInput(view<std::uint8_t, Dimensions>(background.data(), dims, spacing));
+/// Labels of the connected components of the background; of a plane, where one of `dims` is 1.
+std::vector<std::uint32_t> label_background(Mask& background, const Vec3i& dims, std::uint32_t& count) {
+  const auto label = itk::ConnectedComponentImageFilter<MaskImage, LabelImage>::New();
+  label->SetInput(view(background, dims));
   label->Update();
   count = static_cast<std::uint32_t>(label->GetObjectCount());
   const std::uint32_t* first = label->GetOutput()->GetBufferPointer();
@@ -116,10 +107,10 @@ void mark_open_parts(const std::vector<std::uint32_t>& part, const Lattice& latt
                      std::vector<std::uint8_t>& open) {
   const Vec3i dims(lattice.dims[face.u], lattice.dims[face.v], 1);
   const auto part_at = [&](const Vec3i& v) { return part[lattice.index(face.voxel(v.x(), v.y()))]; };
-  std::vector<std::uint8_t> background;
+  Mask background;
   for_each_voxel(dims, [&](const Vec3i& v) { background.push_back(part_at(v) != 0); });
   std::uint32_t count = 0;
-  const std::vector<std::uint32_t> region = label_background<2>(background, {dims.x(), dims.y()}, count);
+  const std::vector<std::uint32_t> region = label_background(background, dims, count);
   std::vector<std::uint8_t> reaches_rim(count + std::size_t{1}, 0);
   for_each_voxel(dims, [&](const Vec3i& v) {
     const bool rim = v.x() == 0 || v.y() == 0 || v.x() == dims.x() - 1 || v.y() == dims.y() - 1;
@@ -228,7 +219,7 @@ std::int64_t fill_holes(Mask& mask, const Lattice& lattice) {
   Mask background = complement(mask);
   const Vec3i& d = lattice.dims;
   std::uint32_t count = 0;
-  const std::vector<std::uint32_t> part = label_background<3>(background, {d.x(), d.y(), d.z()}, count);
+  const std::vector<std::uint32_t> part = label_background(background, d, count);
   std::vector<std::uint8_t> open(count + std::size_t{1}, 0);
   for (int across = 0; across < 3; ++across) {
     const int u = (across + 1) % 3;

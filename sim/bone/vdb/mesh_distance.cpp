@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/mesh/mesh_distance.h"
+#include "sim/bone/vdb/mesh_distance.h"
 
 #include <openvdb/tools/MeshToVolume.h>
 

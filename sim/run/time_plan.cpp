@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/plan/time_plan.h"
+#include "sim/run/time_plan.h"
 
 #include <algorithm>
 #include <limits>

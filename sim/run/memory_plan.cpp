@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/plan/memory_plan.h"
+#include "sim/run/memory_plan.h"
 
 #include <algorithm>
 

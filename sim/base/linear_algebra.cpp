@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/base/linear_algebra.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <cmath>
+
+namespace reamsim {
+
+Vec3 solve_ldlt(const Mat3& a, const Vec3& b) {
+  return a.ldlt().solve(b);
+}
+
+Vec4 solve_ldlt(const Mat4& a, const Vec4& b) {
+  return a.ldlt().solve(b);
+}
+
+Vec6 solve_ldlt(const Mat6& a, const Vec6& b) {
+  return a.ldlt().solve(b);
+}
+
+QrSolution solve_qr(const Mat4& a, const Vec4& b) {
+  const Eigen::ColPivHouseholderQR<Mat4> decomposed(a);
+  return {decomposed.solve(b), static_cast<int>(decomposed.rank())};
+}
+
+SymmetricEigen2 symmetric_eigen(const Mat2& matrix) {
+  const double mean = 0.5 * (matrix(0, 0) + matrix(1, 1)), half_difference = 0.5 * (matrix(0, 0) - matrix(1, 1));
+  const double radius = std::hypot(half_difference, matrix(1, 0));
+  const double angle = 0.5 * std::atan2(matrix(1, 0), half_difference);  // of the direction of the greater eigenvalue
+  const double c = std::cos(angle), s = std::sin(angle);
+  SymmetricEigen2 out{Vec2(mean - radius, mean + radius), {}};
+  out.vectors << -s, c, c, s;
+  return out;
+}
+
+SymmetricEigen3 symmetric_eigen(const Mat3& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> found(matrix);
+  return {found.eigenvalues(), found.eigenvectors()};
+}
+
+}  // namespace reamsim
