@@ -13,9 +13,8 @@ if(REAMSIM_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
 endif()
 
 # Simulation is hot on the device, whose compiler is another. On the host only voxels, grids, surfaces and what is measured on
-# them take time (HOT of reamsim_library): with -O1, loading a CT took a quarter longer and writing a grid two thirds; the rest
-# did not. -O3 takes longer to compile than -O2 and runs no faster. The same bytes: no option lets a compiler change
-# floating-point results.
+# them take time (HOT of reamsim_library): with -O1, loading a CT took a quarter longer and writing a grid two thirds; simulation
+# did not. The same bytes: no option lets a compiler change floating-point results.
 set(REAMSIM_QUICK_TO_COMPILE $<$<CONFIG:Release>:-O1>)
 set(REAMSIM_FAST_TO_RUN $<$<CONFIG:Release>:-O2>)
 

@@ -3,8 +3,6 @@
 
 #pragma once
 
-#include <optional>
-
 #include "sim/base/geometry.h"
 
 /// Decompositions of small symmetric matrices, for least-squares fits. Functions of their own because Eigen's templates
@@ -24,8 +22,8 @@ Vec3 solve_ldlt(const Mat3& a, const Vec3& b);
 Vec4 solve_ldlt(const Mat4& a, const Vec4& b);
 Vec6 solve_ldlt(const Mat6& a, const Vec6& b);
 
-/// x of A·x = b by Householder QR with column pivoting: of least residual if A is singular, whose numerical rank is
-/// returned.
+/// x of A·x = b by Householder QR with column pivoting (Eigen::ColPivHouseholderQR), and the numerical rank of A. If A
+/// is singular, x is one of those with the least residual.
 struct QrSolution {
   Vec4 x;
   int rank = 0;
