@@ -11,8 +11,8 @@
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build="$root/build/release"
 # Minutes of processor that a build takes from nothing, without and with tests.
-build_minutes=20
-test_build_minutes=35
+build_minutes=10
+test_build_minutes=20
 
 # OSMesa was removed from Mesa in 25.1; EGL renders where it does not exist.
 build_packages=(
