@@ -88,8 +88,10 @@ void add_commands_below(const CLI::App& app, const std::string& path, std::vecto
   }
 }
 
-/// Help without the notation of CLI11, "INT:INT in [1 - 9]" or "--film{mp4}".
-class HelpFormatter : public CLI::Formatter {
+/// Help without the notation of CLI11, "INT:INT in [1 - 9]" or "--film{mp4}". `Mode`: what make_expanded() takes
+/// besides the group, nothing in CLI11 2.1 to 2.4, an AppFormatMode in 2.6.
+template <class... Mode>
+class HelpFormatterFor : public CLI::Formatter {
  public:
   std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
     if (is_positional) return option->get_name(true, false);
@@ -105,7 +107,9 @@ class HelpFormatter : public CLI::Formatter {
   }
   std::string make_option_desc(const CLI::Option* option) const override { return text_of(*option).description; }
   /// A group of options, one of which is needed.
-  std::string make_expanded(const CLI::App* group) const override { return "\nOne of these:\n" + make_options(*group); }
+  std::string make_expanded(const CLI::App* group, Mode... /*mode*/) const override {
+    return "\nOne of these:\n" + make_options(*group);
+  }
 
  private:
   [[nodiscard]] std::string make_options(const CLI::App& group) const {
@@ -116,6 +120,9 @@ class HelpFormatter : public CLI::Formatter {
     return out;
   }
 };
+template <class... Mode>
+HelpFormatterFor<Mode...> formatter_of(std::string (CLI::Formatter::*make_expanded)(const CLI::App*, Mode...) const);
+using HelpFormatter = decltype(formatter_of(&CLI::Formatter::make_expanded));
 
 /// The exit statuses of a command; of the program where `name` is "".
 std::vector<Entry> exit_statuses_of(const std::string& name) {
