@@ -23,6 +23,14 @@ namespace {
 using Leaf = openvdb::FloatTree::LeafNodeType;
 using Point = Eigen::Vector3f;
 
+// Eigen's versions add in another order since Eigen 5; grids keep their bytes.
+float dot(const Point& a, const Point& b) {
+  return a.x() * b.x() + (a.y() * b.y() + a.z() * b.z());
+}
+float length_of(const Point& p) {
+  return std::sqrt(dot(p, p));
+}
+
 constexpr int kSide = static_cast<int>(Leaf::DIM);
 constexpr int kMargin = 4;  // voxels around a leaf in which its closest points lie
 constexpr int kSamples = kSide + 2 * kMargin + 1;
@@ -128,10 +136,10 @@ Foot foot_at(const Block& block, const Point& p) {
 /// A point moved to the surface along the gradient.
 Foot on_surface(const Block& block, const Point& p) {
   const Foot from = foot_at(block, p);
-  const float steepness2 = from.gradient.squaredNorm();
+  const float steepness2 = dot(from.gradient, from.gradient);
   if (steepness2 < 1e-6F) return from;
   const Point step = (0.5F - from.value) / steepness2 * from.gradient;
-  const float length = step.norm(), most = 0.5F;
+  const float length = length_of(step), most = 0.5F;
   return foot_at(block, length > most ? Point(p + most / length * step) : Point(p + step));
 }
 
@@ -215,7 +223,7 @@ class PointSet {
       best = key < best ? key : best;
     }
     const auto k = static_cast<std::size_t>(best & ((1 << kPlaceBits) - 1));
-    return {number_[k], (point(k) - p).norm()};
+    return {number_[k], length_of(point(k) - p)};
   }
 
   void resize(std::size_t count) {
@@ -255,18 +263,18 @@ class PointSet {
 /// `p`.
 float refined_distance(const Block& block, const Point& p, Foot foot) {
   constexpr float kSmallStep = 0.05F;  // a step along the surface moves the distance by its square
-  const float nearest = (p - foot.at).norm();
+  const float nearest = length_of(p - foot.at);
   for (int i = 0; i < kRefinements; ++i) {
-    const float steepness2 = foot.gradient.squaredNorm();
+    const float steepness2 = dot(foot.gradient, foot.gradient);
     if (steepness2 < 1e-6F) break;
     const Point to_p = p - foot.at;
-    const Point along = to_p - (to_p.dot(foot.gradient) - (0.5F - foot.value)) / steepness2 * foot.gradient;
-    const float length = along.norm();
+    const Point along = to_p - (dot(to_p, foot.gradient) - (0.5F - foot.value)) / steepness2 * foot.gradient;
+    const float length = length_of(along);
     foot.at += length > 1 ? Point(along / length) : along;
     if (length < kSmallStep) break;
     foot.value = block.interpolate(foot.at, foot.gradient);
   }
-  return std::min(nearest, (p - foot.at).norm());
+  return std::min(nearest, length_of(p - foot.at));
 }
 
 /// Distances of a leaf's voxels from the feet, at most kHalfBandVoxels. Feet are first selected for cubes of 4³ voxels,
