@@ -37,8 +37,9 @@ fail() {
   exit 1
 }
 
-installed() { dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed; }
-offered() { apt-cache policy "$1" 2>/dev/null | grep -q '^  Candidate: [^(]'; }
+# Both read all that a program says: one that is stopped while it writes (by grep -q) fails, and with it the pipeline.
+installed() { [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]; }
+offered() { [[ $(LC_ALL=C apt-cache policy "$1" 2>/dev/null) =~ Candidate:\ [^\(] ]]; }
 
 # choose ENTRY...: sets `missing` to the packages that have to be installed, by what apt offers now.
 choose() {

@@ -24,7 +24,7 @@ import roots
 PLACE = "/home/surgeon/reamsim"  # of the clone in a root
 BUILD = f"{PLACE}/build/release"
 RELEASES = ["bookworm", "trixie", "testing"]
-COLUMNS = ["release", "compiler", "packages", "build", "default run", "bytes", "tests"]
+COLUMNS = ["release", "compiler", "pictures", "packages", "build", "default run", "bytes", "tests"]
 USER = ("id surgeon >/dev/null 2>&1 || { apt-get update -q && apt-get install -y -q --no-install-recommends sudo && "
         "useradd -m -s /bin/bash surgeon && echo 'surgeon ALL=(ALL) NOPASSWD: ALL' >/etc/sudoers.d/surgeon; }")
 
@@ -82,6 +82,8 @@ def first_commands(release):
         found = [line for line in configured.parent.glob("CMakeFiles/*/CMakeCXXCompiler.cmake")]
         version = re.search(r'CMAKE_CXX_COMPILER_VERSION "([^"]+)"', found[0].read_text()) if found else None
         row["compiler"] = f"GCC {version[1]}" if version else "none"
+        offscreen = re.search(r"pictures are rendered with (\w+)", release.file(f"{BUILD}/configure.log").read_text())
+        row["pictures"] = offscreen[1] if offscreen else "none"
 
 
 def sums(release):
