@@ -3,9 +3,6 @@
 
 #include "render/surface/unreamed_surface.h"
 
-#include <openvdb/tools/MeshToVolume.h>
-#include <openvdb/tools/ValueTransformer.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,6 +10,8 @@
 #include "render/surface/point_distance.h"
 #include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
+#include "sim/base/parallel.h"
+#include "sim/bone/vdb/mesh_distance.h"
 #include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
@@ -41,23 +40,22 @@ struct OffsetSurface {
 
 OffsetSurface offset_outwards(const IsoSurface& surface, double voxel_mm, double cell_mm) {
   const auto transform = openvdb::math::Transform::createLinearTransform(cell_mm);
-  const auto outside_cells = static_cast<float>(kClosing_mm / cell_mm + 3);
+  const double outside_cells = kClosing_mm / cell_mm + 3;
   OffsetSurface out;
   out.cell_mm = cell_mm;
   if (surface.indices.empty()) {  // less than a voxel of bone
-    out.distance_mm = make_float_grid(outside_cells * static_cast<float>(cell_mm));
+    out.distance_mm = make_float_grid(static_cast<float>(outside_cells) * static_cast<float>(cell_mm));
     out.distance_mm->setTransform(transform);
     return out;
   }
-  std::vector<openvdb::Vec3s> in_cells;
+  SampledMesh in_cells;
   const auto scale = static_cast<float>(voxel_mm / cell_mm);
-  for (const Eigen::Vector3f& p : surface.points) in_cells.emplace_back(p.x() * scale, p.y() * scale, p.z() * scale);
-  std::vector<openvdb::Vec3I> triangles;
-  for (std::size_t i = 0; i < surface.indices.size(); i += 3) triangles.emplace_back(surface.indices.data() + i);
-  // OpenVDB's library instantiates this adapter and interrupter; others take minutes to compile.
-  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> mesh(in_cells, triangles);
-  openvdb::util::NullInterrupter never;
-  out.distance_mm = openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, mesh, *transform, outside_cells, 3.0F);
+  for (const Eigen::Vector3f& p : surface.points)
+    in_cells.points.emplace_back(p.x() * scale, p.y() * scale, p.z() * scale);
+  for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
+    in_cells.triangles.emplace_back(surface.indices.data() + i);
+  }
+  out.distance_mm = mesh_distance(in_cells, *transform, outside_cells, 3, /*exact=*/false);
   out.surface = extract_surface(*out.distance_mm, kClosing_mm);
   return out;
 }
@@ -142,14 +140,17 @@ openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxm
   // Sources are a cell apart and at least kClosing_mm away, so the nearest one approximates the nearest triangle.
   const std::vector<Eigen::AlignedBox3d> boxes(sources.begin(), sources.end());
   const PointTree tree(sources.begin(), sources.end(), boxes.begin(), boxes.end());
-  const auto measure = [&](const openvdb::FloatGrid::ValueOnIter& value) {
-    const Vec3d mm = depth->indexToWorld(value.getCoord());
-    PointDistance from{Point(mm.x(), mm.y(), mm.z())};
-    const double distance_mm = std::sqrt(Eigen::BVMinimize(tree, from));
-    value.setValue(static_cast<float>(distance_mm - kClosing_mm));
-  };
   depth->tree().voxelizeActiveTiles();
-  openvdb::tools::foreach (depth->beginValueOn(), measure);
+  std::vector<openvdb::FloatTree::LeafNodeType*> leaves;
+  depth->tree().getNodes(leaves);
+  parallel_items(leaves.size(), [&](std::size_t leaf) {
+    for (auto value = leaves[leaf]->beginValueOn(); value; ++value) {
+      const Vec3d mm = depth->indexToWorld(value.getCoord());
+      PointDistance from{Point(mm.x(), mm.y(), mm.z())};
+      const double distance_mm = std::sqrt(Eigen::BVMinimize(tree, from));
+      value.setValue(static_cast<float>(distance_mm - kClosing_mm));
+    }
+  });
   return depth;
 }
 

@@ -10,10 +10,17 @@
 #include <cerrno>
 #include <filesystem>
 #include <iterator>
+#include <system_error>
 
 #include "sim/base/error.h"
 
 namespace reamsim {
+
+std::string unreachable_reason(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  return error && status.type() != std::filesystem::file_type::not_found ? error.message() : "";
+}
 
 std::string read_file(const std::string& path, const std::string& expected) {
   std::ifstream in(path, std::ios::binary);

@@ -9,6 +9,11 @@
 
 namespace reamsim {
 
+/// Why it cannot be told whether a path exists, such as "Permission denied" for one in a folder that may not be
+/// searched;
+/// "" for a path that exists or does not.
+std::string unreachable_reason(const std::string& path);
+
 /// The content of a file. `expected` says what it should be. Throws InputError when it cannot be read.
 std::string read_file(const std::string& path, const std::string& expected);
 

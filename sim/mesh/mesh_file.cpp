@@ -49,6 +49,8 @@ std::string checked_extension(const std::string& path) {
 std::uintmax_t checked_size(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
+  const std::string reason = unreachable_reason(path);
+  if (!reason.empty()) refuse(path, "cannot be read (" + reason + ")", "expected a readable mesh file");
   if (!fs::exists(status)) refuse(path, "no such file", "expected a mesh in .stl, .obj or .ply");
   if (fs::is_directory(status)) refuse(path, "a folder", "expected a mesh in .stl, .obj or .ply");
   const std::uintmax_t size = fs::file_size(path, error);

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "sim/base/file.h"
 #include "sim/base/printable.h"
 #include "sim/scenario/show.h"
 
@@ -87,6 +88,10 @@ void require_input(const std::string& path, TextKind kind, const SourceLocation&
   const std::string wanted = kind == TextKind::input_file ? "a file" : "a file or a folder";
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
+  if (const std::string reason = unreachable_reason(path); !reason.empty()) {
+    throw InputError(where, key, name + " cannot be read (" + reason + ")",
+                     "expected " + wanted + " with read permission, in folders that may be searched");
+  }
   if (status.type() == fs::file_type::not_found) {
     throw InputError(where, key, "no such file: " + name, "expected " + wanted + " that exists");
   }

@@ -186,6 +186,18 @@ TEST_F(Environment, AReaderThatLeavesIsNoError) {
 class OddFile : public Environment {
  protected:
   ProgramResult check(const std::string& file) const { return shell("reamsim check " + file); }
+
+  /// Files of each kind in a folder that may not be searched, named by a scenario and by a command.
+  void expect_inputs_below_a_closed_folder(const std::string& as_user) const {
+    shell("mkdir closed; touch closed/a.stl closed/a.csv closed/a.nrrd closed/a.vdb; chmod 000 closed");
+    for (const char* file : {"closed/a.stl", "closed/a.nrrd"}) {
+      const ProgramResult result = shell(as_user + " import " + file + " -o b.vdb");
+      expect_refused(result, 2, {file, "cannot be read (Permission denied)"});
+    }
+    write("s.yaml", with(kSmall, REAMSIM_ROOT "/assets/reamer_flat.stl", "closed/a.stl"));
+    expect_refused(shell(as_user + " check s.yaml"), 2, {"closed/a.stl cannot be read (Permission denied)"});
+    shell("chmod 755 closed");
+  }
 };
 
 TEST_F(OddFile, ScenarioFromAPipe) {
@@ -259,7 +271,10 @@ TEST_F(OddFile, Unreadable) {
   expect_refused(shell(as_user + " check t.yaml"), 2, {"tool.mesh", "tool.stl cannot be read", "read permission"});
   shell("chmod 000 t.yaml; mkdir shut; chmod 555 shut");
   expect_refused(shell(as_user + " check t.yaml"), 2, {"t.yaml: cannot be read (Permission denied)"});
+  write("s.yaml", with(kSmall, REAMSIM_ROOT "/assets/reamer_flat.stl", "near.stl"));
+  shell("cp '" REAMSIM_ROOT "/assets/reamer_flat.stl' near.stl");
   expect_refused(shell(as_user + " run s.yaml -o shut/out"), 2, {"shut/out", "output folder"});
+  expect_inputs_below_a_closed_folder(as_user);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@ namespace reamsim::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 /// A run of three pictures, 320 x 240 pixels each.
 const std::string kDrawn = with(kSmall, "  enabled: false\n",
@@ -146,7 +147,9 @@ TEST_F(ViewsOfARun, AllOutputsOfADescribedCameraAlone) {
   EXPECT_EQ(render({"--camera", "{name: rim, position_mm: [60, 35, 70]}"}).status, 0);
   EXPECT_TRUE(exists("out/reamed_rim.png"));
   EXPECT_THAT(read("out/report.html"), HasSubstr("\"name\":\"oblique\""));
-  EXPECT_THAT(read("out/plots/forces_depth.pdf"), HasSubstr("/MediaBox [ 0 0 240 ")) << "a column of 85 mm";
+  EXPECT_THAT(read("out/plots/forces_depth.pdf"), StartsWith("%PDF"));
+  EXPECT_THAT(read("out/plots/forces_depth.svg"), HasSubstr("width=\"321\""))
+      << "a column of 85 mm, in pixels of 1/96 inch";
 }
 
 TEST_F(ViewsOfARun, OnlyWhatIsNamedIsMadeAgain) {

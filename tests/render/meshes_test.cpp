@@ -7,11 +7,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "render/pictures/figures.h"
@@ -80,16 +82,31 @@ void expect_solid(const TriangleMesh& mesh, double volume_mm3) {
 }
 
 /// The values of a glb's accessor `attribute` of one float each.
-std::vector<float> scalars(const std::string& path, const std::string& attribute) {
+std::vector<float> floats(const std::string& path, const std::string& attribute) {
   const std::string bytes = file_bytes(path);
   std::uint32_t json_bytes = 0;
   std::memcpy(&json_bytes, bytes.data() + 12, sizeof json_bytes);
   const auto json = nlohmann::json::parse(bytes.substr(20, json_bytes));
   const auto& accessor = json["accessors"][json["meshes"][0]["primitives"][0]["attributes"][attribute].get<int>()];
   const auto& view = json["bufferViews"][accessor["bufferView"].get<int>()];
-  std::vector<float> out(accessor["count"].get<std::size_t>());
+  std::vector<float> out(accessor["count"].get<std::size_t>() * (accessor["type"] == "VEC3" ? 3 : 1));
   std::memcpy(out.data(), bytes.data() + 20 + json_bytes + 8 + view["byteOffset"].get<std::size_t>(),
               out.size() * sizeof(float));
+  return out;
+}
+
+/// The depth of each vertex that assimp gives. Its order is not that of the file in newer versions.
+std::vector<float> depths_mm(const std::string& path, const TriangleMesh& loaded) {
+  const std::vector<float> positions = floats(path, "POSITION"), depths = floats(path, "_DEPTH_MM");
+  EXPECT_EQ(positions.size(), 3 * depths.size());
+  std::map<std::array<float, 3>, float> depth_at;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    depth_at[{positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]}] = depths[i];
+  }
+  std::vector<float> out;
+  for (const Vec3& v : loaded.vertices) {
+    out.push_back(depth_at.at({static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())}));
+  }
   return out;
 }
 
@@ -150,8 +167,7 @@ TEST_F(Meshes, CarryTheDepthAsColourAndAsNumbers) {
   mesh_results({.voxel_mm = 0.6, .frames = 20, .every = 10});
   write_meshes(dir_.path(), kTop_mm, report_);
   const LoadedGlb loaded = load_glb(glb());
-  const std::vector<float> depth_mm = scalars(glb(), "_DEPTH_MM");
-  ASSERT_EQ(depth_mm.size(), loaded.mesh.vertices.size());
+  const std::vector<float> depth_mm = depths_mm(glb(), loaded.mesh);
   const Rigid glenoid_from_bone = truth_.bone_from_glenoid.inverse();
   int floor = 0;
   for (std::size_t i = 0; i < depth_mm.size(); ++i) {

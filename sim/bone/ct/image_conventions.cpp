@@ -40,6 +40,15 @@ double mm_of(int nifti_units) {
   return nifti_units == NIFTI_UNITS_METER ? 1e3 : nifti_units == NIFTI_UNITS_MICRON ? 1e-3 : 1.0;
 }
 
+/// Whether ITK gives the origin as one of the header's two transforms has it: in LPS, but in the unit of the file.
+bool is_origin_of(const nifti_image& header, const Vec3& origin) {
+  const auto stands_in = [&](const mat44& ras) {
+    const Vec3 stored(-ras.m[0][3], -ras.m[1][3], ras.m[2][3]);
+    return (origin - stored).norm() <= 1e-5 * stored.norm();
+  };
+  return stands_in(header.qto_xyz) || stands_in(header.sto_xyz);
+}
+
 }  // namespace
 
 ScanGeometry as_the_file_means(const itk::ImageIOBase& io, ScanGeometry geometry) {
@@ -50,7 +59,8 @@ ScanGeometry as_the_file_means(const itk::ImageIOBase& io, ScanGeometry geometry
     geometry.origin_mm = to_mm.cwiseProduct(geometry.origin_mm);
   }
   if (is_nifti(io)) {
-    if (const NiftiHeader header = read_nifti_header(io.GetFileName())) geometry.origin_mm *= mm_of(header->xyz_units);
+    const NiftiHeader header = read_nifti_header(io.GetFileName());
+    if (header && is_origin_of(*header, geometry.origin_mm)) geometry.origin_mm *= mm_of(header->xyz_units);
   }
   return geometry;
 }

@@ -9,11 +9,12 @@
 
 namespace reamsim::ct {
 
-// What ITK 5.2 reads otherwise than the format says, and what a header leaves open. All after ReadImageInformation().
+// What ITK reads otherwise than the format says, by version, and what a header leaves open. All after
+// ReadImageInformation().
 
 /// The geometry that ITK gives, mm in LPS, as the file means it: NRRD in the space left-anterior-superior or in one
-/// with time, NRRD in other units than mm, and NIfTI in metres or micrometres, whose spacing ITK converts, but not the
-/// origin.
+/// with time, NRRD in other units than mm, and NIfTI in metres or micrometres, whose origin ITK 5.4 converts and 5.2
+/// does not.
 ScanGeometry as_the_file_means(const itk::ImageIOBase& io, ScanGeometry geometry);
 
 /// What ITK adds to each value though the file says that values are not scaled: a NIfTI with a slope of 0.

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 #include "sim/base/printable.h"
 #include "sim/bone/ct/image_file.h"
 #include "sim/bone/ct/image_io.h"
@@ -129,6 +130,8 @@ class FileScan : public LabelSource {
 fs::file_status checked_status(const std::string& path, const std::string& key, const char* expected) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
+  const std::string reason = unreachable_reason(path);
+  if (!reason.empty()) throw InputError({path}, key, "cannot be read (" + reason + ")", expected);
   if (!fs::exists(status)) throw InputError({path}, key, "no such file or folder", expected);
   if (!fs::is_directory(status) && !fs::is_regular_file(status)) {
     throw InputError({path}, key, "neither a file nor a folder", expected);
