@@ -74,3 +74,8 @@ if(NOT CPACK_REAMSIM_PYTHON_DIR STREQUAL lib/python3/dist-packages)
   cmake_path(GET CPACK_REAMSIM_PYTHON_DIR PARENT_PATH emptied)
   file(REMOVE_RECURSE ${staged}/${emptied})
 endif()
+
+# Whatever the umask of who packs: Debian's policy wants 755 for folders and programs and 644 for the rest.
+foreach(component program development python)
+  execute_process(COMMAND chmod -R u=rwX,go=rX ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/${component} COMMAND_ERROR_IS_FATAL ANY)
+endforeach()
