@@ -124,6 +124,18 @@ template <class... Mode>
 HelpFormatterFor<Mode...> formatter_of(std::string (CLI::Formatter::*make_expanded)(const CLI::App*, Mode...) const);
 using HelpFormatter = decltype(formatter_of(&CLI::Formatter::make_expanded));
 
+/// Without the line breaks of CLI11 2.5 and later, which take the columns of the exit statuses apart.
+template <class Formatter>
+std::shared_ptr<Formatter> with_lines_as_written(std::shared_ptr<Formatter> formatter) {
+  if constexpr (requires { formatter->enable_footer_formatting(false); }) {
+    constexpr std::size_t kNoBreak = 10'000;
+    formatter->enable_footer_formatting(false);
+    formatter->enable_description_formatting(false);
+    formatter->right_column_width(kNoBreak);
+  }
+  return formatter;
+}
+
 /// The exit statuses of a command; of the program where `name` is "".
 std::vector<Entry> exit_statuses_of(const std::string& name) {
   std::vector<Entry> out(kExitStatuses.begin(), kExitStatuses.end());
@@ -203,7 +215,7 @@ std::string help_of(const ListedCommand& command) {
 }
 
 void set_help(CLI::App& app, const std::string& name) {
-  app.formatter(std::make_shared<HelpFormatter>());
+  app.formatter(with_lines_as_written(std::make_shared<HelpFormatter>()));
   app.footer(footer_of(name));
   for (CLI::App* below : app.get_subcommands([](const CLI::App* sub) { return !sub->get_name().empty(); })) {
     set_help(*below, name.empty() ? below->get_name() : name + " " + below->get_name());
