@@ -7,6 +7,8 @@
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
+#include <map>
+#include <optional>
 #include <string>
 
 #include "sim/bone/ct/nifti_header.h"
@@ -16,17 +18,35 @@ namespace reamsim::ct {
 
 namespace {
 
-bool is_anatomical(const std::string& space) {
-  return space.find("superior") != std::string::npos || space.starts_with("lps") || space.starts_with("ras") ||
-         space.starts_with("las");
+/// The signs that take coordinates of an anatomical space to LPS; nullopt for other spaces.
+std::optional<Vec3> lps_from(const std::string& space) {
+  static const std::map<std::string, Vec3> kSpaces{{"leftposteriorsuperior", {1, 1, 1}},
+                                                   {"lps", {1, 1, 1}},
+                                                   {"rightanteriorsuperior", {-1, -1, 1}},
+                                                   {"ras", {-1, -1, 1}},
+                                                   {"las", {1, -1, 1}},
+                                                   {"leftanteriorsuperior", {1, -1, 1}}};
+  std::string name = space;
+  if (name.ends_with("time")) name.resize(name.size() - 4);
+  if (name.size() == 4 && name.ends_with("t")) name.resize(3);
+  const auto found = kSpaces.find(name);
+  return found == kSpaces.end() ? std::nullopt : std::optional(found->second);
 }
 
-/// By what ITK's axes differ from LPS: of LAS it mirrors x instead of y, and spaces with time it leaves as they are.
-Vec3 signs_of(const std::string& space) {
-  if (space == "leftanteriorsuperior" || space == "las") return {-1, -1, 1};
-  if (space == "leftanteriorsuperiortime" || space == "last") return {1, -1, 1};
-  if (space == "rightanteriorsuperiortime" || space == "rast") return {-1, -1, 1};
-  return Vec3::Ones();
+/// By what ITK's axes differ from LPS. Its versions convert other spaces, and some wrongly, so the header's directions
+/// say what this one did.
+Vec3 signs_of(const NrrdHeader& header, const Mat3& steps_of_itk) {
+  const std::optional<Vec3> wanted = lps_from(header.space);
+  if (!wanted || header.directions.size() < 3) return Vec3::Ones();
+  Vec3 out = *wanted;
+  for (int row = 0; row < 3; ++row) {
+    double along = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      along += steps_of_itk(row, axis) * header.directions[static_cast<std::size_t>(axis)][row];
+    }
+    if (along < 0) out[row] = -out[row];
+  }
+  return out;
 }
 
 bool is_nrrd(const itk::ImageIOBase& io) {
@@ -54,7 +74,7 @@ bool is_origin_of(const nifti_image& header, const Vec3& origin) {
 ScanGeometry as_the_file_means(const itk::ImageIOBase& io, ScanGeometry geometry) {
   if (is_nrrd(io)) {
     const NrrdHeader header = read_nrrd_header(io.GetFileName());
-    const Vec3 to_mm = signs_of(header.space).cwiseProduct(header.to_mm);
+    const Vec3 to_mm = signs_of(header, geometry.step_mm).cwiseProduct(header.to_mm);
     geometry.step_mm = to_mm.asDiagonal() * geometry.step_mm;
     geometry.origin_mm = to_mm.cwiseProduct(geometry.origin_mm);
   }
@@ -74,7 +94,7 @@ double offset_in_error(const itk::ImageIOBase& io) {
 HeaderGaps gaps_of(const itk::ImageIOBase& io) {
   if (is_nrrd(io)) {
     const NrrdHeader header = read_nrrd_header(io.GetFileName());
-    return {.says_orientation = is_anatomical(header.space), .unknown_unit = header.unknown_unit};
+    return {.says_orientation = lps_from(header.space).has_value(), .unknown_unit = header.unknown_unit};
   }
   if (!is_nifti(io)) return {};
   const NiftiHeader header = read_nifti_header(io.GetFileName());

@@ -13,8 +13,8 @@ namespace reamsim::ct {
 // ReadImageInformation().
 
 /// The geometry that ITK gives, mm in LPS, as the file means it: NRRD in the space left-anterior-superior or in one
-/// with time, NRRD in other units than mm, and NIfTI in metres or micrometres, whose origin ITK 5.4 converts and 5.2
-/// does not.
+/// with time, which versions of ITK convert differently, NRRD in other units than mm, and NIfTI in metres or
+/// micrometres, whose origin ITK 5.4 converts and 5.2 does not.
 ScanGeometry as_the_file_means(const itk::ImageIOBase& io, ScanGeometry geometry);
 
 /// What ITK adds to each value though the file says that values are not scaled: a NIfTI with a slope of 0.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -122,12 +123,28 @@ std::vector<std::string> space_units(std::map<std::string, std::string>& fields)
   return fields.contains("spacedirections") || own.empty() ? of_space : own;
 }
 
+/// The vectors "(x,y,z)" of a text; others, such as "none", are left out.
+std::vector<Vec3> vectors_in(const std::string& text) {
+  std::vector<Vec3> out;
+  for (std::size_t open = text.find('('); open != std::string::npos; open = text.find('(', open + 1)) {
+    Vec3 v = Vec3::Zero();
+    const char* at = text.c_str() + open + 1;
+    for (double& value : v.reshaped()) {
+      char* end = nullptr;
+      value = std::strtod(at, &end);
+      at = *end == ',' ? end + 1 : end;
+    }
+    out.push_back(v);
+  }
+  return out;
+}
+
 }  // namespace
 
 NrrdHeader read_nrrd_header(const std::string& path) {
   std::map<std::string, std::string> fields = fields_of(path);
-  NrrdHeader out{.space = plain(fields["space"])};
   const std::vector<std::string> units = space_units(fields);
+  NrrdHeader out{.space = plain(fields["space"]), .directions = vectors_in(fields["spacedirections"])};
   for (std::size_t axis = 0; axis < std::min<std::size_t>(units.size(), 3); ++axis) {
     const double mm = mm_of_unit(units[axis]);
     if (mm > 0) {
