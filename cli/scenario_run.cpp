@@ -209,9 +209,10 @@ class ScenarioRun {
       throw;
     } catch (const std::bad_alloc&) {
       finish();
-      throw RunError(
-          dir_ +
-          ": not enough memory for pictures and meshes; use smaller pictures, larger voxels, or output.meshes: false");
+      const std::string limit = address_space_note();
+      throw RunError(dir_ + ": not enough memory for pictures and meshes; " +
+                     (limit.empty() ? "" : limit + ": raise it, or ") +
+                     "use smaller pictures, larger voxels, or output.meshes: false");
     }
     finish();
     outputs_->make_report();
