@@ -37,7 +37,7 @@ fail() {
   exit 1
 }
 
-# Both read all that a program says: one that is stopped while it writes (by grep -q) fails, and with it the pipeline.
+# No pipe to `grep -q`, which exits early: the writer then fails with SIGPIPE, and with pipefail the whole pipeline.
 installed() { [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]; }
 offered() { [[ $(LC_ALL=C apt-cache policy "$1" 2>/dev/null) =~ Candidate:\ [^\(] ]]; }
 

@@ -9,9 +9,8 @@
 
 namespace reamsim {
 
-/// Why it cannot be told whether a path exists, such as "Permission denied" for one in a folder that may not be
-/// searched;
-/// "" for a path that exists or does not.
+/// Why the status of a path is unknown, for example "Permission denied" below a folder without search permission; "" if
+/// the path exists or does not exist.
 std::string unreachable_reason(const std::string& path);
 
 /// The content of a file. `expected` says what it should be. Throws InputError when it cannot be read.

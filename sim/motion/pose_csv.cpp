@@ -15,7 +15,6 @@
 
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
-#include "sim/base/file.h"
 #include "sim/base/text.h"
 
 namespace reamsim {
@@ -68,9 +67,7 @@ class LineReader {
   explicit LineReader(const std::string& path) : path_(path) {
     std::error_code failed;
     const auto status = std::filesystem::status(path, failed);
-    const std::string reason = unreachable_reason(path);
-    if (!reason.empty()) fail("cannot be read (" + reason + ")", "check its permissions and those of its folders");
-    if (!std::filesystem::exists(status)) fail("no such file", "give a CSV of recorded poses");
+    if (failed || !std::filesystem::exists(status)) fail("no such file", "give a CSV of recorded poses");
     if (std::filesystem::is_directory(status)) fail("it is a folder", "give a CSV of recorded poses");
     const auto bytes = std::filesystem::file_size(path, failed);
     if (!failed && bytes > kMaxBytes) fail("larger than 4 GiB", "at most ten million rows are supported");

@@ -187,9 +187,9 @@ class OddFile : public Environment {
  protected:
   ProgramResult check(const std::string& file) const { return shell("reamsim check " + file); }
 
-  /// Files of each kind in a folder that may not be searched, named by a scenario and by a command.
+  /// A mesh and a CT in a folder without search permission, named by a scenario and by a command.
   void expect_inputs_below_a_closed_folder(const std::string& as_user) const {
-    shell("mkdir closed; touch closed/a.stl closed/a.csv closed/a.nrrd closed/a.vdb; chmod 000 closed");
+    shell("mkdir closed; touch closed/a.stl closed/a.nrrd; chmod 000 closed");
     for (const char* file : {"closed/a.stl", "closed/a.nrrd"}) {
       const ProgramResult result = shell(as_user + " import " + file + " -o b.vdb");
       expect_refused(result, 2, {file, "cannot be read (Permission denied)"});

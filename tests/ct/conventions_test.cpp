@@ -17,6 +17,7 @@
 namespace reamsim::test {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -177,6 +178,16 @@ TEST_F(Conventions, AnUnknownUnitOfNrrdIsTakenAsMillimetresWithAWarning) {
   expect_same(import(path), reference_, "furlong");
   ASSERT_THAT(warnings_, SizeIs(1));
   EXPECT_THAT(warnings_[0], HasSubstr(path + ": lengths are in \"furlong\", an unknown unit; mm are assumed"));
+}
+
+TEST_F(Conventions, ANrrdThatNamesASpaceWithoutDirectionsIsWarnedOf) {
+  egg_.direction = Mat3::Identity();
+  std::string bytes = bytes_of(nrrd("named.nrrd", "space: left-anterior-superior", Vec3::Ones()));
+  const std::size_t first = bytes.find("space directions"), end = bytes.find("\n\n", first);
+  bytes.erase(first - 1, end - first + 1);
+  std::ofstream(folder_.file("named.nrrd"), std::ios::binary) << bytes;
+  import(folder_.file("named.nrrd"));
+  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("does not say how the axes lie")));
 }
 
 TEST_F(Conventions, UnitsOfTheAxesOfNrrdCountForSpacings) {

@@ -81,7 +81,7 @@ void expect_solid(const TriangleMesh& mesh, double volume_mm3) {
   EXPECT_NEAR(found.volume_mm3, volume_mm3, kVolumeTolerance * volume_mm3);
 }
 
-/// The values of a glb's accessor `attribute` of one float each.
+/// The floats of a glb's accessor `attribute`: one or three for each vertex.
 std::vector<float> floats(const std::string& path, const std::string& attribute) {
   const std::string bytes = file_bytes(path);
   std::uint32_t json_bytes = 0;
@@ -95,10 +95,11 @@ std::vector<float> floats(const std::string& path, const std::string& attribute)
   return out;
 }
 
-/// The depth of each vertex that assimp gives. Its order is not that of the file in newer versions.
+/// The depth of each loaded vertex. assimp 5.4 does not keep the order of the file.
 std::vector<float> depths_mm(const std::string& path, const TriangleMesh& loaded) {
   const std::vector<float> positions = floats(path, "POSITION"), depths = floats(path, "_DEPTH_MM");
   EXPECT_EQ(positions.size(), 3 * depths.size());
+  EXPECT_EQ(loaded.vertices.size(), depths.size());
   std::map<std::array<float, 3>, float> depth_at;
   for (std::size_t i = 0; i < depths.size(); ++i) {
     depth_at[{positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]}] = depths[i];

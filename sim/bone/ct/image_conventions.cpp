@@ -33,11 +33,16 @@ std::optional<Vec3> lps_from(const std::string& space) {
   return found == kSpaces.end() ? std::nullopt : std::optional(found->second);
 }
 
-/// By what ITK's axes differ from LPS. Its versions convert other spaces, and some wrongly, so the header's directions
-/// say what this one did.
+/// A named space without directions does not say how the axes lie in it.
+bool says_orientation(const NrrdHeader& header) {
+  return lps_from(header.space).has_value() && header.directions.size() >= 3;
+}
+
+/// The signs that take ITK's axes to LPS. Versions of ITK convert different spaces, some wrongly; comparing their
+/// result with the directions in the header shows what this version did.
 Vec3 signs_of(const NrrdHeader& header, const Mat3& steps_of_itk) {
   const std::optional<Vec3> wanted = lps_from(header.space);
-  if (!wanted || header.directions.size() < 3) return Vec3::Ones();
+  if (!says_orientation(header)) return Vec3::Ones();
   Vec3 out = *wanted;
   for (int row = 0; row < 3; ++row) {
     double along = 0;
@@ -60,7 +65,7 @@ double mm_of(int nifti_units) {
   return nifti_units == NIFTI_UNITS_METER ? 1e3 : nifti_units == NIFTI_UNITS_MICRON ? 1e-3 : 1.0;
 }
 
-/// Whether ITK gives the origin as one of the header's two transforms has it: in LPS, but in the unit of the file.
+/// Whether ITK's origin (LPS) is that of the qform or the sform without conversion from the unit of the file to mm.
 bool is_origin_of(const nifti_image& header, const Vec3& origin) {
   const auto stands_in = [&](const mat44& ras) {
     const Vec3 stored(-ras.m[0][3], -ras.m[1][3], ras.m[2][3]);
@@ -94,7 +99,7 @@ double offset_in_error(const itk::ImageIOBase& io) {
 HeaderGaps gaps_of(const itk::ImageIOBase& io) {
   if (is_nrrd(io)) {
     const NrrdHeader header = read_nrrd_header(io.GetFileName());
-    return {.says_orientation = lps_from(header.space).has_value(), .unknown_unit = header.unknown_unit};
+    return {.says_orientation = says_orientation(header), .unknown_unit = header.unknown_unit};
   }
   if (!is_nifti(io)) return {};
   const NiftiHeader header = read_nifti_header(io.GetFileName());

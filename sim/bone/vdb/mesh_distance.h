@@ -18,17 +18,17 @@ struct DistanceSampling {
   bool exact = false;         ///< without OpenVDB's smoothing of overlapping parts, which also moves edges
 };
 
-/// A mesh in the coordinates of samples.
+/// A mesh in index space: a sample lies at each integer coordinate.
 struct SampledMesh {
   std::vector<openvdb::Vec3s> points;
-  std::vector<openvdb::Vec3I> triangles;  ///< numbers of points
+  std::vector<openvdb::Vec3I> triangles;  ///< indices of points
 };
 
-/// Signed distance of a closed mesh, negative inside, by sample coordinates: in the unit of `transform`, whose voxel is
-/// a spacing. Throws std::bad_alloc or openvdb::Exception.
+/// Signed distance of a closed mesh, negative inside, in the unit of `transform`, which takes index space to the world.
+/// `outer_spacings`, `inner_spacings`, `exact`: as in DistanceSampling. Throws std::bad_alloc or openvdb::Exception.
 openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::math::Transform& transform,
                                       double outer_spacings, double inner_spacings, bool exact);
-/// The same in spacings, of a mesh in mm.
+/// The same in spacings, for a mesh in mm.
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling);
 
 }  // namespace reamsim

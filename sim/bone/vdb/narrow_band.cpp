@@ -23,7 +23,7 @@ namespace {
 using Leaf = openvdb::FloatTree::LeafNodeType;
 using Point = Eigen::Vector3f;
 
-// Eigen's versions add in another order since Eigen 5; grids keep their bytes.
+// Eigen 5 adds these terms in another order than Eigen 3.4. The order of Eigen 3.4 keeps the bytes of the grids.
 float dot(const Point& a, const Point& b) {
   return a.x() * b.x() + (a.y() * b.y() + a.z() * b.z());
 }
