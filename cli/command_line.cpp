@@ -106,6 +106,12 @@ class HelpFormatterFor : public CLI::Formatter {
     return (text.value.empty() ? "" : " " + text.value) + (text.required ? " (required)" : "");
   }
   std::string make_option_desc(const CLI::Option* option) const override { return text_of(*option).description; }
+  /// CLI11 2.5 and later leave "Usage:" out before the name of a program.
+  std::string make_usage(const CLI::App* app, std::string name) const override {
+    std::string usage = CLI::Formatter::make_usage(app, std::move(name));
+    if (usage.find("Usage:") == std::string::npos) usage.insert(usage.find_first_not_of('\n'), "Usage: ");
+    return usage;
+  }
   /// A group of options, one of which is needed.
   std::string make_expanded(const CLI::App* group, Mode... /*mode*/) const override {
     return "\nOne of these:\n" + make_options(*group);

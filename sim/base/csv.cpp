@@ -153,11 +153,13 @@ void CsvWriter::row(std::span<const double> values) {
   if (values.size() != columns_) {
     throw std::logic_error(fmt::format("{}: {} values for {} columns", path_, values.size(), columns_));
   }
+  std::string row;  // appended whole: memory may be exhausted within it
   for (const double value : values) {
-    if (!std::isnan(value)) rows_ += shortest_text(value == 0 ? 0.0 : value);  // no "-0"
-    rows_ += ',';
+    if (!std::isnan(value)) row += shortest_text(value == 0 ? 0.0 : value);  // no "-0"
+    row += ',';
   }
-  rows_.back() = '\n';
+  row.back() = '\n';
+  rows_ += row;
   if (rows_.size() > kBufferBytes) flush();
 }
 
