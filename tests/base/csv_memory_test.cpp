@@ -19,7 +19,8 @@ thread_local long allocations_left = -1;  // -1: none fails
 
 }  // namespace
 
-void* operator new(std::size_t bytes) {
+// Not inlined: GCC would take free() for another allocator's than new.
+[[gnu::noinline]] void* operator new(std::size_t bytes) {
   if (allocations_left == 0) {
     allocations_left = -1;
     throw std::bad_alloc();
@@ -29,11 +30,11 @@ void* operator new(std::size_t bytes) {
   throw std::bad_alloc();
 }
 
-void operator delete(void* memory) noexcept {
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
   std::free(memory);
 }
 
-void operator delete(void* memory, std::size_t) noexcept {
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
   std::free(memory);
 }
 
