@@ -18,6 +18,7 @@
 #include "sim/base/printable.h"
 #include "sim/base/text.h"
 #include "sim/record/citation.h"
+#include "sim/record/layer_mean.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"

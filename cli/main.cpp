@@ -88,13 +88,10 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-/// As run(), with a message and a status for every error.
-int run_and_report(int argc, char** argv) {
+/// Prints the error that is being handled. Returns its exit status.
+int complain_of_error() {
   try {
-    reamsim::start_reader_server();  // before there are threads
-    std::set_terminate(end_with_message);
-    reamsim::install_stop_handler();
-    return run(argc, argv);
+    throw;
   } catch (const reamsim::InputError& error) {
     for (const reamsim::Mistake& mistake : error.mistakes())
       complain(reamsim::printable(mistake.line()).c_str(), kWrongInput);
@@ -108,10 +105,10 @@ int run_and_report(int argc, char** argv) {
   }
 }
 
-/// As run_and_report(), also where there is no memory for its message.
-int run_and_report_always(int argc, char** argv) {
+/// complain_of_error(), also where there is no memory for its message.
+int complain_of_error_always() {
   try {
-    return run_and_report(argc, argv);
+    return complain_of_error();
   } catch (const std::bad_alloc&) {
     return complain("out of memory; use a larger bone.voxel_mm or a smaller crop", kFailed);
   }
@@ -124,5 +121,14 @@ int main(int argc, char** argv) {
   reamsim::explain_fatal_signals();
   // Pins PoCL's worker threads to their cores, for their caches. Must be set before OpenCL is loaded.
   setenv("POCL_AFFINITY", "1", 0);
-  return reamsim::end_with(reamsim::flush_standard_output(run_and_report_always(argc, argv)));
+  int status = 0;
+  try {
+    reamsim::start_reader_server();  // before there are threads
+    std::set_terminate(end_with_message);
+    reamsim::install_stop_handler();
+    status = run(argc, argv);
+  } catch (...) {
+    status = complain_of_error_always();
+  }
+  return reamsim::end_with(reamsim::flush_standard_output(status));
 }

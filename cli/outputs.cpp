@@ -13,6 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/predict/contact_forecast.h"
+#include "sim/record/layer_mean.h"
 #include "sim/record/snapshot.h"
 #include "sim/run/checkpoint.h"
 #include "sim/scenario/parse.h"

@@ -19,6 +19,7 @@
 #include "render/render.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/record/layer_mean.h"
 #include "sim/record/manifest.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"

@@ -6,7 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/environment.h"
-#include "cli/scenario_run.h"
+#include "cli/run_console.h"
 #include "render/render.h"
 
 namespace reamsim {
@@ -34,7 +34,9 @@ void run_command(const RunOptions& options, const Console& console) {
   require_film_program(request.scenario.render);
   const auto kernels = prepare_opencl(request.scenario.engine.device, console);
   RunResources resources;
-  run_scenario(request, resources, console);
+  RunConsole monitor(console);
+  RunPictures pictures(console);
+  run_scenario(request, resources, monitor, &pictures);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ void install_stop_handler();
 /// Notes the exit status of a command that has ended, and returns it.
 int end_with(int status);
 
-/// How a command that a signal ended, ends.
+/// Exit status and message after a signal.
 struct StopOutcome {
   int status = kInterruptedStatus;
   std::string message = "interrupted";

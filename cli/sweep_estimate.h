@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "cli/scenario_run.h"
+#include "sim/run/run_scenario.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {

@@ -15,7 +15,7 @@
 
 #include "cli/console.h"
 #include "cli/environment.h"
-#include "cli/scenario_run.h"
+#include "cli/run_console.h"
 #include "cli/sweep_commands.h"
 #include "cli/sweep_estimate.h"
 #include "cli/sweep_options.h"
@@ -109,7 +109,9 @@ class RunWorker {
     request.resume = true;
     request.keep = study_.keep;
     request.durable = false;
-    const auto continued_after = run_scenario(request, resources_, console_);
+    RunConsole monitor(console_);
+    RunPictures pictures(console_);
+    const auto continued_after = run_scenario(request, resources_, monitor, &pictures);
     return continued_after ? "continued after frame " + std::to_string(*continued_after) : "";
   }
 

@@ -156,10 +156,6 @@ void draw_plot(const std::string& dir, const std::string& name, const std::strin
               {name + ".png", name + ".svg", name + ".pdf"});
 }
 
-double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm) {
-  return cutting.erosion == ErosionMode::exact ? 0 : voxel_mm;
-}
-
 void write_force_plots(const std::string& dir, const ForceLog& log) {
   draw_plot(dir, "forces", data_of(dir, log), embedded::plot_script);
 }

@@ -14,10 +14,6 @@
 
 namespace reamsim {
 
-/// The tool travel over which displayed forces are averaged, mm: a voxel where voxels are removed as a whole, which
-/// makes forces spike; 0 where they are clipped.
-double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm);
-
 /// Draws DIR/forces.csv against time with gnuplot as DIR/forces .png, .svg, .pdf and the script .gp. `log`: that file,
 /// read with the travel over which the means shown with single frames are taken (0: single frames only). A decimated
 /// log is written to DIR/plots/forces_decimated.csv and drawn from there. Throws RunError when gnuplot is missing or

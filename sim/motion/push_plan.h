@@ -29,6 +29,9 @@ class ThrustProfile {
   std::vector<double> times_s_, thrusts_n_;
 };
 
+/// A tool that advances less under thrust stands still, mm/s; after this time it has stalled.
+inline constexpr double kStill_mm_s = 1e-3, kStall_s = 0.1;
+
 /// A push along a line, in B. How far the tool is at a time is known only when the bone has answered.
 class PushPlan {
  public:

@@ -6,8 +6,15 @@
 #include <deque>
 
 #include "sim/base/geometry.h"
+#include "sim/scenario/scenario.h"
 
 namespace reamsim {
+
+/// The tool travel over which displayed forces are averaged, mm: a voxel where voxels are removed as a whole, which
+/// makes forces spike; 0 where they are clipped.
+inline double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm) {
+  return cutting.erosion == ErosionMode::exact ? 0 : voxel_mm;
+}
 
 /// Running means of axial force and spin torque over the last voxel of the tool's travel. Where voxels are removed
 /// whole, single frames are spikes; only a mean over one layer of voxels compares with a measurement (docs/physics.md).

@@ -8,13 +8,12 @@
 #include <iterator>
 
 #include "sim/base/file.h"
+#include "sim/motion/push_plan.h"
 
 namespace reamsim {
 
 namespace {
 
-/// As sim/run/push_run.h has them.
-constexpr double kStill_mm_s = 1e-3, kStall_s = 0.1;
 /// Bone holds the tool from this part of the thrust on, and gives way below the other, on average over 10 ms: frames of
 /// a slow feed have few voxels each.
 constexpr double kHeld = 0.8, kGivesWay = 0.5, kMean_s = 0.01;

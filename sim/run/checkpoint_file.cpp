@@ -28,7 +28,7 @@ void visit_values(Visit& visit, State& c) {
   visit(c.simulation.ledger.first_contact_mm);
   visit(c.simulation.touched);
   visit(c.simulation.warned_of_no_spin);
-  visit(c.simulation.hand);
+  visit(c.simulation.feed);
   visit(c.simulation.springs);
   visit(c.logs.forces_bytes);
   visit(c.logs.timings_bytes);

@@ -78,7 +78,8 @@ void FrameStepper::start(const FrameMotion& motion, const std::optional<PushResu
       enqueue(rest, args, nullptr, pending);
     }
   }
-  finish_batch();
+  collect();
+  record();
 }
 
 void FrameStepper::add(const FrameMotion& motion, const std::shared_ptr<const MotionWindow>& window,
@@ -100,11 +101,6 @@ SubstepSums FrameStepper::add_part(const FrameMotion& part, int i, int parts) {
   enqueue(substep, args_of(substep, *voi), nullptr, pending);
   collect();
   return batch_.sums.back();
-}
-
-void FrameStepper::finish_batch() {
-  collect();
-  record();
 }
 
 void FrameStepper::snapshot(std::int64_t frame) {
@@ -221,7 +217,7 @@ void FrameStepper::enqueue(const Substep& substep, const SubstepArgs& args, std:
   pending.cut.emplace_back(enqueued_++, substep);
 }
 
-/// Appends the engine's results of the enqueued substeps.
+/// Appends the engine's results.
 void FrameStepper::collect() {
   if (!std::exchange(uncut_, false)) return;
   const Batch part = engine_.collect();

@@ -51,8 +51,14 @@ class FrameStepper {
   SubstepSums add_part(const FrameMotion& part, int i, int parts);
   /// The row of the frame in the batch will have this deflection of the tool, in T.
   void set_deflection(const Vec3& mm) { pending_.back().deflection_mm = mm; }
-  /// Ends the batch: fill of the bone, rows, and removed voxels.
-  void finish_batch();
+  /// Waits for the frames of the batch, and takes the sums of their substeps and the removed voxels.
+  void collect();
+  /// Ends the batch, which has been collected: fill of the bone, rows, and removed voxels.
+  void record();
+  void finish_batch() {
+    collect();
+    record();
+  }
   /// Number of frames in the batch, and the wall time of one in the last batch.
   [[nodiscard]] std::size_t batch_frames() const { return pending_.size(); }
   [[nodiscard]] double frame_wall_s() const { return frame_wall_s_; }
@@ -98,8 +104,6 @@ class FrameStepper {
   [[nodiscard]] SubstepArgs args_of(const Substep& substep, const Aabb& voi) const;
   void enqueue(const Substep& substep, const SubstepArgs& args, std::shared_ptr<const MotionWindow> window,
                PendingFrame& pending);
-  void collect();
-  void record();
   void clear_batch();
   void warn_of(const FrameResult& result);
 

@@ -11,15 +11,15 @@
 #include "sim/engine/make_engine.h"
 #include "sim/record/results.h"
 #include "sim/run/frame_stepper.h"
-#include "sim/run/hand.h"
 #include "sim/run/springs.h"
+#include "sim/run/thrust_balance.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {
 
 /// What a simulation has to know to go on after a frame, besides the fill of the bone.
 struct SimulationState : StepState {
-  HandState hand = {};       ///< of a push
+  FeedState feed = {};       ///< under thrust
   SpringState springs = {};  ///< of a tool on springs
 };
 
@@ -45,10 +45,10 @@ std::unique_ptr<Engine> load_engine(const ReamingScene& scene, EngineDevices& de
 /// The same on a device of its own.
 std::unique_ptr<Engine> load_engine(const ReamingScene& scene);
 
-/// Runs the present pass: per substep broad phase → enqueue, per batch collect → record. A push decides its poses frame
-/// by frame (push_run.h), and so do springs (compliant_run.h). `scene.bone` is reamed; `sink`
-/// receives rows, snapshots and timings. Warns when the tool never touches, starts inside bone, or cuts without spin.
-/// Returns the state after the last frame. The same results whether a run is one or continues another.
+/// Runs the present pass, the main loop: per substep broad phase → enqueue, per batch collect → record. A feed decides
+/// the poses (feed.h). `scene.bone` is reamed; `sink` receives rows, snapshots and timings. Warns when the tool never
+/// touches, starts inside bone, or cuts without spin. Returns the state after the last frame. The same results whether
+/// a run is one or continues another.
 SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,
                          Report& report);
 

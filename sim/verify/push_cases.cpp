@@ -87,7 +87,7 @@ double steady_feed(const SteadyPlunge& head, double thrust_n, double voxel_mm, c
 
 CaseFindings push_steady_case(const Setting& setting) {
   CaseFindings out;
-  out.title = "Feed under a constant thrust";
+  out.title = "FeedRate under a constant thrust";
   out.scene =
       "cannulated reamer (R 29, a 15, r₀ 1.25 mm, 250 rpm) in full contact in ρ 1.8 g/cm³, pushed with 20, 50 and 100 "
       "N; "
@@ -249,13 +249,13 @@ CaseFindings push_energy_case(const Setting& setting) {
     floor += row.floor_energy_mj;
     cut += row.energy_mj;
   }
-  const HandState& hand = reamed.hand;
-  const double given = hand.hand_mj + hand.drill_mj + floor;
-  const double taken = cut + hand.kinetic_mj + hand.damping_mj + hand.lost_mj;
-  out.checks.push_back({"work of the hand", "mJ", Measure::reported, 0, hand.hand_mj, 0, ""});
-  out.checks.push_back({"work of the drive", "mJ", Measure::reported, 0, hand.drill_mj, 0, ""});
-  out.checks.push_back({"damping energy", "mJ", Measure::reported, 0, hand.damping_mj, 0, ""});
-  out.checks.push_back({"loss within frames", "mJ", Measure::reported, 0, hand.lost_mj, 0, ""});
+  const FeedState& feed = reamed.feed;
+  const double given = feed.hand_mj + feed.drill_mj + floor;
+  const double taken = cut + feed.kinetic_mj + feed.damping_mj + feed.lost_mj;
+  out.checks.push_back({"work of the hand", "mJ", Measure::reported, 0, feed.hand_mj, 0, ""});
+  out.checks.push_back({"work of the drive", "mJ", Measure::reported, 0, feed.drill_mj, 0, ""});
+  out.checks.push_back({"damping energy", "mJ", Measure::reported, 0, feed.damping_mj, 0, ""});
+  out.checks.push_back({"loss within frames", "mJ", Measure::reported, 0, feed.lost_mj, 0, ""});
   out.checks.push_back(relative_check("both sides", "mJ", taken, given, 1e-4, kPushLimitReason));
   return out;
 }

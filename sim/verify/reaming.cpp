@@ -36,7 +36,7 @@ Reamed ream(ReamingScene scene, const Setting& setting) {
   RunControl control;
   control.stop = setting.stop;
   const SimulationState end = simulate(scene, *engine, sink, control, report);
-  return {std::move(sink.rows), std::move(scene.bone), end.hand, end.springs};
+  return {std::move(sink.rows), std::move(scene.bone), end.feed, end.springs};
 }
 
 MeanLoads mean_loads(std::span<const FrameResult> rows) {

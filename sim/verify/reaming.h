@@ -7,7 +7,7 @@
 #include <span>
 
 #include "sim/engine/make_engine.h"
-#include "sim/run/hand.h"
+#include "sim/run/thrust_balance.h"
 #include "sim/verify/scene.h"
 
 namespace reamsim::verify {
@@ -30,7 +30,7 @@ struct Setting {
 struct Reamed {
   std::vector<FrameResult> rows;  ///< rows[k] is frame k
   Bone bone;                      ///< after reaming
-  HandState hand = {};            ///< after a push
+  FeedState feed = {};            ///< under thrust
   SpringState springs = {};       ///< after a run of a tool on springs
 
   [[nodiscard]] double removed_mm3() const;

@@ -1,16 +1,13 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/run/compliant_run.h"
-
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 
 #include "sim/motion/tool_path.h"
-#include "sim/run/end_batch.h"
+#include "sim/run/feed.h"
 #include "sim/run/slow_trial.h"
-#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 
@@ -44,87 +41,33 @@ FrameMotion prolonged(const FrameMotion& m, double times) {
   return out;
 }
 
-class CompliantRun {
+class SpringFeed : public PlannedFeed {
  public:
-  CompliantRun(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report)
-      : scene_(scene),
+  SpringFeed(const ReamingScene& scene, FrameStepper& stepper, Report& report)
+      : PlannedFeed(scene),
         settings_(*scene.scenario.motion.compliance),
+        stepper_(stepper),
         report_(report),
-        stepper_(scene, engine, sink, report),
         frame_s_(scene.motion.frame_s()),
         resolved_(is_moved_by_spin(scene.scenario, scene.tool)),
         step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm),
         loss_mm_(smallest_advance_mm(scene.bone.voxmap->grid.voxel_mm)) {}
 
-  SimulationState run(const RunControl& control) {
-    const std::int64_t last = scene_.motion.last_frame();
-    const std::vector<std::int64_t> pictures =
-        picture_frames(scene_.scenario.render, scene_.last_frame(), scene_.contact);
-    const bool had_ended = control.from && control.from->frame == last;
-    begin(control, pictures);
-    for (std::int64_t frame = stepper_.state().frame + 1; frame <= last; ++frame) {
-      advance(frame);
-      if (std::ranges::binary_search(pictures, frame)) stepper_.snapshot(frame);
-      control.progress(frame, scene_.last_frame());
-      end_batch(stepper_, control, [&] { return state(); });
-    }
-    if (!had_ended) warn_at_end(control);
-    stepper_.read_fill();
-    return state();
-  }
-
- private:
-  [[nodiscard]] SimulationState state() const {
-    SimulationState out{stepper_.state()};
-    out.springs = springs_;
-    return out;
-  }
-
-  /// Continues, or removes the bone in the first pose of the pass.
-  void begin(const RunControl& control, const std::vector<std::int64_t>& pictures) {
-    const std::int64_t first = scene_.motion.first_frame;
-    if (control.from) {
-      stepper_.resume(*control.from);
-      springs_ = control.from->springs;
-    }
-    if (first == 0 && !control.from) stepper_.snapshot(0);
-    if (control.from && control.from->frame >= first) return;
+  void start() override {
     release();
-    const ToolPose pose = scene_.motion.pose_of(first);
+    const std::int64_t first = scene().motion.first_frame;
+    const ToolPose pose = scene().motion.pose_of(first);
     stepper_.start({.frame = first,
                     .before = pose,
                     .pose = pose,
                     .duration_s = frame_s_,
                     .time_s = static_cast<double>(first) * frame_s_},
                    {}, Vec3(Vec3::Zero()));
-    if (first > 0 && std::ranges::binary_search(pictures, first)) stepper_.snapshot(first);
   }
+  void resume(const SimulationState& from) override { springs_ = from.springs; }
 
-  /// The tool of a pass begins without deflection.
-  void release() {
-    springs_.lost_mj += springs_.spring_mj;
-    springs_.spring_mj = 0;
-    springs_.deflection_mm = springs_.bone_n = springs_.tool_mm_s = {};
-    springs_.bone_n_s_mm = {};
-  }
-
-  [[nodiscard]] Vec3 deflection_mm() const { return Vec3(springs_.deflection_mm.data()); }
-
-  /// Bound of the motion between two poses of the tool or, with the deflection as a lever, of the plan.
-  [[nodiscard]] double bound_mm(const ToolPose& a, const ToolPose& b, double lever_mm) const {
-    const double spin_mm =
-        resolved_ ? std::abs(b.spin_angle_rad - a.spin_angle_rad) * scene_.tool.profile.max_radius_mm() : 0;
-    return motion_bound_mm(a, b, scene_.tool.reach_mm + lever_mm) + spin_mm;
-  }
-
-  static ToolPose deflected(const ToolPose& plan, const Vec3& deflection_mm) {
-    ToolPose out = plan;
-    out.position_mm += plan.orientation * deflection_mm;
-    return out;
-  }
-
-  void advance(std::int64_t frame) {
-    const ToolPose begin = scene_.motion.pose_of(frame - 1), end = scene_.motion.pose_of(frame);
+  void add(std::int64_t frame) override {
+    const ToolPose begin = scene().motion.pose_of(frame - 1), end = scene().motion.pose_of(frame);
     const double planned_mm = bound_mm(begin, end, deflection_mm().norm());
     const int parts = std::max(1, static_cast<int>(std::ceil(planned_mm / ((1 - kStepOfDeflection) * step_mm_))));
     bool limited = false, balanced = true;
@@ -141,7 +84,54 @@ class CompliantRun {
     springs_.limited_frames += limited ? 1 : 0;
     springs_.unbalanced_frames += balanced ? 0 : 1;
     stepper_.set_deflection(deflection_mm());
-    stepper_.finish_batch();
+  }
+  /// The next deflection depends on the bone that this one leaves.
+  [[nodiscard]] bool ends_batch(std::int64_t) const override { return true; }
+  void take(const FrameResult&) override {}
+
+  void warn_at_end() override {
+    if (!scene().later_passes.empty()) return;
+    if (springs_.limited_frames > 0) {
+      report_.warn(
+          fmt::format("motion.compliance: in {} frames the springs move the tool by engine.max_step_voxels and no "
+                      "further; add damping_n_s_mm for a slower return",
+                      springs_.limited_frames));
+    }
+    if (springs_.unbalanced_frames > 0) {
+      report_.warn(fmt::format(
+          "motion.compliance: in {} frames spring and bone are out of balance, by up to {:.3g} N, because the force "
+          "jumps: the tool chatters or loses contact; raise damping_n_s_mm, or motion.frame_rate_hz",
+          springs_.unbalanced_frames, springs_.unbalanced_n));
+    }
+  }
+  [[nodiscard]] SimulationState state() const override {
+    SimulationState out{stepper_.state()};
+    out.springs = springs_;
+    return out;
+  }
+
+ private:
+  /// The tool of a pass begins without deflection.
+  void release() {
+    springs_.lost_mj += springs_.spring_mj;
+    springs_.spring_mj = 0;
+    springs_.deflection_mm = springs_.bone_n = springs_.tool_mm_s = {};
+    springs_.bone_n_s_mm = {};
+  }
+
+  [[nodiscard]] Vec3 deflection_mm() const { return Vec3(springs_.deflection_mm.data()); }
+
+  /// Bound of the motion between two poses of the tool or, with the deflection as a lever, of the plan.
+  [[nodiscard]] double bound_mm(const ToolPose& a, const ToolPose& b, double lever_mm) const {
+    const double spin_mm =
+        resolved_ ? std::abs(b.spin_angle_rad - a.spin_angle_rad) * scene().tool.profile.max_radius_mm() : 0;
+    return motion_bound_mm(a, b, scene().tool.reach_mm + lever_mm) + spin_mm;
+  }
+
+  static ToolPose deflected(const ToolPose& plan, const Vec3& deflection_mm) {
+    ToolPose out = plan;
+    out.position_mm += plan.orientation * deflection_mm;
+    return out;
   }
 
   /// Finds the deflection at the end of a part of a frame, and cuts.
@@ -199,30 +189,9 @@ class CompliantRun {
     return out;
   }
 
-  void warn_at_end(const RunControl& control) {
-    const std::string pass = stepper_.name_of_pass();
-    if (!stepper_.state().touched && !control.warned_of_no_contact) {
-      report_.warn(pass + "the tool never touches the bone: check motion and, if it is used, the glenoid frame");
-    }
-    if (!scene_.later_passes.empty()) return;
-    if (springs_.limited_frames > 0) {
-      report_.warn(
-          fmt::format("motion.compliance: in {} frames the springs move the tool by engine.max_step_voxels and no "
-                      "further; add damping_n_s_mm for a slower return",
-                      springs_.limited_frames));
-    }
-    if (springs_.unbalanced_frames > 0) {
-      report_.warn(fmt::format(
-          "motion.compliance: in {} frames spring and bone are out of balance, by up to {:.3g} N, because the force "
-          "jumps: the tool chatters or loses contact; raise damping_n_s_mm, or motion.frame_rate_hz",
-          springs_.unbalanced_frames, springs_.unbalanced_n));
-    }
-  }
-
-  ReamingScene& scene_;
   const ComplianceSettings& settings_;
+  FrameStepper& stepper_;
   Report& report_;
-  FrameStepper stepper_;
   double frame_s_;
   bool resolved_;
   double step_mm_;  ///< the longest of a substep
@@ -232,9 +201,8 @@ class CompliantRun {
 
 }  // namespace
 
-SimulationState run_compliant(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,
-                              Report& report) {
-  return CompliantRun(scene, engine, sink, report).run(control);
+std::unique_ptr<Feed> spring_feed(const ReamingScene& scene, FrameStepper& stepper, Report& report) {
+  return std::make_unique<SpringFeed>(scene, stepper, report);
 }
 
 }  // namespace reamsim

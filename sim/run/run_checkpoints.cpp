@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cli/run_checkpoints.h"
+#include "sim/run/run_checkpoints.h"
 
 #include <fmt/core.h>
 #include <algorithm>

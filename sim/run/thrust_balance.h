@@ -9,7 +9,7 @@
 namespace reamsim {
 
 /// The hand and the tool it pushes, after a frame. Energies since the start of the push.
-struct HandState {
+struct FeedState {
   double travel_mm = 0;           ///< along the line of the push
   double velocity_mm_s = 0;       ///< at the end of the frame; used where there is a mass
   double bone_n_s_mm = 0;         ///< resistance of the bone per feed, without edge forces, in the last frame
@@ -22,7 +22,7 @@ struct HandState {
 };
 
 /// What balances the force of the bone in a frame: F_bone(feed) + damping·feed + M·dv/dt = thrust.
-struct HandBalance {
+struct ThrustBalance {
   double thrust_n = 0;
   double max_feed_mm_s = 0;
   double damping_n_s_mm = 0;
@@ -32,7 +32,7 @@ struct HandBalance {
 };
 
 /// The feed of a frame.
-struct Feed {
+struct FeedRate {
   double mm_s = 0;         ///< mean over the frame
   double end_mm_s = 0;     ///< at its end
   double bone_n = 0;       ///< force of the bone at this feed
@@ -51,9 +51,9 @@ using BoneForce = std::function<double(double feed_mm_s)>;
 /// Between two frames the velocity approaches its steady value exponentially with the rate (slope + damping)/M. The
 /// mean over the frame is therefore v₀ + θ·(v₁ − v₀) with θ = 1/(1 − e^(−λ)) − 1/λ and λ = rate·Δt: exact for a
 /// constant slope, implicit, of second order for small steps (θ → 1/2) and without oscillation for large ones (θ → 1).
-Feed balanced_feed(const HandBalance& balance, const BoneForce& bone, double slope_n_s_mm);
+FeedRate balanced_feed(const ThrustBalance& balance, const BoneForce& bone, double slope_n_s_mm);
 
 /// Adds the energies of a frame, mJ. `frame_s`: its time. Returns the force of the hand, N.
-double add_hand_energies(const HandBalance& balance, const Feed& feed, double frame_s, HandState& state);
+double add_thrust_energies(const ThrustBalance& balance, const FeedRate& feed, double frame_s, FeedState& state);
 
 }  // namespace reamsim

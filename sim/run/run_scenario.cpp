@@ -1,29 +1,24 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cli/scenario_run.h"
+#include "sim/run/run_scenario.h"
 
 #include <fmt/core.h>
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <new>
-#include <optional>
 
-#include "cli/commands.h"
-#include "cli/outputs.h"
-#include "cli/run_checkpoints.h"
-#include "render/pictures/figures.h"
-#include "render/plots/plots.h"
 #include "sim/base/error.h"
 #include "sim/base/memory.h"
 #include "sim/predict/contact_forecast.h"
 #include "sim/record/citation.h"
 #include "sim/record/clearance_file.h"
+#include "sim/record/layer_mean.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/summary.h"
 #include "sim/run/measure.h"
 #include "sim/run/peak_warnings.h"
+#include "sim/run/run_checkpoints.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
 
@@ -39,51 +34,55 @@ std::vector<std::string> files_read(const Scenario& scenario) {
   return files;
 }
 
-/// Prints the same figures, with the same names, as pictures, plots, summary and report have.
-void print_summary(const Console& console, const RunTotals& totals, const RunFacts& facts, double mean_mm) {
+/// The same figures, with the same names, as pictures, plots, summary and report have.
+void say_summary(RunMonitor& monitor, const RunTotals& totals, const RunFacts& facts, double mean_mm) {
   const Headline run = totals.headline(mean_mm > 0);
-  console.say(fmt::format("removed {:.1f} mm3; {} {} mm; {} {} N, {} {} N mm; energy balance {:.1e}",
+  monitor.say(fmt::format("removed {:.1f} mm3; {} {} mm; {} {} N, {} {} N mm; energy balance {:.1e}",
                           totals.removed_mm3, Headline::kDepthName, run.depth_text(), run.force_name(),
                           run.force_text(), run.torque_name(), run.torque_text(), totals.balance));
   for (std::size_t i = 0; i < totals.passes.size() && totals.passes.size() > 1; ++i) {
     const PassTotals& pass = totals.passes[i];
-    console.say(
+    monitor.say(
         fmt::format("pass {}: removed {:.1f} mm3; tool depth {:.2f} mm; peak axial force {:.1f} N, peak spin "
                     "torque {:.0f} N mm",
                     i + 1, pass.removed_mm3, pass.max_depth_mm, pass.peak_axial_force_n, pass.peak_spin_torque_nmm));
   }
-  console.say(fmt::format("{:.1f} s simulated in {:.1f} s on {}", totals.simulated_s, facts.simulate_s, facts.device));
+  monitor.say(fmt::format("{:.1f} s simulated in {:.1f} s on {}", totals.simulated_s, facts.simulate_s, facts.device));
 }
 
 /// A run of a scenario into a folder: load, simulate, write, render.
 class ScenarioRun {
  public:
+  /// `pictures`: nullptr for none.
   ScenarioRun(const std::string& dir, const RunRequest& request, RunResources& resources, RunCheckpoints& checkpoints,
-              const Console& console)
+              RunMonitor& monitor, PictureSink* pictures)
       : dir_(dir),
         scenario_(request.scenario),
         keep_(request.keep),
         resources_(resources),
         checkpoints_(checkpoints),
-        console_(console) {}
+        monitor_(monitor),
+        pictures_(pictures) {}
 
   void run() {
-    const PrintOnError warnings_of_error(report_, console_);
     load();
     Recorder recorder = checkpoints_.open_logs(scene_.bone.voxmap->grid.voxel_mm, scenario_, report_);
     simulate_frames(recorder);
     write(recorder);
-    if (outputs_) {
-      render(recorder.totals());
+    if (pictures_ != nullptr) {
+      draw(recorder.totals());
     } else {
       finish_summary(recorder.totals());
     }
     remove_logs();
-    print_summary(console_, recorder.totals(), facts_, mean_travel_mm());
+    say_summary(monitor_, recorder.totals(), facts_,
+                averaged_travel_mm(scenario_.cutting, scene_.bone.voxmap->grid.voxel_mm));
   }
 
   /// Whether frames have been simulated, or are.
   [[nodiscard]] bool simulates() const { return simulates_; }
+  /// The warnings of a run that failed: one may name the cause.
+  [[nodiscard]] const Report& report() const { return report_; }
 
  private:
   void load() {
@@ -96,13 +95,11 @@ class ScenarioRun {
     scene_.contact = contact_frames(contacts_);
     warn_of_contact(scene_, contacts_, report_);
     find_clearance_of_holder();
-    print_report();
+    tell_report();
     facts_.bone_before_mm3 = scene_.bone.view().bone_mm3();
-    if (keep_.pictures) {
-      write_tools(dir_, scene_);
-    }
-    if (keep_.pictures && scenario_.motion.is_prescribed()) {
-      outputs_.emplace(scene_, dir_);
+    if (keep_.pictures) write_tools(dir_, scene_);
+    if (draws_during_run()) {
+      pictures_->begin(scene_, dir_);
     } else {
       fill_before_ = scene_.bone.fill;
     }
@@ -116,6 +113,9 @@ class ScenarioRun {
     facts_.load_s = watch.seconds();
   }
 
+  /// The path of a push or of a tool on springs, and so its pictures, are known only at the end.
+  [[nodiscard]] bool draws_during_run() const { return pictures_ != nullptr && scenario_.motion.is_prescribed(); }
+
   /// A run that continues begins with the pass of its checkpoint.
   void skip_finished_passes() {
     const auto state = checkpoints_.state();
@@ -126,7 +126,7 @@ class ScenarioRun {
   void find_clearance_of_holder() {
     facts_.clearance = find_clearance(scene_);
     if (!facts_.clearance) return;
-    console_.say(sentence_of(*facts_.clearance, scene_));
+    monitor_.say(sentence_of(*facts_.clearance, scene_));
     warn_of_clearance(*facts_.clearance, scene_, report_);
     write_clearance(dir_ + "/clearance.csv", *facts_.clearance, scene_.motion.frame_s());
   }
@@ -134,24 +134,24 @@ class ScenarioRun {
   void report_segmentation() const {
     const auto& segmentation = scene_.bone.segmentation;
     if (!segmentation) return;
-    console_.say(sentence_of(*segmentation));
-    if (keep_.pictures && scenario_.render.enabled) write_segmentation_picture(dir_, *segmentation);
+    monitor_.say(sentence_of(*segmentation));
+    if (pictures_ != nullptr) pictures_->draw_segmentation(scene_, dir_);
   }
 
   void simulate_frames(Recorder& recorder) {
     simulates_ = true;
-    const StopGrace until_saved;
-    Progress progress(console_, "simulate", "frames");
+    const auto until_saved = monitor_.saving();
     const auto save = [&](const SimulationState& state) {
       const bool saved = checkpoints_.save(state, recorder, scene_.bone.fill, report_);
       if (saved) write_summary(dir_, scene_, recorder.totals(), facts_, /*finished=*/false);
     };
     RunControl control{.save_due = [this] { return checkpoints_.due(); }, .save = save, .from = checkpoints_.state()};
     control.progress = [&](std::int64_t done, std::int64_t total) {
-      if (outputs_) outputs_->snapshots_written(done);
-      progress.update(done, total);
+      if (draws_during_run()) pictures_->snapshots_written(done);
+      monitor_.progress(done, total);
     };
-    control.stop = stop_requested;
+    control.stop = [this] { return monitor_.stop_requested(); };
+    monitor_.progress(0, scene_.last_frame());
     const Stopwatch watch;
     SimulationState end;
     do {
@@ -161,15 +161,14 @@ class ScenarioRun {
       facts_.device_bytes = std::max(facts_.device_bytes, engine_->device_bytes());
     } while (next_pass());
     facts_.simulate_s = watch.seconds();
-    progress.finish();
     constexpr double kWorthSaving_s = 1;  // what follows may be interrupted as well
     if (facts_.simulate_s > kWorthSaving_s) save(end);
     facts_.checkpoints_s = checkpoints_.seconds();
     report_.note(checkpoints_.cost());
     recorder.close();
     warn_of_peaks(scene_, recorder.totals(), report_);
-    if (outputs_) outputs_->snapshots_written(end.frame);  // also where that is frame 0
-    print_report();
+    if (draws_during_run()) pictures_->snapshots_written(end.frame);  // also where that is frame 0
+    tell_report();
   }
 
   /// Changes the tool. Returns false after the last pass.
@@ -182,28 +181,26 @@ class ScenarioRun {
   }
 
   void write(const Recorder& recorder) {
-    measure(facts_, scene_, outputs_ ? outputs_->fill_before() : fill_before_, recorder.totals());
+    measure(facts_, scene_, draws_during_run() ? pictures_->fill_before() : fill_before_, recorder.totals());
     engine_.reset();  // its copy of the fill is not needed any more, and writing needs memory
     return_free_memory();
     const Stopwatch watch;
     if (keep_.grids || keep_.pictures) write_results(dir_, scene_, recorder, facts_);
     return_free_memory();
     facts_.write_s = watch.seconds();
-    if (outputs_) outputs_->finish_run(scene_.bone.fill);
-    // The path of a push or of a tool on springs, and so its pictures, are known only now.
-    if (keep_.pictures && !scenario_.motion.is_prescribed()) outputs_.emplace(Outputs::of_finished(scene_, dir_));
+    if (pictures_ != nullptr) pictures_->end(scene_, dir_);
   }
 
   /// Makes pictures, plots and meshes, and writes summary.json, also where those fail.
-  void render(const RunTotals& totals) {
+  void draw(const RunTotals& totals) {
     const Stopwatch watch;
     const auto finish = [&] {
       facts_.render_s = watch.seconds();
-      facts_.render_context = outputs_->render_context();
+      facts_.render_context = pictures_->render_context();
       finish_summary(totals);
     };
     try {
-      outputs_->make(report_, console_);
+      pictures_->make(report_);
     } catch (const RunError&) {
       finish();
       throw;
@@ -215,11 +212,11 @@ class ScenarioRun {
                      "use smaller pictures, larger voxels, or output.meshes: false");
     }
     finish();
-    outputs_->make_report();
+    pictures_->make_report();
   }
 
   void finish_summary(const RunTotals& totals) {
-    print_report();
+    tell_report();
     write_summary(dir_, scene_, totals, facts_);
   }
 
@@ -232,14 +229,11 @@ class ScenarioRun {
     fs::remove_all(dir_ + "/snapshots", ignored);
   }
 
-  [[nodiscard]] double mean_travel_mm() const {
-    return averaged_travel_mm(scenario_.cutting, scene_.bone.voxmap->grid.voxel_mm);
-  }
-
-  /// Keeps the warnings so far for summary.json, and prints them.
-  void print_report() {
+  /// Keeps the warnings so far for summary.json, and gives them to the monitor.
+  void tell_report() {
     facts_.warnings.insert(facts_.warnings.end(), report_.warnings.begin(), report_.warnings.end());
-    console_.print(report_);
+    monitor_.take(report_);
+    report_ = {};
   }
 
   const std::string& dir_;
@@ -247,49 +241,63 @@ class ScenarioRun {
   KeptFiles keep_;
   RunResources& resources_;
   RunCheckpoints& checkpoints_;
-  const Console& console_;
+  RunMonitor& monitor_;
+  PictureSink* pictures_;
   Report report_;
   RunFacts facts_;
   ReamingScene scene_;
   std::vector<ContactForecast> contacts_;  ///< by pass
-  FillBricks fill_before_;                 ///< of the bone, where there are no outputs
-  std::optional<Outputs> outputs_;         ///< where they are kept
+  FillBricks fill_before_;                 ///< of the bone, unless the pictures have it
   std::unique_ptr<Engine> engine_;
   bool simulates_ = false;
 };
 
-/// What an interrupted run leaves.
-StopOutcome outcome_of(const RunCheckpoints& checkpoints, const OutputFolder& folder) {
+InterruptedRun what_remains(const RunCheckpoints& checkpoints, const OutputFolder& folder) {
   if (const auto frame = checkpoints.saved_frame()) {
-    return {kSuspendedStatus,
-            fmt::format("interrupted; frame {} is saved in {}; the same command with --resume continues", *frame,
-                        folder.path())};
+    return {true, fmt::format("interrupted; frame {} is saved in {}; the same command with --resume continues", *frame,
+                              folder.path())};
   }
   if (!folder.has_frames()) return {};
-  return {kInterruptedStatus, "interrupted; finished frames are in " + folder.path()};
+  return {false, "interrupted; finished frames are in " + folder.path()};
+}
+
+/// Gives the warnings of a run that fails to the monitor.
+void take_on_error(RunMonitor& monitor, const Report& report) {
+  try {
+    monitor.take(report);
+  } catch (const std::exception&) {  // no memory: the error itself is what counts
+  }
+}
+
+/// Finishes the output folder, and gives its warning to the monitor.
+void finish(OutputFolder& folder, RunMonitor& monitor, const std::function<void()>& remove_unfinished = {}) {
+  Report report;
+  if (std::string warning = folder.finish(remove_unfinished); !warning.empty()) report.warn(std::move(warning));
+  monitor.take(report);
 }
 
 /// Moves results to their place that were complete when their process was killed.
-void finish_complete(OutputFolder& folder, const Scenario& scenario, const Console& console) {
+void finish_complete(OutputFolder& folder, const Scenario& scenario, RunMonitor& monitor) {
   folder.keep();
   if (!is_result_of(folder.path(), scenario)) {
     throw InputError({folder.path(), 0, 0}, "--resume", "holds the complete results of another scenario",
                      "rename it, or start again with --overwrite and without --resume");
   }
-  finish(folder, console);
-  console.say("the results were complete: " + folder.final_path());
+  finish(folder, monitor);
+  monitor.say("the results were complete: " + folder.final_path());
 }
 
 /// The last lines of a run. Scripts and the Python package take the folder from the first one.
-void say_where_to_look(const std::string& dir, const Console& console) {
+void say_where_to_look(const std::string& dir, RunMonitor& monitor) {
   const char* const first = fs::exists(dir + "/report.html") ? "report.html" : "summary.json";
-  console.say("results: " + dir);
-  console.say("look first at " + dir + "/" + first);
+  monitor.say("results: " + dir);
+  monitor.say("look first at " + dir + "/" + first);
 }
 
 }  // namespace
 
-std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources& resources, const Console& console) {
+std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources& resources, RunMonitor& monitor,
+                                         PictureSink* pictures) {
   const Scenario& scenario = request.scenario;
   OutputFolder folder({.dir = request.dir,
                        .kind = ResultKind::run,
@@ -297,45 +305,47 @@ std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources
                        .resume = request.resume,
                        .inputs = files_read(scenario),
                        .durable = request.durable});
-  console.say("reamsim " REAMSIM_VERSION ": " + scenario.name + " -> " + folder.final_path());
+  monitor.say("reamsim " REAMSIM_VERSION ": " + scenario.name + " -> " + folder.final_path());
   if (folder.is_complete()) {
-    finish_complete(folder, scenario, console);
+    finish_complete(folder, scenario, monitor);
     return std::nullopt;
   }
   RunCheckpoints checkpoints(folder.path(), scenario.output.checkpoint_s, request.resume);
   const std::optional<std::int64_t> continued_after = checkpoints.saved_frame();
   if (continued_after) {
-    console.say("continued after frame " + std::to_string(*continued_after));
+    monitor.say("continued after frame " + std::to_string(*continued_after));
     folder.keep();
   } else {
     folder.clear();
   }
-  const ForcedStop forced([&] {
-    const StopOutcome outcome = outcome_of(checkpoints, folder);
+  const auto forced = monitor.on_forced_end([&] {
+    InterruptedRun remains = what_remains(checkpoints, folder);
     folder.abandon();
-    return outcome;
+    return remains;
   });
-  ScenarioRun run(folder.path(), request, resources, checkpoints, console);
+  ScenarioRun run(folder.path(), request, resources, checkpoints, monitor, request.keep.pictures ? pictures : nullptr);
   try {
     run.run();
   } catch (const Interrupted&) {
+    take_on_error(monitor, run.report());
     folder.keep();
-    const StopOutcome outcome = outcome_of(checkpoints, folder);
-    if (outcome.status == kSuspendedStatus) throw Suspended(outcome.message);
-    throw Interrupted(outcome.message);
+    const InterruptedRun remains = what_remains(checkpoints, folder);
+    if (remains.saved) throw Suspended(remains.message);
+    throw Interrupted(remains.message);
   } catch (const std::exception& error) {
+    take_on_error(monitor, run.report());
     if (!run.simulates() || !folder.has_frames()) throw;
     folder.keep();
     throw RunError(message_of(error) + "; finished frames are kept in " + folder.path());
   }
   if (request.keep.pictures)
     write_citation(folder.path(), cite_results(folder.path()));  // else the folder of the study has it
-  finish(folder, console, [&] {
+  finish(folder, monitor, [&] {
     Report report;
     checkpoints.remove(report);
-    console.print(report);
+    monitor.take(report);
   });
-  say_where_to_look(folder.final_path(), console);
+  say_where_to_look(folder.final_path(), monitor);
   return continued_after;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/run/hand.h"
+#include "sim/run/thrust_balance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -78,9 +78,9 @@ class Search {
 };
 
 /// The feed for a given θ.
-Feed feed_for(const HandBalance& b, const BoneForce& bone, double slope, double middle) {
+FeedRate feed_for(const ThrustBalance& b, const BoneForce& bone, double slope, double middle) {
   const double inertia = b.inertia_n_s_mm / middle;
-  Feed out{.middle = middle};
+  FeedRate out{.middle = middle};
   const auto excess = [&](double feed, double force) {
     return force + b.damping_n_s_mm * feed + inertia * (feed - b.velocity_mm_s) - b.thrust_n;
   };
@@ -109,15 +109,15 @@ Feed feed_for(const HandBalance& b, const BoneForce& bone, double slope, double 
 
 }  // namespace
 
-Feed balanced_feed(const HandBalance& b, const BoneForce& bone, double slope_n_s_mm) {
+FeedRate balanced_feed(const ThrustBalance& b, const BoneForce& bone, double slope_n_s_mm) {
   if (b.inertia_n_s_mm <= 0) {
-    Feed out = feed_for(b, bone, slope_n_s_mm, 1);
+    FeedRate out = feed_for(b, bone, slope_n_s_mm, 1);
     out.end_mm_s = out.mm_s;
     return out;
   }
   const auto middle_for = [&](double slope) { return middle_of((slope + b.damping_n_s_mm) / b.inertia_n_s_mm); };
   double middle = middle_for(slope_n_s_mm);
-  Feed out;
+  FeedRate out;
   int evaluations = 0;
   for (int i = 0; i < kMostMiddles; ++i) {
     out = feed_for(b, bone, slope_n_s_mm, middle);
@@ -134,7 +134,7 @@ Feed balanced_feed(const HandBalance& b, const BoneForce& bone, double slope_n_s
   return out;
 }
 
-double add_hand_energies(const HandBalance& b, const Feed& feed, double frame_s, HandState& state) {
+double add_thrust_energies(const ThrustBalance& b, const FeedRate& feed, double frame_s, FeedState& state) {
   const double per_mj = 1e-3;  // of kg·mm²/s²; N·mm are mJ
   const double mass_kg = b.inertia_n_s_mm * frame_s / per_mj, change = feed.end_mm_s - b.velocity_mm_s;
   const double damping_n = b.damping_n_s_mm * feed.mm_s, inertia_n = b.inertia_n_s_mm * change;

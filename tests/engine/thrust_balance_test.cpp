@@ -1,54 +1,54 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The balance of a hand (sim/run/hand.h) on bones that are functions.
-#include "sim/run/hand.h"
+// The balance of a hand (sim/run/thrust_balance.h) on bones that are functions.
+#include "sim/run/thrust_balance.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace reamsim::hand_tests {
+namespace reamsim::thrust_balance_tests {
 namespace {
 
-HandBalance pushing(double thrust_n) {
+ThrustBalance pushing(double thrust_n) {
   return {.thrust_n = thrust_n, .max_feed_mm_s = 5};
 }
 
 TEST(Hand, LinearBoneGivesThrustOverSlopeInOneTrialWhenTheSlopeIsKnown) {
   const BoneForce bone = [](double feed) { return 235 * feed; };
-  const Feed first = balanced_feed(pushing(50), bone, 0);
+  const FeedRate first = balanced_feed(pushing(50), bone, 0);
   EXPECT_NEAR(first.mm_s, 50 / 235.0, 1e-9);
   EXPECT_NEAR(first.bone_n_s_mm, 235, 1e-6);
-  const Feed second = balanced_feed(pushing(50), bone, first.bone_n_s_mm);
+  const FeedRate second = balanced_feed(pushing(50), bone, first.bone_n_s_mm);
   EXPECT_NEAR(second.mm_s, 50 / 235.0, 1e-9);
   EXPECT_EQ(second.evaluations, 1);
   EXPECT_FALSE(second.limited);
 }
 
 TEST(Hand, AirAndSoftBoneLeaveTheLimit) {
-  const Feed air = balanced_feed(
+  const FeedRate air = balanced_feed(
       pushing(50), [](double) { return 0.0; }, 0);
   EXPECT_EQ(air.mm_s, 5);
   EXPECT_TRUE(air.limited);
-  HandState state;
-  EXPECT_EQ(add_hand_energies(pushing(50), air, 1e-3, state), 0);
-  const Feed soft = balanced_feed(
+  FeedState state;
+  EXPECT_EQ(add_thrust_energies(pushing(50), air, 1e-3, state), 0);
+  const FeedRate soft = balanced_feed(
       pushing(50), [](double feed) { return 2 * feed; }, 2);
   EXPECT_EQ(soft.mm_s, 5);
-  EXPECT_EQ(add_hand_energies(pushing(50), soft, 1e-3, state), 10);
+  EXPECT_EQ(add_thrust_energies(pushing(50), soft, 1e-3, state), 10);
 }
 
 TEST(Hand, GapBeforeTheBoneIsBracketed) {
   // Contact within the frame: no force up to 3 mm/s.
-  const Feed feed = balanced_feed(
+  const FeedRate feed = balanced_feed(
       pushing(50), [](double v) { return v < 3 ? 0.0 : 400 * (v - 3); }, 0);
   EXPECT_NEAR(feed.mm_s, 3.125, 1e-6);
   EXPECT_FALSE(feed.limited);
 }
 
 TEST(Hand, JumpOfTheForceEndsAtIt) {
-  const Feed feed = balanced_feed(
+  const FeedRate feed = balanced_feed(
       pushing(50), [](double v) { return v < 2 ? 10.0 : 90.0; }, 0);
   EXPECT_NEAR(feed.mm_s, 2, 1e-5);
   EXPECT_LT(feed.evaluations, 60);
@@ -56,7 +56,7 @@ TEST(Hand, JumpOfTheForceEndsAtIt) {
 
 TEST(Hand, ForcesOtherThanLinearBalance) {
   for (const double power : {0.5, 0.7, 2.0}) {
-    const Feed feed = balanced_feed(
+    const FeedRate feed = balanced_feed(
         pushing(30), [&](double v) { return 40 * std::pow(v, power); }, 0);
     EXPECT_NEAR(40 * std::pow(feed.mm_s, power), 30, 1e-3) << power;
     EXPECT_LT(feed.evaluations, 20) << power;
@@ -64,9 +64,9 @@ TEST(Hand, ForcesOtherThanLinearBalance) {
 }
 
 TEST(Hand, StandsWhereTheRestingToolIsHeld) {
-  HandBalance held = pushing(10);
+  ThrustBalance held = pushing(10);
   held.standing_n = 13;
-  const Feed still = balanced_feed(
+  const FeedRate still = balanced_feed(
       held, [](double) -> double { throw std::logic_error("not needed"); }, 100);
   EXPECT_EQ(still.mm_s, 0);
   held.thrust_n = 23;
@@ -77,7 +77,7 @@ TEST(Hand, StandsWhereTheRestingToolIsHeld) {
 }
 
 TEST(Hand, DampingTakesItsPart) {
-  HandBalance damped = pushing(50);
+  ThrustBalance damped = pushing(50);
   damped.damping_n_s_mm = 15;
   EXPECT_NEAR(balanced_feed(
                   damped, [](double v) { return 235 * v; }, 0)
@@ -88,16 +88,16 @@ TEST(Hand, DampingTakesItsPart) {
 TEST(Hand, MassOnALinearBoneFollowsTheExponentialAtEveryStep) {
   constexpr double kSlope = 0.725, kThrust = 2, kMass = 10, kTau = 1e-3 * kMass / kSlope;
   for (const double frame_s : {1e-4, 1e-3, 1e-2, 0.1}) {
-    HandState state;
+    FeedState state;
     double travel = 0, time = 0;
     for (int i = 0; i < 5; ++i) {
-      const HandBalance forces{.thrust_n = kThrust,
-                               .max_feed_mm_s = 100,
-                               .inertia_n_s_mm = 1e-3 * kMass / frame_s,
-                               .velocity_mm_s = state.velocity_mm_s};
-      const Feed feed = balanced_feed(
+      const ThrustBalance forces{.thrust_n = kThrust,
+                                 .max_feed_mm_s = 100,
+                                 .inertia_n_s_mm = 1e-3 * kMass / frame_s,
+                                 .velocity_mm_s = state.velocity_mm_s};
+      const FeedRate feed = balanced_feed(
           forces, [](double v) { return kSlope * v; }, state.bone_n_s_mm);
-      add_hand_energies(forces, feed, frame_s, state);
+      add_thrust_energies(forces, feed, frame_s, state);
       state.velocity_mm_s = feed.end_mm_s;
       state.bone_n_s_mm = feed.bone_n_s_mm;
       travel += feed.mm_s * frame_s;
@@ -114,13 +114,13 @@ TEST(Hand, MassOnALinearBoneFollowsTheExponentialAtEveryStep) {
 }
 
 TEST(Hand, StiffBoneDoesNotMakeTheVelocityOscillate) {
-  HandState state;
+  FeedState state;
   for (int i = 0; i < 50; ++i) {
-    const HandBalance forces{.thrust_n = i < 25 ? 50.0 : 25.0,
-                             .max_feed_mm_s = 5,
-                             .inertia_n_s_mm = 1e-3 * 0.5 / 1e-3,
-                             .velocity_mm_s = state.velocity_mm_s};
-    const Feed feed = balanced_feed(
+    const ThrustBalance forces{.thrust_n = i < 25 ? 50.0 : 25.0,
+                               .max_feed_mm_s = 5,
+                               .inertia_n_s_mm = 1e-3 * 0.5 / 1e-3,
+                               .velocity_mm_s = state.velocity_mm_s};
+    const FeedRate feed = balanced_feed(
         forces, [](double v) { return 235 * v; }, state.bone_n_s_mm);
     state.velocity_mm_s = feed.end_mm_s;
     state.bone_n_s_mm = feed.bone_n_s_mm;
@@ -131,4 +131,4 @@ TEST(Hand, StiffBoneDoesNotMakeTheVelocityOscillate) {
 }
 
 }  // namespace
-}  // namespace reamsim::hand_tests
+}  // namespace reamsim::thrust_balance_tests

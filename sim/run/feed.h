@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "sim/run/frame_stepper.h"
+#include "sim/run/simulation.h"
+
+namespace reamsim {
+
+/// Decides the poses of a pass frame by frame: prescribed, under a given thrust, or on springs. Results do not depend
+/// on batches and interruptions.
+class Feed {
+ public:
+  Feed() = default;
+  virtual ~Feed() = default;
+  Feed(const Feed&) = delete;
+  Feed& operator=(const Feed&) = delete;
+
+  /// Simulates the first pose of the pass.
+  virtual void start() = 0;
+  /// Continues after a frame of this pass, or of one before it.
+  virtual void resume(const SimulationState& from) = 0;
+  /// Whether the pass ends with this frame, which has been added.
+  [[nodiscard]] virtual bool has_ended(std::int64_t frame) const = 0;
+  /// Decides the pose of the next frame, and adds it to the stepper's batch.
+  virtual void add(std::int64_t frame) = 0;
+  /// Whether the batch has to end with this frame.
+  [[nodiscard]] virtual bool ends_batch(std::int64_t frame) const = 0;
+  /// Takes the last row of a batch.
+  virtual void take(const FrameResult& row) = 0;
+  /// Whether this frame, which has been added, has a picture.
+  [[nodiscard]] virtual bool has_picture(std::int64_t frame) const = 0;
+  /// The last frame of the run, as far as it is known.
+  [[nodiscard]] virtual std::int64_t last_frame() const = 0;
+  /// Warnings of a pass that has ended.
+  virtual void warn_at_end() = 0;
+  /// The state after the frames that are recorded.
+  [[nodiscard]] virtual SimulationState state() const = 0;
+};
+
+/// A feed along planned poses, whose last frame is known.
+class PlannedFeed : public Feed {
+ public:
+  explicit PlannedFeed(const ReamingScene& scene);
+  [[nodiscard]] bool has_ended(std::int64_t frame) const override { return frame >= scene_.motion.last_frame(); }
+  [[nodiscard]] bool has_picture(std::int64_t frame) const override;
+  [[nodiscard]] std::int64_t last_frame() const override { return scene_.last_frame(); }
+
+ protected:
+  [[nodiscard]] const ReamingScene& scene() const { return scene_; }
+
+ private:
+  const ReamingScene& scene_;
+  std::vector<std::int64_t> pictures_;  ///< frames, ascending
+};
+
+/// The poses of the motion, in batches of frames.
+std::unique_ptr<Feed> prescribed_feed(const ReamingScene& scene, FrameStepper& stepper);
+
+/// A feed under a given thrust (`motion.push`). In every frame it tries feed rates on the present bone until the forces
+/// balance (thrust_balance.h), and then cuts once. A feed rate whose advance in a frame is near the smallest loss that
+/// single precision tells would give a force of few voxels at a time; such feed rates are tried over a longer time,
+/// past the first advance, whose force includes what earlier frames left.
+std::unique_ptr<Feed> thrust_feed(const ReamingScene& scene, FrameStepper& stepper, Report& report);
+
+/// A tool on springs (`motion.compliance`). A frame has the substeps of the planned motion; in each, deflections are
+/// tried on the present bone until the forces balance (springs.h), and then the tool cuts once. A substep whose motion
+/// is near the smallest loss that single precision tells is tried over a longer time at the same velocity, as that of a
+/// thrust_feed().
+std::unique_ptr<Feed> spring_feed(const ReamingScene& scene, FrameStepper& stepper, Report& report);
+
+}  // namespace reamsim

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "sim/base/report.h"
+#include "sim/engine/common/engine_device.h"
+#include "sim/record/kept_files.h"
+#include "sim/scenario/scenario.h"
+#include "sim/scene/bone_cache.h"
+#include "sim/scene/scene.h"
+
+namespace reamsim {
+
+/// One run of a scenario into a folder.
+struct RunRequest {
+  Scenario scenario;
+  std::string dir;
+  bool overwrite = false;  ///< an older run in the folder is replaced once this one succeeds
+  bool resume = false;     ///< an interrupted run is continued from its last checkpoint
+  KeptFiles keep{};
+  bool durable = true;  ///< the results are on the disk on return
+};
+
+/// What runs that follow one another in a process share.
+struct RunResources {
+  EngineDevices devices;
+  BoneCache* bones = nullptr;  ///< only where the next run may have the same bone
+};
+
+/// Pictures, plots, meshes and report of a run. `sim` has no renderer, so the caller of run_scenario() gives one.
+class PictureSink {
+ public:
+  PictureSink() = default;
+  virtual ~PictureSink() = default;
+  PictureSink(const PictureSink&) = delete;
+  PictureSink& operator=(const PictureSink&) = delete;
+
+  /// The bone comes from a CT that was segmented as `scene.bone.segmentation` says.
+  virtual void draw_segmentation(const ReamingScene& scene, const std::string& dir) = 0;
+  /// The run is about to begin, along poses that are known. DIR/snapshots/tool.stl exists.
+  virtual void begin(const ReamingScene& scene, const std::string& dir) = 0;
+  /// After begin(): all snapshots up to and including this frame's are on disk.
+  virtual void snapshots_written(std::int64_t frame) = 0;
+  /// After begin(): the fill of the bone before the run.
+  [[nodiscard]] virtual const FillBricks& fill_before() const = 0;
+  /// The run has ended, and all its results are on disk. Called without begin() where the poses were not known.
+  virtual void end(const ReamingScene& scene, const std::string& dir) = 0;
+  /// Makes everything but the report. `report` gets the warnings. Throws RunError and Interrupted.
+  virtual void make(Report& report) = 0;
+  /// After make(): what rendered the pictures, empty where there are none.
+  [[nodiscard]] virtual std::string render_context() const = 0;
+  /// DIR/summary.json is complete.
+  virtual void make_report() = 0;
+};
+
+/// What remains of an interrupted run.
+struct InterruptedRun {
+  bool saved = false;  ///< a checkpoint, from which it can be continued
+  std::string message = "interrupted";
+};
+
+/// Follows a run, and may interrupt it. This one does neither.
+class RunMonitor {
+ public:
+  RunMonitor() = default;
+  virtual ~RunMonitor() = default;
+  RunMonitor(const RunMonitor&) = delete;
+  RunMonitor& operator=(const RunMonitor&) = delete;
+
+  /// A line about what the run does, or has found.
+  virtual void say(const std::string& /*line*/) {}
+  /// Warnings and notes of a stage.
+  virtual void take(const Report& /*report*/) {}
+  /// Finished frames of all. 0: the simulation begins.
+  virtual void progress(std::int64_t /*done*/, std::int64_t /*total*/) {}
+  /// True interrupts the run: run_scenario() throws Interrupted.
+  [[nodiscard]] virtual bool stop_requested() { return false; }
+  /// For a process that a signal may end. While the object exists, the run saves what would be lost.
+  [[nodiscard]] virtual std::shared_ptr<void> saving() { return nullptr; }
+  /// The same. While the object exists, `end` can be called on another thread before the process is ended by force: it
+  /// releases the output folder.
+  [[nodiscard]] virtual std::shared_ptr<void> on_forced_end(std::function<InterruptedRun()> /*end*/) { return nullptr; }
+};
+
+/// Loads, simulates, writes and draws: the way to run a scenario for command line, library and studies. Without
+/// `pictures` the folder has none. Throws InputError, RunError, Interrupted, and Suspended where a checkpoint is left;
+/// the message says what remains. Returns the frame after which an interrupted run was continued.
+std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources& resources, RunMonitor& monitor,
+                                         PictureSink* pictures);
+
+}  // namespace reamsim
