@@ -20,14 +20,14 @@
 #include "sim/base/mistake_list.h"
 #include "sim/base/stopwatch.h"
 #include "sim/base/text.h"
-#include "sim/predict/clearance.h"
-#include "sim/predict/contact_forecast.h"
 #include "sim/record/output_folder.h"
 #include "sim/run/memory_plan.h"
 #include "sim/run/simulation.h"
 #include "sim/run/time_plan.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/picture_frames.h"
+#include "sim/scene/clearance.h"
+#include "sim/scene/contact_forecast.h"
 
 namespace reamsim {
 

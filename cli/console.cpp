@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 
 #include "sim/base/printable.h"
 
@@ -50,6 +51,17 @@ void Console::print(Report& report) const {
   for (const auto& warning : report.warnings) warn(warning);
   for (const auto& listing : report.listings) std::fprintf(stderr, "reamsim: %s\n", printable(listing).c_str());
   report = {};
+}
+
+PrintOnError::PrintOnError(Report& report, const Console& console)
+    : report_(report), console_(console), exceptions_before_(std::uncaught_exceptions()) {}
+
+PrintOnError::~PrintOnError() {
+  if (std::uncaught_exceptions() == exceptions_before_) return;
+  try {
+    console_.print(report_);
+  } catch (...) {  // no memory: the error itself is what counts
+  }
 }
 
 bool is_terminal(int descriptor) {

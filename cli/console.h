@@ -34,6 +34,20 @@ class Console {
   void print(Report& report) const;
 };
 
+/// Prints a report where an exception leaves its scope: a warning may name the cause of the error.
+class PrintOnError {
+ public:
+  PrintOnError(Report& report, const Console& console);
+  ~PrintOnError();
+  PrintOnError(const PrintOnError&) = delete;
+  PrintOnError& operator=(const PrintOnError&) = delete;
+
+ private:
+  Report& report_;
+  const Console& console_;
+  int exceptions_before_;
+};
+
 /// Whether text for this stream may have colours and a line may be drawn again: a terminal that is not dumb.
 bool is_terminal(int descriptor);
 /// Whether messages on standard error have colours: a terminal, and NO_COLOR (no-color.org) is not set.

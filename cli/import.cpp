@@ -7,10 +7,9 @@
 
 #include "cli/commands.h"
 #include "cli/input_kind.h"
+#include "sim/anatomy/frame_check.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/bone_stages.h"
-#include "sim/bone/frame_check.h"
 #include "sim/bone/import_progress.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/vdb/vdb_archive.h"
@@ -18,6 +17,7 @@
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/shipped.h"
+#include "sim/scene/load_bone.h"
 
 namespace reamsim {
 

@@ -17,8 +17,9 @@
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/bone/bone.h"
-#include "sim/predict/contact_forecast.h"
 #include "sim/scenario/parse.h"
+#include "sim/scene/contact_forecast.h"
+#include "sim/scene/load_bone.h"
 
 namespace reamsim {
 

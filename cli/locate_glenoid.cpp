@@ -8,10 +8,11 @@
 #include <vector>
 
 #include "cli/first_scenario.h"
+#include "sim/anatomy/search_faces.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/ct/ct_import.h"
-#include "sim/bone/search_faces.h"
+#include "sim/scan/ct_import.h"
+#include "sim/scene/load_bone.h"
 
 namespace reamsim {
 

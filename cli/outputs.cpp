@@ -12,12 +12,12 @@
 #include "render/report/report.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/predict/contact_forecast.h"
 #include "sim/record/layer_mean.h"
 #include "sim/record/snapshot.h"
 #include "sim/run/checkpoint.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/picture_frames.h"
+#include "sim/scene/contact_forecast.h"
 
 namespace reamsim {
 

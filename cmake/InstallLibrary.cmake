@@ -4,8 +4,8 @@
 # The installed library: reamsim/simulation.h, the static libraries behind it, and what CMake (`find_package(reamsim)`, target
 # reamsim::simulation) and pkg-config (`reamsim`) need to link them. docs/library.md.
 set(REAMSIM_LIBRARY_PARTS
-  kernels sim_base sim_isolation sim_scenario sim_device sim_mesh sim_voxmap sim_bone_vdb sim_bone_ct
-  sim_bone sim_motion sim_tool sim_engine sim_scene sim_metrics sim_predict sim_record sim_run sim_api)
+  kernels sim_base sim_isolation sim_scenario sim_device sim_mesh sim_voxmap sim_bone_vdb sim_scan
+  sim_bone sim_anatomy sim_tool sim_engine sim_scene sim_record sim_run sim_api)
 # As GNUInstallDirs has it for the prefix /usr of Debian, which its package needs; CMake searches it below every prefix.
 set(REAMSIM_LIBRARY_DIR lib/${CMAKE_LIBRARY_ARCHITECTURE})
 set(REAMSIM_CMAKE_DIR ${REAMSIM_LIBRARY_DIR}/cmake/reamsim)

@@ -7,7 +7,7 @@
 
 #include "render/pictures/run_data.h"
 #include "sim/base/report.h"
-#include "sim/bone/ct/segmentation.h"
+#include "sim/scan/segmentation.h"
 
 // Pictures and meshes of a run that need no OpenGL.
 namespace reamsim {

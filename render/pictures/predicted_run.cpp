@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/predict/contact_forecast.h"
 #include "sim/record/snapshot.h"
+#include "sim/scene/contact_forecast.h"
 #include "sim/tool/envelope.h"
 
 namespace reamsim {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "render/pictures/run_data.h"
-#include "sim/predict/swept_bone.h"
+#include "sim/scene/swept_bone.h"
 
 namespace reamsim {
 

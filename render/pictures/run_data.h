@@ -11,9 +11,9 @@
 
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/mesh/triangle_mesh.h"
-#include "sim/motion/bounded_path.h"
 #include "sim/record/force_log.h"
 #include "sim/scenario/picture_frames.h"
+#include "sim/tool/bounded_path.h"
 
 namespace reamsim {
 
@@ -44,7 +44,7 @@ struct RunInputs {
   [[nodiscard]] const ToolPose& pose_at(std::int64_t frame) const;
 };
 
-/// Chooses the poses of a long run that pictures need, in bounded memory and one pass (sim/motion/bounded_path.h).
+/// Chooses the poses of a long run that pictures need, in bounded memory and one pass (sim/tool/bounded_path.h).
 class RunPath {
  public:
   /// Voxmap, frames with a snapshot and tools of `run` are set.

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "render/pictures/run_data.h"
-#include "sim/predict/contact_forecast.h"
+#include "sim/scene/contact_forecast.h"
 
 namespace reamsim {
 

@@ -10,12 +10,14 @@
 
 #include "render/report/markup.h"
 #include "render/report/page_data.h"
+#include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
-#include "sim/bone/find_glenoid.h"
+#include "sim/bone/glenoid_frame.h"
 #include "sim/bone/voxmap/lattice.h"
-#include "sim/motion/motion.h"
 #include "sim/scenario/passes.h"
 #include "sim/scenario/paths.h"
+#include "sim/scene/load_bone.h"
+#include "sim/tool/motion.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/bone/ct/ct_import.h"
 #include "sim/bone/voxmap/voxmap.h"
+#include "sim/scan/ct_import.h"
 
 namespace reamsim {
 

@@ -8,11 +8,11 @@
 #include "sim/api/reamsim/simulation.h"
 #include "sim/api/state_parts.h"
 #include "sim/engine/common/motion_windows.h"
-#include "sim/motion/key_track.h"
 #include "sim/run/frame_stepper.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/shipped.h"
+#include "sim/tool/key_track.h"
 
 namespace reamsim {
 

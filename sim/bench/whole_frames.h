@@ -8,7 +8,7 @@
 
 #include "sim/bench/suite.h"
 #include "sim/engine/common/engine.h"
-#include "sim/motion/motion.h"
+#include "sim/tool/motion.h"
 
 namespace reamsim::bench {
 

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include "sim/bone/glenoid_frame.h"
+
 #include <cmath>
 
 #include "sim/base/error.h"
-#include "sim/bone/bone.h"
 
 namespace reamsim {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/bone/bone_stages.h"
+#include "sim/bone/voxmap/bone_stage.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {

@@ -8,7 +8,6 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/bone_stages.h"
 #include "sim/bone/mesh_depth.h"
 #include "sim/bone/mesh_unit.h"
 #include "sim/bone/sample_phantom.h"
@@ -188,10 +187,6 @@ void check_volume(const std::string& path, const CheckedMesh& checked, double vo
 }
 
 }  // namespace
-
-FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report) {
-  return voxmap_from_mesh(settings, report, {});
-}
 
 FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report, const StageSink& stages) {
   const MeshBoneSettings& bone = settings.mesh;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include "sim/bone/glenoid_frame.h"
 #include "sim/bone/phantom.h"
 
 #include <fmt/core.h>

@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "sim/predict/clearance.h"
+#include "sim/scene/clearance.h"
 
 namespace reamsim {
 

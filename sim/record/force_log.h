@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/motion/tool_pose.h"
 #include "sim/record/headline.h"
 #include "sim/record/results.h"
+#include "sim/tool/tool_pose.h"
 
 namespace reamsim {
 

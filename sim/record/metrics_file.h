@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "sim/metrics/run_metrics.h"
+#include "sim/anatomy/run_metrics.h"
 
 namespace reamsim {
 

@@ -8,7 +8,7 @@
 #include <iterator>
 
 #include "sim/base/file.h"
-#include "sim/motion/push_plan.h"
+#include "sim/tool/push_plan.h"
 
 namespace reamsim {
 

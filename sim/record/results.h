@@ -9,7 +9,7 @@
 
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/voxmap/sparse_bricks.h"
-#include "sim/motion/motion.h"
+#include "sim/tool/motion.h"
 
 namespace reamsim {
 

@@ -5,10 +5,10 @@
 
 #include <string>
 
+#include "sim/anatomy/run_metrics.h"
 #include "sim/base/stopwatch.h"
-#include "sim/metrics/run_metrics.h"
-#include "sim/predict/clearance.h"
 #include "sim/record/recorder.h"
+#include "sim/scene/clearance.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {

@@ -7,8 +7,8 @@
 
 #include "sim/engine/common/broad_phase.h"
 #include "sim/engine/exact/list_bricks.h"
-#include "sim/motion/bounded_path.h"
 #include "sim/run/memory_plan.h"
+#include "sim/tool/bounded_path.h"
 
 namespace reamsim {
 

@@ -4,6 +4,7 @@
 #include "sim/run/measure.h"
 
 #include "sim/base/stopwatch.h"
+#include "sim/bone/glenoid_frame.h"
 
 namespace reamsim {
 

@@ -8,8 +8,8 @@
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/engine/bricked/bricked_engine.h"
 #include "sim/engine/dense/dense_plan.h"
-#include "sim/motion/bounded_path.h"
 #include "sim/record/force_log.h"
+#include "sim/tool/bounded_path.h"
 
 namespace reamsim {
 

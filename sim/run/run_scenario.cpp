@@ -10,7 +10,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/memory.h"
-#include "sim/predict/contact_forecast.h"
 #include "sim/record/citation.h"
 #include "sim/record/clearance_file.h"
 #include "sim/record/layer_mean.h"
@@ -21,6 +20,7 @@
 #include "sim/run/run_checkpoints.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
+#include "sim/scene/contact_forecast.h"
 
 namespace reamsim {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/motion/tool_path.h"
 #include "sim/run/feed.h"
 #include "sim/run/slow_trial.h"
+#include "sim/tool/tool_path.h"
 
 namespace reamsim {
 

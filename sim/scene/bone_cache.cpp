@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "sim/scenario/parse.h"
+#include "sim/scene/load_bone.h"
 
 namespace reamsim {
 

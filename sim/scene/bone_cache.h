@@ -8,6 +8,7 @@
 #include "sim/base/report.h"
 #include "sim/bone/bone.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scene/load_bone.h"
 
 namespace reamsim {
 

@@ -14,7 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/bone_ray.h"
-#include "sim/motion/key_poses.h"
+#include "sim/tool/key_poses.h"
 
 namespace reamsim {
 

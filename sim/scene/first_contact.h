@@ -7,7 +7,7 @@
 #include <string>
 
 #include "sim/bone/bone.h"
-#include "sim/motion/motion.h"
+#include "sim/tool/motion.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {

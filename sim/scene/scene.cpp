@@ -5,11 +5,12 @@
 
 #include <utility>
 
+#include "sim/anatomy/frame_check.h"
 #include "sim/base/error.h"
-#include "sim/bone/frame_check.h"
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/scenario/passes.h"
 #include "sim/scenario/push_rules.h"
+#include "sim/scene/load_bone.h"
 #include "sim/tool/clipped_tool.h"
 
 namespace reamsim {

@@ -9,10 +9,10 @@
 #include "sim/base/mistake_list.h"
 #include "sim/base/report.h"
 #include "sim/bone/bone.h"
-#include "sim/motion/motion.h"
 #include "sim/scenario/picture_frames.h"
 #include "sim/scene/bone_cache.h"
 #include "sim/scene/first_contact.h"
+#include "sim/tool/motion.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {
@@ -30,7 +30,7 @@ struct ReamingScene {
   Tool tool;      ///< of the present pass, the first one after loading
   Motion motion;  ///< of the present pass
   std::vector<Pass> later_passes = {};
-  FrameSpans contact{};                                          ///< expected (sim/predict), for the choice of pictures
+  FrameSpans contact{};  ///< expected (contact_forecast.h), for the choice of pictures
   std::vector<std::optional<FirstContact>> first_contacts = {};  ///< by pass, of plunges whose depth counts from it
 
   /// Of the present pass.

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/bone/ct/ct_import.h"
+#include "sim/scan/ct_import.h"
 
 namespace reamsim::verify {
 

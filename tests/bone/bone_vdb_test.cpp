@@ -14,6 +14,7 @@
 
 #include "bone_fixture.h"
 #include "sim/bone/vdb/vdb_archive.h"
+#include "sim/scene/load_bone.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The glenoid from one point: phantoms of every Walch type, and bones without a face.
-#include "sim/bone/find_glenoid.h"
+#include "sim/anatomy/find_glenoid.h"
 
 #include <gmock/gmock.h>
 

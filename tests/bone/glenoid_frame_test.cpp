@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "bone_fixture.h"
+#include "sim/bone/glenoid_frame.h"
 
 namespace reamsim::test {
 namespace {

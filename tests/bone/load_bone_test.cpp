@@ -7,6 +7,7 @@
 
 #include "bone_fixture.h"
 #include "sim/bone/vdb/bone_vdb.h"
+#include "sim/scene/load_bone.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

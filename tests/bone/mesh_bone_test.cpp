@@ -12,6 +12,7 @@
 #include "bone_fixture.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
+#include "sim/scene/load_bone.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temp_dir.h"

@@ -12,6 +12,7 @@
 #include "bone_fixture.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/mesh/mesh_io.h"
+#include "sim/scene/load_bone.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/temp_dir.h"
 

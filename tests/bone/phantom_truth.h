@@ -8,9 +8,9 @@
 #include <numbers>
 #include <vector>
 
+#include "sim/anatomy/pear_outline.h"
+#include "sim/anatomy/settle_face.h"
 #include "sim/bone/glenoid_shape.h"
-#include "sim/bone/pear_outline.h"
-#include "sim/bone/settle_face.h"
 #include "tests/bone/bone_fixture.h"
 
 namespace reamsim::test {

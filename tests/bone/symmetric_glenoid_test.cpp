@@ -8,7 +8,7 @@
 #include <iostream>
 #include <random>
 
-#include "sim/bone/find_glenoid.h"
+#include "sim/anatomy/find_glenoid.h"
 #include "sim/mesh/mesh_io.h"
 #include "tests/bone/phantom_truth.h"
 #include "tests/support/real_data.h"

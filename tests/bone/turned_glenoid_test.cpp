@@ -6,9 +6,9 @@
 #include <iostream>
 #include <random>
 
-#include "sim/bone/find_glenoid.h"
+#include "sim/anatomy/find_glenoid.h"
+#include "sim/anatomy/search_faces.h"
 #include "sim/bone/sample_phantom.h"
-#include "sim/bone/search_faces.h"
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/scenario/presets.h"
 #include "tests/bone/phantom_truth.h"

@@ -10,7 +10,7 @@
 #include <fstream>
 
 #include "sim/base/error.h"
-#include "sim/bone/ct/ct_import.h"
+#include "sim/scan/ct_import.h"
 #include "test_images.h"
 
 namespace reamsim::test {

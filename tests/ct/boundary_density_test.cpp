@@ -12,8 +12,8 @@
 #include <numbers>
 #include <random>
 
-#include "sim/bone/ct/ct_import.h"
 #include "sim/bone/voxmap/cube_fraction.h"
+#include "sim/scan/ct_import.h"
 #include "test_images.h"
 
 namespace reamsim::test {

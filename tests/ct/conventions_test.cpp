@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "sim/base/error.h"
-#include "sim/bone/ct/ct_import.h"
+#include "sim/scan/ct_import.h"
 #include "test_images.h"
 
 namespace reamsim::test {

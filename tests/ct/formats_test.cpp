@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "sim/bone/ct/ct_import.h"
+#include "sim/scan/ct_import.h"
 #include "test_images.h"
 
 namespace reamsim::test {

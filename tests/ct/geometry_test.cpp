@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/bone/ct/aligned_image.h"
-#include "sim/bone/ct/ct_import.h"
-#include "sim/bone/ct/resample.h"
+#include "sim/scan/aligned_image.h"
+#include "sim/scan/ct_import.h"
+#include "sim/scan/resample.h"
 #include "test_images.h"
 
 namespace reamsim::test {

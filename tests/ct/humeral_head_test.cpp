@@ -11,8 +11,9 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/ct/ct_import.h"
+#include "sim/scan/ct_import.h"
 #include "sim/scenario/parse.h"
+#include "sim/scene/load_bone.h"
 #include "test_images.h"
 #include "tests/support/real_data.h"
 

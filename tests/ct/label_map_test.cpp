@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/bone/ct/label_map.h"
+#include "sim/scan/label_map.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <fstream>
 
 #include "sim/base/error.h"
-#include "sim/bone/ct/ct_import.h"
+#include "sim/scan/ct_import.h"
 #include "test_images.h"
 
 namespace reamsim::test {

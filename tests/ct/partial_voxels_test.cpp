@@ -8,7 +8,7 @@
 #include <iostream>
 #include <numbers>
 
-#include "sim/bone/ct/ct_import.h"
+#include "sim/scan/ct_import.h"
 #include "test_images.h"
 
 namespace reamsim::test {

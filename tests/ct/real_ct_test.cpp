@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "sim/bone/ct/ct_import.h"
+#include "sim/scan/ct_import.h"
 #include "sim/scenario/parse.h"
 #include "test_images.h"
 #include "tests/support/real_data.h"

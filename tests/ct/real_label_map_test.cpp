@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "sim/bone/ct/ct_import.h"
+#include "sim/scan/ct_import.h"
 #include "test_images.h"
 #include "tests/support/real_data.h"
 

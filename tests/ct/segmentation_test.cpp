@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "sim/base/error.h"
-#include "sim/bone/ct/ct_import.h"
-#include "sim/bone/ct/morphology.h"
+#include "sim/scan/ct_import.h"
+#include "sim/scan/morphology.h"
 #include "test_images.h"
 
 namespace reamsim::test {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The clearance of a holder that does not cut, against closed forms.
-#include "sim/predict/clearance.h"
+#include "sim/scene/clearance.h"
 
 #include <gmock/gmock.h>
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/motion/tool_path.h"
+#include "sim/tool/tool_path.h"
 #include "tests/engine/scene_fixture.h"
 #include "tests/support/temp_dir.h"
 

@@ -6,6 +6,8 @@
 #include <numeric>
 
 #include "sim/base/statistics.h"
+#include "sim/bone/glenoid_frame.h"
+#include "sim/scene/load_bone.h"
 #include "tests/metrics/reamed_fixture.h"
 
 namespace reamsim::test {

@@ -7,7 +7,7 @@
 #include <functional>
 #include <numbers>
 
-#include "sim/metrics/run_metrics.h"
+#include "sim/anatomy/run_metrics.h"
 
 namespace reamsim::test {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Motions against what can be worked out by hand: lines, great circles, integrals of the spin speed.
-#include "sim/motion/motion.h"
+#include "sim/tool/motion.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <numbers>
 
 #include "sim/base/error.h"
-#include "sim/motion/key_poses.h"
+#include "sim/tool/key_poses.h"
 
 namespace reamsim {
 namespace {

@@ -11,6 +11,7 @@
 #include "render/preview/preview.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
+#include "sim/scene/load_bone.h"
 
 namespace reamsim {
 namespace {

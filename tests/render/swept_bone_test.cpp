@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/predict/swept_bone.h"
+#include "sim/scene/swept_bone.h"
 
 #include <gtest/gtest.h>
 

@@ -13,11 +13,11 @@
 #include "seeds.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/motion/motion.h"
 #include "sim/record/force_log.h"
 #include "sim/record/output_folder.h"
 #include "sim/run/checkpoint.h"
 #include "sim/scenario/parse.h"
+#include "sim/tool/motion.h"
 #include "tests/cli/subprocess.h"
 
 namespace reamsim::test {

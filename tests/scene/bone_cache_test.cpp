@@ -14,6 +14,7 @@
 #include <new>
 
 #include "sim/mesh/mesh_io.h"
+#include "sim/scene/load_bone.h"
 #include "tests/cli/data_files.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/temp_dir.h"

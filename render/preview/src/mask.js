@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What threshold, cuts and seed would segment, on a coarse copy of the scan. As sim/bone/ct/segment.cpp: threshold, cuts,
+// What threshold, cuts and seed would segment, on a coarse copy of the scan. As sim/scan/segment.cpp: threshold, cuts,
 // the piece with the seed, closing, holes filled.
 
 function isCutAway(ct, p) {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/motion/tool_path.h"
+#include "sim/tool/tool_path.h"
 
 namespace reamsim {
 

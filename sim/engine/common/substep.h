@@ -5,8 +5,8 @@
 
 #include "kernels/shared.h"
 #include "sim/bone/voxmap/voxel_grid.h"
-#include "sim/motion/motion.h"
 #include "sim/scenario/scenario.h"
+#include "sim/tool/motion.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {

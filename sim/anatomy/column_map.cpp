@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/anatomy/column_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/base/parallel.h"
+
+namespace reamsim {
+
+namespace {
+
+/// Samples per voxel along a column.
+constexpr int kSamplesPerVoxel = 2;
+/// Columns reach this far above and below the reamed region, voxels.
+constexpr int kReachVoxels = 4;
+/// Smaller fractions come from interpolation and rounding.
+constexpr double kNegligible = 0.02;
+constexpr double kHalf = 0.5;
+/// A single remaining layer of voxels extends over at most this many voxels after interpolation.
+constexpr int kSheetVoxels = 2;
+
+/// The box of the voxels that lost bone, in the frame of the map.
+Aabb box_of_cut(const ReamedBone& bone, const Rigid& map_from_bone) {
+  Aabb box = Aabb::none();
+  for_each_cut_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t, std::uint16_t) {
+    box.extend(map_from_bone * bone.voxmap.grid.center_mm(voxel));
+  });
+  return box;
+}
+
+}  // namespace
+
+/// The fractions of bone along one column, from the top down, and the surfaces that follow from them.
+class ColumnScan {
+ public:
+  ColumnScan(const ReamedBone& bone, double top_mm, double bottom_mm)
+      : fractions_(bone, DensityMapping::kMaxDensity_g_cm3), voxel_mm_(bone.voxmap.grid.voxel_mm), top_mm_(top_mm) {
+    step_mm_ = voxel_mm_ / kSamplesPerVoxel;
+    const double steps = std::ceil((top_mm - bottom_mm) / step_mm_);
+    before_.resize(static_cast<std::size_t>(steps) + 1);
+    after_.resize(before_.size());
+  }
+
+  /// The column whose first sample is at `top` of B; `down` has length 1.
+  Column scan(const Vec3& top, const Vec3& down) {
+    const double bone = sample(top, down);
+    if (removed_mm_ >= kMinDepthVoxels * voxel_mm_) return reamed_column();
+    const std::size_t deep = fullest(before_, first_bone());
+    const double height_mm = surface_above(before_, deep);
+    const bool grazed = bone * step_mm_ < kHalf * voxel_mm_;
+    return {.state = grazed ? ColumnState::air : ColumnState::bone,
+            .before_mm = height_mm,
+            .after_mm = height_mm,
+            .depth_mm = 0,
+            .cover = after_[deep]};
+  }
+
+  /// The unreamed surface on the same column.
+  std::optional<SurfaceColumn> scan_surface(const Vec3& top, const Vec3& down) {
+    const double bone = sample(top, down);
+    if (before_.front() > kNegligible || bone * step_mm_ < kHalf * voxel_mm_) return std::nullopt;
+    const double height_mm = top_surface();
+    // Interpolated fractions fall to a half at the boundary of the reamed region. Half a voxel below the surface,
+    // because in a partly filled voxel of the surface a cut removes nothing until it reaches the bone.
+    const Fractions there = fractions_.at(top + (top_mm_ - height_mm + kHalf * voxel_mm_) * down);
+    return SurfaceColumn{.height_mm = height_mm, .reamed = there.after < kHalf * there.before};
+  }
+
+ private:
+  /// Samples a column; returns the sum of the fractions before reaming.
+  double sample(const Vec3& top, const Vec3& down) {
+    double bone = 0;
+    double removed = 0;
+    for (std::size_t i = 0; i < before_.size(); ++i) {
+      const Fractions here = fractions_.at(top + static_cast<double>(i) * step_mm_ * down);
+      before_[i] = here.before;
+      after_[i] = here.after;
+      bone += here.before;
+      removed += here.before - here.after;
+    }
+    removed_mm_ = removed * step_mm_;
+    return bone;
+  }
+
+  [[nodiscard]] double height(std::size_t i) const { return top_mm_ - static_cast<double>(i) * step_mm_; }
+
+  /// Height of the surface above sample `deep`, which lies in bone: the integral of the fraction up to the first air.
+  [[nodiscard]] double surface_above(const std::vector<double>& fraction, std::size_t deep) const {
+    double length_mm = 0.5 * step_mm_ * fraction[deep];
+    for (std::size_t i = deep; i-- > 0 && fraction[i] > 1e-6;) length_mm += step_mm_ * fraction[i];
+    return height(deep) + length_mm;
+  }
+
+  /// The first full sample within `kReachVoxels` below `first`, or else the fullest.
+  [[nodiscard]] std::size_t fullest(const std::vector<double>& fraction, std::size_t first) const {
+    const std::size_t last = std::min(first + kReachVoxels * kSamplesPerVoxel, fraction.size() - 1);
+    std::size_t best = first;
+    for (std::size_t i = first; i <= last && fraction[best] < 1 - 1e-6; ++i) {
+      if (fraction[i] > fraction[best]) best = i;
+    }
+    return best;
+  }
+
+  [[nodiscard]] std::size_t first_bone() const {
+    std::size_t first = 0;
+    while (first + 1 < before_.size() && before_[first] < kNegligible) ++first;
+    return first;
+  }
+
+  [[nodiscard]] double top_surface() const { return surface_above(before_, fullest(before_, first_bone())); }
+
+  /// Whether the bone at sample `deep` is a thin sheet across the column. Its fraction is then small because the sheet
+  /// is thin, not because the column grazes a wall.
+  [[nodiscard]] bool is_sheet(std::size_t deep) const {
+    double length_mm = after_[deep] * step_mm_;
+    std::size_t samples = 1;
+    for (std::size_t i = deep; i-- > 0 && after_[i] > kNegligible; ++samples) length_mm += after_[i] * step_mm_;
+    for (std::size_t i = deep + 1; i < after_.size() && after_[i] > kNegligible; ++i, ++samples) {
+      length_mm += after_[i] * step_mm_;
+    }
+    return samples <= kSheetVoxels * kSamplesPerVoxel && length_mm >= kMinDepthVoxels * voxel_mm_;
+  }
+
+  [[nodiscard]] Column reamed_column() const {
+    std::size_t last = before_.size() - 1;
+    while (last > 0 && before_[last] - after_[last] < kNegligible) --last;
+    // The remainder of a partly filled voxel lies slightly above the last trace of removed bone.
+    const std::size_t deep = fullest(after_, last - std::min<std::size_t>(last, kSamplesPerVoxel));
+    const bool remains = after_[deep] >= kHalf || is_sheet(deep);
+    const double after_mm = remains ? surface_above(after_, deep) : height(last);
+    return {.state = remains ? ColumnState::reamed : ColumnState::through,
+            .before_mm = after_mm + removed_mm_,
+            .after_mm = after_mm,
+            .depth_mm = removed_mm_,
+            .cover = remains ? after_[deep] : 0};
+  }
+
+  BoneFractions fractions_;
+  double voxel_mm_;
+  double top_mm_;
+  double step_mm_ = 0;
+  double removed_mm_ = 0;  ///< of the last column
+  std::vector<double> before_;
+  std::vector<double> after_;
+};
+
+namespace {
+
+/// Columns lie at (i + ½)·pitch from the origin of the map. The first and the last i of an interval, both included.
+std::pair<int, int> columns_over(double from_mm, double to_mm, double pitch_mm) {
+  return {static_cast<int>(std::floor(from_mm / pitch_mm)), static_cast<int>(std::floor(to_mm / pitch_mm))};
+}
+
+}  // namespace
+
+SurfaceProbe::SurfaceProbe(const ReamedBone& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm)
+    : scan_(std::make_unique<ColumnScan>(bone, top_mm, bottom_mm)), bone_from_map_(bone_from_map), top_mm_(top_mm) {}
+
+SurfaceProbe::~SurfaceProbe() = default;
+
+std::optional<SurfaceColumn> SurfaceProbe::at(const Vec2& place_mm) {
+  const Vec3 top = bone_from_map_ * Vec3(place_mm.x(), place_mm.y(), top_mm_);
+  return scan_->scan_surface(top, -bone_from_map_.linear().col(2));
+}
+
+ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const MapExtent& extent) {
+  ColumnMap map;
+  map.bone_from_map = bone_from_map;
+  const Aabb box = box_of_cut(bone, bone_from_map.inverse());
+  if (box.empty()) return map;
+  const double voxel_mm = bone.voxmap.grid.voxel_mm;
+  const Vec3 margin = Vec3::Constant(extent.margin_mm + voxel_mm);
+  const Vec3 square = Vec3::Constant(extent.radius_mm);
+  const Vec3 from = extent.around_axis ? Vec3(-square) : Vec3((box.min - margin).cwiseMin(-square));
+  const Vec3 to = extent.around_axis ? square : Vec3((box.max + margin).cwiseMax(square));
+  const double least_pitch_mm = extent.pitch_mm > 0 ? extent.pitch_mm : voxel_mm;
+  map.pitch_mm = std::max(least_pitch_mm, (to - from).head<2>().maxCoeff() / kMaxColumns);
+  const auto [first_x, last_x] = columns_over(from.x(), to.x(), map.pitch_mm);
+  const auto [first_y, last_y] = columns_over(from.y(), to.y(), map.pitch_mm);
+  map.nx = last_x - first_x + 1;
+  map.ny = last_y - first_y + 1;
+  map.corner_mm = map.pitch_mm * Vec2(first_x + 0.5, first_y + 0.5);
+  map.columns.resize(static_cast<std::size_t>(map.nx) * static_cast<std::size_t>(map.ny));
+
+  const double reach_mm = kReachVoxels * voxel_mm;
+  const double top_mm = box.max.z() + reach_mm;
+  const Vec3 down = -bone_from_map.linear().col(2);
+  constexpr std::size_t kColumnsAtOnce = 1024;
+  parallel_ranges(map.columns.size(), kColumnsAtOnce, [&](std::size_t begin, std::size_t end) {
+    ColumnScan scan(bone, top_mm, box.min.z() - std::max(2 * reach_mm, extent.below_mm));
+    for (std::size_t i = begin; i < end; ++i) {
+      const int column = static_cast<int>(i);
+      map.columns[i] = scan.scan(map.in_bone({column % map.nx, column / map.nx}, top_mm), down);
+    }
+  });
+  return map;
+}
+
+}  // namespace reamsim

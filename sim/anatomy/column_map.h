@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sim/anatomy/bone_fractions.h"
+
+namespace reamsim {
+
+/// What a line of sight along −z of the map meets.
+enum class ColumnState : std::uint8_t {
+  air,      ///< no bone near the reamed region
+  bone,     ///< bone that was not reamed
+  reamed,   ///< removed bone, and remaining bone below it
+  through,  ///< removed bone, and no remaining bone below it
+};
+
+/// Heights are along z of the map, mm.
+struct Column {
+  ColumnState state = ColumnState::air;
+  double before_mm = 0;  ///< the surface before reaming; in a reamed column after_mm + depth_mm
+  double after_mm = 0;   ///< the remaining surface; undefined for `through`
+  double depth_mm = 0;   ///< length of removed bone
+  double cover = 0;  ///< fraction of remaining bone under the surface, 0…1: below 1 beside a wall along the column
+};
+
+/// The coordinates of a column in a map.
+using ColumnPlace = Eigen::Vector2i;
+
+/// The bone before and after reaming, seen along −z of a frame: a regular grid of columns over x and y.
+///
+/// Heights are integrals of the fraction of bone along a column, the height function of volume-of-fluid methods
+/// (Cummins, Francois and Kothe 2005, Computers & Structures 83, 425–434). They are exact for planes across the column,
+/// whatever the fill of the voxels, and the depths sum to the removed volume.
+struct ColumnMap {
+  Rigid bone_from_map = Rigid::Identity();
+  double pitch_mm = 0;
+  Vec2 corner_mm = Vec2::Zero();  ///< centre of column (0, 0)
+  int nx = 0;
+  int ny = 0;
+  std::vector<Column> columns;  ///< x fastest
+
+  [[nodiscard]] std::size_t index(const ColumnPlace& p) const {
+    return static_cast<std::size_t>(p.x()) + static_cast<std::size_t>(nx) * static_cast<std::size_t>(p.y());
+  }
+  [[nodiscard]] const Column& at(const ColumnPlace& p) const { return columns[index(p)]; }
+  [[nodiscard]] bool contains(const ColumnPlace& p) const {
+    return p.x() >= 0 && p.y() >= 0 && p.x() < nx && p.y() < ny;
+  }
+  [[nodiscard]] Vec2 center_mm(const ColumnPlace& p) const { return corner_mm + pitch_mm * p.cast<double>(); }
+  /// A point of a column in B.
+  [[nodiscard]] Vec3 in_bone(const ColumnPlace& p, double z_mm) const {
+    const Vec2 xy = center_mm(p);
+    return bone_from_map * Vec3(xy.x(), xy.y(), z_mm);
+  }
+  /// Calls visit(place) for all columns, x fastest.
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    for (int j = 0; j < ny; ++j) {
+      for (int i = 0; i < nx; ++i) visit(ColumnPlace(i, j));
+    }
+  }
+};
+
+/// With less removed bone than this, in voxels, a column is not reamed; with less remaining bone it is reamed through.
+inline constexpr double kMinDepthVoxels = 0.1;
+/// Columns are a voxel wide unless MapExtent::pitch_mm says otherwise; a map has at most about this many along an edge.
+inline constexpr int kMaxColumns = 320;
+
+/// What a map covers, mm.
+struct MapExtent {
+  double margin_mm = 0;      ///< around the region that lost bone
+  double radius_mm = 0;      ///< at least this far from x = y = 0
+  bool around_axis = false;  ///< covers the square of radius_mm alone, not the region that lost bone
+  double below_mm = 0;       ///< columns reach at least this far below that region
+  double pitch_mm = 0;       ///< least distance of columns; 0: one voxel
+};
+
+class ColumnScan;
+
+/// The unreamed surface on a line of sight.
+struct SurfaceColumn {
+  double height_mm = 0;
+  bool reamed = false;  ///< half a voxel below the surface, less than half of the bone remains
+};
+
+/// Lines of sight along −z of `bone_from_map`, from `top_mm` down to `bottom_mm`.
+class SurfaceProbe {
+ public:
+  SurfaceProbe(const ReamedBone& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm);
+  ~SurfaceProbe();
+  SurfaceProbe(const SurfaceProbe&) = delete;
+  SurfaceProbe& operator=(const SurfaceProbe&) = delete;
+  /// nullopt where the line meets no bone, or starts inside bone.
+  [[nodiscard]] std::optional<SurfaceColumn> at(const Vec2& place_mm);
+
+ private:
+  std::unique_ptr<ColumnScan> scan_;
+  Rigid bone_from_map_;
+  double top_mm_;
+};
+
+/// The map of the region that lost bone. It has no columns when none was lost.
+ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const MapExtent& extent);
+
+/// Calls visit(voxel, grade, fill before, fill after) for every voxel that lost bone.
+template <class Visit>
+void for_each_cut_voxel(const ReamedBone& bone, const Visit& visit) {
+  bone.fill_after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& after) {
+    const GradeBricks::Brick* grades = bone.voxmap.grade.brick(coord);
+    if (grades == nullptr) return;
+    const FillBricks::Brick* before = bone.fill_before.brick(coord);
+    for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
+      const auto at = static_cast<std::size_t>(offset);
+      const std::uint16_t fill_before = before == nullptr ? FillBricks::kWhole : (*before)[at];
+      if ((*grades)[at] == 0 || after[at] >= fill_before) continue;
+      visit(BrickLattice::voxel_at(coord, offset), (*grades)[at], fill_before, after[at]);
+    }
+  });
+}
+
+}  // namespace reamsim

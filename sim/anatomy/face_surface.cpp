@@ -1,0 +1,290 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/anatomy/face_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/base/linear_algebra.h"
+#include "sim/base/statistics.h"
+
+namespace reamsim {
+
+namespace {
+
+Vec3 mean_of(const std::vector<Vec3>& points) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& p : points) sum += p;
+  return sum / static_cast<double>(points.size());
+}
+
+double sphere_rms(const std::vector<Vec3>& points, const SphereFit& sphere) {
+  double squares = 0;
+  for (const Vec3& p : points) {
+    const double off = (p - sphere.center_mm).norm() - sphere.radius_mm;
+    squares += off * off;
+  }
+  return std::sqrt(squares / static_cast<double>(points.size()));
+}
+
+/// |p|² = 2c·p + k about the mean of the points, solved by the normal equations; k = R² − |c|².
+std::optional<SphereFit> algebraic_fit(const std::vector<Vec3>& points, const Vec3& mean) {
+  Mat4 products = Mat4::Zero();
+  Vec4 right = Vec4::Zero();
+  for (const Vec3& point : points) {
+    const Vec3 p = point - mean;
+    const Vec4 row(2 * p.x(), 2 * p.y(), 2 * p.z(), 1);
+    products += row * row.transpose();
+    right += p.squaredNorm() * row;
+  }
+  const auto [found, rank] = solve_qr(products, right);
+  if (rank < 4) return std::nullopt;
+  const double squared_radius = found.w() + found.head<3>().squaredNorm();
+  if (!(squared_radius > 0)) return std::nullopt;
+  return SphereFit{.center_mm = mean + found.head<3>(), .radius_mm = std::sqrt(squared_radius), .rms_mm = 0};
+}
+
+/// One Gauss–Newton step on the distances |p − c| − R; returns its length.
+double refine(SphereFit& sphere, const std::vector<Vec3>& points) {
+  Mat4 products = Mat4::Zero();
+  Vec4 right = Vec4::Zero();
+  for (const Vec3& p : points) {
+    const Vec3 way = p - sphere.center_mm;
+    const double distance = way.norm();
+    const Vec3 unit = way / distance;
+    const Vec4 row(unit.x(), unit.y(), unit.z(), 1);
+    products += row * row.transpose();
+    right += (distance - sphere.radius_mm) * row;
+  }
+  const Vec4 step = solve_qr(products, right).x;
+  sphere.center_mm += step.head<3>();
+  sphere.radius_mm += step.w();
+  return step.norm();
+}
+
+constexpr double kTrimmedFraction = 0.75;  // of the points, in least trimmed squares
+constexpr double kNormalMad = 1.4826;      // standard deviation over median absolute deviation, of normal errors
+constexpr double kFarDeviations = 2.5;
+constexpr double kMinDeviation_mm = 1e-6;
+constexpr int kMaxRounds = 50;
+constexpr double kCorrelationVoxels = 3;
+constexpr int kSectors = 8;
+constexpr double kSignificant = 15.1;  // F(1, ∞) at one error in 10,000
+
+double degrees_of(double radians) {
+  return radians * 180 / std::numbers::pi;
+}
+
+double distance_of(const PlaneFit& plane, const Vec3& point) {
+  return (point - plane.point_mm).dot(plane.normal);
+}
+
+double distance_of(const SphereFit& sphere, const Vec3& point) {
+  return (point - sphere.center_mm).norm() - sphere.radius_mm;
+}
+
+template <class Fit>
+std::vector<double> distances_of(const Fit& fit, const std::vector<Vec3>& points) {
+  std::vector<double> out;
+  out.reserve(points.size());
+  for (const Vec3& point : points) out.push_back(std::abs(distance_of(fit, point)));
+  return out;
+}
+
+std::vector<Vec3> nearer_than(const std::vector<Vec3>& points, const std::vector<double>& distances, double most) {
+  std::vector<Vec3> out;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (distances[i] <= most) out.push_back(points[i]);
+  }
+  return out;
+}
+
+/// A fit, its inliers, and the mean square distance of the nearest kTrimmedFraction of all points.
+template <class Fit>
+struct RobustFit {
+  Fit fit;
+  std::vector<Vec3> fitted_mm;
+  double trimmed_mean_square = 0;
+};
+
+template <class Fit>
+double trimmed_mean_square(const Fit& fit, const std::vector<Vec3>& points) {
+  std::vector<double> distances = distances_of(fit, points);
+  std::sort(distances.begin(), distances.end());
+  const auto count = static_cast<std::size_t>(kTrimmedFraction * static_cast<double>(points.size()));
+  double squares = 0;
+  for (std::size_t i = 0; i < count; ++i) squares += distances[i] * distances[i];
+  return squares / static_cast<double>(count);
+}
+
+/// `make` fits a surface to points. nullopt where it fails.
+template <class Fit, class Make>
+std::optional<RobustFit<Fit>> fit_robustly(const std::vector<Vec3>& points, const Make& make) {
+  std::optional<Fit> fit = make(points);
+  if (!fit) return std::nullopt;
+  std::vector<Vec3> kept;
+  const auto refit = [&](const auto& limit) {
+    for (int round = 0; round < kMaxRounds; ++round) {
+      const std::vector<double> distances = distances_of(*fit, points);
+      std::vector<Vec3> near = nearer_than(points, distances, limit(distances));
+      if (near == kept) return;
+      const std::optional<Fit> better = make(near);
+      if (!better) return;
+      fit = better;
+      kept = std::move(near);
+    }
+  };
+  refit([](const std::vector<double>& distances) { return quantile(distances, kTrimmedFraction); });
+  refit([](const std::vector<double>& distances) {
+    return kFarDeviations * std::max(kNormalMad * quantile(distances, 0.5), kMinDeviation_mm);
+  });
+  return RobustFit<Fit>{*fit, std::move(kept), trimmed_mean_square(*fit, points)};
+}
+
+/// Unit vector out of the bone at a point.
+Vec3 direction_at(const SphereFit& sphere, bool concave, const Vec3& point) {
+  const Vec3 away = (point - sphere.center_mm).normalized();
+  return concave ? Vec3(-away) : away;
+}
+
+/// The inliers without one of kSectors sectors around their mean.
+std::vector<Vec3> without_sector(const FaceSurface& surface, int sector) {
+  const Vec3 across = surface.plane.normal.unitOrthogonal();
+  const Vec3 other = surface.plane.normal.cross(across);
+  std::vector<Vec3> out;
+  for (const Vec3& p : surface.fitted_mm) {
+    const Vec3 from = p - surface.plane.point_mm;
+    const double turn = std::atan2(from.dot(other), from.dot(across)) / (2 * std::numbers::pi) + 0.5;
+    if (std::min(static_cast<int>(turn * kSectors), kSectors - 1) != sector) out.push_back(p);
+  }
+  return out;
+}
+
+/// Standard error of the direction at a point by the jackknife over sectors of the face (Efron 1982, The jackknife, the
+/// bootstrap and other resampling plans). It includes correlated errors and deviations of the face from the surface.
+double jackknife_error_rad(const FaceSurface& surface, const Vec3& point) {
+  std::vector<Vec3> directions;
+  for (int sector = 0; sector < kSectors; ++sector) {
+    const std::vector<Vec3> rest = without_sector(surface, sector);
+    if (surface.spherical) {
+      if (const auto sphere = fit_sphere(rest)) directions.push_back(direction_at(*sphere, surface.concave, point));
+    } else if (const auto plane = fit_plane(rest, surface.plane.normal)) {
+      directions.push_back(plane->normal);
+    }
+  }
+  if (directions.size() < kSectors) return std::numbers::pi;
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& d : directions) mean += d / kSectors;
+  double squares = 0;
+  for (const Vec3& d : directions) squares += (d - mean).squaredNorm();
+  return std::sqrt(squares * (kSectors - 1) / kSectors);
+}
+
+/// Rotation of a plane's normal between the mean of the inliers and a point, by the curvature that the residual allows.
+double hidden_curvature_rad(const FaceSurface& surface, const Vec3& point) {
+  const PlaneFit& plane = surface.plane;
+  double squares = 0;
+  for (const Vec3& p : surface.fitted_mm) squares += (p - plane.point_mm).squaredNorm();
+  squares /= static_cast<double>(surface.fitted_mm.size());
+  // A paraboloid of curvature c over a disc has a residual of 0.289·c·(mean square distance from its centre).
+  constexpr double kDisc = 0.289;
+  const Vec3 away = point - plane.point_mm;
+  return surface.rms_mm / (kDisc * squares) * (away - away.dot(plane.normal) * plane.normal).norm();
+}
+
+}  // namespace
+
+std::optional<PlaneFit> fit_plane(const std::vector<Vec3>& points, const Vec3& outward) {
+  if (points.size() < 3) return std::nullopt;
+  PlaneFit out;
+  out.point_mm = mean_of(points);
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : points) spread += (p - out.point_mm) * (p - out.point_mm).transpose();
+  const SymmetricEigen3 axes = symmetric_eigen(Mat3(spread / static_cast<double>(points.size())));
+  constexpr double kOnALine = 1e-9;
+  if (axes.values(1) <= kOnALine * axes.values(2)) return std::nullopt;
+  out.normal = axes.vectors.col(0).normalized();
+  if (out.normal.dot(outward) < 0) out.normal = -out.normal;
+  out.rms_mm = std::sqrt(std::max(axes.values(0), 0.0));
+  return out;
+}
+
+std::optional<SphereFit> fit_sphere(const std::vector<Vec3>& points) {
+  if (points.size() < 4) return std::nullopt;
+  std::optional<SphereFit> sphere = algebraic_fit(points, mean_of(points));
+  if (!sphere || sphere->radius_mm > kLargestRadius_mm) return std::nullopt;
+  constexpr int kMaxSteps = 30;
+  constexpr double kStill_mm = 1e-10;
+  for (int i = 0; i < kMaxSteps && refine(*sphere, points) > kStill_mm; ++i) {
+  }
+  const bool sane = std::isfinite(sphere->radius_mm) && sphere->radius_mm > 0;
+  if (!sane || sphere->radius_mm > kLargestRadius_mm) return std::nullopt;
+  sphere->rms_mm = sphere_rms(points, *sphere);
+  return sphere;
+}
+
+std::optional<FaceSurface> fit_face(const FacePoints& face, const Vec3& outward) {
+  const std::vector<Vec3>& points = face.points_mm;
+  if (points.size() < kMinFacePoints) return std::nullopt;
+  auto plane = fit_robustly<PlaneFit>(points, [&](const std::vector<Vec3>& some) { return fit_plane(some, outward); });
+  if (!plane) return std::nullopt;
+  auto sphere = fit_robustly<SphereFit>(points, fit_sphere);
+  FaceSurface out;
+  out.plane = plane->fit;
+  out.points = points.size();
+  const double patch_mm = kCorrelationVoxels * face.voxel_mm;
+  const double independent_fraction = std::min(1.0, face.point_mm2 / (patch_mm * patch_mm));
+  if (sphere) {
+    out.sphere = sphere->fit;
+    const double gain = plane->trimmed_mean_square - sphere->trimmed_mean_square;
+    const double freedom = independent_fraction * kTrimmedFraction * static_cast<double>(points.size()) - 4;
+    const double flat_mm = kFlatVoxels * face.voxel_mm;
+    out.spherical = freedom > 0 && gain * freedom > kSignificant * sphere->trimmed_mean_square &&
+                    plane->trimmed_mean_square > flat_mm * flat_mm;
+    out.concave = (sphere->fit.center_mm - out.plane.point_mm).dot(outward) > 0;
+  }
+  out.fitted_mm = std::move(out.spherical ? sphere->fitted_mm : plane->fitted_mm);
+  out.rms_mm = out.spherical ? sphere->fit.rms_mm : plane->fit.rms_mm;
+  const double count = static_cast<double>(out.fitted_mm.size());
+  out.fitted_fraction = count / static_cast<double>(points.size());
+  return out;
+}
+
+std::optional<FaceAxis> axis_through(const FaceSurface& surface, const Vec3& point) {
+  if (!surface.spherical) {
+    const Vec3& normal = surface.plane.normal;
+    const Vec3 on_plane = point - distance_of(surface.plane, point) * normal;
+    return FaceAxis{
+        on_plane, normal,
+        degrees_of(std::hypot(jackknife_error_rad(surface, on_plane), hidden_curvature_rad(surface, on_plane)))};
+  }
+  const SphereFit& sphere = *surface.sphere;
+  const Vec3 away = point - sphere.center_mm;
+  constexpr double kNextToCenter = 0.5;
+  if (away.norm() < kNextToCenter * sphere.radius_mm) return std::nullopt;
+  const Vec3 unit = away.normalized();
+  return FaceAxis{sphere.center_mm + sphere.radius_mm * unit, direction_at(sphere, surface.concave, point),
+                  degrees_of(jackknife_error_rad(surface, point))};
+}
+
+std::optional<Vec3> meeting_point(const FaceSurface& surface, const Vec3& on_line, const Vec3& direction) {
+  if (!surface.spherical) {
+    const double slope = direction.dot(surface.plane.normal);
+    constexpr double kGrazing = 0.1;
+    if (std::abs(slope) < kGrazing) return std::nullopt;
+    return on_line - distance_of(surface.plane, on_line) / slope * direction;
+  }
+  const Vec3 from = on_line - surface.sphere->center_mm;
+  const double along = from.dot(direction);
+  const double radius = surface.sphere->radius_mm;
+  const double inside = radius * radius - (from - along * direction).squaredNorm();
+  if (inside <= 0) return std::nullopt;
+  const Vec3 near = on_line - (along + std::sqrt(inside)) * direction;
+  const Vec3 far = on_line - (along - std::sqrt(inside)) * direction;
+  const Vec3& middle = surface.plane.point_mm;
+  return (near - middle).norm() <= (far - middle).norm() ? near : far;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,227 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/anatomy/find_glenoid.h"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <cmath>
+
+#include "sim/anatomy/bone_probe.h"
+#include "sim/anatomy/frame_check.h"
+#include "sim/anatomy/search_faces.h"
+#include "sim/base/error.h"
+#include "sim/bone/glenoid_frame.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr double kFarthestStart_mm = 15;  // of the surface from the given point
+constexpr double kFarthestFace_mm = 15;
+constexpr double kApart_mm = 3;  // starts nearer to each other count as one
+constexpr std::size_t kFineSearches = 4;
+/// A face is refused below these.
+constexpr double kLeastScore = 0.35, kDoubtfulScore = 0.5;
+constexpr double kLeastRim = 0.5;  // of the directions
+
+/// Points of the surface round a point, with directions out of the bone.
+std::vector<Rigid> starts_round(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm) {
+  constexpr double kRadius_mm = 6;
+  std::vector<Rigid> out;
+  for_each_voxel(Vec3i::Constant(-1), Vec3i::Constant(1), [&](const Vec3i& step) {
+    if (step == Vec3i::Zero()) return;
+    const Vec3 way = step.cast<double>().normalized();
+    auto at = probe.distance_to_bone(near_mm, way, kFarthestStart_mm);
+    if (!at) at = probe.distance_to_air(near_mm, way, kFarthestStart_mm);
+    if (!at) return;
+    const Vec3 point = near_mm + *at * way;
+    const auto close = [&](const Rigid& other) { return (other.translation() - point).norm() < kApart_mm; };
+    if (std::any_of(out.begin(), out.end(), close)) return;
+    const Vec3 outward = nearby_bone(bone.voxmap, point, way, kRadius_mm).outward;
+    if (outward != Vec3::Zero()) out.push_back(frame_at(point, outward));
+  });
+  return out;
+}
+
+/// face_score(), the nearer the better; -1 for a face beyond the point.
+double score_of(const SettledFace& face, const Vec3& near_mm) {
+  constexpr double kDistanceWeight = 0.02;
+  const double score = face_score(face);
+  const double away_mm = (face.bone_from_face.translation() - near_mm).norm();
+  return score < 0 || away_mm > kFarthestFace_mm ? -1 : score - kDistanceWeight * away_mm;
+}
+
+[[noreturn]] void fail(const Vec3& near_mm, const std::string& found, const std::string& expected) {
+  throw InputError({}, "bone.glenoid.near_mm",
+                   fmt::format("({:.1f}, {:.1f}, {:.1f}): ", near_mm.x(), near_mm.y(), near_mm.z()) + found, expected);
+}
+
+bool is_same(const SettledFace& a, const SettledFace& b) {
+  constexpr double kSame_mm = 1.5, kSameNormal = 0.98;  // a cosine
+  const Rigid &one = a.bone_from_face, &other = b.bone_from_face;
+  return (one.translation() - other.translation()).norm() < kSame_mm &&
+         one.linear().col(2).dot(other.linear().col(2)) > kSameNormal;
+}
+
+/// The first `most` faces that are no repetition of one before, settled finely.
+std::vector<SettledFace> settled_finely(const BoneProbe& probe, const std::vector<SettledFace>& coarse,
+                                        std::size_t most) {
+  std::vector<SettledFace> distinct;
+  for (const SettledFace& face : coarse) {
+    const auto same = [&](const SettledFace& other) { return is_same(face, other); };
+    if (distinct.size() < most && std::ranges::none_of(distinct, same)) distinct.push_back(face);
+  }
+  return settle_all(distinct.size(),
+                    [&](std::size_t i) { return settle_on_face(probe, distinct[i].bone_from_face, kFineEffort); });
+}
+
+/// Faces that the search finds from starts towards both ends of one, which may have grown into the base of the
+/// coracoid. A coarse search would return to it.
+std::vector<SettledFace> faces_beside(const BoneProbe& probe, const SettledFace& face) {
+  constexpr double kAside[] = {-0.3, -0.15, 0.15, 0.3}, kAbove_mm = 4;  // of the height
+  const Vec3 along = face.fit.outline.height_mm * face.along(), outward = face.bone_from_face.linear().col(2);
+  return settle_all(std::size(kAside), [&](std::size_t i) -> std::optional<SettledFace> {
+    const Vec3 from = face.bone_from_face.translation() + kAside[i] * along + kAbove_mm * outward;
+    const auto fall = probe.distance_to_bone(from, -outward, 3 * kAbove_mm);
+    if (!fall) return std::nullopt;
+    return settle_on_face(probe, frame_at(from - *fall * outward, outward), kFineEffort);
+  });
+}
+
+/// The best face from several starts; nullopt where they lead nowhere.
+std::optional<SettledFace> best_from(const BoneProbe& probe, const std::vector<Rigid>& starts, const Vec3& near_mm) {
+  std::vector<SettledFace> coarse =
+      settle_all(starts.size(), [&](std::size_t i) { return settle_on_face(probe, starts[i], kCoarseEffort); });
+  const auto worth = [&](const SettledFace& face) { return -score_of(face, near_mm); };
+  std::ranges::stable_sort(coarse, {}, worth);
+  const std::vector<SettledFace> fine = settled_finely(probe, coarse, kFineSearches);
+  const auto best = std::ranges::min_element(fine, {}, worth);
+  return best == fine.end() ? std::nullopt : std::optional(*best);
+}
+
+/// Replaces a face by a better one. A doubtful one by starts all over the surface, because rays from a point beside a
+/// deep face may meet its walls only. Then any by starts towards both of its ends, because the search rests in more
+/// than one outline, above all where the rim passes into the base of the coracoid, and which one depended on the point.
+void improve(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm, std::optional<SettledFace>& best) {
+  if (!best || score_of(*best, near_mm) < kDoubtfulScore) {
+    const auto face = best_from(probe, starts_on_surface(bone, probe, {near_mm, kFarthestStart_mm}), near_mm);
+    const bool clear = face && place_of(probe, *face).confidence >= kDoubtfulScore;
+    if (clear && (!best || score_of(*face, near_mm) > score_of(*best, near_mm))) best = face;
+  }
+  if (!best) return;
+  for (const SettledFace& beside : faces_beside(probe, *best)) {
+    // These are outlines of the same joint: the distance from the point does not count.
+    if (score_of(beside, near_mm) > 0 && face_score(beside) > face_score(*best)) best = beside;
+  }
+}
+
+SettledFace best_face(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm) {
+  const std::vector<Rigid> starts = starts_round(bone, probe, near_mm);
+  if (starts.empty()) {
+    fail(near_mm, fmt::format("no surface of the bone within {:g} mm", kFarthestStart_mm),
+         "give a point on the face of the glenoid, in the bone frame");
+  }
+  std::optional<SettledFace> best = best_from(probe, starts, near_mm);
+  improve(bone, probe, near_mm, best);
+  if (!best || score_of(*best, near_mm) < kLeastScore || best->rim_fraction() < kLeastRim) {
+    fail(near_mm,
+         best ? fmt::format("no joint face round the point: {:.0f} % of the directions meet a rim",
+                            100 * best->rim_fraction())
+              : "no joint face round the point",
+         "give a point within 8 mm of the centre of the face; separate the humerus from the scapula; or give "
+         "bone.glenoid.center_mm, normal and superior");
+  }
+  return *best;
+}
+
+/// Superior across the normal, and whether it was guessed from the shape of the face.
+std::pair<Vec3, bool> superior_of(const SettledFace& face, const BoneView& bone, const GlenoidSettings& settings) {
+  if (settings.superior) return {*settings.superior, false};
+  if (settings.landmarks) return {settings.landmarks->glenoid_center_mm - settings.landmarks->inferior_angle_mm, false};
+  const Vec3 along = face.along();
+  constexpr double kLeastUp = 0.3;
+  if (bone.voxmap.frame == "mesh" || std::abs(along.z()) < kLeastUp) return {along, true};
+  return {along.z() < 0 ? Vec3(-along) : along, false};
+}
+
+}  // namespace
+
+FoundGlenoid find_glenoid(const BoneView& bone, const GlenoidSettings& settings, BodySide side) {
+  const BoneProbe probe(bone);
+  const SettledFace face = best_face(bone, probe, *settings.near_mm);
+  FoundGlenoid out;
+  const auto [superior, guessed] = superior_of(face, bone, settings);
+  GlenoidSettings directions;
+  directions.center_mm = face.bone_from_face.translation();
+  directions.normal = Vec3(face.bone_from_face.linear().col(2));
+  directions.superior = superior;
+  out.frame = *glenoid_frame(directions, side);
+  for (const Vec3& p : face.walk.rim_mm) {
+    if (std::abs(face.fit.outline.distance_mm(p.head<2>())) <= 2 * kRimInlier_mm)
+      out.rim_mm.push_back(face.old_frame * p);
+  }
+  out.normal = face.normal;
+  out.height_mm = face.fit.outline.height_mm;
+  out.width_mm = 2 * face.fit.outline.radius_mm;
+  out.rim_fraction = face.rim_fraction();
+  out.rim_rms_mm = face.fit.rms_mm;
+  out.face_rms_mm = face.surface.rms_mm;
+  out.radius_mm = face.surface.spherical ? face.surface.sphere->radius_mm : 0;
+  out.confidence = place_of(probe, face).confidence;
+  out.superior_guessed = guessed;
+  return out;
+}
+
+std::string sentence_of(const FoundGlenoid& found) {
+  const Vec3 c = found.frame.bone_from_glenoid.translation();
+  const Mat3 axes = found.frame.bone_from_glenoid.linear();
+  const auto text = [](const Vec3& v, int digits) {
+    return fmt::format("[{:.{}f}, {:.{}f}, {:.{}f}]", v.x(), digits, v.y(), digits, v.z(), digits);
+  };
+  const char* from = found.normal == FaceNormal::sphere ? "towards the centre of the sphere that fits the face"
+                     : found.normal == FaceNormal::plane
+                         ? "of the plane that fits the face"
+                         : "of the plane through the rim, because the face is no single surface";
+  return fmt::format(
+      "glenoid found: center_mm {}, normal {} ({}), superior {}{}; {:.1f} x {:.1f} mm, rim in {:.0f} % of the "
+      "directions "
+      "within {:.2f} mm (rms) of a pear, face within {:.2f} mm (rms){}; confidence {:.2f}",
+      text(c, 1), text(axes.col(2), 3), from, text(axes.col(1), 3),
+      found.superior_guessed ? " (towards the narrow end of the face; check it)" : "", found.height_mm, found.width_mm,
+      100 * found.rim_fraction, found.rim_rms_mm, found.face_rms_mm,
+      found.radius_mm > 0 ? fmt::format(" of a sphere of radius {:.1f} mm", found.radius_mm) : " of a plane",
+      found.confidence);
+}
+
+std::vector<std::string> doubts_of(const FoundGlenoid& found) {
+  constexpr double kClearRim = 0.75, kRoughFace_mm = 0.6;
+  constexpr double kLeastUsual_mm = 25, kMostUsual_mm = 48;
+  const std::string look =
+      "; look at the pictures, and give bone.glenoid.center_mm, normal and superior if they are wrong";
+  std::vector<std::string> out;
+  if (found.rim_fraction < kClearRim) {
+    out.push_back(
+        fmt::format("the glenoid was found with little confidence: only {:.0f} % of the directions meet its rim",
+                    100 * found.rim_fraction) +
+        look);
+  }
+  if (found.face_rms_mm > kRoughFace_mm) {
+    out.push_back(fmt::format("the glenoid was found with little confidence: its face is rough, {:.1f} mm (rms)",
+                              found.face_rms_mm) +
+                  look);
+  }
+  if (found.height_mm < kLeastUsual_mm || found.height_mm > kMostUsual_mm) {
+    out.push_back(
+        fmt::format("the face that was found is {:.0f} mm high, a glenoid usually 30 to 45 mm", found.height_mm) +
+        look);
+  }
+  if (found.superior_guessed) {
+    out.push_back(
+        "superior was taken from the shape of the face, towards its narrow end: give bone.glenoid.superior or "
+        "landmarks to be sure");
+  }
+  return out;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/anatomy/settle_face.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sim/base/parallel.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr double kRest_mm = 0.01, kRest_rad = 1e-4;
+constexpr double kMargin_mm = 2.5;  // from the rim, where it is rounded; at most a quarter of the radius
+constexpr double kGrid_mm = 1;      // of the points of the face
+/// A face is refused beyond these.
+constexpr double kLeastHeight_mm = 15, kMostHeight_mm = 60;
+constexpr double kMostConvexity_per_mm = 1.0 / 80;
+/// A residual of the sphere beyond this, with the part of the face that it fits, means more than one surface.
+constexpr double kOneSurface_mm = 0.55;
+
+/// Points of the face at a distance from the outline, in B.
+std::vector<Vec3> points_inside(const BoneProbe& probe, const SettledFace& face) {
+  const PearOutline& outline = face.fit.outline;
+  const double margin_mm = std::min(kMargin_mm, outline.radius_mm / 4), reach_mm = outline.height_mm / 2;
+  double top_mm = 0;
+  for (const Vec3& p : face.walk.rim_mm) top_mm = std::max(top_mm, p.z());
+  constexpr double kAbove_mm = 2;
+  const Vec3 down = -face.bone_from_face.linear().col(2);
+  std::vector<Vec3> out;
+  for (double y = -reach_mm; y <= reach_mm; y += kGrid_mm) {
+    for (double x = -reach_mm; x <= reach_mm; x += kGrid_mm) {
+      const Vec2 place = outline.center_mm + Vec2(x, y);
+      if (outline.distance_mm(place) > -margin_mm) continue;
+      const Vec3 from = face.bone_from_face * Vec3(place.x(), place.y(), top_mm + kAbove_mm);
+      if (const auto fall = probe.distance_to_bone(from, down, top_mm + kAbove_mm + reach_mm)) {
+        out.push_back(from + *fall * down);
+      }
+    }
+  }
+  return out;
+}
+
+/// Root mean square distance of the points from the surface that describes them.
+double rms_of(const FaceSurface& surface, const std::vector<Vec3>& points) {
+  double squares = 0;
+  for (const Vec3& p : points) {
+    const double off = surface.spherical ? (p - surface.sphere->center_mm).norm() - surface.sphere->radius_mm
+                                         : (p - surface.plane.point_mm).dot(surface.plane.normal);
+    squares += off * off;
+  }
+  return std::sqrt(squares / static_cast<double>(points.size()));
+}
+
+/// Whether the face bulges like a humeral head.
+bool is_convex(const FaceSurface& surface) {
+  return surface.spherical && !surface.concave && 1 / surface.sphere->radius_mm > kMostConvexity_per_mm;
+}
+
+/// The normal of the plane through the rim points that lie near the outline.
+std::optional<Vec3> rim_normal(const SettledFace& face) {
+  std::vector<Vec3> rim;
+  for (const Vec3& p : face.walk.rim_mm) {
+    if (std::abs(face.fit.outline.distance_mm(p.head<2>())) <= 2 * kRimInlier_mm) rim.push_back(p);
+  }
+  const auto plane = fit_plane(rim, Vec3::UnitZ());
+  if (!plane) return std::nullopt;
+  return Vec3(face.bone_from_face.linear() * plane->normal);
+}
+
+/// The direction out of the face at a point of it, and where it comes from.
+std::optional<Vec3> normal_at(const Vec3& point_mm, const std::vector<Vec3>& points, SettledFace& face) {
+  const bool one_surface = rms_of(face.surface, points) <= kOneSurface_mm;
+  const Vec3 outward = face.bone_from_face.linear().col(2);
+  face.normal = !one_surface ? FaceNormal::rim : face.surface.spherical ? FaceNormal::sphere : FaceNormal::plane;
+  if (face.normal == FaceNormal::sphere) {
+    const Vec3 way = (face.surface.sphere->center_mm - point_mm).normalized();
+    return way.dot(outward) < 0 ? Vec3(-way) : way;
+  }
+  if (face.normal == FaceNormal::plane) return face.surface.plane.normal;
+  return rim_normal(face);
+}
+
+/// Walks to the rim, fits, and moves the frame to the middle of the face; returns whether there is a face, and in
+/// `moved` how far the frame moved and turned.
+bool settle(const BoneProbe& probe, int directions, SettledFace& face, Vec2& moved) {
+  face.walk = walk_to_rim(probe, face.bone_from_face, directions);
+  std::vector<Vec2> places;
+  double top_mm = 0;
+  for (const Vec3& p : face.walk.rim_mm) {
+    places.push_back(p.head<2>());
+    top_mm = std::max(top_mm, p.z());
+  }
+  const auto fit = fit_pear(places);
+  if (!fit || fit->outline.height_mm > 2 * kMostHeight_mm) return false;
+  face.fit = *fit;
+  const std::vector<Vec3> points = points_inside(probe, face);
+  const Vec3 outward = face.bone_from_face.linear().col(2);
+  const auto surface =
+      fit_face({.points_mm = points, .point_mm2 = kGrid_mm * kGrid_mm, .voxel_mm = probe.voxel_mm()}, outward);
+  if (!surface) return false;
+  face.surface = *surface;
+  const Vec2 middle = fit->outline.center_mm;
+  const Vec3 from = face.bone_from_face * Vec3(middle.x(), middle.y(), top_mm + 1);
+  const auto fall = probe.distance_to_bone(from, -outward, top_mm + 1 + fit->outline.radius_mm);
+  if (!fall) return false;
+  const Vec3 center = from - *fall * outward;
+  const auto normal = normal_at(center, points, face);
+  if (!normal) return false;
+  moved = {(center - face.bone_from_face.translation()).norm(), std::acos(std::clamp(normal->dot(outward), -1.0, 1.0))};
+  face.old_frame = face.bone_from_face;
+  face.bone_from_face = frame_at(center, *normal);
+  return true;
+}
+
+}  // namespace
+
+Rigid frame_at(const Vec3& origin_mm, const Vec3& outward) {
+  Rigid out;
+  const Vec3 x = outward.unitOrthogonal();
+  out.linear() << x, outward.cross(x), outward;
+  out.translation() = origin_mm;
+  return out;
+}
+
+std::optional<SettledFace> settle_on_face(const BoneProbe& probe, const Rigid& start, const SettleEffort& effort) {
+  SettledFace face;
+  face.bone_from_face = start;
+  Vec2 moved = Vec2::Zero();
+  for (int turn = 0; turn < effort.turns; ++turn) {
+    if (!settle(probe, effort.directions, face, moved)) return std::nullopt;
+    if (moved.x() < kRest_mm && moved.y() < kRest_rad) break;
+  }
+  return face;
+}
+
+std::vector<SettledFace> settle_all(std::size_t count,
+                                    const std::function<std::optional<SettledFace>(std::size_t)>& settle) {
+  std::vector<std::optional<SettledFace>> found(count);
+  parallel_items(count, [&](std::size_t i) { found[i] = settle(i); });
+  std::vector<SettledFace> out;
+  for (auto& face : found) {
+    if (face) out.push_back(std::move(*face));
+  }
+  return out;
+}
+
+double face_score(const SettledFace& face) {
+  constexpr double kRmsWeight = 0.2, kSlimPenalty = 0.3, kRoughPenalty = 0.1;
+  constexpr double kSlimmest = 1.9;  // height over width; 1.3 to 1.5 is usual
+  const double size_mm = face.fit.outline.height_mm;
+  if (size_mm < kLeastHeight_mm || size_mm > kMostHeight_mm || is_convex(face.surface)) return -1;
+  return face.rim_fraction() - kRmsWeight * face.fit.rms_mm -
+         (size_mm > kSlimmest * 2 * face.fit.outline.radius_mm ? kSlimPenalty : 0) -
+         (face.normal == FaceNormal::rim ? kRoughPenalty : 0);
+}
+
+}  // namespace reamsim

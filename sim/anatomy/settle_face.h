@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "sim/anatomy/bone_probe.h"
+#include "sim/anatomy/face_surface.h"
+#include "sim/anatomy/glenoid_rim.h"
+#include "sim/anatomy/pear_outline.h"
+
+namespace reamsim {
+
+/// Where the normal of a face comes from.
+enum class FaceNormal { sphere, plane, rim };
+
+/// An articular face in the course of a search: rim, outline and surface in one frame, and the better frame that
+/// follows from them.
+struct SettledFace {
+  Rigid bone_from_face = Rigid::Identity();  ///< origin on the surface, +z out of the bone
+  Rigid old_frame = Rigid::Identity();       ///< of walk and fit, one turn earlier
+  RimWalk walk;
+  OutlineFit fit;
+  FaceSurface surface;
+  FaceNormal normal = FaceNormal::sphere;
+
+  /// Of all directions, those with a rim on the outline.
+  [[nodiscard]] double rim_fraction() const {
+    return fit.inlier_fraction * static_cast<double>(walk.rim_mm.size()) / walk.directions;
+  }
+  /// The long axis of the outline in B, towards its narrow end.
+  [[nodiscard]] Vec3 along() const {
+    const Vec2 axis = fit.outline.axis();
+    return old_frame.linear() * Vec3(axis.x(), axis.y(), 0);
+  }
+};
+
+/// How finely a face is settled.
+struct SettleEffort {
+  int directions = 0;  ///< of the walks
+  int turns = 0;
+};
+inline constexpr SettleEffort kCoarseEffort{24, 4}, kFineEffort{90, 12};
+
+/// Settles on the face at a start on the surface whose +z points out of the bone: walks to the rim, fits outline and
+/// surface, and moves the frame to the middle of the face, until the frame rests or the turns are over. nullopt where
+/// there is no face.
+std::optional<SettledFace> settle_on_face(const BoneProbe& probe, const Rigid& start, const SettleEffort& effort);
+
+/// The faces to which `settle(i)` leads for each of `count` items, in their order; computed in parallel.
+std::vector<SettledFace> settle_all(std::size_t count,
+                                    const std::function<std::optional<SettledFace>(std::size_t)>& settle);
+
+/// How much a face is that of a joint, at most 1: the fraction of its rim, less for a rim that is no pear, a slim face,
+/// or more than one surface. −1: too small, too large, or convex.
+double face_score(const SettledFace& face);
+
+/// The frame at a point with a normal as +z, rotated about it in any way.
+Rigid frame_at(const Vec3& origin_mm, const Vec3& outward);
+
+}  // namespace reamsim

@@ -1,0 +1,361 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/scan/ct_import.h"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+#include "sim/base/error.h"
+#include "sim/scan/aligned_image.h"
+#include "sim/scan/boundary_density.h"
+#include "sim/scan/label_map.h"
+#include "sim/scan/morphology.h"
+#include "sim/scan/scan.h"
+#include "sim/scan/segment.h"
+#include "sim/scan/voxelize.h"
+#include "sim/scan/words.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr const char* kPathKey = "bone.ct.path";
+
+std::string shape_text(const ct::ScanGeometry& g) {
+  const Vec3 spacing = g.spacing_mm();
+  return fmt::format("{}x{}x{} voxels of {:.4g}x{:.4g}x{:.4g} mm", g.dims.x(), g.dims.y(), g.dims.z(), spacing.x(),
+                     spacing.y(), spacing.z());
+}
+
+void note_image(const ct::ScanSource& source, const std::string& path, Report& report) {
+  report.note("image " + path + ": " + source.description() + ", " + shape_text(source.geometry()) + ", " +
+              (ct::is_axis_aligned(source.geometry()) ? "axes along LPS" : "oblique, resampled to LPS axes") + ", " +
+              ct::box_words(source.geometry().bounds_mm()));
+  if (source.is_unsigned()) {
+    report.warn(
+        path +
+        ": pixels are unsigned and cannot hold negative HU; if the values are not HU, threshold and density are wrong");
+  }
+}
+
+bool is_default(const DensitySettings& density) {
+  const DensitySettings usual;
+  return density.ash_slope_g_cm3_per_hu == usual.ash_slope_g_cm3_per_hu &&
+         density.ash_offset_g_cm3 == usual.ash_offset_g_cm3 && density.ash_fraction == usual.ash_fraction;
+}
+
+/// The default relation from HU to density is that of one tube voltage.
+void warn_of_voltage(const ct::ScanSource& source, const BoneSettings& settings, Report& report) {
+  constexpr double kLeast_kv = 110, kMost_kv = 130;
+  const double kvp = source.kvp();
+  if (kvp <= 0 || (kvp >= kLeast_kv && kvp <= kMost_kv) || !is_default(settings.density)) return;
+  report.warn(fmt::format(
+      "{}: scanned at {:g} kV, where bone has {} HU than at 120 kV; the relation from HU to density is that of 120 kV: "
+      "give the constants of this scanner (bone.density)",
+      settings.ct.path, kvp, kvp < kLeast_kv ? "more" : "fewer"));
+}
+
+/// Replaces NaN and infinity by the least value (padding outside the field of view is often NaN); returns that value.
+float replace_non_finite(std::vector<float>& values, const std::string& path, const char* key, Report& report) {
+  float least = std::numeric_limits<float>::infinity();
+  for (const float value : values) {
+    if (std::isfinite(value)) least = std::min(least, value);
+  }
+  if (!std::isfinite(least)) throw InputError({path}, key, "the crop contains no finite voxel", "expected HU");
+  const auto not_finite = [](float value) { return !std::isfinite(value); };
+  const auto count = std::count_if(values.begin(), values.end(), not_finite);
+  if (count == 0) return least;
+  std::replace_if(values.begin(), values.end(), not_finite, least);
+  report.warn(path + fmt::format(": {} voxels are NaN or infinite; replaced by {:.0f}, the minimum", count,
+                                 static_cast<double>(least)));
+  return least;
+}
+
+ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& settings) {
+  const ct::IndexBox box = ct::voxels_in_crop(source.geometry(), {settings.crop_min_mm, settings.crop_max_mm});
+  if (box.empty()) {
+    throw InputError({settings.path}, "bone.ct.crop_min_mm, bone.ct.crop_max_mm",
+                     "the crop contains no voxel of the image",
+                     "the image spans " + ct::box_words(source.geometry().bounds_mm()) + " (LPS)");
+  }
+  ct::check_fits_in_memory(static_cast<double>(box.voxels()), 2 * sizeof(float), settings.path, kPathKey);
+  return box;
+}
+
+/// The voxels in the crop, on LPS axes. Beyond an oblique image they get its least value.
+ct::AlignedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box, const CtSettings& settings,
+                              Report& report) {
+  ct::Scan scan = source.read(box);
+  const float least = replace_non_finite(scan.value, settings.path, kPathKey, report);
+  return ct::align_to_lps(scan, {settings.crop_min_mm, settings.crop_max_mm}, least);
+}
+
+void note_crop(const ct::AlignedImage& image, const ct::ScanSource& source, Report& report) {
+  if (image.lattice.size() >= source.geometry().size()) return;
+  const Vec3i& dims = image.lattice.dims;
+  report.note(fmt::format("crop: {}x{}x{} voxels, ", dims.x(), dims.y(), dims.z()) +
+              ct::box_words(image.lattice.bounds_mm()));
+}
+
+void filter(ct::AlignedImage& image, const CtSettings& settings, Report& report) {
+  if (settings.filter == CtFilter::median) {
+    ct::median_filter(image, settings.median_radius_voxels);
+    report.note("median filter, radius " + std::to_string(settings.median_radius_voxels) + " voxels");
+  } else if (settings.filter == CtFilter::curvature_anisotropic) {
+    ct::curvature_anisotropic_filter(image, settings.anisotropic_iterations, settings.anisotropic_conductance);
+    report.note(fmt::format("curvature anisotropic diffusion, {} iterations, conductance {:g}",
+                            settings.anisotropic_iterations, settings.anisotropic_conductance));
+  }
+}
+
+void note_trabecular(const ct::BoneField& bone, double threshold_hu, Report& report) {
+  report.note(
+      fmt::format("interior kept: {} of {} bone voxels ({:.1f} %) are below {:.0f} HU", bone.inside_below, bone.voxels,
+                  100.0 * static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels), threshold_hu));
+}
+
+void note_boundary(const ct::BoundaryDensity& boundary, Report& report) {
+  report.note(fmt::format(
+      "partial volume: the density of {} boundary voxels comes from the bone below them; in {:.1f} % of "
+      "them the cortex is thinner than the scan resolves, and the density is a lower bound (noise {:.0f} HU)",
+      boundary.boundary_voxels, 100 * boundary.unresolved_fraction(), boundary.noise_hu));
+}
+
+/// A plane of LPS in the radiological convention.
+struct View {
+  const char* name;
+  int across;    // axis of the columns
+  int down;      // axis of the rows
+  bool upwards;  // the axis points up
+  const char* left;
+  const char* right;
+  const char* top;
+  const char* bottom;
+};
+constexpr View kViews[] = {{"axial", 0, 1, false, "R", "L", "A", "P"},
+                           {"coronal", 0, 2, true, "R", "L", "S", "I"},
+                           {"sagittal", 1, 2, true, "A", "P", "S", "I"}};
+
+ScanPlane plane_of(const View& view, const ct::AlignedImage& hu, const ct::BoneField& bone, const CtSettings& settings,
+                   const Vec3i& through) {
+  const ct::Lattice& lattice = hu.lattice;
+  ScanPlane out{.name = view.name,
+                .columns = lattice.dims[view.across],
+                .rows = lattice.dims[view.down],
+                .spacing_mm = {lattice.spacing_mm[view.across], lattice.spacing_mm[view.down]},
+                .left = view.left,
+                .right = view.right,
+                .top = view.top,
+                .bottom = view.bottom,
+                .hu = {},
+                .field = {}};
+  const auto row_of = [&](int index) { return view.upwards ? out.rows - 1 - index : index; };
+  out.through = Vec2(through[view.across], row_of(through[view.down]));
+  for (int row = 0; row < out.rows; ++row) {
+    for (int column = 0; column < out.columns; ++column) {
+      Vec3i voxel = through;
+      voxel[view.across] = column;
+      voxel[view.down] = row_of(row);
+      const std::size_t at = lattice.index(voxel);
+      const float field = bone.field.value[at];
+      const bool cut = bone.facts.method == "threshold" && ct::is_cut_away(settings, lattice.center_mm(voxel));
+      out.hu.push_back(hu.value[at]);
+      out.field.push_back(cut ? -std::abs(field) : field);
+    }
+  }
+  return out;
+}
+
+/// The axial, coronal and sagittal planes of an image through a point of B. A point outside the image is moved to its
+/// nearest voxel. Cuts count as outside the bone.
+std::vector<ScanPlane> scan_planes(const ct::AlignedImage& hu, const ct::BoneField& bone, const CtSettings& settings,
+                                   const Vec3& through_mm) {
+  const Vec3i last = hu.lattice.dims - Vec3i::Ones();
+  const Vec3 index = (through_mm - hu.lattice.origin_mm).cwiseQuotient(hu.lattice.spacing_mm);
+  const Vec3 inside = index.cwiseMax(0).cwiseMin(last.cast<double>());
+  const Vec3i through = inside.array().round().cast<int>();
+  std::vector<ScanPlane> out;
+  for (const View& view : kViews) out.push_back(plane_of(view, hu, bone, settings, through));
+  return out;
+}
+
+/// The point of the scenario on the face of the glenoid, or near it.
+std::optional<Vec3> glenoid_point(const GlenoidSettings& glenoid) {
+  if (glenoid.near_mm) return glenoid.near_mm;
+  if (glenoid.center_mm) return glenoid.center_mm;
+  if (glenoid.landmarks) return glenoid.landmarks->glenoid_center_mm;
+  return std::nullopt;
+}
+
+/// The seed, else the centre of the glenoid, else the centre of the bone.
+Vec3 point_of_interest(const BoneSettings& settings, const ct::BoneField& bone) {
+  if (settings.ct.seed_mm) return *settings.ct.seed_mm;
+  if (const auto glenoid = glenoid_point(settings.glenoid)) return *glenoid;
+  const ct::Lattice& lattice = bone.field.lattice;
+  return 0.5 * (lattice.center_mm(bone.min) + lattice.center_mm(bone.max));
+}
+
+Segmentation segmentation_of(const ct::AlignedImage& hu, const ct::BoneField& bone, const BoneSettings& settings) {
+  Segmentation out = bone.facts;
+  out.planes_through_mm = point_of_interest(settings, bone);
+  out.planes = scan_planes(hu, bone, settings.ct, out.planes_through_mm);
+  return out;
+}
+
+/// The settings with the cut through the joint gap, and a seed behind it.
+BoneSettings with_humerus_cut(const ct::AlignedImage& hu, const BoneSettings& settings, Report& report) {
+  const auto near = glenoid_point(settings.glenoid);
+  if (!near)
+    throw InputError({}, "bone.ct.separate", "no glenoid", "give bone.glenoid.near_mm, on the face of the glenoid");
+  const auto head = ct::find_humeral_head(hu, settings.ct.threshold_hu, *near);
+  if (!head) {
+    throw InputError({}, "bone.ct.separate",
+                     fmt::format("no head of a humerus next to the glenoid at {}", ct::point_words(*near)),
+                     "check bone.glenoid.near_mm and threshold_hu; or give cut_spheres, or a label map");
+  }
+  BoneSettings out = settings;
+  out.ct.cut_spheres.push_back({head->center_mm, head->cut_radius_mm});
+  const Vec3 inward = (*near - head->center_mm).normalized();
+  constexpr double kBehindGap_mm = 12;
+  if (!out.ct.seed_mm) out.ct.seed_mm = head->center_mm + (head->cut_radius_mm + kBehindGap_mm) * inward;
+  report.note(
+      fmt::format("humeral head: sphere of radius {:.1f} mm about {}, within {:.2f} mm (rms); cut at {:.1f} mm, "
+                  "through the joint gap",
+                  head->radius_mm, ct::point_words(head->center_mm), head->rms_mm, head->cut_radius_mm));
+  constexpr double kMostTouching = 0.1;
+  if (head->touching_fraction > kMostTouching) {
+    report.warn(
+        fmt::format("humerus and scapula touch in {:.0f} % of the joint: no voxel between them is below {:.0f} HU. "
+                    "The cut goes through bone there; a label map is more reliable (bone.ct.label_map)",
+                    100 * head->touching_fraction, settings.ct.threshold_hu));
+  }
+  return out;
+}
+
+/// The settings, with the cut of `separate`.
+BoneSettings with_cuts(const ct::AlignedImage& hu, const BoneSettings& settings, Report& report) {
+  return settings.ct.separate == Separate::humerus ? with_humerus_cut(hu, settings, report) : settings;
+}
+
+/// Threshold or label map, as the settings say.
+ct::BoneField segment(const ct::ScanSource& source, const ct::IndexBox& box, const ct::AlignedImage& hu,
+                      const CtSettings& settings, Report& report) {
+  if (!settings.label_map) return ct::segment_by_threshold(hu, settings, report);
+  return ct::segment_by_label(ct::read_labels(settings, source.geometry(), box, hu, report), hu, settings, report);
+}
+
+/// Opens the scan and calls `use(source)`. Errors of ITK and of the memory become InputErrors.
+template <class Use>
+auto with_open_scan(const CtSettings& settings, Report& report, const Use& use) {
+  try {
+    const ct::DicomChoice choice{settings.series, settings.modality == Modality::any};
+    const auto source = ct::open_scan(settings.path, kPathKey, choice, report);
+    note_image(*source, settings.path, report);
+    return use(*source);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw InputError({settings.path}, kPathKey, "the image and its voxmap need more memory than this machine has",
+                     "crop it, or use larger voxels");
+  } catch (const std::exception&) {  // from a filter of ITK
+    throw InputError({settings.path}, kPathKey,
+                     "the image cannot be processed: its size, spacing or axes are implausible",
+                     "check the file, or crop it");
+  }
+}
+
+/// The width of the point spread along each axis of LPS, mm; 0: the spacing of the lattice. A value of an oblique scan
+/// is as wide as its voxel reaches along the axis, and interpolation widens it.
+Vec3 psf_of(const ct::ScanGeometry& scan, const CtSettings& settings) {
+  constexpr double kInterpolated = 1.25;  // with less, values at the surface of uniform blocks are too low
+  if (settings.psf_mm > 0 || ct::is_axis_aligned(scan)) return Vec3::Constant(settings.psf_mm);
+  return kInterpolated * scan.step_mm.cwiseAbs().rowwise().sum();
+}
+
+/// Corrects the density at the boundary and resamples.
+FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const BoneSettings& settings, const Vec3& psf_mm,
+                       Report& report, Segmentation* segmentation, const StageSink& stages = {}) {
+  begin_stage(stages, BoneStage::correct_density);
+  const ct::BoundaryDensity boundary =
+      ct::correct_boundary(hu, bone, psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm));
+  note_boundary(boundary, report);
+  if (segmentation != nullptr) {
+    segmentation->lower_bound_fraction = boundary.unresolved_fraction();
+    segmentation->noise_hu = boundary.noise_hu;
+  }
+  begin_stage(stages, BoneStage::voxels);
+  return ct::voxelize(hu, bone, settings, report);
+}
+
+FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& given, Report& report,
+                              Segmentation* segmentation, const StageSink& stages) {
+  warn_of_voltage(source, given, report);
+  const ct::IndexBox box = cropped_box(source, given.ct);
+  ct::AlignedImage hu = read_cropped(source, box, given.ct, report);
+  note_crop(hu, source, report);
+  begin_stage(stages, BoneStage::filter);
+  filter(hu, given.ct, report);
+  begin_stage(stages, BoneStage::segment);
+  const BoneSettings settings = with_cuts(hu, given, report);
+  const CtSettings& ct_settings = settings.ct;
+  const ct::BoneField bone = segment(source, box, hu, ct_settings, report);
+  note_trabecular(bone, ct_settings.threshold_hu, report);
+  if (segmentation != nullptr) *segmentation = segmentation_of(hu, bone, settings);
+  return voxels_of(std::move(hu), bone, settings, psf_of(source.geometry(), ct_settings), report, segmentation, stages);
+}
+
+}  // namespace
+
+FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
+                              Segmentation* segmentation) {
+  return voxmap_from_scan(source, settings, report, segmentation, {});
+}
+
+FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation,
+                            const StageSink& stages) {
+  begin_stage(stages, BoneStage::read);
+  return with_open_scan(settings.ct, report, [&](const ct::ScanSource& source) {
+    return voxmap_from_scan(source, settings, report, segmentation, stages);
+  });
+}
+
+SegmentedScan segmented_scan(const BoneSettings& given, Report& report, std::optional<FilledVoxmap>* voxmap) {
+  return with_open_scan(given.ct, report, [&](const ct::ScanSource& source) {
+    const ct::IndexBox box = cropped_box(source, given.ct);
+    SegmentedScan out{
+        .hu = read_cropped(source, box, given.ct, report), .field = {}, .settings = given.ct, .mistakes = {}};
+    filter(out.hu, given.ct, report);
+    try {
+      const BoneSettings settings = with_cuts(out.hu, given, report);
+      out.settings = settings.ct;
+      ct::BoneField bone = segment(source, box, out.hu, out.settings, report);
+      if (voxmap != nullptr) {
+        *voxmap = voxels_of(out.hu, bone, settings, psf_of(source.geometry(), settings.ct), report, nullptr);
+      }
+      out.field = std::move(bone.field.value);
+    } catch (const InputError& error) {
+      out.mistakes = error.mistakes();
+    }
+    if (out.field.empty() || out.settings.label_map) return out;
+    out.hu.lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+      if (ct::is_cut_away(out.settings, out.hu.lattice.center_mm(voxel))) out.field[at] = -std::abs(out.field[at]);
+    });
+    return out;
+  });
+}
+
+std::vector<ct::Joint> joints_in_scan(const BoneSettings& settings, Report& report) {
+  return with_open_scan(settings.ct, report, [&](const ct::ScanSource& source) {
+    ct::AlignedImage hu = read_cropped(source, cropped_box(source, settings.ct), settings.ct, report);
+    filter(hu, settings.ct, report);
+    return ct::find_joints(hu, settings.ct.threshold_hu);
+  });
+}
+
+}  // namespace reamsim

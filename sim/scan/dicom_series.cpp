@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/scan/dicom_series.h"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <tuple>
+
+#include "sim/base/error.h"
+#include "sim/base/text.h"
+#include "sim/scan/dicom_files.h"
+#include "sim/scan/words.h"
+
+namespace reamsim::ct {
+
+namespace {
+
+constexpr const char* kSeriesKey = "bone.ct.series";
+constexpr const char* kModalityKey = "bone.ct.modality";
+/// Spacings that differ by less than this fraction are the same.
+constexpr double kSameSpacing = 0.01;
+
+/// The files in a folder and its subfolders, sorted by path. Links to folders are not followed.
+std::vector<std::string> files_below(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
+    std::error_code ignored;
+    if (entry.is_regular_file(ignored)) files.push_back(entry.path().string());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+/// Median distance of neighbouring slices along the normal of the first; 0 where unknown.
+double slice_distance(const std::vector<DicomHeader>& images) {
+  const auto placed = [](const DicomHeader& image) { return image.position_mm.has_value(); };
+  if (images.size() < 2 || !images.front().normal || !std::ranges::all_of(images, placed)) return 0;
+  std::vector<double> height;
+  for (const DicomHeader& image : images) height.push_back(images.front().normal->dot(*image.position_mm));
+  std::ranges::sort(height);
+  std::vector<double> gap;
+  for (std::size_t n = 1; n < height.size(); ++n) gap.push_back(height[n] - height[n - 1]);
+  std::ranges::nth_element(gap, gap.begin() + static_cast<std::ptrdiff_t>(gap.size() / 2));
+  return gap[gap.size() / 2];
+}
+
+DicomSeries series_from(const std::string& uid, std::vector<DicomHeader> images) {
+  const DicomHeader& first = images.front();
+  DicomSeries out{uid, first.description, first.kernel, first.modality, first.series_number, {}, Vec3::Zero()};
+  const Vec2 pixel = first.pixel_spacing_mm.value_or(Vec2::Zero());
+  out.spacing_mm = Vec3(pixel.x(), pixel.y(), slice_distance(images));
+  out.images = std::move(images);
+  return out;
+}
+
+std::string words_of(const DicomSeries& series) {
+  const DicomHeader& first = series.images.front();
+  const Vec3& s = series.spacing_mm;
+  std::string out = "UID " + series.uid + ", \"" + series.description + "\", " + series.modality + ", ";
+  out += first.frames > 1 ? fmt::format("{} frames", first.frames) : std::to_string(series.images.size()) + " slices";
+  out += fmt::format(" of {}x{}, {:.4g}x{:.4g}x{:.4g} mm", first.columns, first.rows, s.x(), s.y(), s.z());
+  if (!series.kernel.empty()) out += ", kernel " + series.kernel;
+  return out;
+}
+
+bool same_size(const DicomSeries& a, const DicomSeries& b) {
+  return a.slices() == b.slices() &&
+         ((a.spacing_mm - b.spacing_mm).cwiseAbs().array() <= kSameSpacing * a.spacing_mm.array()).all();
+}
+
+/// More slices first, then the finer spacing.
+bool is_better(const DicomSeries& a, const DicomSeries& b) {
+  if (a.slices() != b.slices()) return a.slices() > b.slices();
+  return a.spacing_mm.prod() < b.spacing_mm.prod();
+}
+
+/// False for screenshots and renderings.
+bool may_be_a_volume(const DicomSeries& series) {
+  const DicomHeader& first = series.images.front();
+  return first.photometric.starts_with("MONOCHROME") && (first.position_mm || first.frames > 1);
+}
+
+const DicomSeries& named_series(const std::vector<DicomSeries>& all, const std::string& name,
+                                const std::string& folder) {
+  constexpr std::size_t kMaxDigits = 6;
+  const bool is_number = name.size() <= kMaxDigits && is_whole_number(name);
+  if (is_number) {
+    const std::size_t number = std::stoul(name);
+    if (number >= 1 && number <= all.size()) return all[number - 1];
+  } else {
+    const auto found = std::ranges::find(all, name, &DicomSeries::uid);
+    if (found != all.end()) return *found;
+  }
+  throw InputError({folder}, kSeriesKey, "no DICOM series '" + name + "'",
+                   "expected a UID, or a number from 1 to " + std::to_string(all.size()) + ": " + list_of(all));
+}
+
+void check_modality(const DicomSeries& series, const DicomChoice& choice, const std::string& folder) {
+  if (choice.any_modality || series.modality == "CT") return;
+  throw InputError({folder}, kModalityKey,
+                   "the series is " + (series.modality.empty() ? "of unknown modality" : series.modality) +
+                       ", not CT: " + words_of(series),
+                   "choose a CT series, or set bone.ct.modality: any if its values are HU");
+}
+
+std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, const DicomChoice& choice,
+                                              const std::string& folder) {
+  std::vector<const DicomSeries*> out;
+  for (const DicomSeries& series : found.series) {
+    if (choice.any_modality || series.modality == "CT") out.push_back(&series);
+  }
+  const auto is_none = [](const DicomSeries* series) { return !may_be_a_volume(*series); };
+  if (!std::ranges::all_of(out, is_none)) std::erase_if(out, is_none);
+  if (out.empty() && found.series.size() == 1) check_modality(found.series.front(), choice, folder);
+  if (out.empty()) {
+    throw InputError({folder}, kModalityKey,
+                     "none of the " + std::to_string(found.series.size()) + " DICOM series is CT",
+                     "expected a CT series, or bone.ct.modality: any; found " + list_of(found.series));
+  }
+  std::ranges::stable_sort(out, [](const DicomSeries* a, const DicomSeries* b) { return is_better(*a, *b); });
+  return out;
+}
+
+}  // namespace
+
+int DicomSeries::slices() const {
+  int out = 0;
+  for (const DicomHeader& image : images) out += std::clamp(image.frames, 1, 1'000'000);
+  return out;
+}
+
+DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Report& report) {
+  DicomFolder out;
+  const std::vector<std::string> files = files_below(folder);
+  std::vector<DicomFile> read = read_dicom_headers(files, folder, key);
+  std::map<std::string, std::vector<DicomHeader>> by_uid;
+  for (std::size_t n = 0; n < files.size(); ++n) {
+    DicomHeader& header = read[n].header;
+    if (read[n].kind == DicomKind::damaged) out.damaged.push_back(files[n]);
+    if (read[n].kind == DicomKind::other) out.others.push_back(files[n]);
+    if (read[n].kind == DicomKind::image) by_uid[header.series_uid].push_back(std::move(header));
+  }
+  if (!out.damaged.empty()) {
+    report.warn(folder + ": damaged DICOM files skipped: " + std::to_string(out.damaged.size()) + ", the first is " +
+                out.damaged.front());
+  }
+  for (auto& [uid, images] : by_uid) out.series.push_back(series_from(uid, std::move(images)));
+  std::ranges::stable_sort(out.series, {}, [](const DicomSeries& s) { return std::tie(s.number, s.uid); });
+  if (out.series.empty()) {
+    throw InputError({folder}, key,
+                     "no DICOM image found in this folder or its subfolders" +
+                         (out.damaged.empty() ? "" : " that can be read; damaged: " + out.damaged.front()),
+                     "expected a DICOM series");
+  }
+  return out;
+}
+
+std::string list_of(const std::vector<DicomSeries>& series) {
+  std::string out;
+  for (std::size_t n = 0; n < series.size(); ++n) {
+    out += (n == 0 ? "" : "; ") + std::to_string(n + 1) + ": " + words_of(series[n]);
+  }
+  return out;
+}
+
+const DicomSeries& choose_series(const DicomFolder& found, const DicomChoice& choice, const std::string& folder,
+                                 Report& report) {
+  if (!choice.series.empty()) {
+    const DicomSeries& chosen = named_series(found.series, choice.series, folder);
+    check_modality(chosen, choice, folder);
+    return chosen;
+  }
+  const std::vector<const DicomSeries*> candidates = candidates_of(found, choice, folder);
+  const DicomSeries& best = *candidates.front();
+  if (candidates.size() > 1 && same_size(best, *candidates[1])) {
+    throw InputError(
+        {folder}, kSeriesKey,
+        "missing, and two DICOM series have " + std::to_string(best.slices()) + " slices of the same spacing",
+        "choose one by its UID or number: " + list_of(found.series));
+  }
+  if (found.series.size() > 1) {
+    const std::string why =
+        candidates.size() > 1 ? "; using the one with the most slices (" : "; using the only CT volume (";
+    report.warn(folder + ": " + std::to_string(found.series.size()) + " DICOM series" + why +
+                std::to_string(best.slices()) + " slices); select another with bone.ct.series");
+    report.list("DICOM series, the one in use is " + best.uid + ": " + list_of(found.series));
+  }
+  return best;
+}
+
+}  // namespace reamsim::ct

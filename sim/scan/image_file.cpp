@@ -1,0 +1,179 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include <fmt/core.h>
+#include <itkMetaDataObject.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/base/printable.h"
+#include "sim/isolation/read_in_child.h"
+#include "sim/scan/image_file.h"
+#include "sim/scan/image_io.h"
+#include "sim/scan/scan_transfer.h"
+
+namespace reamsim::ct {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string lower_file_name(const std::string& path) {
+  std::string name = fs::path(path).filename().string();
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name;
+}
+
+/// Key-value metadata of an NRRD.
+std::map<std::string, std::string> metadata_of(const itk::ImageIOBase& io) {
+  const itk::MetaDataDictionary& dictionary = io.GetMetaDataDictionary();
+  std::map<std::string, std::string> out;
+  for (const std::string& name : dictionary.GetKeys()) {
+    std::string value;
+    if (itk::ExposeMetaData<std::string>(dictionary, name, value)) out[name] = value;
+  }
+  return out;
+}
+
+void put_header(ResultWriter& out, const std::string& path, const std::string& key, bool allow_layers) {
+  std::string format;
+  const itk::ImageIOBase::Pointer io = open_image_io(path, key, format);
+  put_facts(out, check_image(*io, path, key, format, allow_layers));
+  put_texts(out, metadata_of(*io));
+}
+
+/// What is read of a file that had these dimensions and layers.
+struct Part {
+  PlainBox whole;
+  int layers;
+  PlainBox box;
+  int layer;
+};
+
+void put_part(ResultWriter& out, const std::string& path, const std::string& key, const Part& part) {
+  std::string format;
+  const itk::ImageIOBase::Pointer io = open_image_io(path, key, format);
+  read_header(*io, path, key, format);
+  const ScanGeometry now = geometry_of(*io, path, key, false, true);
+  if (now.dims != part.whole.get().size || static_cast<int>(io->GetNumberOfComponents()) != part.layers) {
+    throw InputError({path}, key, "the file has changed while it was read", "start again");
+  }
+  const IndexBox box = part.box.get();
+  read_voxels(*io, box, part.layer, path, key, out.array<float>(static_cast<std::size_t>(box.voxels())));
+}
+
+void warn_of_gaps(const std::string& path, const HeaderGaps& gaps, Report& report) {
+  constexpr std::size_t kLongestUnit = 40;
+  if (!gaps.unknown_unit.empty()) {
+    report.warn(path + ": lengths are in \"" + printable(gaps.unknown_unit.substr(0, kLongestUnit)) +
+                "\", an unknown unit; mm are assumed. Check the size of the scan, or export the file in mm");
+  }
+  if (!gaps.says_orientation) {
+    report.warn(path +
+                ": the header does not say how the axes lie in the body; left, posterior, superior are assumed. "
+                "Check side and glenoid, or export the file with its orientation");
+  }
+}
+
+/// An NRRD, NIfTI or MetaImage file. A child process reads its header, and another one its voxels.
+class FileScan : public LabelSource {
+ public:
+  FileScan(const std::string& path, const std::string& key, bool allow_layers, Report& report)
+      : path_(path), key_(key) {
+    const ReadLimits limits = ReadLimits().with(bytes_of_file(path), 0);
+    ChildResult result = read_in_child<put_header>({path, key}, limits, path, key, allow_layers);
+    facts_ = take_facts(result.reader());
+    metadata_ = take_texts(result.reader());
+    check_fits_in_memory(static_cast<double>(facts_.geometry.size()), facts_.bytes_per_voxel, path, key);
+    warn_of_gaps(path, facts_.gaps, report);
+  }
+
+  [[nodiscard]] const ScanGeometry& geometry() const override { return facts_.geometry; }
+  [[nodiscard]] std::string description() const override { return facts_.format + ", " + facts_.pixel_type; }
+  [[nodiscard]] bool is_unsigned() const override { return facts_.pixel_type.starts_with("uint"); }
+  [[nodiscard]] Scan read(const IndexBox& box) const override { return read_layer(box, 0); }
+
+  [[nodiscard]] int layers() const override { return facts_.layers; }
+  [[nodiscard]] bool has_whole_numbers() const override {
+    return facts_.pixel_type != "float" && facts_.pixel_type != "double";
+  }
+  [[nodiscard]] Scan read_layer(const IndexBox& box, int layer) const override {
+    const auto voxels = static_cast<std::size_t>(box.voxels());
+    const Part part{PlainBox({Vec3i::Zero(), facts_.geometry.dims}), facts_.layers, PlainBox(box), layer};
+    ChildResult result = read_in_child<put_part>({path_, key_}, limits_for(voxels), path_, key_, part);
+    Scan scan{part_of(facts_.geometry, box), result.reader().array<float>()};
+    if (scan.value.size() != voxels) result.reader().fail();
+    return scan;
+  }
+  [[nodiscard]] std::map<std::string, std::string> metadata() const override { return metadata_; }
+
+ private:
+  /// Formats that cannot be read in part are in memory as a whole, some of them twice.
+  [[nodiscard]] ReadLimits limits_for(std::size_t voxels) const {
+    const auto whole = static_cast<std::uint64_t>(facts_.bytes_per_voxel * static_cast<double>(facts_.geometry.size()));
+    ReadLimits limits = ReadLimits().with(bytes_of_file(path_), 3 * whole);
+    limits.result_bytes += voxels * sizeof(float);
+    return limits;
+  }
+
+  std::string path_;
+  std::string key_;
+  ImageFacts facts_;
+  std::map<std::string, std::string> metadata_;
+};
+
+/// The kind of an existing path. Throws InputError where there is none.
+fs::file_status checked_status(const std::string& path, const std::string& key, const char* expected) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  const std::string reason = unreachable_reason(path);
+  if (!reason.empty()) throw InputError({path}, key, "cannot be read (" + reason + ")", expected);
+  if (!fs::exists(status)) throw InputError({path}, key, "no such file or folder", expected);
+  if (!fs::is_directory(status) && !fs::is_regular_file(status)) {
+    throw InputError({path}, key, "neither a file nor a folder", expected);
+  }
+  return status;
+}
+
+}  // namespace
+
+void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::string& path, const std::string& key) {
+  const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  if (voxels * bytes_per_voxel <= 0.5 * memory) return;
+  const std::string text =
+      fmt::format("{:.3g} voxels need {:.3g} GB, more than half of this machine's memory ({:.3g} GB)", voxels,
+                  voxels * bytes_per_voxel / 1e9, memory / 1e9);
+  throw InputError({path}, key, text, "use fewer voxels, or check that the header is not damaged");
+}
+
+std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string& key, const DicomChoice& choice,
+                                      Report& report) {
+  const bool folder = fs::is_directory(checked_status(path, key, "give a CT image"));
+  try {
+    if (folder) return open_dicom_folder(path, key, choice, report);
+    // DICOMDIR is the index file beside the folders of a study.
+    if (lower_file_name(path) == "dicomdir")
+      return open_dicom_folder(fs::path(path).parent_path().string(), key, choice, report);
+    auto scan = std::make_unique<FileScan>(path, key, false, report);
+    if (choice.series.empty()) return scan;
+    throw InputError({path}, "bone.ct.series", "given for a file that is not a DICOM folder", "remove it");
+  } catch (const fs::filesystem_error&) {
+    throw InputError({path}, key, "cannot be opened", "check its permissions");
+  }
+}
+
+std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key, Report& report) {
+  const char* expected = "give a label map: NRRD, NIfTI or MetaImage";
+  if (fs::is_directory(checked_status(path, key, expected))) throw InputError({path}, key, "a folder", expected);
+  try {
+    return std::make_unique<FileScan>(path, key, true, report);
+  } catch (const fs::filesystem_error&) {
+    throw InputError({path}, key, "cannot be opened", "check its permissions");
+  }
+}
+
+}  // namespace reamsim::ct

@@ -1,0 +1,360 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/scan/image_io.h"
+
+#include <fmt/core.h>
+#include <itkGDCMImageIO.h>
+#include <itkMetaImageIO.h>
+#include <itkNiftiImageIO.h>
+#include <itkNrrdImageIO.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/base/pattern.h"
+#include "sim/scan/image_conventions.h"
+#include "sim/scan/nifti_header.h"
+#include "sim/scan/quiet.h"
+
+namespace reamsim::ct {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kDicom = "DICOM";
+using Component = itk::IOComponentEnum;
+
+/// Deflate compresses at most 1032 : 1. A file whose header claims more voxels is truncated.
+constexpr double kMaxCompression = 1032;
+constexpr double kHeaderSlackBytes = 1 << 16;
+
+/// Least edge length of a voxel, mm, and greatest quotient of two of them: far beyond any scanner. What lies outside
+/// is a damaged header; filters would need memory without limit.
+constexpr double kLeastStep_mm = 1e-3;
+constexpr double kGreatestStep_mm = 1e6;
+constexpr double kMostElongated = 200;
+
+std::string lower_extension(const std::string& path) {
+  std::string name = fs::path(path).filename().string();
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name.ends_with(".nii.gz") ? ".nii.gz" : fs::path(name).extension().string();
+}
+
+/// For files whose content is too damaged to tell the format.
+std::string format_by_name(const std::string& path) {
+  const std::string extension = lower_extension(path);
+  if (extension == ".nrrd" || extension == ".nhdr") return "NRRD";
+  if (extension == ".nii" || extension == ".nii.gz" || extension == ".hdr" || extension == ".img") return "NIfTI";
+  if (extension == ".mha" || extension == ".mhd") return "MetaImage";
+  if (extension == ".dcm") return kDicom;
+  return "";
+}
+
+/// Formats with header and voxels in one file, so that its length limits the number of voxels.
+bool contains_its_voxels(const std::string& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".nrrd" || extension == ".nii" || extension == ".nii.gz" || extension == ".mha" ||
+         extension == ".dcm";
+}
+
+/// VTK's own formats, legacy and XML.
+bool is_vtk(const std::string& path) {
+  const std::string start = read_file_start(path, 256);
+  return start.starts_with("# vtk DataFile") || start.find("<VTKFile") != std::string::npos;
+}
+
+bool can_read(itk::ImageIOBase& io, const std::string& path) {
+  try {
+    return io.CanReadFile(path.c_str());
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+/// One of the values of a voxel.
+struct Layer {
+  int index = 0;
+  int count = 1;
+};
+
+template <typename Value>
+void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const IndexBox& box, const Layer& layer,
+                 float* out) {
+  const auto start = [&](unsigned axis) { return axis < held.GetImageDimension() ? held.GetIndex(axis) : 0; };
+  const std::int64_t row = static_cast<std::int64_t>(held.GetSize(0));
+  const std::int64_t rows = held.GetImageDimension() > 1 ? static_cast<std::int64_t>(held.GetSize(1)) : 1;
+  for (int k = 0; k < box.size.z(); ++k) {
+    for (int j = 0; j < box.size.y(); ++j) {
+      const std::int64_t first =
+          (box.start.x() - start(0)) + row * ((box.start.y() + j - start(1)) + rows * (box.start.z() + k - start(2)));
+      for (int i = 0; i < box.size.x(); ++i) {
+        Value value;
+        const std::int64_t number = (first + i) * layer.count + layer.index;
+        std::memcpy(&value, raw + number * static_cast<std::int64_t>(sizeof(Value)), sizeof(Value));
+        *out++ = static_cast<float>(value);
+      }
+    }
+  }
+}
+
+/// Copies with the first of `Values` that is the type of the components.
+template <typename... Values>
+void copy_as_float(const itk::ImageIOBase& io, const std::byte* raw, const itk::ImageIORegion& held,
+                   const IndexBox& box, const Layer& layer, float* out) {
+  const auto copy_if = [&]<typename Value>(Value) {
+    if (io.GetComponentType() != itk::ImageIOBase::MapPixelType<Value>::CType) return false;
+    copy_region<Value>(raw, held, box, layer, out);
+    return true;
+  };
+  if (!(copy_if(Values{}) || ...)) throw std::invalid_argument("pixel type");  // geometry_of() has checked it
+}
+
+itk::ImageIORegion io_region(const itk::ImageIOBase& io, const IndexBox& box) {
+  itk::ImageIORegion region(io.GetNumberOfDimensions());
+  for (unsigned axis = 0; axis < io.GetNumberOfDimensions(); ++axis) {
+    region.SetIndex(axis, axis < 3 ? box.start[axis] : 0);
+    region.SetSize(axis, axis < 3 ? static_cast<itk::SizeValueType>(box.size[axis]) : 1);
+  }
+  return region;
+}
+
+InputError cut_off(const std::string& path, const std::string& key) {
+  return {{path}, key, "the voxels cannot be read: the file is truncated or damaged", "give a complete file"};
+}
+
+constexpr std::size_t kLongestLine = 200;
+
+/// The beginning of a line of a damaged file, for a message.
+std::string printable_start(const std::string& line) {
+  constexpr std::size_t kMost = 60;
+  std::string out = line.substr(0, kMost);
+  for (char& c : out) {
+    if (c < 0x20 || c > 0x7e) c = '?';
+  }
+  return out;
+}
+
+/// MetaIO reads as many numbers as the header has dimensions, without end, and takes the header for compressed voxels
+/// where these follow it and have no size.
+void check_meta_image(const std::string& path, const std::string& key) {
+  static const Pattern few_dimensions(R"(NDims\s*[=:]\s*[1-9]\s*)");
+  static const Pattern is_compressed(R"(CompressedData\s*[=:]\s*[Tt1].*\s*)");
+  static const Pattern is_local(R"(ElementDataFile\s*[=:]\s*(LOCAL|Local|local)\s*)");
+  std::istringstream header(read_file_start(path, 1 << 16));
+  bool compressed = false;
+  bool sized = false;
+  for (std::string line; std::getline(header, line);) {
+    compressed = compressed || is_compressed.matches(line.substr(0, kLongestLine));
+    sized = sized || line.starts_with("CompressedDataSize");
+    if (is_local.matches(line.substr(0, kLongestLine))) {  // voxels follow
+      if (!compressed || sized) return;
+      throw InputError({path}, key, "the MetaImage header has no CompressedDataSize",
+                       "add it, or save the image without compression");
+    }
+    if (line.find("NDims") == std::string::npos || few_dimensions.matches(line.substr(0, kLongestLine))) continue;
+    throw InputError({path}, key, "the MetaImage header says \"" + printable_start(line) + "\"", "expected NDims = 3");
+  }
+}
+
+/// ITK ends the program where the axes of a NIfTI are not numbers.
+void check_nifti(const std::string& path, const std::string& key) {
+  const NiftiHeader header = read_nifti_header(path);
+  if (!header) return;
+  for (const mat44* matrix : {&header->sto_xyz, &header->qto_xyz}) {
+    const float* first = &matrix->m[0][0];
+    if (std::all_of(first, first + 16, [](float value) { return std::isfinite(value); })) continue;
+    throw InputError({path}, key, "the axes or the origin in the NIfTI header (sform, qform) are not finite",
+                     "the file is damaged: export it again");
+  }
+}
+
+/// Whether the file of a NIfTI header (or its .img), compressed or not, contains all its voxels. ITK itself fills
+/// missing voxels with uninitialized memory.
+bool nifti_is_complete(const std::string& path) {
+  const NiftiHeader header = read_nifti_header(path);
+  if (!header || header->iname == nullptr || header->nbyper <= 0 || header->iname_offset < 0) return false;
+  const double claimed = static_cast<double>(header->iname_offset) + static_cast<double>(header->nvox) * header->nbyper;
+  // gzread() also reads files that are not compressed.
+  const std::unique_ptr<gzFile_s, decltype(&gzclose)> file(gzopen(header->iname, "rb"), &gzclose);
+  if (!file) return false;
+  std::vector<char> chunk(1 << 20);
+  double read = 0;
+  while (read < claimed) {
+    const int bytes = gzread(file.get(), chunk.data(), static_cast<unsigned>(chunk.size()));
+    if (bytes <= 0) return false;
+    read += bytes;
+  }
+  return true;
+}
+
+/// Throws InputError when the file is shorter than its header claims.
+void check_file_length(const std::string& path, const std::string& key, std::int64_t voxels, double bytes_per_voxel) {
+  if (!contains_its_voxels(path)) return;
+  const double claimed = static_cast<double>(voxels) * bytes_per_voxel;
+  const std::uintmax_t length = fs::file_size(path);
+  if (claimed <= kMaxCompression * static_cast<double>(length) + kHeaderSlackBytes) return;
+  throw InputError({path}, key,
+                   "the header claims " + std::to_string(voxels) + " voxels, but the file has only " +
+                       std::to_string(length) + " bytes",
+                   "give a complete file");
+}
+
+[[noreturn]] void refuse_single_dicom(const itk::ImageIOBase& io, const std::string& path, const std::string& key) {
+  if (io.GetNumberOfDimensions() > 2 && io.GetDimensions(2) > 1) {
+    throw InputError({path}, key, "a multi-frame DICOM file",
+                     "convert it to NRRD or NIfTI (3D Slicer, dcm2niix), or export single slices");
+  }
+  throw InputError({path}, key, "a single DICOM slice", "give the folder of the series");
+}
+
+}  // namespace
+
+itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format) {
+  const QuietLibraries quiet;
+  if (format_by_name(path) == "MetaImage") check_meta_image(path, key);
+  const std::pair<std::string, itk::ImageIOBase::Pointer> readers[] = {
+      {"NRRD", itk::NrrdImageIO::New().GetPointer()},
+      {"NIfTI", itk::NiftiImageIO::New().GetPointer()},
+      {"MetaImage", itk::MetaImageIO::New().GetPointer()},
+      {kDicom, itk::GDCMImageIO::New().GetPointer()}};
+  for (const auto& [name, io] : readers) {
+    if (!can_read(*io, path)) continue;
+    format = name;
+    if (name == "NIfTI") check_nifti(path, key);
+    io->SetFileName(path);
+    return io;
+  }
+  const std::string promised = format_by_name(path);
+  if (is_vtk(path)) {
+    throw InputError(
+        {path}, key, "a VTK file",
+        "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); use bone.mesh for a surface, as STL or PLY");
+  }
+  const std::string found = fs::file_size(path) == 0 ? "the file is empty"
+                            : promised.empty()       ? "not a readable CT image"
+                                                     : "the " + promised + " header is truncated or damaged";
+  throw InputError({path}, key, found, "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
+}
+
+ImageFacts check_image(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format,
+                       bool allow_layers) {
+  read_header(io, path, key, format);
+  if (format == kDicom) refuse_single_dicom(io, path, key);
+  ImageFacts out;
+  out.format = format;
+  out.geometry = geometry_of(io, path, key, false, allow_layers);
+  out.pixel_type = pixel_type_of(io);
+  out.layers = static_cast<int>(io.GetNumberOfComponents());
+  out.bytes_per_voxel = static_cast<double>(io.GetComponentSize()) * io.GetNumberOfComponents();
+  out.gaps = gaps_of(io);
+  check_fits_in_memory(static_cast<double>(out.geometry.size()), out.bytes_per_voxel, path, key);
+  check_file_length(path, key, out.geometry.size(), out.bytes_per_voxel);
+  const QuietLibraries quiet;
+  if (format == "NIfTI" && !nifti_is_complete(path)) throw cut_off(path, key);
+  return out;
+}
+
+void read_header(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format) {
+  const QuietLibraries quiet;
+  try {
+    io.ReadImageInformation();
+    if (quiet.reports_missing_voxels()) throw std::length_error("header");
+  } catch (const std::exception&) {
+    throw InputError({path}, key, "the " + format + " header cannot be read", "the file is truncated or damaged");
+  }
+}
+
+bool is_plausible(const ScanGeometry& geometry) {
+  if (!geometry.step_mm.allFinite() || !geometry.origin_mm.allFinite()) return false;
+  if ((geometry.dims.array() < 1).any()) return false;
+  const Vec3 edge = geometry.spacing_mm();
+  constexpr double kLeastVolume = 1e-3;  // of the box with these edges; less: the axes lie in a plane
+  return edge.minCoeff() >= kLeastStep_mm && edge.maxCoeff() <= kGreatestStep_mm &&
+         edge.maxCoeff() <= kMostElongated * edge.minCoeff() &&
+         std::abs(geometry.step_mm.determinant()) >= kLeastVolume * edge.prod();
+}
+
+ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, const std::string& key, bool allow_slice,
+                         bool allow_layers) {
+  const unsigned dimensions = io.GetNumberOfDimensions();
+  std::string shape;
+  bool volume = dimensions >= (allow_slice ? 2U : 3U);
+  for (unsigned axis = 0; axis < dimensions; ++axis) {
+    shape += (axis == 0 ? "" : "×") + std::to_string(io.GetDimensions(axis));
+    const bool single = io.GetDimensions(axis) == 1;
+    if (axis >= 3 && !single) volume = false;
+    if (axis == 2 && single && !allow_slice) volume = false;
+    if (io.GetDimensions(axis) == 0 || io.GetDimensions(axis) > std::numeric_limits<int>::max()) volume = false;
+  }
+  if (!volume) throw InputError({path}, key, "an image of " + shape + " pixels", "expected a volume, three axes");
+  const bool several = io.GetNumberOfComponents() != 1 && !allow_layers;
+  if (several || io.GetNumberOfComponents() == 0 || pixel_type_of(io).empty()) {
+    throw InputError({path}, key, std::to_string(io.GetNumberOfComponents()) + " numbers in each voxel",
+                     "expected one integer or real number (HU) in each voxel");
+  }
+  ScanGeometry geometry;
+  geometry.dims = Vec3i::Ones();
+  for (unsigned axis = 0; axis < std::min(dimensions, 3U); ++axis) {
+    geometry.dims[axis] = static_cast<int>(io.GetDimensions(axis));
+    const std::vector<double> direction = io.GetDirection(axis);
+    for (unsigned row = 0; row < std::min<std::size_t>(direction.size(), 3); ++row) {
+      geometry.step_mm(row, axis) = direction[row] * io.GetSpacing(axis);
+    }
+    geometry.origin_mm[axis] = io.GetOrigin(axis);
+  }
+  geometry = as_the_file_means(io, geometry);
+  if (!is_plausible(geometry)) {
+    throw InputError({path}, key, "voxel spacing, axes or origin are zero, not finite or degenerate",
+                     fmt::format("expected a spacing above {:g} mm and three independent axes", kLeastStep_mm));
+  }
+  return geometry;
+}
+
+std::string pixel_type_of(const itk::ImageIOBase& io) {
+  constexpr std::array kUnsigned{Component::UCHAR, Component::USHORT, Component::UINT, Component::ULONG,
+                                 Component::ULONGLONG};
+  constexpr std::array kSigned{Component::CHAR, Component::SHORT, Component::INT, Component::LONG, Component::LONGLONG};
+  const Component type = io.GetComponentType();
+  const std::string bits = std::to_string(8 * io.GetComponentSize());
+  if (std::ranges::count(kUnsigned, type) > 0) return "uint" + bits;
+  if (std::ranges::count(kSigned, type) > 0) return "int" + bits;
+  return type == Component::FLOAT ? "float" : type == Component::DOUBLE ? "double" : "";
+}
+
+void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std::string& path, const std::string& key,
+                 float* out) {
+  const QuietLibraries quiet;
+  io.SetUseStreamedReading(can_be_read_in_part(io));
+  try {
+    const itk::ImageIORegion held = io.GenerateStreamableReadRegionFromRequestedRegion(io_region(io, box));
+    // Not initialized, so that a header with false dimensions uses no memory before the file proves to be truncated.
+    const auto raw = std::make_unique_for_overwrite<std::byte[]>(held.GetNumberOfPixels() * io.GetComponentSize() *
+                                                                 io.GetNumberOfComponents());
+    io.SetIORegion(held);
+    io.Read(raw.get());
+    if (quiet.reports_missing_voxels()) throw std::length_error("voxels");
+    const Layer wanted{layer, static_cast<int>(io.GetNumberOfComponents())};
+    copy_as_float<unsigned char, signed char, unsigned short, short, unsigned, int, unsigned long, long,
+                  unsigned long long, long long, float, double>(io, raw.get(), held, box, wanted, out);
+    if (const double offset = offset_in_error(io); offset != 0) {
+      for (float* value = out; value != out + box.voxels(); ++value) *value -= static_cast<float>(offset);
+    }
+  } catch (const std::bad_alloc&) {
+    throw InputError({path}, key, "the voxels exceed the memory of this machine", "use a smaller image, or a crop");
+  } catch (const std::exception&) {
+    throw cut_off(path, key);
+  }
+}
+
+}  // namespace reamsim::ct

@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <itkImageIOBase.h>
+
+#include <string>
+
+#include "sim/scan/scan_transfer.h"
+
+namespace reamsim::ct {
+
+// Reading with ITK, for child processes. Private to sim/scan: only its sources include this header.
+
+/// The reader of a file, without ITK's global list of factories. Sets `format`: "NRRD", "NIfTI", "MetaImage", "DICOM".
+/// Throws InputError: none of these, or a header on which the libraries would crash.
+itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format);
+
+/// Reads the header and checks the file against it. Throws InputError: damaged, truncated, a single DICOM slice, not a
+/// volume, larger than the memory.
+ImageFacts check_image(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format,
+                       bool allow_layers);
+
+/// Throws InputError when the header is damaged.
+void read_header(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format);
+
+/// The geometry in the header. Throws InputError unless the image is a volume (or a slice with `allow_slice`) with one
+/// value per voxel (or several with `allow_layers`).
+ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, const std::string& key, bool allow_slice,
+                         bool allow_layers = false);
+
+/// "int16", "float", ...
+std::string pixel_type_of(const itk::ImageIOBase& io);
+
+/// Writes the values in `box`, of one layer, to `out`. Throws InputError: truncated, damaged.
+void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std::string& path, const std::string& key,
+                 float* out);
+
+}  // namespace reamsim::ct

@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/scan/label_map.h"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "sim/base/error.h"
+#include "sim/scan/scan.h"
+#include "sim/scan/words.h"
+
+namespace reamsim::ct {
+
+namespace {
+
+constexpr const char* kLabelPathKey = "bone.ct.label_map.path";
+/// The map truncates the bone if it ends in contact with this area of bone.
+constexpr double kCutOff_mm2 = 5;
+constexpr std::size_t kMaxValues = 20;
+
+/// The wanted labels of one layer, and all labels that occur in it.
+class LayerClasses {
+ public:
+  LayerClasses(const std::vector<LabelValue>& labels, int layer) {
+    for (const LabelValue& label : labels) {
+      if (label.layer == layer) wanted_.insert(static_cast<float>(label.value));
+    }
+  }
+
+  [[nodiscard]] bool any() const { return !wanted_.empty(); }
+  [[nodiscard]] bool is_wanted(float value) const { return value != 0 && wanted_.contains(value); }
+
+  void add(float value) {
+    if (value == last_) return;
+    last_ = value;
+    if (value != 0) seen_.insert(value);
+  }
+  [[nodiscard]] const std::set<float>& seen() const { return seen_; }
+
+ private:
+  std::set<float> wanted_;
+  std::set<float> seen_;
+  float last_ = 0;
+};
+
+/// The voxels of `labels` that can overlap the image; empty without an overlap.
+IndexBox overlap_with(const ScanGeometry& labels, const ScanGeometry& image) {
+  const Mat3 index_from_mm = labels.step_mm.inverse();
+  const Aabb centers{Vec3::Zero(), image.dims.cast<double>() - Vec3::Ones()};
+  Aabb indices = Aabb::none();
+  for (int corner = 0; corner < 8; ++corner) {
+    indices.extend(index_from_mm * (image.point_mm(centers.corner(corner)) - labels.origin_mm));
+  }
+  IndexBox out;
+  for (int axis = 0; axis < 3; ++axis) {
+    // One more voxel on either side, for the rounding of halfway points and for the border of the label.
+    const double from = std::clamp(std::floor(indices.min[axis]) - 1, 0.0, static_cast<double>(labels.dims[axis]));
+    const double to = std::clamp(std::ceil(indices.max[axis]) + 1, -1.0, labels.dims[axis] - 1.0);
+    out.start[axis] = static_cast<int>(from);
+    out.size[axis] = static_cast<int>(to - from) + 1;
+  }
+  return out;
+}
+
+InputError no_overlap(const std::string& path, const ScanGeometry& labels, const ScanGeometry& image,
+                      const ScanGeometry& part) {
+  std::string found = "the label map does not overlap the image: it spans " + box_words(labels.bounds_mm()) +
+                      ", the image spans " + box_words(image.bounds_mm());
+  if (part.dims != image.dims) found += ", cropped to " + box_words(part.bounds_mm());
+  return {{path},
+          kLabelPathKey,
+          found + " (LPS)",
+          "expected a map of the same scan; check its origin and axes (RAS or LPS)"};
+}
+
+/// Contact between the label and the border of the map, and the part of it with bone beyond the border.
+struct CutOff {
+  double contact_mm2 = 0;
+  double bone_mm2 = 0;
+};
+
+/// Adds the contact on one face of the map.
+void add_end(const ScanGeometry& labels, const Scan& part, const IndexBox& box, const LayerClasses& classes, int axis,
+             bool upper, const AlignedImage& hu, double threshold_hu, CutOff& cut) {
+  const int level = upper ? labels.dims[axis] - 1 : 0;
+  if (level < box.start[axis] || level >= box.start[axis] + box.size[axis]) return;
+  const double area = labels.step_mm.col((axis + 1) % 3).cross(labels.step_mm.col((axis + 2) % 3)).norm();
+  const Vec3i& size = part.geometry.dims;
+  Vec3i first = Vec3i::Zero(), last = size - Vec3i::Ones();
+  first[axis] = last[axis] = level - box.start[axis];
+  for_each_voxel(first, last, [&](const Vec3i& c) {
+    if (!classes.is_wanted(part.value[index_in(size, c)])) return;
+    Vec3 beyond = (c + box.start).cast<double>();
+    beyond[axis] += upper ? 1 : -1;
+    const Vec3i voxel = hu.lattice.voxel_of(labels.point_mm(beyond));
+    if (!hu.lattice.contains(voxel)) return;
+    cut.contact_mm2 += area;
+    if (double{hu.at(voxel)} >= threshold_hu) cut.bone_mm2 += area;
+  });
+}
+
+void report_cut_off(const CutOff& cut, const std::string& path, double threshold_hu, Report& report) {
+  if (cut.contact_mm2 == 0) return;
+  const std::string text =
+      path + fmt::format(
+                 ": the label touches the border of the map over {:.0f} mm2 inside the image, with "
+                 "{:.0f} mm2 at or above {:.0f} HU beyond it",
+                 cut.contact_mm2, cut.bone_mm2, threshold_hu);
+  if (cut.bone_mm2 >= kCutOff_mm2) {
+    report.warn(text + "; the map truncates the bone there");
+  } else {
+    report.note(text);
+  }
+}
+
+class LabelReader {
+ public:
+  LabelReader(const CtSettings& settings, const ScanGeometry& image, const IndexBox& box, const AlignedImage& hu,
+              Report& report)
+      : settings_(settings),
+        map_(*settings.label_map),
+        image_(image),
+        part_(part_of(image, box)),
+        hu_(hu),
+        report_(report),
+        source_(open_labels(map_.path, kLabelPathKey, report)) {}
+
+  LabelImages read() {
+    const std::vector<LabelValue> labels = wanted();
+    const IndexBox box = overlap_with(source_->geometry(), part_);
+    if (box.empty()) throw no_overlap(map_.path, source_->geometry(), image_, part_);
+    const std::size_t voxels = static_cast<std::size_t>(part_.size());
+    selected_.assign(voxels, 0);
+    if (map_.refine_mm > 0) other_.assign(voxels, 0);
+    for (int layer = 0; layer < source_->layers(); ++layer) {
+      LayerClasses classes(labels, layer);
+      if (classes.any()) add_layer(box, layer, classes);
+    }
+    if (inside_ == 0) throw no_overlap(map_.path, source_->geometry(), image_, part_);
+    if (wanted_voxels_ == 0) fail_without_label();
+    report_cut_off(cut_, map_.path, settings_.threshold_hu, report_);
+    const Crop crop{settings_.crop_min_mm, settings_.crop_max_mm};
+    LabelImages out{align_to_lps({part_, std::move(selected_)}, crop, 0), {}};
+    if (!other_.empty()) out.other = align_to_lps({part_, std::move(other_)}, crop, 0);
+    return out;
+  }
+
+ private:
+  [[nodiscard]] std::vector<LabelValue> wanted() const {
+    std::vector<NamedSegment> segments = segments_of_nrrd(source_->metadata(), source_->layers());
+    if (segments.empty()) segments = segments_of_nifti(map_.path);
+    report_.note("label map " + map_.path + ": " + source_->description() + shape());
+    return find_labels(map_.label, segments, source_->layers(), map_.path);
+  }
+
+  [[nodiscard]] std::string shape() const {
+    const ScanGeometry& g = source_->geometry();
+    const Vec3 s = g.spacing_mm();
+    std::string out = fmt::format(", {}x{}x{} voxels of {:.4g}x{:.4g}x{:.4g} mm, ", g.dims.x(), g.dims.y(), g.dims.z(),
+                                  s.x(), s.y(), s.z());
+    if (source_->layers() > 1) out += std::to_string(source_->layers()) + " layers, ";
+    return out + box_words(g.bounds_mm());
+  }
+
+  void add_layer(const IndexBox& box, int layer, LayerClasses& classes) {
+    const Scan labels = source_->read_layer(box, layer);
+    check_whole(labels, box);
+    const NearestVoxel nearest(source_->geometry(), part_);
+    for_each_voxel(part_.dims, [&](const Vec3i& voxel) {
+      const Vec3i c = nearest(voxel) - box.start;
+      if ((c.array() < 0).any() || (c.array() >= box.size.array()).any()) return;
+      ++inside_;
+      const float value = labels.value[index_in(box.size, c)];
+      classes.add(value);
+      if (classes.is_wanted(value)) {
+        selected_[index_in(part_.dims, voxel)] = 1;
+        ++wanted_voxels_;
+      } else if (value != 0 && !other_.empty()) {
+        other_[index_in(part_.dims, voxel)] = 1;
+      }
+    });
+    seen_.insert(classes.seen().begin(), classes.seen().end());
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const bool upper : {false, true}) {
+        add_end(source_->geometry(), labels, box, classes, axis, upper, hu_, settings_.threshold_hu, cut_);
+      }
+    }
+  }
+
+  /// Labels are whole numbers, even in files of floating-point type.
+  void check_whole(const Scan& labels, const IndexBox& box) const {
+    if (source_->has_whole_numbers()) return;
+    for (std::size_t at = 0; at < labels.value.size(); ++at) {
+      const float value = labels.value[at];
+      if (std::isfinite(value) && value == std::floor(value)) continue;
+      const Vec3i c = box.start + Lattice{.dims = box.size}.voxel_at(at);
+      throw InputError({map_.path}, kLabelPathKey,
+                       fmt::format("the value {:g} at voxel ({}, {}, {}) is not a label", static_cast<double>(value),
+                                   c.x(), c.y(), c.z()),
+                       "expected whole numbers; threshold a probability map and save it as integers");
+    }
+  }
+
+  [[noreturn]] void fail_without_label() const {
+    std::string values;
+    std::size_t count = 0;
+    for (const float value : seen_) {
+      if (++count > kMaxValues) break;
+      values += (values.empty() ? "" : ", ") + fmt::format("{:.0f}", static_cast<double>(value));
+    }
+    if (count > kMaxValues) values += ", ...";
+    throw InputError(
+        {map_.path}, "bone.ct.label_map.label", "no voxel in the crop has label " + words_of_labels(map_.label),
+        values.empty() ? "the map has no label there; move the crop" : "the map holds " + values + " there");
+  }
+
+  const CtSettings& settings_;
+  const LabelMapSettings& map_;
+  const ScanGeometry& image_;
+  ScanGeometry part_;
+  const AlignedImage& hu_;
+  Report& report_;
+  std::unique_ptr<LabelSource> source_;
+  std::vector<float> selected_;
+  std::vector<float> other_;
+  std::set<float> seen_;
+  std::int64_t inside_ = 0;
+  std::int64_t wanted_voxels_ = 0;
+  CutOff cut_;
+};
+
+}  // namespace
+
+NearestVoxel::NearestVoxel(const ScanGeometry& labels, const ScanGeometry& image) {
+  const Mat3 index_from_mm = labels.step_mm.inverse();
+  step_ = index_from_mm * image.step_mm;
+  first_ = index_from_mm * (image.origin_mm - labels.origin_mm);
+  last_ = labels.dims.cast<double>() - Vec3::Ones();
+  for (int axis = 0; axis < 3; ++axis) {
+    int along = 0;
+    labels.step_mm.col(axis).cwiseAbs().maxCoeff(&along);
+    forward_[axis] = labels.step_mm(along, axis) > 0;
+  }
+}
+
+LabelImages read_labels(const CtSettings& settings, const ScanGeometry& image, const IndexBox& box,
+                        const AlignedImage& hu, Report& report) {
+  return LabelReader(settings, image, box, hu, report).read();
+}
+
+}  // namespace reamsim::ct

@@ -1,0 +1,238 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/scan/morphology.h"
+
+#include <itkBinaryBallStructuringElement.h>
+#include <itkBinaryMorphologicalClosingImageFilter.h>
+#include <itkConnectedComponentImageFilter.h>
+#include <itkCurvatureAnisotropicDiffusionImageFilter.h>
+#include <itkDiscreteGaussianImageFilter.h>
+#include <itkFlatStructuringElement.h>
+#include <itkImportImageFilter.h>
+#include <itkMedianImageFilter.h>
+#include <itkRelabelComponentImageFilter.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace reamsim::ct {
+
+namespace {
+
+using FloatImage = itk::Image<float, 3>;
+using MaskImage = itk::Image<std::uint8_t, 3>;
+using LabelImage = itk::Image<std::uint32_t, 3>;
+
+/// An ITK image of `values`, which it does not own.
+template <typename Value>
+typename itk::Image<Value, 3>::Pointer view(std::vector<Value>& values, const Vec3i& dims,
+                                            const Vec3& spacing = Vec3::Ones()) {
+  using Importer = itk::ImportImageFilter<Value, 3>;
+  const auto importer = Importer::New();
+  typename Importer::RegionType region;
+  typename Importer::SpacingType step;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    region.SetSize(axis, static_cast<itk::SizeValueType>(dims[axis]));
+    step[axis] = spacing[axis];
+  }
+  importer->SetRegion(region);
+  importer->SetSpacing(step);
+  importer->SetImportPointer(values.data(), values.size(), false);
+  importer->Update();
+  return importer->GetOutput();
+}
+
+template <typename Value>
+typename itk::Image<Value, 3>::Pointer view(std::vector<Value>& values, const Lattice& lattice) {
+  return view(values, lattice.dims, lattice.spacing_mm);
+}
+
+void copy_back(const FloatImage& filtered, std::vector<float>& values) {
+  std::copy_n(filtered.GetBufferPointer(), values.size(), values.begin());
+}
+
+/// Gives every voxel the least (or the greatest) value within `radius` along one axis.
+Mask extreme_along(const Mask& mask, const Lattice& lattice, int axis, int radius, bool greatest) {
+  const int length = lattice.dims[axis];
+  const std::size_t stride = axis == 0 ? 1 : lattice.index(Vec3i::Unit(axis));
+  Mask out(mask.size());
+  for (std::size_t at = 0; at < mask.size(); ++at) {
+    const int here = static_cast<int>(at / stride % static_cast<std::size_t>(length));
+    const int first = std::max(here - radius, 0), last = std::min(here + radius, length - 1);
+    const std::size_t line = at - stride * static_cast<std::size_t>(here);
+    std::uint8_t value = greatest ? 0 : 1;
+    for (int n = first; n <= last; ++n) {
+      const std::uint8_t other = mask[line + stride * static_cast<std::size_t>(n)];
+      value = greatest ? std::max(value, other) : std::min(value, other);
+    }
+    out[at] = value;
+  }
+  return out;
+}
+
+Mask extreme_in_box(Mask mask, const Lattice& lattice, const Vec3i& radius, bool greatest) {
+  for (int axis = 0; axis < 3; ++axis) mask = extreme_along(mask, lattice, axis, radius[axis], greatest);
+  return mask;
+}
+
+/// Labels of the connected components of the background; of a plane, where one of `dims` is 1.
+std::vector<std::uint32_t> label_background(Mask& background, const Vec3i& dims, std::uint32_t& count) {
+  const auto label = itk::ConnectedComponentImageFilter<MaskImage, LabelImage>::New();
+  label->SetInput(view(background, dims));
+  label->Update();
+  count = static_cast<std::uint32_t>(label->GetObjectCount());
+  const std::uint32_t* first = label->GetOutput()->GetBufferPointer();
+  return {first, first + background.size()};
+}
+
+/// One face of the image: its two axes, and its coordinate along the third.
+struct Face {
+  int u;
+  int v;
+  int across;
+  int level;
+
+  [[nodiscard]] Vec3i voxel(int i, int j) const {
+    Vec3i out;
+    out[u] = i;
+    out[v] = j;
+    out[across] = level;
+    return out;
+  }
+};
+
+/// Marks the components of the background that reach the rim of this face: they are open.
+void mark_open_parts(const std::vector<std::uint32_t>& part, const Lattice& lattice, const Face& face,
+                     std::vector<std::uint8_t>& open) {
+  const Vec3i dims(lattice.dims[face.u], lattice.dims[face.v], 1);
+  const auto part_at = [&](const Vec3i& v) { return part[lattice.index(face.voxel(v.x(), v.y()))]; };
+  Mask background;
+  for_each_voxel(dims, [&](const Vec3i& v) { background.push_back(part_at(v) != 0); });
+  std::uint32_t count = 0;
+  const std::vector<std::uint32_t> region = label_background(background, dims, count);
+  std::vector<std::uint8_t> reaches_rim(count + std::size_t{1}, 0);
+  for_each_voxel(dims, [&](const Vec3i& v) {
+    const bool rim = v.x() == 0 || v.y() == 0 || v.x() == dims.x() - 1 || v.y() == dims.y() - 1;
+    if (rim) reaches_rim[region[index_in(dims, v)]] = 1;
+  });
+  for_each_voxel(dims, [&](const Vec3i& v) {
+    const std::uint32_t at = region[index_in(dims, v)];
+    if (at != 0 && reaches_rim[at]) open[part_at(v)] = 1;
+  });
+}
+
+}  // namespace
+
+Mask positive_voxels(const AlignedImage& image) {
+  Mask out(image.value.size());
+  std::ranges::transform(image.value, out.begin(), [](float value) { return value > 0 ? 1 : 0; });
+  return out;
+}
+
+Mask complement(const Mask& mask) {
+  Mask out(mask.size());
+  std::ranges::transform(mask, out.begin(), [](std::uint8_t inside) { return inside ? 0 : 1; });
+  return out;
+}
+
+Mask eroded(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
+  return extreme_in_box(mask, lattice, radius, false);
+}
+
+Mask dilated(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
+  return extreme_in_box(mask, lattice, radius, true);
+}
+
+void median_filter(AlignedImage& image, int radius_voxels) {
+  const auto filter = itk::MedianImageFilter<FloatImage, FloatImage>::New();
+  filter->SetInput(view(image.value, image.lattice));
+  filter->SetRadius(static_cast<itk::SizeValueType>(radius_voxels));
+  filter->Update();
+  copy_back(*filter->GetOutput(), image.value);
+}
+
+void curvature_anisotropic_filter(AlignedImage& image, int iterations, double conductance) {
+  // ITK's bound for three dimensions: smallest spacing / 2^(3+1).
+  constexpr double kStableFraction = 1.0 / 16;
+  const auto filter = itk::CurvatureAnisotropicDiffusionImageFilter<FloatImage, FloatImage>::New();
+  filter->SetInput(view(image.value, image.lattice));
+  filter->SetNumberOfIterations(static_cast<unsigned>(iterations));
+  filter->SetConductanceParameter(conductance);
+  filter->SetTimeStep(kStableFraction * image.lattice.spacing_mm.minCoeff());
+  filter->Update();
+  copy_back(*filter->GetOutput(), image.value);
+}
+
+void gaussian_filter(AlignedImage& image, double sigma_voxels) {
+  const auto filter = itk::DiscreteGaussianImageFilter<FloatImage, FloatImage>::New();
+  filter->SetInput(view(image.value, image.lattice));
+  filter->SetUseImageSpacing(false);
+  filter->SetVariance(sigma_voxels * sigma_voxels);
+  filter->Update();
+  copy_back(*filter->GetOutput(), image.value);
+}
+
+Pieces connected_pieces(const Mask& mask, const Lattice& lattice) {
+  Mask input = mask;
+  const auto label = itk::ConnectedComponentImageFilter<MaskImage, LabelImage>::New();
+  label->SetInput(view(input, lattice));
+  const auto by_size = itk::RelabelComponentImageFilter<LabelImage, LabelImage>::New();
+  by_size->SetInput(label->GetOutput());
+  by_size->Update();
+  Pieces out;
+  const std::uint32_t* first = by_size->GetOutput()->GetBufferPointer();
+  out.label.assign(first, first + input.size());
+  out.list.resize(by_size->GetNumberOfObjects());
+  for (std::size_t n = 0; n < out.list.size(); ++n) {
+    out.list[n] = {static_cast<std::uint32_t>(n + 1), 0, lattice.dims, Vec3i::Constant(-1)};
+  }
+  lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+    if (out.label[at] == 0) return;
+    Piece& piece = out.list[out.label[at] - 1];
+    ++piece.voxels;
+    piece.min = piece.min.cwiseMin(voxel);
+    piece.max = piece.max.cwiseMax(voxel);
+  });
+  return out;
+}
+
+void close_mask(Mask& mask, const Lattice& lattice, double radius_mm) {
+  using Ball = itk::FlatStructuringElement<3>;
+  Ball::RadiusType radius;
+  bool moves = false;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    radius[axis] = static_cast<itk::SizeValueType>(std::lround(radius_mm / lattice.spacing_mm[axis]));
+    moves = moves || radius[axis] > 0;
+  }
+  if (!moves) return;
+  const auto filter = itk::BinaryMorphologicalClosingImageFilter<MaskImage, MaskImage, Ball>::New();
+  filter->SetInput(view(mask, lattice));
+  filter->SetKernel(Ball::Ball(radius));
+  filter->SetForegroundValue(1);
+  filter->SafeBorderOn();
+  filter->Update();
+  std::copy_n(filter->GetOutput()->GetBufferPointer(), mask.size(), mask.begin());
+}
+
+std::int64_t fill_holes(Mask& mask, const Lattice& lattice) {
+  Mask background = complement(mask);
+  const Vec3i& d = lattice.dims;
+  std::uint32_t count = 0;
+  const std::vector<std::uint32_t> part = label_background(background, d, count);
+  std::vector<std::uint8_t> open(count + std::size_t{1}, 0);
+  for (int across = 0; across < 3; ++across) {
+    const int u = (across + 1) % 3;
+    const int v = (across + 2) % 3;
+    for (const int level : {0, d[across] - 1}) mark_open_parts(part, lattice, {u, v, across, level}, open);
+  }
+  std::int64_t filled = 0;
+  for (std::size_t at = 0; at < mask.size(); ++at) {
+    if (part[at] == 0 || open[part[at]]) continue;
+    mask[at] = 1;
+    ++filled;
+  }
+  return filled;
+}
+
+}  // namespace reamsim::ct

@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/scan/scan_transfer.h"
+
+#include <algorithm>
+
+namespace reamsim::ct {
+
+namespace {
+
+void put_numbers(ResultWriter& out, const double* first, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) out.put(first[i]);
+}
+
+void take_numbers(ResultReader& in, double* first, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) first[i] = in.get<double>();
+}
+
+template <class Vector>
+void put_optional(ResultWriter& out, const std::optional<Vector>& vector) {
+  out.put(vector.has_value());
+  if (vector) put_numbers(out, vector->data(), static_cast<std::size_t>(vector->size()));
+}
+
+template <class Vector>
+std::optional<Vector> take_optional(ResultReader& in) {
+  if (in.get<unsigned char>() == 0) return std::nullopt;
+  Vector out;
+  take_numbers(in, out.data(), static_cast<std::size_t>(out.size()));
+  if (!out.allFinite()) in.fail();
+  return out;
+}
+
+}  // namespace
+
+void put_geometry(ResultWriter& out, const ScanGeometry& geometry) {
+  for (const int size : geometry.dims) out.put(size);
+  put_numbers(out, geometry.step_mm.data(), 9);
+  put_numbers(out, geometry.origin_mm.data(), 3);
+}
+
+ScanGeometry take_geometry(ResultReader& in) {
+  ScanGeometry out;
+  for (int& size : out.dims) size = in.get<int>();
+  take_numbers(in, out.step_mm.data(), 9);
+  take_numbers(in, out.origin_mm.data(), 3);
+  if (!is_plausible(out)) in.fail();
+  return out;
+}
+
+void put_facts(ResultWriter& out, const ImageFacts& facts) {
+  out.put(facts.format);
+  out.put(facts.pixel_type);
+  put_geometry(out, facts.geometry);
+  out.put(facts.layers);
+  out.put(facts.bytes_per_voxel);
+  out.put(facts.gaps.says_orientation);
+  out.put(facts.gaps.unknown_unit);
+}
+
+ImageFacts take_facts(ResultReader& in) {
+  ImageFacts out;
+  out.format = in.text();
+  out.pixel_type = in.text();
+  out.geometry = take_geometry(in);
+  out.layers = in.get<int>();
+  out.bytes_per_voxel = in.get<double>();
+  out.gaps.says_orientation = in.get<unsigned char>() != 0;
+  out.gaps.unknown_unit = in.text();
+  if (out.layers < 1 || !(out.bytes_per_voxel > 0)) in.fail();
+  return out;
+}
+
+void put_texts(ResultWriter& out, const std::map<std::string, std::string>& texts) {
+  out.put(std::uint64_t{texts.size()});
+  for (const auto& [name, value] : texts) {
+    out.put(name);
+    out.put(value);
+  }
+}
+
+std::map<std::string, std::string> take_texts(ResultReader& in) {
+  std::map<std::string, std::string> out;
+  for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
+    std::string name = in.text();
+    out[std::move(name)] = in.text();
+  }
+  return out;
+}
+
+void put_dicom_file(ResultWriter& out, const DicomFile& file) {
+  const DicomHeader& header = file.header;
+  out.put(file.kind);
+  for (const std::string* text : {&header.path, &header.series_uid, &header.instance_uid, &header.description,
+                                  &header.kernel, &header.modality, &header.photometric}) {
+    out.put(*text);
+  }
+  for (const int number : {header.series_number, header.frames, header.columns, header.rows}) out.put(number);
+  out.put(header.rescales);
+  out.put(header.kvp);
+  put_optional(out, header.pixel_spacing_mm);
+  put_optional(out, header.position_mm);
+  put_optional(out, header.normal);
+}
+
+DicomFile take_dicom_file(ResultReader& in) {
+  DicomFile out;
+  out.kind = in.get<DicomKind>();
+  if (out.kind < DicomKind::other || out.kind > DicomKind::image) in.fail();
+  DicomHeader& header = out.header;
+  for (std::string* text : {&header.path, &header.series_uid, &header.instance_uid, &header.description, &header.kernel,
+                            &header.modality, &header.photometric}) {
+    *text = in.text();
+  }
+  for (int* number : {&header.series_number, &header.frames, &header.columns, &header.rows}) *number = in.get<int>();
+  header.rescales = in.get<unsigned char>() != 0;
+  header.kvp = in.get<double>();
+  header.pixel_spacing_mm = take_optional<Vec2>(in);
+  header.position_mm = take_optional<Vec3>(in);
+  header.normal = take_optional<Vec3>(in);
+  return out;
+}
+
+}  // namespace reamsim::ct

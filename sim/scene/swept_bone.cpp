@@ -1,0 +1,198 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/scene/swept_bone.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "kernels/bricks.h"
+#include "sim/base/parallel.h"
+#include "sim/tool/distance_table.h"
+#include "sim/tool/tool_path.h"
+
+namespace reamsim {
+namespace {
+
+/// Bound of the motion of the tool between two tested poses, voxels.
+constexpr double kStepVoxels = 0.5;
+/// Pitch of the distance table, voxels.
+constexpr double kTablePitchVoxels = 0.5;
+/// Margin around the tool's box, voxels: larger than a brick's radius and a voxel.
+constexpr double kMarginVoxels = 9;
+
+/// A tested pose of the tool.
+struct TestedPose {
+  Rigid tool_from_bone;
+  Aabb box;              ///< of the tool in B, with the margin
+  std::size_t pose = 0;  ///< index of the pose at the end of the step
+};
+
+Aabb box_in_bone(const Aabb& box, const Rigid& bone_from_tool) {
+  const Vec3 middle = bone_from_tool * Vec3(0.5 * (box.min + box.max));
+  const Vec3 half = bone_from_tool.linear().cwiseAbs() * (0.5 * (box.max - box.min));
+  return {middle - half, middle + half};
+}
+
+bool contains(const Aabb& box, const Vec3& p) {
+  return (p.array() >= box.min.array()).all() && (p.array() <= box.max.array()).all();
+}
+
+/// `tool_box`: T, with the margin.
+std::vector<TestedPose> sample_poses(const std::vector<ToolPose>& poses, const Aabb& tool_box, double step_mm) {
+  const double reach_mm = tool_box.min.cwiseAbs().cwiseMax(tool_box.max.cwiseAbs()).norm();
+  std::vector<TestedPose> out;
+  for (const PathSample& sample : sample_path(poses, reach_mm, step_mm)) {
+    const Rigid bone_from_tool = sample.pose.bone_from_tool();
+    out.push_back({bone_from_tool.inverse(), box_in_bone(tool_box, bone_from_tool), sample.frame});
+  }
+  return out;
+}
+
+/// A tested pose in reach of a brick.
+struct NearPose {
+  const TestedPose* tested;
+  double middle_mm;  ///< signed distance of the brick's middle from the tool
+};
+
+/// The predicted fill of a brick.
+struct BrickLoss {
+  Vec3i coord;
+  FillBricks::Brick fill;
+  std::size_t first_pose;  ///< first pose that removes bone, to within half a brick
+};
+
+/// Predicts the bone in the swept volume, brick by brick.
+class SweptBone {
+ public:
+  SweptBone(const Voxmap& voxmap, const FillBricks& before, const Profile& tool, const std::vector<ToolPose>& poses,
+            bool whole_voxels)
+      : grid_(voxmap.grid),
+        grade_(voxmap.grade),
+        before_(before),
+        whole_voxels_(whole_voxels),
+        table_(distance_table_around(tool, kTablePitchVoxels * voxmap.grid.voxel_mm,
+                                     kMarginVoxels * voxmap.grid.voxel_mm)),
+        tested_poses_(sample_poses(poses, tool.bounds().expanded(kMarginVoxels * voxmap.grid.voxel_mm),
+                                   kStepVoxels * voxmap.grid.voxel_mm)) {}
+
+  [[nodiscard]] std::vector<BrickLoss> losses() const {
+    std::vector<Vec3i> bricks = grade_.stored_coords();
+    Aabb path_box = tested_poses_.front().box;
+    for (const TestedPose& tested : tested_poses_) {
+      path_box = {path_box.min.cwiseMin(tested.box.min), path_box.max.cwiseMax(tested.box.max)};
+    }
+    std::erase_if(bricks, [&](const Vec3i& coord) { return !contains(path_box, middle_of(coord)); });
+    std::vector<std::optional<BrickLoss>> found(bricks.size());
+    parallel_items(bricks.size(), [&](std::size_t i) { found[i] = loss_of(bricks[i]); });
+    std::vector<BrickLoss> out;
+    for (std::optional<BrickLoss>& loss : found) {
+      if (loss) out.push_back(*loss);
+    }
+    return out;
+  }
+
+ private:
+  [[nodiscard]] Vec3 middle_of(const Vec3i& brick) const {
+    return grid_.origin_mm + grid_.voxel_mm * BrickLattice::kSide * (brick.cast<double>() + Vec3::Constant(0.5));
+  }
+
+  [[nodiscard]] std::optional<BrickLoss> loss_of(const Vec3i& coord) const {
+    const Vec3 middle = middle_of(coord);
+    const double radius_mm = RS_BRICK_RADIUS * grid_.voxel_mm;
+    std::vector<NearPose> near;
+    for (const TestedPose& tested : tested_poses_) {
+      if (!contains(tested.box, middle)) continue;
+      const double mm = distance_at(tested.tool_from_bone * middle);
+      if (mm < radius_mm) near.push_back({&tested, mm});
+    }
+    if (near.empty()) return std::nullopt;
+    const NearPose& nearest = *std::ranges::min_element(near, {}, &NearPose::middle_mm);
+    const double reached_mm = 0.5 * BrickLattice::kSide * grid_.voxel_mm;
+    const auto reached = std::ranges::find_if(near, [&](const NearPose& at) { return at.middle_mm < reached_mm; });
+    BrickLoss loss{coord, {}, (reached == near.end() ? nearest : *reached).tested->pose};
+    return cut(near, nearest.middle_mm < -radius_mm, loss) ? std::optional(loss) : std::nullopt;
+  }
+
+  /// Sets the predicted fill. Returns whether any bone is removed.
+  bool cut(const std::vector<NearPose>& near, bool whole, BrickLoss& loss) const {
+    const GradeBricks::Brick& grades = *grade_.brick(loss.coord);
+    const FillBricks::Brick* before = before_.brick(loss.coord);
+    bool any = false;
+    for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
+      const auto at = static_cast<std::size_t>(offset);
+      std::uint16_t& fill = loss.fill[at];
+      fill = before == nullptr ? FillBricks::kWhole : (*before)[at];
+      if (grades[at] == 0 || fill == 0) continue;
+      const double remaining = whole ? 0 : remaining_fraction(BrickLattice::voxel_at(loss.coord, offset), near);
+      const auto predicted = static_cast<std::uint16_t>(std::lround(remaining * double{FillBricks::kWhole}));
+      any |= predicted < fill;
+      fill = std::min(fill, predicted);
+    }
+    return any;
+  }
+
+  [[nodiscard]] double remaining_fraction(const Vec3i& voxel, const std::vector<NearPose>& near) const {
+    const Vec3 middle = grid_.center_mm(voxel);
+    const double distance = distance_mm(middle, near) / grid_.voxel_mm;
+    if (!whole_voxels_) return std::clamp(0.5 + distance, 0.0, 1.0);
+    if (std::abs(distance) > 0.5 * std::numbers::sqrt3) return distance > 0 ? 1 : 0;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 corner(i & 1, i >> 1 & 1, i >> 2);
+      if (distance_mm(middle + grid_.voxel_mm * (corner - Vec3::Constant(0.5)), near) < 0) return 0;
+    }
+    return 1;
+  }
+
+  [[nodiscard]] double distance_at(const Vec3& point_t) const {
+    return table_.at({point_t.head<2>().norm(), point_t.z()});
+  }
+
+  /// Smallest distance over these poses, limited to a voxel.
+  [[nodiscard]] double distance_mm(const Vec3& point, const std::vector<NearPose>& near) const {
+    double least_mm = grid_.voxel_mm;
+    for (const NearPose& at : near) least_mm = std::min(least_mm, distance_at(at.tested->tool_from_bone * point));
+    return least_mm;
+  }
+
+  const VoxelGrid& grid_;
+  const GradeBricks& grade_;
+  const FillBricks& before_;
+  bool whole_voxels_;
+  DistanceTable table_;
+  std::vector<TestedPose> tested_poses_;
+};
+
+/// The pose of greatest tool depth, which counts along the tool's axis from the pose before the first contact.
+const ToolPose& deepest_from(const std::vector<ToolPose>& poses, std::size_t contact) {
+  const Vec3& start_mm = poses[contact == 0 ? 0 : contact - 1].position_mm;
+  const ToolPose* deepest = &poses[contact];
+  double most_mm = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = contact; k < poses.size(); ++k) {
+    const double depth_mm = -(poses[k].position_mm - start_mm).dot(poses[k].orientation * Vec3::UnitZ());
+    if (depth_mm <= most_mm) continue;
+    most_mm = depth_mm;
+    deepest = &poses[k];
+  }
+  return *deepest;
+}
+
+}  // namespace
+
+PredictedBone predict_swept_bone(const Voxmap& voxmap, const FillBricks& before, const Profile& tool,
+                                 const std::vector<ToolPose>& poses, bool whole_voxels) {
+  PredictedBone out{.fill = before, .deepest = poses.front()};
+  std::size_t contact = poses.size();
+  for (const BrickLoss& loss : SweptBone(voxmap, before, tool, poses, whole_voxels).losses()) {
+    out.fill.put(loss.coord, loss.fill);
+    contact = std::min(contact, loss.first_pose);
+  }
+  out.touches = contact < poses.size();
+  if (out.touches) out.deepest = deepest_from(poses, contact);
+  return out;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "sim/tool/key_poses.h"
+
+namespace reamsim {
+
+/// Recorded poses, row by row: a header line and rows of `time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz` and optionally `spin_rpm`
+/// (otherwise settings.spin_rpm), in any order of columns; other columns are ignored with a note. A byte-order mark,
+/// CRLF, blank lines and blanks around fields are tolerated. Every method throws InputError with file and line: no such
+/// file, empty, missing or repeated column, wrong number of fields, not a finite number, position beyond a kilometre,
+/// zero quaternion.
+class PoseCsv {
+ public:
+  /// A place between rows.
+  struct Place {
+    std::int64_t byte = 0;
+    int line = 0;  ///< read before it
+  };
+
+  PoseCsv(const CsvMotionSettings& settings, Report& report);
+  PoseCsv(PoseCsv&&) noexcept;
+  PoseCsv(const PoseCsv&) = delete;
+  PoseCsv& operator=(const PoseCsv&) = delete;
+  PoseCsv& operator=(PoseCsv&&) = delete;
+  ~PoseCsv();
+
+  /// Reads the next row; false at the end. `row_report` gets a warning about a quaternion that is no rotation.
+  bool next(KeyPose& pose, Report& row_report);
+  [[nodiscard]] Place place() const;
+  /// Goes on at a place that place() has returned. Only where the file is a regular one.
+  void seek(const Place& place);
+  [[nodiscard]] SourceLocation here() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Reads all rows, and calls visit(pose, place before its row). Besides the mistakes of rows, throws InputError where
+/// times do not increase, and for fewer than two or more than ten million rows. Times need not be equidistant.
+void scan_pose_csv(PoseCsv& csv, const std::string& path, Report& report,
+                   const std::function<void(const KeyPose&, const PoseCsv::Place&)>& visit);
+
+/// All rows in memory.
+std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Report& report);
+
+}  // namespace reamsim

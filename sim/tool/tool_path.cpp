@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/tool/tool_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace reamsim {
+
+namespace {
+
+void append(const std::optional<StepChooser::Choice>& choice, std::vector<PathSample>& out) {
+  if (!choice) return;
+  const auto& [last, sample, parts] = *choice;
+  for (std::int64_t i = 1; i < parts; ++i) {
+    out.push_back({interpolate(last, sample.pose, static_cast<double>(i) / static_cast<double>(parts)), sample.frame});
+  }
+  out.push_back(sample);
+}
+
+/// `sample_of(k)`: the k-th of `count` poses.
+template <class SampleOf>
+std::vector<PathSample> sample_poses(std::size_t count, const SampleOf& sample_of, double reach_mm, double step_mm) {
+  std::vector<PathSample> out{sample_of(0)};
+  StepChooser chooser(reach_mm, step_mm);
+  for (std::size_t k = 0; k < count; ++k) append(chooser.add(sample_of(k)), out);
+  append(chooser.finish(), out);
+  return out;
+}
+
+}  // namespace
+
+Vec3 rotation_vector(const Quat& a, const Quat& b) {
+  const Eigen::AngleAxisd rotation(b * a.conjugate());
+  const double angle = rotation.angle() > M_PI ? rotation.angle() - 2 * M_PI : rotation.angle();
+  return angle * rotation.axis();
+}
+
+double motion_bound_mm(const ToolPose& a, const ToolPose& b, double reach_mm) {
+  return (b.position_mm - a.position_mm).norm() + rotation_vector(a.orientation, b.orientation).norm() * reach_mm;
+}
+
+ToolPath::ToolPath(std::vector<PathSample> points, double reach_mm)
+    : points_(std::move(points)), ends_mm_(points_.size(), 0) {
+  for (std::size_t k = 1; k < points_.size(); ++k) {
+    ends_mm_[k] = ends_mm_[k - 1] + motion_bound_mm(points_[k - 1].pose, points_[k].pose, reach_mm);
+  }
+}
+
+std::size_t ToolPath::point_at(double at_mm) const {
+  const auto end = std::ranges::lower_bound(ends_mm_, at_mm);
+  return std::min(static_cast<std::size_t>(end - ends_mm_.begin()), points_.size() - 1);
+}
+
+ToolPose ToolPath::pose_at(double at_mm) const {
+  const std::size_t k = point_at(at_mm);
+  if (k == 0) return points_[0].pose;
+  const double part_mm = ends_mm_[k] - ends_mm_[k - 1];
+  const double t = part_mm > 0 ? (at_mm - ends_mm_[k - 1]) / part_mm : 1;
+  return interpolate(points_[k - 1].pose, points_[k].pose, std::clamp(t, 0.0, 1.0));
+}
+
+std::optional<StepChooser::Choice> StepChooser::add(const PathSample& sample, bool keep) {
+  std::optional<Choice> out;
+  if (!chosen_) {
+    chosen_ = sample.pose;
+    before_mm_ = sample.pose.position_mm;
+    return out;
+  }
+  if (pending_) {
+    const Vec3 pending_mm = pending_->pose.position_mm;
+    out = decide((pending_mm - before_mm_).dot(sample.pose.position_mm - pending_mm) <= 0);
+    before_mm_ = pending_mm;
+  }
+  pending_ = sample;
+  keep_pending_ = keep;
+  return out;
+}
+
+std::optional<StepChooser::Choice> StepChooser::finish() {
+  return pending_ ? decide(true) : std::nullopt;
+}
+
+std::optional<StepChooser::Choice> StepChooser::decide(bool reverses) {
+  constexpr double kMinStep = 0.1;  // of a step: a tool that moves less dwells
+  const double bound_mm = motion_bound_mm(*chosen_, pending_->pose, reach_mm_);
+  const auto parts = static_cast<std::int64_t>(std::ceil(bound_mm / step_mm_));
+  if (!keep_pending_ && (bound_mm < kMinStep * step_mm_ || (parts == 1 && !reverses))) return std::nullopt;
+  const ToolPose last = std::exchange(*chosen_, pending_->pose);
+  return Choice{last, *pending_, parts};
+}
+
+std::vector<PathSample> sample_path(const PoseSequence& poses, double reach_mm, double step_mm) {
+  return sample_poses(
+      poses.size(),
+      [&](std::size_t k) {
+        return PathSample{poses[k], k};
+      },
+      reach_mm, step_mm);
+}
+
+std::vector<PathSample> sample_path(const std::vector<PathSample>& path, double reach_mm, double step_mm) {
+  return sample_poses(
+      path.size(), [&](std::size_t k) { return path[k]; }, reach_mm, step_mm);
+}
+
+}  // namespace reamsim

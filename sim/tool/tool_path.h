@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sim/tool/motion.h"
+
+namespace reamsim {
+
+/// Rotation vector (axis times angle, at most π) that takes orientation `a` to `b`, in B.
+Vec3 rotation_vector(const Quat& a, const Quat& b);
+
+/// Bound of the motion from pose `a` to `b` of any point within `reach_mm` of the tool's origin, mm. Without the spin,
+/// which does not move an envelope of revolution.
+double motion_bound_mm(const ToolPose& a, const ToolPose& b, double reach_mm);
+
+/// A pose on a path.
+struct PathSample {
+  ToolPose pose;
+  std::size_t frame = 0;  ///< the frame at the pose or at the end of its segment
+};
+
+/// A path of the tool, parametrized by the accumulated motion_bound_mm().
+class ToolPath {
+ public:
+  /// `points`: at least one.
+  ToolPath(std::vector<PathSample> points, double reach_mm);
+
+  [[nodiscard]] double length_mm() const { return ends_mm_.back(); }
+  /// The frame at the end of the segment with `at_mm`.
+  [[nodiscard]] std::size_t frame_at(double at_mm) const { return points_[point_at(at_mm)].frame; }
+  [[nodiscard]] ToolPose pose_at(double at_mm) const;
+
+ private:
+  [[nodiscard]] std::size_t point_at(double at_mm) const;
+
+  std::vector<PathSample> points_;
+  std::vector<double> ends_mm_;  ///< by point
+};
+
+/// Chooses poses of a path at steps of motion_bound_mm(), in one pass. They include the poses where the tool stops or
+/// reverses, such as the deepest one.
+class StepChooser {
+ public:
+  struct Choice {
+    ToolPose last;           ///< the pose that was chosen before
+    PathSample sample;       ///< the pose that is chosen
+    std::int64_t parts = 1;  ///< bound of the motion between them in steps, rounded up
+  };
+
+  StepChooser(double reach_mm, double step_mm) : reach_mm_(reach_mm), step_mm_(step_mm) {}
+
+  /// Adds the next pose of the path, and returns the one before it if that is chosen. The first pose is not returned.
+  /// `keep`: the pose is chosen in any case.
+  std::optional<Choice> add(const PathSample& sample, bool keep = false);
+  /// Ends the path, and returns its last pose if that is chosen.
+  std::optional<Choice> finish();
+  /// The pose that was added last, unless it was the first one.
+  [[nodiscard]] const std::optional<PathSample>& last() const { return pending_; }
+
+ private:
+  std::optional<Choice> decide(bool reverses);
+
+  double reach_mm_;
+  double step_mm_;
+  std::optional<ToolPose> chosen_;     ///< the last one
+  std::optional<PathSample> pending_;  ///< waits for the next pose, which says whether the tool reverses
+  bool keep_pending_ = false;
+  Vec3 before_mm_ = Vec3::Zero();  ///< position before the pending pose
+};
+
+/// Poses along a motion, with motion_bound_mm() of at most `step_mm` between two of them. They include the poses where
+/// the tool stops or reverses, such as the deepest one.
+std::vector<PathSample> sample_path(const PoseSequence& poses, double reach_mm, double step_mm);
+
+/// The same for a path of at least one point.
+std::vector<PathSample> sample_path(const std::vector<PathSample>& path, double reach_mm, double step_mm);
+
+}  // namespace reamsim
