@@ -25,10 +25,10 @@ void bench_latency(const std::vector<std::string>& scenarios, const std::string&
   std::vector<std::string> overrides;
   if (device != "auto") overrides.push_back("engine.device=" + device);
   for (const std::string& file : scenarios) {
-    Report report;
+    Diagnostics report;
     const PrintOnError warnings_of_error(report, console);
     const Scenario scenario = parse_scenario(file, overrides);
-    ReamingScene scene = load_scene(scenario, report);
+    SimulationInput scene = load_scene(scenario, report);
     const auto engine = load_engine(scene);
     const bench::Latency found = bench::frame_latency(scene, *engine, kMostFrames, stop_requested);
     if (found.frames == 0)

@@ -38,7 +38,7 @@ constexpr double kCheckTiming_s = 1;
 /// Time of a picture of 1920 × 1080, measured on two cores as docs/formats.md describes.
 constexpr double kPicture_s = 0.4;
 
-void note_compliance(const ComplianceSettings& springs, Report& report) {
+void note_compliance(const ComplianceSettings& springs, Diagnostics& report) {
   const Vec3& k = springs.stiffness_n_mm;
   report.note(
       fmt::format("compliance: {:g}, {:g} and {:g} N/mm along x, y and z of the tool{}, damping {:g} N s/mm; the "
@@ -51,7 +51,7 @@ void note_compliance(const ComplianceSettings& springs, Report& report) {
 /// Figures of --json; the notes have the same.
 using Json = nlohmann::ordered_json;
 
-void note_cost(const ReamingScene& scene, Report& report, Json& figures) {
+void note_cost(const SimulationInput& scene, Diagnostics& report, Json& figures) {
   const RunCost cost = estimate_cost(scene);
   if (const auto& push = scene.motion.push) {
     report.note(fmt::format(
@@ -79,7 +79,7 @@ void note_cost(const ReamingScene& scene, Report& report, Json& figures) {
 }
 
 /// The pictures of a run, and their time.
-std::string picture_time(const ReamingScene& scene, double load_s, Json& figures) {
+std::string picture_time(const SimulationInput& scene, double load_s, Json& figures) {
   const RenderSettings& render = scene.scenario.render;
   const std::vector<std::int64_t> frames = picture_frames(render, scene.last_frame(), scene.contact);
   const int pictures = render.enabled ? count_pictures({render}, frames, scene.contact) : 0;
@@ -101,7 +101,7 @@ struct PassPlans {
 };
 
 /// Adds the present pass. Times a part of its frames, which reams the bone of the scene.
-void add_pass(ReamingScene& scene, double budget_s, PassPlans& plans) {
+void add_pass(SimulationInput& scene, double budget_s, PassPlans& plans) {
   const MemoryPlan memory = plan_memory(scene);
   plans.memory.device_bytes = std::max(plans.memory.device_bytes, memory.device_bytes);
   plans.memory.process_bytes = std::max(plans.memory.process_bytes, memory.process_bytes);
@@ -117,7 +117,7 @@ void add_pass(ReamingScene& scene, double budget_s, PassPlans& plans) {
 
 /// Estimates memory and time. Also collects the mistakes that the engine finds. No pass is left in the scene but the
 /// last.
-void note_plans(ReamingScene& scene, double load_s, MistakeList& mistakes, Report& report, Json& figures) {
+void note_plans(SimulationInput& scene, double load_s, MistakeList& mistakes, Diagnostics& report, Json& figures) {
   PassPlans plans;
   std::string no_time;
   const double budget_s = kCheckTiming_s / static_cast<double>(1 + scene.later_passes.size());
@@ -148,7 +148,7 @@ void note_plans(ReamingScene& scene, double load_s, MistakeList& mistakes, Repor
   report.note(picture_time(scene, load_s + plans.load_s, figures));
 }
 
-void warn_of_settings(const ReamingScene& scene, Report& report) {
+void warn_of_settings(const SimulationInput& scene, Diagnostics& report) {
   const auto still = [](const Motion& motion) {
     const auto& poses = motion.poses;
     return std::none_of(poses.begin(), poses.end(), [](const ToolPose& p) { return p.spin_rpm != 0; });
@@ -164,14 +164,14 @@ void warn_of_settings(const ReamingScene& scene, Report& report) {
 }
 
 /// As YAML comments, so that the output is a scenario.
-void print_findings(const Report& report, const Console& console) {
+void print_findings(const Diagnostics& report, const Console& console) {
   for (const std::string& warning : report.warnings) console.say("# warning: " + warning);
   for (const std::string& listing : report.listings) console.say("# " + listing);
   for (const std::string& note : report.notes) console.say("# " + note);
 }
 
 /// What --json prints of a scenario without mistakes.
-Json json_of(const Scenario& scenario, const Report& report, const Json& figures) {
+Json json_of(const Scenario& scenario, const Diagnostics& report, const Json& figures) {
   return {{"program", "reamsim " REAMSIM_VERSION},
           {"scenario", scenario.name},
           {"ok", true},
@@ -201,8 +201,8 @@ void require_picture_file(const CheckOptions& options, const Scenario& scenario)
   require_replaceable_file(options.picture, "--picture", options.overwrite, is_setup_picture, inputs);
 }
 
-void draw_setup(const CheckOptions& options, const ReamingScene& scene, const ContactForecast& contact,
-                Report& report) {
+void draw_setup(const CheckOptions& options, const SimulationInput& scene, const ContactForecast& contact,
+                Diagnostics& report) {
   if (options.picture.empty()) return;
   const ForcedStop forced([unfinished = options.picture + ".tmp"] {
     std::error_code ignored;
@@ -219,8 +219,8 @@ void draw_setup(const CheckOptions& options, const ReamingScene& scene, const Co
 
 /// What `check` says of a scenario.
 struct Findings {
-  ReamingScene scene;
-  Report report;
+  SimulationInput scene;
+  Diagnostics report;
   MistakeList mistakes;  ///< of the glenoid frame
   Json figures;
 };
@@ -229,10 +229,10 @@ struct Findings {
 Findings examine(const CheckOptions& options, const Scenario& scenario, const Stopwatch& watch,
                  const Console& console) {
   Findings out;
-  Report found;
+  Diagnostics found;
   const PrintOnError warnings_of_error(found, console);
   out.scene = load_scene(scenario, found, out.mistakes);
-  ReamingScene& scene = out.scene;
+  SimulationInput& scene = out.scene;
   const double load_s = watch.seconds();
   const std::vector<ContactForecast> contacts = forecast_passes(scene);
   const ContactForecast contact = of_whole_run(contacts);
@@ -242,7 +242,7 @@ Findings examine(const CheckOptions& options, const Scenario& scenario, const St
   if (clearance) warn_of_clearance(*clearance, scene, found);
   warn_of_settings(scene, found);
   draw_setup(options, scene, contact, found);  // before a mistake of the pose ends the command: it shows there
-  Report& report = out.report;
+  Diagnostics& report = out.report;
   report.warnings = found.warnings;
   note_cost(scene, report, out.figures);
   note_plans(scene, load_s, out.mistakes, report, out.figures);

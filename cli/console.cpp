@@ -44,7 +44,7 @@ void Console::warn(const std::string& line) const {
   std::fprintf(stderr, "%s %s\n", label, printable(line).c_str());
 }
 
-void Console::print(Report& report) const {
+void Console::print(Diagnostics& report) const {
   if (verbose) {
     for (const auto& note : report.notes) say("  " + note);
   }
@@ -53,7 +53,7 @@ void Console::print(Report& report) const {
   report = {};
 }
 
-PrintOnError::PrintOnError(Report& report, const Console& console)
+PrintOnError::PrintOnError(Diagnostics& report, const Console& console)
     : report_(report), console_(console), exceptions_before_(std::uncaught_exceptions()) {}
 
 PrintOnError::~PrintOnError() {

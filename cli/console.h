@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "cli/stop.h"
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/base/stopwatch.h"
 
 namespace reamsim {
@@ -31,19 +31,19 @@ class Console {
   /// "reamsim: warning: ..." on stderr, in colour on a terminal (styled()); also when quiet.
   void warn(const std::string& line) const;
   /// Prints the warnings of a stage, and its notes when verbose. Clears the report.
-  void print(Report& report) const;
+  void print(Diagnostics& report) const;
 };
 
 /// Prints a report where an exception leaves its scope: a warning may name the cause of the error.
 class PrintOnError {
  public:
-  PrintOnError(Report& report, const Console& console);
+  PrintOnError(Diagnostics& report, const Console& console);
   ~PrintOnError();
   PrintOnError(const PrintOnError&) = delete;
   PrintOnError& operator=(const PrintOnError&) = delete;
 
  private:
-  Report& report_;
+  Diagnostics& report_;
   const Console& console_;
   int exceptions_before_;
 };

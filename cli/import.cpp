@@ -47,7 +47,7 @@ Scenario scenario_of(const ImportOptions& options) {
 }
 
 /// Throws InputError also for a glenoid frame that contradicts the bone, because the file would store it.
-Bone load_checked(const Scenario& scenario, Report& report, const StageSink& stages) {
+Bone load_checked(const Scenario& scenario, Diagnostics& report, const StageSink& stages) {
   try {
     Bone bone = load_bone(scenario.bone, report, stages);
     MistakeList mistakes;
@@ -76,7 +76,7 @@ void import_command(const ImportOptions& options, const Console& console) {
   Progress bar(console, "import", "");
   ImportProgress progress(settings,
                           [&](double fraction, const std::string& stage) { bar.begin_part(fraction, stage); });
-  Report report;
+  Diagnostics report;
   const PrintOnError warnings_of_error(report, console);
   const Bone bone = load_checked(scenario, report, [&](BoneStage stage) { progress.begin(stage); });
   progress.begin(BoneStage::write);

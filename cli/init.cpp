@@ -69,7 +69,7 @@ BoneSettings settings_of(const InitOptions& options) {
 
 /// The point of the options; without one it is searched. Rounded as it is written, so that a run of the scenario finds
 /// what is found here: on some bones the face depends on the last digit.
-Vec3 near_of(const InitOptions& options, Report& report) {
+Vec3 near_of(const InitOptions& options, Diagnostics& report) {
   const Vec3 near_mm = options.near_mm.empty()
                            ? locate_glenoid(settings_of(options), report)
                            : Vec3(options.near_mm.at(0), options.near_mm.at(1), options.near_mm.at(2));
@@ -91,9 +91,9 @@ struct LoadedBone {
 };
 
 /// Without a humeral head in the scan, as in one of a specimen, nothing is cut.
-LoadedBone load(const InitOptions& options, const Vec3& near_mm, Report& report) {
+LoadedBone load(const InitOptions& options, const Vec3& near_mm, Diagnostics& report) {
   BoneSettings settings = settings_near(options, near_mm);
-  const Report before = report;
+  const Diagnostics before = report;
   if (settings.source == BoneSource::ct) {
     settings.ct.separate = Separate::humerus;
     try {
@@ -116,8 +116,9 @@ BodySide side_of(const InitOptions& options, const LoadedBone& loaded) {
 }
 
 /// Warns where the reamer meets no bone, or starts in bone because some lies behind its start.
-void check_plunge(const LoadedBone& loaded, const PlungeSettings& plunge, const std::string& tool, Report& report) {
-  ReamingScene scene;
+void check_plunge(const LoadedBone& loaded, const PlungeSettings& plunge, const std::string& tool,
+                  Diagnostics& report) {
+  SimulationInput scene;
   scene.bone = loaded.bone;
   scene.scenario.bone = loaded.settings;
   scene.scenario.tool.mesh = tool;
@@ -127,7 +128,7 @@ void check_plunge(const LoadedBone& loaded, const PlungeSettings& plunge, const 
   MotionSettings motion;
   motion.frame = PoseFrame::glenoid;
   motion.plunge = counted_from(contact, plunge);
-  Report ignored;
+  Diagnostics ignored;
   scene.motion = build_motion(motion, scene.bone.glenoid, ignored);
   warn_of_contact(scene, forecast_contact(scene), report);
 }
@@ -151,7 +152,7 @@ void init_command(InitOptions options, const Console& console) {
   require_replaceable_file(options.output, "-o", options.overwrite, is_first_scenario, {options.input, options.tool});
   const std::string tool = tool_of(options);
   options.used_scale = mesh_scale(options.input, options.scale, console);
-  Report report;
+  Diagnostics report;
   const PrintOnError warnings_of_error(report, console);
   LoadedBone loaded = load(options, near_of(options, report), report);
   FirstScenario first{.first_line = std::string(kFirstLine) + " docs/formats.md lists all keys.",

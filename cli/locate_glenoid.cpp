@@ -30,7 +30,7 @@ std::string text_of(const FacePlace& place) {
 }
 
 /// The places next to the heads in a scan.
-std::vector<FacePlace> places_at_heads(const BoneSettings& settings, Report& report) {
+std::vector<FacePlace> places_at_heads(const BoneSettings& settings, Diagnostics& report) {
   std::vector<ct::Joint> joints = joints_in_scan(settings, report);
   joints.resize(std::min(joints.size(), kMostJoints));
   std::vector<FacePlace> out;
@@ -41,7 +41,7 @@ std::vector<FacePlace> places_at_heads(const BoneSettings& settings, Report& rep
     if (near.side == BodySide::unknown) near.side = BodySide::left;  // turns about the normal only
     crop_round_glenoid(near.ct, joint.near_mm);
     try {
-      Report ignored;
+      Diagnostics ignored;
       const Bone bone = load_bone(near, ignored);
       if (const auto place = place_at(bone.view(), bone.glenoid->bone_from_glenoid)) out.push_back(*place);
     } catch (const InputError&) {
@@ -52,7 +52,7 @@ std::vector<FacePlace> places_at_heads(const BoneSettings& settings, Report& rep
 }
 
 /// Places on the whole surface of the bone.
-std::vector<FacePlace> places_on_surface(const BoneSettings& settings, Report& report) {
+std::vector<FacePlace> places_on_surface(const BoneSettings& settings, Diagnostics& report) {
   return search_faces(load_bone(settings, report).view());
 }
 
@@ -62,7 +62,7 @@ bool is_of_other_side(const FacePlace& place, BodySide side) {
 }
 
 /// `of_bone` gets what is said of the bone.
-std::vector<FacePlace> places_of(const BoneSettings& settings, Report& of_bone, Report& report) {
+std::vector<FacePlace> places_of(const BoneSettings& settings, Diagnostics& of_bone, Diagnostics& report) {
   std::vector<FacePlace> out;
   if (settings.source == BoneSource::ct) {
     out = places_at_heads(settings, of_bone);
@@ -83,7 +83,7 @@ std::vector<FacePlace> places_of(const BoneSettings& settings, Report& of_bone, 
 }
 
 /// The centre of the only plausible face.
-Vec3 only_face(const BoneSettings& settings, Report& of_bone, Report& report) {
+Vec3 only_face(const BoneSettings& settings, Diagnostics& of_bone, Diagnostics& report) {
   std::vector<FacePlace> places = places_of(settings, of_bone, report);
   if (settings.source == BoneSource::ct) {
     const auto of_other_side = [&](const FacePlace& place) { return is_of_other_side(place, settings.side); };
@@ -109,7 +109,7 @@ Vec3 only_face(const BoneSettings& settings, Report& of_bone, Report& report) {
 }
 
 /// The scan may have been read more than once.
-void add_warnings_once(const Report& from, Report& to) {
+void add_warnings_once(const Diagnostics& from, Diagnostics& to) {
   for (const std::string& warning : from.warnings) {
     if (std::ranges::find(to.warnings, warning) == to.warnings.end()) to.warn(warning);
   }
@@ -117,10 +117,10 @@ void add_warnings_once(const Report& from, Report& to) {
 
 }  // namespace
 
-Vec3 locate_glenoid(const BoneSettings& given, Report& report) {
+Vec3 locate_glenoid(const BoneSettings& given, Diagnostics& report) {
   BoneSettings settings = given;
   settings.voxel_mm = kSearchVoxel_mm;
-  Report of_bone;  // where a face is found, the bone is loaded once more with it, and its warnings come then
+  Diagnostics of_bone;  // where a face is found, the bone is loaded once more with it, and its warnings come then
   try {
     return only_face(settings, of_bone, report);
   } catch (const InputError&) {

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
@@ -12,6 +12,6 @@ namespace reamsim {
 /// of 16 to 32 mm radius (joints_in_scan()), else by a search of the whole surface (search_faces()). `given`: a mesh
 /// or a CT without a glenoid; a known side of a CT excludes the other. Notes what was found, and its confidence. Throws
 /// InputError where no place resembles a glenoid, or several do.
-Vec3 locate_glenoid(const BoneSettings& given, Report& report);
+Vec3 locate_glenoid(const BoneSettings& given, Diagnostics& report);
 
 }  // namespace reamsim

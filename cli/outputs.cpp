@@ -39,7 +39,7 @@ ToolPose as_logged(ToolPose pose) {
 }
 
 /// The poses of a motion, which are known before the run.
-void add_planned_path(const ReamingScene& scene, RunPath& path) {
+void add_planned_path(const SimulationInput& scene, RunPath& path) {
   const auto add = [&](const Motion& motion) {
     std::int64_t frame = motion.first_frame;
     for (const ToolPose& pose : motion.poses) path.add(as_logged(pose), frame++, motion.pass);
@@ -49,7 +49,7 @@ void add_planned_path(const ReamingScene& scene, RunPath& path) {
 }
 
 template <class AddPath>
-RunInputs inputs_with(const ReamingScene& scene, const std::string& dir, std::vector<ToolPass> tools,
+RunInputs inputs_with(const SimulationInput& scene, const std::string& dir, std::vector<ToolPass> tools,
                       std::vector<std::int64_t> frames, const AddPath& add_path) {
   RunInputs run;
   run.dir = dir;
@@ -67,7 +67,7 @@ RunInputs inputs_with(const ReamingScene& scene, const std::string& dir, std::ve
 }
 
 /// The inputs of a push or a tool on springs up to `last_frame`: what the tool has not yet done is not known.
-RunInputs inputs_so_far(const ReamingScene& scene, const std::string& dir, std::int64_t last_frame) {
+RunInputs inputs_so_far(const SimulationInput& scene, const std::string& dir, std::int64_t last_frame) {
   return inputs_with(scene, dir, read_tools(dir), snapshot_frames(dir), [&](RunPath& path) {
     for_each_force_row(dir + "/forces.csv", [&](const ForceRow& row) {
       if (row.frame <= last_frame) path.add(row.pose, row.frame, row.pass);
@@ -77,13 +77,13 @@ RunInputs inputs_so_far(const ReamingScene& scene, const std::string& dir, std::
 
 }  // namespace
 
-RunInputs inputs_of(const ReamingScene& scene, const std::string& dir) {
+RunInputs inputs_of(const SimulationInput& scene, const std::string& dir) {
   return inputs_with(scene, dir, read_tools(dir),
                      picture_frames(scene.scenario.render, scene.last_frame(), scene.contact),
                      [&](RunPath& path) { add_planned_path(scene, path); });
 }
 
-RunInputs inputs_without_folder(const ReamingScene& scene) {
+RunInputs inputs_without_folder(const SimulationInput& scene) {
   std::vector<ToolPass> tools{{.tool = scene.tool.mesh}};
   for (const Pass& pass : scene.later_passes) tools.push_back({.tool = pass.tool.mesh});
   return inputs_with(scene, "", std::move(tools), {0}, [&](RunPath& path) { add_planned_path(scene, path); });
@@ -96,8 +96,8 @@ bool is_unfinished(const std::string& dir) {
 RunData open_run(const std::string& dir) {
   const std::optional<Checkpoint> checkpoint = is_unfinished(dir) ? CheckpointFiles(dir).read() : std::nullopt;
   if (!checkpoint) return {dir};
-  Report report;
-  ReamingScene scene = load_scene(parse_scenario(dir + "/scenario.yaml", {}), report);
+  Diagnostics report;
+  SimulationInput scene = load_scene(parse_scenario(dir + "/scenario.yaml", {}), report);
   const std::int64_t last = checkpoint->simulation.frame;
   scene.contact = contact_frames(forecast_passes(scene));
   // With the poses to come, where they are known, so that views and legend are those of the run.
@@ -111,7 +111,7 @@ RunData open_run(const std::string& dir) {
 
 namespace {
 
-OutputOptions output_options_of(const ReamingScene& scene) {
+OutputOptions output_options_of(const SimulationInput& scene) {
   const Scenario& scenario = scene.scenario;
   const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap->grid.voxel_mm);
   return {.pictures = {.settings = scenario.render, .mean_travel_mm = mean_mm},
@@ -131,13 +131,13 @@ bool has_deflections(const std::string& dir) {
 
 }  // namespace
 
-Outputs::Outputs(const ReamingScene& scene, const std::string& dir)
+Outputs::Outputs(const SimulationInput& scene, const std::string& dir)
     : run_(inputs_of(scene, dir)), options_(output_options_of(scene)) {
   if (options_.render || options_.meshes) run_.predict();
   if (options_.render) render_thread_ = std::make_unique<RenderThread>(run_, options_.pictures);
 }
 
-Outputs Outputs::of_finished(const ReamingScene& scene, const std::string& dir) {
+Outputs Outputs::of_finished(const SimulationInput& scene, const std::string& dir) {
   return {RunData(dir), output_options_of(scene)};
 }
 
@@ -151,7 +151,7 @@ ForceLog Outputs::log_with_means() const {
   return log;
 }
 
-void Outputs::make_figures(Report& report) const {
+void Outputs::make_figures(Diagnostics& report) const {
   const std::string& dir = run_.dir();
   if (options_.force_plots) {
     write_force_plots(dir, log_with_means());
@@ -166,7 +166,7 @@ void Outputs::make_figures(Report& report) const {
   if (options_.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
 }
 
-void Outputs::make_pictures(Report& report, const Console& console) {
+void Outputs::make_pictures(Diagnostics& report, const Console& console) {
   Progress progress(console, "render", "pictures");
   const auto tell = [&](int done, int total, const std::string&) {
     progress.update(done, total);
@@ -176,8 +176,8 @@ void Outputs::make_pictures(Report& report, const Console& console) {
   progress.finish();
 }
 
-void Outputs::make(Report& report, const Console& console) {
-  Report of_figures;
+void Outputs::make(Diagnostics& report, const Console& console) {
+  Diagnostics of_figures;
   std::future<void> figures = std::async(std::launch::async, [&] { make_figures(of_figures); });
   if (options_.render) make_pictures(report, console);
   figures.get();

@@ -24,9 +24,9 @@ struct OutputOptions {
 };
 
 /// What pictures of a run need before it begins. DIR/snapshots/tool.stl must exist.
-RunInputs inputs_of(const ReamingScene& scene, const std::string& dir);
+RunInputs inputs_of(const SimulationInput& scene, const std::string& dir);
 /// The same of a scene that is only looked at: without a folder, and with the snapshot of frame 0 only.
-RunInputs inputs_without_folder(const ReamingScene& scene);
+RunInputs inputs_without_folder(const SimulationInput& scene);
 
 /// Whether DIR holds a run that can only be rendered from its checkpoint.
 bool is_unfinished(const std::string& dir);
@@ -40,10 +40,10 @@ class Outputs {
   /// Of a finished run.
   Outputs(RunData run, OutputOptions options) : run_(std::move(run)), options_(std::move(options)) {}
   /// Of a run that is about to begin. DIR/snapshots/tool.stl must exist.
-  Outputs(const ReamingScene& scene, const std::string& dir);
+  Outputs(const SimulationInput& scene, const std::string& dir);
 
   /// Of a run that has just ended in DIR, with all outputs that its scenario asks for.
-  static Outputs of_finished(const ReamingScene& scene, const std::string& dir);
+  static Outputs of_finished(const SimulationInput& scene, const std::string& dir);
 
   /// All snapshots up to and including this frame's are on disk.
   void snapshots_written(std::int64_t frame);
@@ -54,7 +54,7 @@ class Outputs {
   /// Makes everything but the report, with progress on the console. Another thread makes plots and meshes meanwhile.
   /// `report` gets all warnings. Throws InputError when a result is missing or damaged, RunError when an output cannot
   /// be made or written, and Interrupted; always after both threads have ended.
-  void make(Report& report, const Console& console);
+  void make(Diagnostics& report, const Console& console);
   /// After make(): what rendered the pictures, empty where there are none.
   [[nodiscard]] const std::string& render_context() const { return render_context_; }
   /// Writes report.html if the options ask for it. DIR/summary.json must be complete.
@@ -64,8 +64,8 @@ class Outputs {
 
  private:
   [[nodiscard]] ForceLog log_with_means() const;
-  void make_figures(Report& report) const;
-  void make_pictures(Report& report, const Console& console);
+  void make_figures(Diagnostics& report) const;
+  void make_pictures(Diagnostics& report, const Console& console);
 
   RunData run_;
   OutputOptions options_;

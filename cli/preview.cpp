@@ -106,7 +106,7 @@ PreviewRequest request_of(const PreviewOptions& options, const Console& console)
           .source = scenario.name};
 }
 
-std::string page_of(const PreviewRequest& request, Report& report) {
+std::string page_of(const PreviewRequest& request, Diagnostics& report) {
   try {
     return preview_page(request, report);
   } catch (const InputError& error) {
@@ -126,7 +126,7 @@ void preview_command(const PreviewOptions& options, const Console& console) {
     fs::remove(unfinished, ignored);
     return StopOutcome{};
   });
-  Report report;
+  Diagnostics report;
   const PrintOnError warnings_of_error(report, console);
   const std::string page = page_of(request, report);
   console.print(report);

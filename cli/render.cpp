@@ -246,7 +246,7 @@ void render_command(const RenderOptions& options, const Console& console) {
                         .report_cameras = settings.render.cameras,
                         .finished = !is_unfinished(options.dir)});
   ResultUpdate update(options.dir, ResultKind::run);
-  Report report;
+  Diagnostics report;
   const PrintOnError warnings_of_error(report, console);
   outputs.make(report, console);
   outputs.make_report();

@@ -12,9 +12,9 @@ void RunConsole::say(const std::string& line) {
   console_.say(line);
 }
 
-void RunConsole::take(const Report& report) {
+void RunConsole::take(const Diagnostics& report) {
   progress_.reset();
-  Report printed = report;
+  Diagnostics printed = report;
   console_.print(printed);
 }
 
@@ -30,11 +30,11 @@ std::shared_ptr<void> RunConsole::on_forced_end(std::function<InterruptedRun()> 
   });
 }
 
-void RunPictures::draw_segmentation(const ReamingScene& scene, const std::string& dir) {
+void RunPictures::draw_segmentation(const SimulationInput& scene, const std::string& dir) {
   if (scene.scenario.render.enabled) write_segmentation_picture(dir, *scene.bone.segmentation);
 }
 
-void RunPictures::end(const ReamingScene& scene, const std::string& dir) {
+void RunPictures::end(const SimulationInput& scene, const std::string& dir) {
   if (outputs_) {
     outputs_->finish_run(scene.bone.fill);
   } else {

@@ -17,7 +17,7 @@ class RunConsole : public RunMonitor {
   explicit RunConsole(const Console& console) : console_(console) {}
 
   void say(const std::string& line) override;
-  void take(const Report& report) override;
+  void take(const Diagnostics& report) override;
   void progress(std::int64_t done, std::int64_t total) override;
   [[nodiscard]] bool stop_requested() override { return reamsim::stop_requested(); }
   [[nodiscard]] std::shared_ptr<void> saving() override { return std::make_shared<StopGrace>(); }
@@ -33,12 +33,12 @@ class RunPictures : public PictureSink {
  public:
   explicit RunPictures(const Console& console) : console_(console) {}
 
-  void draw_segmentation(const ReamingScene& scene, const std::string& dir) override;
-  void begin(const ReamingScene& scene, const std::string& dir) override { outputs_.emplace(scene, dir); }
+  void draw_segmentation(const SimulationInput& scene, const std::string& dir) override;
+  void begin(const SimulationInput& scene, const std::string& dir) override { outputs_.emplace(scene, dir); }
   void snapshots_written(std::int64_t frame) override { outputs_->snapshots_written(frame); }
   [[nodiscard]] const FillBricks& fill_before() const override { return outputs_->fill_before(); }
-  void end(const ReamingScene& scene, const std::string& dir) override;
-  void make(Report& report) override { outputs_->make(report, console_); }
+  void end(const SimulationInput& scene, const std::string& dir) override;
+  void make(Diagnostics& report) override { outputs_->make(report, console_); }
   [[nodiscard]] std::string render_context() const override { return outputs_->render_context(); }
   void make_report() override { outputs_->make_report(); }
 

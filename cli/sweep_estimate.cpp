@@ -47,9 +47,9 @@ RunEstimate RunEstimate::parse(const std::string& text) {
 
 RunEstimate RunEstimator::estimate(const Scenario& scenario, RunResources& resources) {
   const Stopwatch watch;
-  Report report;
+  Diagnostics report;
   MistakeList mistakes;
-  ReamingScene scene = load_scene(scenario, report, mistakes, resources.bones);
+  SimulationInput scene = load_scene(scenario, report, mistakes, resources.bones);
   mistakes.throw_if_any();
   RunEstimate out{.load_s = watch.seconds(), .frames = scene.last_frame(), .warnings = {}};
   const std::vector<ContactForecast> contacts = forecast_passes(scene);
@@ -63,7 +63,7 @@ RunEstimate RunEstimator::estimate(const Scenario& scenario, RunResources& resou
   return out;
 }
 
-double RunEstimator::simulate_s(ReamingScene& scene, RunResources& resources) {
+double RunEstimator::simulate_s(SimulationInput& scene, RunResources& resources) {
   const auto frames = static_cast<double>(scene.motion.last_frame() - scene.motion.first_frame + 1);
   const std::vector<PassSpec> passes = passes_of(scene.scenario);
   const std::tuple key{resources.bones->loaded(), passes[static_cast<std::size_t>(scene.motion.pass) - 1].tool.mesh,

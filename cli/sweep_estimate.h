@@ -35,7 +35,7 @@ class RunEstimator {
   RunEstimate estimate(const Scenario& scenario, RunResources& resources);
 
  private:
-  double simulate_s(ReamingScene& scene, RunResources& resources);
+  double simulate_s(SimulationInput& scene, RunResources& resources);
 
   /// By bone (BoneCache::loaded), tool, and whether a force basis is written, which takes longer than the frames.
   std::map<std::tuple<int, std::string, bool>, double> s_per_frame_;

@@ -198,7 +198,7 @@ void require_film_program(const RenderSettings& settings) {
 }
 
 std::string render_pictures(const RunData& run, const PictureOptions& options, const PictureProgress& progress,
-                            Report* report, RenderThread* thread) {
+                            Diagnostics* report, RenderThread* thread) {
   if (options.settings.cameras.empty() && options.settings.user_cameras.empty()) {
     throw InputError({}, "render.cameras", "found none", "expected at least one camera");
   }

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "render/pictures/run_view.h"
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 
 namespace reamsim {
 
@@ -30,7 +30,7 @@ void require_film_program(const RenderSettings& settings);
 /// with the same options. Returns what rendered (OffscreenContext::description()). Throws InputError when a result is
 /// missing or damaged or a camera is unknown, RunError when a picture cannot be made or written.
 std::string render_pictures(const RunData& run, const PictureOptions& options,
-                            const PictureProgress& progress = nullptr, Report* report = nullptr,
+                            const PictureProgress& progress = nullptr, Diagnostics* report = nullptr,
                             RenderThread* thread = nullptr);
 
 }  // namespace reamsim

@@ -35,8 +35,8 @@ Captions::Values Captions::at(const ForceRow& row) const {
 }
 
 Captions::Values Captions::after(double deepest_mm) const {
-  const Headline run = headline();
-  return {{Headline::kDepthName, run.depth_text() + " mm"},
+  const KeyResults run = headline();
+  return {{KeyResults::kDepthName, run.depth_text() + " mm"},
           {run.force_name(), run.force_text() + " N"},
           {run.torque_name(), run.torque_text() + " N·mm"},
           {"removed", fixed_text(log_.rows.back().removed_mm3, 1) + " mm³"},

@@ -30,8 +30,8 @@ class Captions {
 
   /// The log with means.
   [[nodiscard]] const ForceLog& log() const { return log_; }
-  /// Headline figures of the run.
-  [[nodiscard]] Headline headline() const { return headline_of(log_, !mean_.empty()); }
+  /// Key results of the run.
+  [[nodiscard]] KeyResults headline() const { return key_results_of(log_, !mean_.empty()); }
   /// Prefix of the names of forces: "mean " or empty.
   [[nodiscard]] const std::string& mean() const { return mean_; }
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "render/pictures/run_data.h"
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/scan/segmentation.h"
 
 // Pictures and meshes of a run that need no OpenGL.
@@ -20,7 +20,7 @@ void write_depth_picture(const RunData& run, double depth_max_mm);
 /// Writes DIR/reamed.glb (depth colours up to `depth_max_mm`; 0: as in the pictures) and DIR/reamed.stl: the closed
 /// surface of DIR/reamed.vdb, B, mm. When no bone remains, `report` gets a warning instead. Throws InputError when a
 /// result is missing or damaged, RunError when a file cannot be written.
-void write_meshes(const RunData& run, double depth_max_mm, Report& report);
+void write_meshes(const RunData& run, double depth_max_mm, Diagnostics& report);
 
 /// Writes DIR/segmentation.png: three planes of the CT with the outline of the segmented bone, to scale, in the
 /// radiological convention. Does nothing without planes. Throws RunError when it cannot be written.

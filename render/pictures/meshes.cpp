@@ -26,7 +26,7 @@ double bone_mm3(const Voxmap& voxmap, const FillBricks& fill) {
 
 }  // namespace
 
-void write_meshes(const RunData& run, double depth_max_mm, Report& report) {
+void write_meshes(const RunData& run, double depth_max_mm, Diagnostics& report) {
   const std::string& dir = run.dir();
   const double remaining_mm3 = bone_mm3(run.voxmap(), run.last_fill());
   const ReamedMesh reamed = make_reamed_mesh(dir + "/reamed.vdb", run.voxmap().grid, remaining_mm3, run.unreamed());

@@ -95,7 +95,7 @@ PixelImage Renderer::render(const Camera& camera, const std::optional<PlacedTool
     call.tool = tool->pass;
   }
   // Opaque in a section, like the bone. Other views show the face behind the tool, unless the user selects steel.
-  call.steel = camera.cut_plane || settings.tool_look == ToolLook::steel;
+  call.steel = camera.cut_plane || settings.tool_material == ToolMaterial::steel;
   call.background = settings.background;
   call.key_direction = settings.light.normalized().cast<float>();
   call.supersampling = settings.supersampling;

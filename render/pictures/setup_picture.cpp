@@ -206,7 +206,7 @@ std::vector<SetupView> views_with_contact(const RunSetup& setup, const ViewTarge
 PixelImage drawn(const RunSetup& setup, const RunData& run, std::string& warning) {
   RenderSettings settings = setup.settings;
   settings.background = Background::studio;
-  settings.tool_look = ToolLook::steel;
+  settings.tool_material = ToolMaterial::steel;
   settings.supersampling = 1;
   const RunView view(run, settings);
   const PredictedRun after = predict_run(setup.inputs);

@@ -35,12 +35,12 @@ std::string mean_block(const ForceLog& log) {
   constexpr std::size_t kMaxPoints = 2000;
   const std::size_t step = 1 + log.rows.size() / kMaxPoints;
   const double travel_mm = log.mean_travel_mm;
-  const Headline run = headline_of(log, travel_mm > 0);
+  const KeyResults run = key_results_of(log, travel_mm > 0);
   std::ostringstream out;
   out << "# Headline figures, as in pictures, summary.json and report\n"
       << "headline_force = " << gnuplot_string(run.force_name() + " " + run.force_text() + " N") << '\n'
       << "headline_torque = " << gnuplot_string(run.torque_name() + " " + run.torque_text() + " N·mm") << '\n'
-      << "headline_depth = " << gnuplot_string(std::string(Headline::kDepthName) + " " + run.depth_text() + " mm")
+      << "headline_depth = " << gnuplot_string(std::string(KeyResults::kDepthName) + " " + run.depth_text() + " mm")
       << "\n\n"
       << "# Means over the last " << travel_mm
       << " mm of travel (0: single frames): time (s), axial force (N), spin torque (N·mm), depth (mm), cutting power "

@@ -25,11 +25,11 @@ constexpr const char* kMark = "<meta name=\"generator\" content=\"reamsim previe
 
 }  // namespace
 
-std::string preview_page(const PreviewRequest& request, Report& report) {
+std::string preview_page(const PreviewRequest& request, Diagnostics& report) {
   const PreviewBone bone = load_preview_bone(request.scenario, report);
   // Noise does not compress, so the number of voxels alone does not bound the size.
   for (std::int64_t most_voxels = kMaxVoxels;; most_voxels /= 2) {
-    Report found = report;
+    Diagnostics found = report;
     const std::string page = fill_template(
         embedded::preview_page, {{"title", escape_html(request.source)},
                                  {"program", "reamsim preview " REAMSIM_VERSION},

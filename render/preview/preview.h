@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
@@ -22,7 +22,7 @@ struct PreviewRequest {
 /// The page: HTML without network, at most 15 MB. Problems of segmentation, frame, tool and motion that stop a run are
 /// shown in the page, because it is there to mend them; `report` gets warnings. Throws InputError when the bone itself
 /// cannot be read.
-std::string preview_page(const PreviewRequest& request, Report& report);
+std::string preview_page(const PreviewRequest& request, Diagnostics& report);
 
 /// Whether a file is such a page.
 bool is_preview_page(const std::string& path);

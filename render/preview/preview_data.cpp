@@ -115,7 +115,7 @@ Json glenoid_json(const PreviewBone& bone, const GlenoidSettings& given) {
 }
 
 /// The envelope of revolution of the tool; null where it cannot be read.
-Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistake>& mistakes, Report& report) {
+Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistake>& mistakes, Diagnostics& report) {
   Json json;
   attempt(mistakes, [&] {
     const Tool tool = load_tool(settings, voxel_mm, ShellUse::none, report);
@@ -129,7 +129,7 @@ Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistak
 /// The path of the tool in its own frame: `frame`, and for evenly spaced frames `time_s` and `poses` as x, y, z (mm)
 /// and qw, qx, qy, qz. Without poses where it cannot be read. `contact`: of a plunge whose depth counts
 /// from the first contact, which the page finds, its direction and approach; else null.
-Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes, Report& report) {
+Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes, Diagnostics& report) {
   Json json{
       {"frame", name_of(settings.frame)}, {"time_s", Json::array()}, {"poses", Json::array()}, {"contact", Json()}};
   const auto& plunge = settings.plunge;
@@ -156,7 +156,7 @@ Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes,
 
 /// The frame of the scenario; a face round `near_mm` is found on the voxels as a run finds it.
 std::optional<GlenoidFrame> glenoid_of_scan(const BoneSettings& settings, const std::optional<FilledVoxmap>& voxels,
-                                            Report& report) {
+                                            Diagnostics& report) {
   if (!settings.glenoid.near_mm) return glenoid_frame(settings.glenoid, settings.side);
   if (!voxels) return std::nullopt;  // the segmentation failed, which is said
   if (settings.side == BodySide::unknown) return std::nullopt;
@@ -168,7 +168,7 @@ std::optional<GlenoidFrame> glenoid_of_scan(const BoneSettings& settings, const 
 
 }  // namespace
 
-PreviewBone load_preview_bone(const Scenario& scenario, Report& report) {
+PreviewBone load_preview_bone(const Scenario& scenario, Diagnostics& report) {
   const BoneSettings& settings = scenario.bone;
   PreviewBone out;
   out.side = settings.side;
@@ -194,7 +194,8 @@ PreviewBone load_preview_bone(const Scenario& scenario, Report& report) {
   return out;
 }
 
-Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::int64_t most_voxels, Report& report) {
+Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::int64_t most_voxels,
+                  Diagnostics& report) {
   const Scenario& scenario = request.scenario;
   const BoneSettings& settings = scenario.bone;
   std::vector<Mistake> mistakes = bone.mistakes;

@@ -29,11 +29,11 @@ struct PreviewBone {
 };
 
 /// Reads the bone. Mistakes that its preview can mend are collected. Throws InputError when it cannot be read.
-PreviewBone load_preview_bone(const Scenario& scenario, Report& report);
+PreviewBone load_preview_bone(const Scenario& scenario, Diagnostics& report);
 
 /// The data of the page's script, with a volume of at most `most_voxels` voxels, and the warnings of `report`, which
 /// gets those of tool and motion.
 nlohmann::ordered_json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::int64_t most_voxels,
-                                    Report& report);
+                                    Diagnostics& report);
 
 }  // namespace reamsim

@@ -12,7 +12,7 @@
 #include "render/report/summary_table.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/record/headline.h"
+#include "sim/record/key_results.h"
 #include "sim/scenario/choices.h"
 
 namespace reamsim {
@@ -196,7 +196,7 @@ std::optional<double> number_at(const Json& summary, const char* pointer, const 
 
 /// The headline figures, as in pictures and plots.
 std::string headline_html(const Json& summary, const std::string& path) {
-  Headline run{.means = from_name<ErosionMode>(text_at(summary, "erosion", path)) != ErosionMode::exact};
+  KeyResults run{.means = from_name<ErosionMode>(text_at(summary, "erosion", path)) != ErosionMode::exact};
   // Earlier versions wrote these numbers without the section "headline".
   const auto force = run.means ? "/forces/peak_layer_axial_force_n" : "/forces/peak_axial_force_n";
   const auto torque = run.means ? "/forces/peak_layer_spin_torque_nmm" : "/forces/peak_spin_torque_nmm";
@@ -207,7 +207,7 @@ std::string headline_html(const Json& summary, const std::string& path) {
   std::string out;
   if (const auto depth = first_of("/headline/depth_mm", "/max_depth_mm")) {
     run.tool_depth_mm = *depth;
-    out += figure_html(Headline::kDepthName, run.depth_text(), "mm");
+    out += figure_html(KeyResults::kDepthName, run.depth_text(), "mm");
   }
   if (const auto peak = first_of("/headline/peak_axial_force_n", force)) {
     run.peak_axial_force_n = *peak;

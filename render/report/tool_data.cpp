@@ -89,7 +89,7 @@ Json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log, const R
     tools.push_back(pass_json(passes[i].tool, first_row(log, static_cast<int>(i) + 1)));
   }
   return {{"shown", settings.tool},
-          {"look", name_of(settings.tool_look)},
+          {"look", name_of(settings.tool_material)},
           {"passes", std::move(tools)},
           {"poses", poses_json(log)}};
 }

@@ -45,7 +45,7 @@ std::vector<Rigid> starts_round(const BoneView& bone, const BoneProbe& probe, co
 }
 
 /// face_score(), the nearer the better; -1 for a face beyond the point.
-double score_of(const SettledFace& face, const Vec3& near_mm) {
+double score_of(const FittedFace& face, const Vec3& near_mm) {
   constexpr double kDistanceWeight = 0.02;
   const double score = face_score(face);
   const double away_mm = (face.bone_from_face.translation() - near_mm).norm();
@@ -57,7 +57,7 @@ double score_of(const SettledFace& face, const Vec3& near_mm) {
                    fmt::format("({:.1f}, {:.1f}, {:.1f}): ", near_mm.x(), near_mm.y(), near_mm.z()) + found, expected);
 }
 
-bool is_same(const SettledFace& a, const SettledFace& b) {
+bool is_same(const FittedFace& a, const FittedFace& b) {
   constexpr double kSame_mm = 1.5, kSameNormal = 0.98;  // a cosine
   const Rigid &one = a.bone_from_face, &other = b.bone_from_face;
   return (one.translation() - other.translation()).norm() < kSame_mm &&
@@ -65,37 +65,36 @@ bool is_same(const SettledFace& a, const SettledFace& b) {
 }
 
 /// The first `most` faces that are no repetition of one before, settled finely.
-std::vector<SettledFace> settled_finely(const BoneProbe& probe, const std::vector<SettledFace>& coarse,
-                                        std::size_t most) {
-  std::vector<SettledFace> distinct;
-  for (const SettledFace& face : coarse) {
-    const auto same = [&](const SettledFace& other) { return is_same(face, other); };
+std::vector<FittedFace> fitted_finely(const BoneProbe& probe, const std::vector<FittedFace>& coarse, std::size_t most) {
+  std::vector<FittedFace> distinct;
+  for (const FittedFace& face : coarse) {
+    const auto same = [&](const FittedFace& other) { return is_same(face, other); };
     if (distinct.size() < most && std::ranges::none_of(distinct, same)) distinct.push_back(face);
   }
-  return settle_all(distinct.size(),
-                    [&](std::size_t i) { return settle_on_face(probe, distinct[i].bone_from_face, kFineEffort); });
+  return fit_all(distinct.size(),
+                 [&](std::size_t i) { return fit_face(probe, distinct[i].bone_from_face, kFineEffort); });
 }
 
 /// Faces that the search finds from starts towards both ends of one, which may have grown into the base of the
 /// coracoid. A coarse search would return to it.
-std::vector<SettledFace> faces_beside(const BoneProbe& probe, const SettledFace& face) {
+std::vector<FittedFace> faces_beside(const BoneProbe& probe, const FittedFace& face) {
   constexpr double kAside[] = {-0.3, -0.15, 0.15, 0.3}, kAbove_mm = 4;  // of the height
   const Vec3 along = face.fit.outline.height_mm * face.along(), outward = face.bone_from_face.linear().col(2);
-  return settle_all(std::size(kAside), [&](std::size_t i) -> std::optional<SettledFace> {
+  return fit_all(std::size(kAside), [&](std::size_t i) -> std::optional<FittedFace> {
     const Vec3 from = face.bone_from_face.translation() + kAside[i] * along + kAbove_mm * outward;
     const auto fall = probe.distance_to_bone(from, -outward, 3 * kAbove_mm);
     if (!fall) return std::nullopt;
-    return settle_on_face(probe, frame_at(from - *fall * outward, outward), kFineEffort);
+    return fit_face(probe, frame_at(from - *fall * outward, outward), kFineEffort);
   });
 }
 
 /// The best face from several starts; nullopt where they lead nowhere.
-std::optional<SettledFace> best_from(const BoneProbe& probe, const std::vector<Rigid>& starts, const Vec3& near_mm) {
-  std::vector<SettledFace> coarse =
-      settle_all(starts.size(), [&](std::size_t i) { return settle_on_face(probe, starts[i], kCoarseEffort); });
-  const auto worth = [&](const SettledFace& face) { return -score_of(face, near_mm); };
+std::optional<FittedFace> best_from(const BoneProbe& probe, const std::vector<Rigid>& starts, const Vec3& near_mm) {
+  std::vector<FittedFace> coarse =
+      fit_all(starts.size(), [&](std::size_t i) { return fit_face(probe, starts[i], kCoarseEffort); });
+  const auto worth = [&](const FittedFace& face) { return -score_of(face, near_mm); };
   std::ranges::stable_sort(coarse, {}, worth);
-  const std::vector<SettledFace> fine = settled_finely(probe, coarse, kFineSearches);
+  const std::vector<FittedFace> fine = fitted_finely(probe, coarse, kFineSearches);
   const auto best = std::ranges::min_element(fine, {}, worth);
   return best == fine.end() ? std::nullopt : std::optional(*best);
 }
@@ -103,26 +102,26 @@ std::optional<SettledFace> best_from(const BoneProbe& probe, const std::vector<R
 /// Replaces a face by a better one. A doubtful one by starts all over the surface, because rays from a point beside a
 /// deep face may meet its walls only. Then any by starts towards both of its ends, because the search rests in more
 /// than one outline, above all where the rim passes into the base of the coracoid, and which one depended on the point.
-void improve(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm, std::optional<SettledFace>& best) {
+void improve(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm, std::optional<FittedFace>& best) {
   if (!best || score_of(*best, near_mm) < kDoubtfulScore) {
     const auto face = best_from(probe, starts_on_surface(bone, probe, {near_mm, kFarthestStart_mm}), near_mm);
     const bool clear = face && place_of(probe, *face).confidence >= kDoubtfulScore;
     if (clear && (!best || score_of(*face, near_mm) > score_of(*best, near_mm))) best = face;
   }
   if (!best) return;
-  for (const SettledFace& beside : faces_beside(probe, *best)) {
+  for (const FittedFace& beside : faces_beside(probe, *best)) {
     // These are outlines of the same joint: the distance from the point does not count.
     if (score_of(beside, near_mm) > 0 && face_score(beside) > face_score(*best)) best = beside;
   }
 }
 
-SettledFace best_face(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm) {
+FittedFace best_face(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm) {
   const std::vector<Rigid> starts = starts_round(bone, probe, near_mm);
   if (starts.empty()) {
     fail(near_mm, fmt::format("no surface of the bone within {:g} mm", kFarthestStart_mm),
          "give a point on the face of the glenoid, in the bone frame");
   }
-  std::optional<SettledFace> best = best_from(probe, starts, near_mm);
+  std::optional<FittedFace> best = best_from(probe, starts, near_mm);
   improve(bone, probe, near_mm, best);
   if (!best || score_of(*best, near_mm) < kLeastScore || best->rim_fraction() < kLeastRim) {
     fail(near_mm,
@@ -136,7 +135,7 @@ SettledFace best_face(const BoneView& bone, const BoneProbe& probe, const Vec3& 
 }
 
 /// Superior across the normal, and whether it was guessed from the shape of the face.
-std::pair<Vec3, bool> superior_of(const SettledFace& face, const BoneView& bone, const GlenoidSettings& settings) {
+std::pair<Vec3, bool> superior_of(const FittedFace& face, const BoneView& bone, const GlenoidSettings& settings) {
   if (settings.superior) return {*settings.superior, false};
   if (settings.landmarks) return {settings.landmarks->glenoid_center_mm - settings.landmarks->inferior_angle_mm, false};
   const Vec3 along = face.along();
@@ -149,7 +148,7 @@ std::pair<Vec3, bool> superior_of(const SettledFace& face, const BoneView& bone,
 
 FoundGlenoid find_glenoid(const BoneView& bone, const GlenoidSettings& settings, BodySide side) {
   const BoneProbe probe(bone);
-  const SettledFace face = best_face(bone, probe, *settings.near_mm);
+  const FittedFace face = best_face(bone, probe, *settings.near_mm);
   FoundGlenoid out;
   const auto [superior, guessed] = superior_of(face, bone, settings);
   GlenoidSettings directions;

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/anatomy/settle_face.h"
-#include "sim/base/report.h"
+#include "sim/anatomy/fit_face.h"
+#include "sim/base/diagnostics.h"
 #include "sim/bone/bone.h"
 
 namespace reamsim {

@@ -85,7 +85,7 @@ void check_center(const NearestSurface& nearest, const Vec3& center_mm, const Fr
                                kFarthestCenter_mm, point_text(nearest.point_mm)));
 }
 
-void check_normal(const NearbyBone& bone, const Vec3& normal, const FrameKeys& keys, Report& report) {
+void check_normal(const NearbyBone& bone, const Vec3& normal, const FrameKeys& keys, Diagnostics& report) {
   const double angle_deg = std::acos(std::clamp(normal.dot(bone.outward), -1.0, 1.0)) * 180 / std::numbers::pi;
   if (bone.outward == Vec3::Zero() || angle_deg <= kOblique_deg) return;
   const std::string found = fmt::format(
@@ -108,7 +108,7 @@ bool in_patient_frame(const Bone& bone, const BoneSettings& settings) {
   return bone.voxmap->frame == "LPS" && (settings.source == BoneSource::ct || settings.source == BoneSource::vdb);
 }
 
-void check_anatomy(const Bone& bone, const FrameKeys& keys, Report& report) {
+void check_anatomy(const Bone& bone, const FrameKeys& keys, Diagnostics& report) {
   const Mat3 axes = bone.glenoid->bone_from_glenoid.linear();
   const double left = axes(0, 2), up = axes(2, 1);
   const std::string specimen = "; this may be meant only where the scan is not of a patient in the standard position";
@@ -169,7 +169,7 @@ NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& n
   return out;
 }
 
-void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, MistakeList& mistakes, Report& report) {
+void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, MistakeList& mistakes, Diagnostics& report) {
   const bool given = settings.glenoid.center_mm || settings.glenoid.landmarks || settings.glenoid.near_mm;
   if (!bone.glenoid || (bone.voxmap->frame == "phantom" && !given)) return;
   const FrameKeys keys = keys_of(settings);

@@ -5,8 +5,8 @@
 
 #include <optional>
 
+#include "sim/base/diagnostics.h"
 #include "sim/base/mistake_list.h"
-#include "sim/base/report.h"
 #include "sim/bone/bone.h"
 
 namespace reamsim {
@@ -34,6 +34,6 @@ NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& n
 /// normal that points into the bone. Warnings, because a specimen may be scanned in any position: in LPS a left glenoid
 /// does not face +x, or superior is not +z. `settings` determine the keys in the messages. Does nothing without a frame
 /// or for the frame of a phantom.
-void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, MistakeList& mistakes, Report& report);
+void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, MistakeList& mistakes, Diagnostics& report);
 
 }  // namespace reamsim

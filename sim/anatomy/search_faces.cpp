@@ -8,8 +8,8 @@
 #include <map>
 #include <optional>
 
+#include "sim/anatomy/fit_face.h"
 #include "sim/anatomy/frame_check.h"
-#include "sim/anatomy/settle_face.h"
 
 namespace reamsim {
 
@@ -21,7 +21,7 @@ constexpr double kLeastVault_mm = 10;  // an acromion is 8 to 9 mm thick
 constexpr double kDeepVault_mm = 20;
 constexpr double kLeastFree_mm = 12;       // in front of the face
 constexpr double kLeastCoarseScore = 0.3;  // score of a face that is settled finely
-constexpr SettleEffort kSearchEffort{20, 3};
+constexpr FitEffort kSearchEffort{20, 3};
 constexpr std::size_t kFinePlaces = 6;
 /// Sizes beyond these are no glenoid.
 constexpr double kShortest_mm = 20, kTallest_mm = 52, kNarrowest_mm = 14, kWidest_mm = 42;
@@ -89,10 +89,10 @@ double size_score(double mm, double least, double usual_least, double usual_most
 }
 
 /// The best of the faces, none near another.
-std::vector<FacePlace> best_places(const BoneProbe& probe, const std::vector<SettledFace>& faces,
-                                   std::vector<SettledFace>* of = nullptr) {
-  std::vector<std::pair<FacePlace, const SettledFace*>> all;
-  for (const SettledFace& face : faces) all.emplace_back(place_of(probe, face), &face);
+std::vector<FacePlace> best_places(const BoneProbe& probe, const std::vector<FittedFace>& faces,
+                                   std::vector<FittedFace>* of = nullptr) {
+  std::vector<std::pair<FacePlace, const FittedFace*>> all;
+  for (const FittedFace& face : faces) all.emplace_back(place_of(probe, face), &face);
   std::ranges::stable_sort(all, {}, [](const auto& entry) { return -entry.first.confidence; });
   std::vector<FacePlace> out;
   for (const auto& entry : all) {
@@ -109,7 +109,7 @@ std::vector<FacePlace> best_places(const BoneProbe& probe, const std::vector<Set
 
 }  // namespace
 
-FacePlace place_of(const BoneProbe& probe, const SettledFace& face) {
+FacePlace place_of(const BoneProbe& probe, const FittedFace& face) {
   FacePlace out{.center_mm = face.bone_from_face.translation(),
                 .normal = face.bone_from_face.linear().col(2),
                 .height_mm = face.fit.outline.height_mm,
@@ -124,7 +124,7 @@ FacePlace place_of(const BoneProbe& probe, const SettledFace& face) {
 
 std::optional<FacePlace> place_at(const BoneView& bone, const Rigid& bone_from_face) {
   const BoneProbe probe(bone);
-  const auto face = settle_on_face(probe, bone_from_face, kFineEffort);
+  const auto face = fit_face(probe, bone_from_face, kFineEffort);
   return face ? std::optional(place_of(probe, *face)) : std::nullopt;
 }
 
@@ -139,15 +139,15 @@ std::vector<Rigid> starts_on_surface(const BoneView& bone, const BoneProbe& prob
 std::vector<FacePlace> search_faces(const BoneView& bone) {
   const BoneProbe probe(bone);
   const std::vector<Rigid> starts = starts_on_surface(bone, probe, {});
-  const std::vector<SettledFace> coarse = settle_all(starts.size(), [&](std::size_t i) -> std::optional<SettledFace> {
-    auto face = settle_on_face(probe, starts[i], kSearchEffort);
+  const std::vector<FittedFace> coarse = fit_all(starts.size(), [&](std::size_t i) -> std::optional<FittedFace> {
+    auto face = fit_face(probe, starts[i], kSearchEffort);
     return face && face_score(*face) >= kLeastCoarseScore ? face : std::nullopt;
   });
-  std::vector<SettledFace> chosen;
+  std::vector<FittedFace> chosen;
   best_places(probe, coarse, &chosen);
   chosen.resize(std::min(chosen.size(), kFinePlaces));
-  return best_places(probe, settle_all(chosen.size(), [&](std::size_t i) {
-                       return settle_on_face(probe, chosen[i].bone_from_face, kFineEffort);
+  return best_places(probe, fit_all(chosen.size(), [&](std::size_t i) {
+                       return fit_face(probe, chosen[i].bone_from_face, kFineEffort);
                      }));
 }
 

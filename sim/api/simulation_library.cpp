@@ -72,8 +72,8 @@ struct Simulation::Core {
         identity(identity_of(scene.bone)),
         fill_before(scene.bone.fill) {}
 
-  static ReamingScene load(const Scenario& scenario, Report& report) {
-    ReamingScene out = load_scene(scenario, report);
+  static SimulationInput load(const Scenario& scenario, Diagnostics& report) {
+    SimulationInput out = load_scene(scenario, report);
     if (!out.later_passes.empty()) throw InputError("motion.passes: a simulation has one tool; use motion.plunge");
     if (scenario.motion.compliance)
       report.warn("motion.compliance: without springs here, the tool is where step() puts it");
@@ -193,8 +193,8 @@ struct Simulation::Core {
            static_cast<double>(count) * stepper.frame_wall_s() > kMostSeconds;
   }
 
-  Report report;
-  ReamingScene scene;
+  Diagnostics report;
+  SimulationInput scene;
   std::unique_ptr<Engine> engine;
   library::Rows rows;
   FrameStepper stepper;

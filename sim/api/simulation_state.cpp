@@ -43,10 +43,10 @@ void visit_values(Visit& visit, Bone& bone, Standing& progress) {
   visit(bone.origin_mm);
   visit(bone.crc);
   visit(progress.step.frame);
-  visit(progress.step.ledger.work_mj);
-  visit(progress.step.ledger.floor_mj);
-  visit(progress.step.ledger.cut_mj);
-  visit(progress.step.ledger.first_contact_mm);
+  visit(progress.step.energy.work_mj);
+  visit(progress.step.energy.floor_mj);
+  visit(progress.step.energy.cut_mj);
+  visit(progress.step.energy.first_contact_mm);
   visit(progress.step.touched);
   visit(progress.step.warned_of_no_spin);
   visit(progress.time_s);

@@ -24,10 +24,10 @@ class NoSink final : public FrameSink {
 
 }  // namespace
 
-Latency frame_latency(ReamingScene& scene, Engine& engine, std::int64_t most, const std::function<bool()>& stop) {
+Latency frame_latency(SimulationInput& scene, Engine& engine, std::int64_t most, const std::function<bool()>& stop) {
   const Motion& motion = scene.motion;
   NoSink sink;
-  Report ignored;
+  Diagnostics ignored;
   FrameStepper stepper(scene, engine, sink, ignored);
   const auto frame_of = [&](std::int64_t k) {
     return FrameMotion{.frame = k,

@@ -24,6 +24,6 @@ struct Latency {
 
 /// Moves the tool of the scene along its motion frame by frame, and times those in contact but the first 20, in which
 /// memory of the device grows. Ends after `most` of them. Throws Interrupted, RunError.
-Latency frame_latency(ReamingScene& scene, Engine& engine, std::int64_t most, const std::function<bool()>& stop);
+Latency frame_latency(SimulationInput& scene, Engine& engine, std::int64_t most, const std::function<bool()>& stop);
 
 }  // namespace reamsim::bench

@@ -61,8 +61,8 @@ class CountingSink final : public FrameSink {
   Recorder recorder_;
 };
 
-ReamingScene scene_of(const ExactRuns& runs, const Motion& motion) {
-  ReamingScene scene;
+SimulationInput scene_of(const ExactRuns& runs, const Motion& motion) {
+  SimulationInput scene;
   scene.scenario.name = "bench";
   scene.scenario.cutting = bench_cutting();
   scene.scenario.cutting.erosion = ErosionMode::exact;
@@ -78,7 +78,7 @@ ReamingScene scene_of(const ExactRuns& runs, const Motion& motion) {
 
 /// Times a run, and adds its windows to `out`. Returns the voxels that lose bone, summed over the timed frames.
 double time_run(const ExactRuns& runs, const Motion& motion, const BenchControl& control, WholeFrames& out) {
-  ReamingScene scene = scene_of(runs, motion);
+  SimulationInput scene = scene_of(runs, motion);
   const std::unique_ptr<Engine> engine = load_engine(scene);
   const TemporaryFolder folder;
   CountingSink sink(runs.bone->grid.voxel_mm, folder.path());
@@ -99,7 +99,7 @@ double time_run(const ExactRuns& runs, const Motion& motion, const BenchControl&
     kernel_before_s = sink.kernel_s;
     watch = Stopwatch();
   };
-  Report report;
+  Diagnostics report;
   simulate(scene, *engine, sink, hooks, report);
   out.removed_mm3 = sink.removed_mm3;
   out.bytes = engine->structure_bytes();

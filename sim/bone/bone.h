@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/bone/voxmap/bone_stage.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/segmentation.h"
@@ -42,12 +42,12 @@ struct Bone {
 
 /// A closed mesh: cortical grade down to `cortical_mm` below the surface, trabecular grade below. Throws InputError:
 /// unreadable, open or non-manifold (unless `repair`), a failed repair, no volume, absurdly large.
-FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report, const StageSink& stages = {});
+FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Diagnostics& report, const StageSink& stages = {});
 /// A generated bone in the frame "phantom" (sim/bone/phantom.h). Blocks have their top face at z = 0; the sphere has
 /// its centre at the origin. The glenoid has the axes of a patient (left: +x lateral, right: −x lateral; +y posterior;
 /// +z superior), the centre of its native face at the origin, and landmarks beyond the modelled bone. Throws
 /// InputError: inconsistent shapes, a glenoid without `side`, absurdly large.
-Bone bone_from_phantom(const BoneSettings& settings, Report& report);
+Bone bone_from_phantom(const BoneSettings& settings, Diagnostics& report);
 
 /// Removes the voxels whose centre lies in the hole, or with `partial` the part of each voxel in the hole; returns the
 /// drilled volume in mm³. `glenoid` is required if `hole.frame` is glenoid. Throws InputError: no such frame, no

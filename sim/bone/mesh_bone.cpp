@@ -127,7 +127,7 @@ struct CheckedMesh {
 };
 
 /// The mesh, repaired if requested. Throws InputError if meshToVolume cannot use it.
-CheckedMesh checked_mesh(const MeshBoneSettings& settings, Report& report) {
+CheckedMesh checked_mesh(const MeshBoneSettings& settings, Diagnostics& report) {
   require_mesh_name(settings.path, "bone.mesh.path");
   CheckedMesh out{read_mesh(settings.path, settings.scale)};
   TriangleMesh& mesh = out.mesh;
@@ -173,7 +173,7 @@ std::string remedy_for(const MeshDiagnosis& repaired) {
 }
 
 /// Compares the volume of the voxels with that of the mesh, to detect leaks and overlaps.
-void check_volume(const std::string& path, const CheckedMesh& checked, double voxels_mm3, Report& report) {
+void check_volume(const std::string& path, const CheckedMesh& checked, double voxels_mm3, Diagnostics& report) {
   const double mesh_mm3 = checked.outer_mm3;
   const double error = std::abs(voxels_mm3 - mesh_mm3) / mesh_mm3;
   report.note(fmt::format("bone volume: {:.0f} mm3 in voxels, {:.0f} mm3 in the mesh", voxels_mm3, mesh_mm3));
@@ -188,7 +188,7 @@ void check_volume(const std::string& path, const CheckedMesh& checked, double vo
 
 }  // namespace
 
-FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Report& report, const StageSink& stages) {
+FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Diagnostics& report, const StageSink& stages) {
   const MeshBoneSettings& bone = settings.mesh;
   begin_stage(stages, BoneStage::read);
   const CheckedMesh checked = checked_mesh(bone, report);

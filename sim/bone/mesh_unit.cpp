@@ -107,7 +107,8 @@ void require_scale(const std::string& path, double scale, const std::string& wha
   require_length(path, length_of(read_mesh(path, scale).bounds()), scale, what_to_set);
 }
 
-void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scale, bool has_glenoid, Report& report) {
+void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scale, bool has_glenoid,
+                     Diagnostics& report) {
   const double length_mm = length_of(bounds_mm);
   if (has_glenoid) return require_length(path, length_mm, scale, kSetScale);
   if (kAnySolid.contains(length_mm)) return;

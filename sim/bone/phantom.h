@@ -25,7 +25,7 @@ Bone sphere_phantom(const BoneSettings& settings);
 /// density decreases with the distance from the plate, with seeded texture. The glenoid frame is at the centre of the
 /// face, +z along its normal. Notes the orientation of the face in `report`. Throws InputError: no side, a face radius
 /// or wear that does not fit the face.
-Bone glenoid_phantom(const BoneSettings& settings, Report& report);
+Bone glenoid_phantom(const BoneSettings& settings, Diagnostics& report);
 
 /// The same bone on a given lattice, clipped by it. Throws as above.
 FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid);

@@ -119,7 +119,7 @@ Bone sphere_phantom(const BoneSettings& settings) {
   return Bone(sample_phantom(grid, settings.density, field, partial), frame_of_block({0, 0, radius}));
 }
 
-Bone bone_from_phantom(const BoneSettings& settings, Report& report) {
+Bone bone_from_phantom(const BoneSettings& settings, Diagnostics& report) {
   const PhantomShape shape = settings.phantom.shape;
   report.note("phantom: " + name_of(shape));
   if (shape == PhantomShape::half_space) return half_space_phantom(settings);

@@ -182,13 +182,13 @@ LandmarkSettings landmarks_of(const GlenoidFace& face, const Sides& sides, const
   return marks;
 }
 
-void note_part(Report& report, const char* part, double radius_mm, const Vec3& normal) {
+void note_part(Diagnostics& report, const char* part, double radius_mm, const Vec3& normal) {
   constexpr double kDegrees = 180 / std::numbers::pi;
   report.note(fmt::format("{}: radius {:.4g} mm, retroversion {:.2f} degrees, superior inclination {:.2f} degrees",
                           part, radius_mm, kDegrees * version_of(normal), kDegrees * inclination_of(normal)));
 }
 
-void describe(const GlenoidFace& face, const PhantomSettings& phantom, Report& report) {
+void describe(const GlenoidFace& face, const PhantomSettings& phantom, Diagnostics& report) {
   if (phantom.walch != Walch::none) report.note("Walch " + name_of(phantom.walch));
   const auto* both = face.biconcavity();
   if (both == nullptr) return note_part(report, "face", face.balls().back().radius_mm, face.normal());
@@ -215,7 +215,7 @@ FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid)
       });
 }
 
-Bone glenoid_phantom(const BoneSettings& settings, Report& report) {
+Bone glenoid_phantom(const BoneSettings& settings, Diagnostics& report) {
   check(settings);
   const GlenoidShape shape(settings.phantom);
   const Sides sides = sides_of(settings);

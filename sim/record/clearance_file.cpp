@@ -10,7 +10,7 @@
 
 namespace reamsim {
 
-nlohmann::ordered_json clearance_json(const HolderClearance& clearance, const ReamingScene& scene) {
+nlohmann::ordered_json clearance_json(const HolderClearance& clearance, const SimulationInput& scene) {
   const FrameClearance& least = clearance.least;
   const Vec3& p = least.point_mm;
   nlohmann::ordered_json json{{"least_mm", least.mm},

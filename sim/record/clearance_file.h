@@ -11,7 +11,7 @@
 namespace reamsim {
 
 /// The object `clearance` of summary.json.
-nlohmann::ordered_json clearance_json(const HolderClearance& clearance, const ReamingScene& scene);
+nlohmann::ordered_json clearance_json(const HolderClearance& clearance, const SimulationInput& scene);
 
 /// Writes clearance.csv. Throws RunError when the disk is full.
 void write_clearance(const std::string& path, const HolderClearance& clearance, double frame_s);

@@ -171,8 +171,8 @@ void add_layer_means(ForceLog& log, double travel_mm) {
   log.mean_travel_mm = travel_mm;
 }
 
-Headline headline_of(const ForceLog& log, bool means) {
-  Headline out{.means = means};
+KeyResults key_results_of(const ForceLog& log, bool means) {
+  KeyResults out{.means = means};
   for (const ForceRow& row : log.rows) {
     out.peak_axial_force_n = std::max(out.peak_axial_force_n, row.layer_axial_force_n);
     out.peak_spin_torque_nmm = std::max(out.peak_spin_torque_nmm, std::abs(row.layer_spin_torque_nmm));

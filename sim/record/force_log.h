@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/record/headline.h"
+#include "sim/record/key_results.h"
 #include "sim/record/results.h"
 #include "sim/tool/tool_pose.h"
 
@@ -76,6 +76,6 @@ void for_each_force_row(const std::string& path, const std::function<void(const 
 void add_layer_means(ForceLog& log, double travel_mm);
 
 /// The headline of a log with its means. `means`: they are over a voxel of travel.
-Headline headline_of(const ForceLog& log, bool means);
+KeyResults key_results_of(const ForceLog& log, bool means);
 
 }  // namespace reamsim

@@ -87,7 +87,7 @@ std::int64_t RunTotals::reaming_frames() const {
   return first_contact_frame < 0 ? 0 : last_contact_frame - first_contact_frame + 1;
 }
 
-Headline RunTotals::headline(bool means) const {
+KeyResults RunTotals::headline(bool means) const {
   return {.means = means,
           .peak_axial_force_n = means ? peak_layer_axial_force_n : peak_axial_force_n,
           .peak_spin_torque_nmm = means ? peak_layer_spin_torque_nmm : peak_spin_torque_nmm,

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/record/headline.h"
+#include "sim/record/key_results.h"
 #include "sim/record/layer_mean.h"
 #include "sim/record/push_totals.h"
 #include "sim/record/results.h"
@@ -86,7 +86,7 @@ class RunTotals {
   };
   [[nodiscard]] Means means() const;
   /// `means`: of the means over a voxel of travel, for erosion that removes whole voxels.
-  [[nodiscard]] Headline headline(bool means) const;
+  [[nodiscard]] KeyResults headline(bool means) const;
   /// Work of the drive and feed on the bone, −Σ(T·ω + F·v)·Δt, from the energy balance.
   [[nodiscard]] double work_mj() const { return energy_mj * (1 + balance) - floor_energy_mj; }
 

@@ -28,7 +28,7 @@ namespace reamsim {
 namespace {
 
 /// Provenance in the metadata of the grids. Without device and time, so that the same scenario gives the same bytes.
-Metadata provenance(const ReamingScene& scene, const RunFacts& facts) {
+Metadata provenance(const SimulationInput& scene, const RunFacts& facts) {
   Metadata out{{"program", "reamsim " REAMSIM_VERSION},
                {"scenario", scene.scenario.name},
                {"erosion", name_of(scene.scenario.cutting.erosion)}};
@@ -62,14 +62,14 @@ double peak_process_mb() {
   return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;  // Linux counts KiB
 }
 
-nlohmann::ordered_json headline_json(const Headline& headline) {
+nlohmann::ordered_json key_results_json(const KeyResults& headline) {
   return {{"force_name", headline.force_name()},
           {"peak_axial_force_n", headline.peak_axial_force_n},
           {"peak_spin_torque_nmm", headline.peak_spin_torque_nmm},
           {"force_definition", headline.force_definition()},
-          {"depth_name", Headline::kDepthName},
+          {"depth_name", KeyResults::kDepthName},
           {"depth_mm", headline.tool_depth_mm},
-          {"depth_definition", Headline::kDepthDefinition}};
+          {"depth_definition", KeyResults::kDepthDefinition}};
 }
 
 nlohmann::ordered_json forces_json(const RunTotals& totals) {
@@ -119,7 +119,7 @@ nlohmann::ordered_json force_law_json(const CuttingSettings& cutting) {
   return json;
 }
 
-nlohmann::ordered_json bone_json(const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
+nlohmann::ordered_json bone_json(const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts) {
   const VoxelGrid& grid = scene.bone.voxmap->grid;
   return {{"voxel_mm", grid.voxel_mm},
           {"dims", {grid.dims.x(), grid.dims.y(), grid.dims.z()}},
@@ -181,7 +181,7 @@ std::vector<InputSum> input_sums(const Scenario& scenario) {
   return sums;
 }
 
-void write_tools(const std::string& dir, const ReamingScene& scene) {
+void write_tools(const std::string& dir, const SimulationInput& scene) {
   const std::string folder = dir + "/snapshots";
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -190,7 +190,7 @@ void write_tools(const std::string& dir, const ReamingScene& scene) {
   for (const Pass& pass : scene.later_passes) write_stl(tool_path(dir, pass.motion.pass), pass.tool.mesh);
 }
 
-void write_scenario(const std::string& dir, const ReamingScene& scene, const RunFacts& facts) {
+void write_scenario(const std::string& dir, const SimulationInput& scene, const RunFacts& facts) {
   std::string head = "# Resolved by reamsim " REAMSIM_VERSION ", with all defaults. Run on " + facts.device + ".";
   for (const auto& contact : scene.first_contacts) {
     if (contact) head += " Found: " + sentence_of(*contact) + ".";
@@ -215,7 +215,8 @@ bool is_result_of(const std::string& dir, const Scenario& scenario) {
   return body != std::string::npos && text.substr(body) == scenario_body(resolved, input_sums(scenario));
 }
 
-void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts) {
+void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
+                   const RunFacts& facts) {
   write_bone_vdb(dir + "/reamed.vdb", scene.bone, recorder.removed_frames(), provenance(scene, facts));
   if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone);
   write_depth_map(dir + "/depth_map.csv", facts.depth_map);
@@ -230,7 +231,7 @@ nlohmann::ordered_json plunge_contact_json(const FirstContact& contact) {
 }
 
 /// Of a run with several passes, those that it has come to.
-nlohmann::ordered_json passes_json(const ReamingScene& scene, const RunTotals& totals) {
+nlohmann::ordered_json passes_json(const SimulationInput& scene, const RunTotals& totals) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   const std::vector<PassSpec> specs = passes_of(scene.scenario);
   for (std::size_t i = 0; i < totals.passes.size(); ++i) {
@@ -278,7 +279,7 @@ nlohmann::ordered_json deflection_json(const DeflectionTotals& deflection) {
 }
 
 /// What is known after every frame.
-nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts) {
+nlohmann::ordered_json totals_json(const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts) {
   nlohmann::ordered_json json;
   json["program"] = "reamsim " REAMSIM_VERSION;
   json["scenario"] = scene.scenario.name;
@@ -288,7 +289,7 @@ nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& t
   json["law"] = name_of(scene.scenario.cutting.law);
   if (scene.scenario.cutting.law == CuttingLaw::energy) json["force_law"] = force_law_json(scene.scenario.cutting);
   // Where voxels are removed whole, single frames are spikes.
-  json["headline"] = headline_json(totals.headline(scene.scenario.cutting.erosion != ErosionMode::exact));
+  json["headline"] = key_results_json(totals.headline(scene.scenario.cutting.erosion != ErosionMode::exact));
   json["frames"] = totals.frames;
   json["contact_frames"] = totals.contact_frames;
   json["first_contact_frame"] = totals.first_contact_frame;
@@ -317,7 +318,7 @@ nlohmann::ordered_json totals_json(const ReamingScene& scene, const RunTotals& t
 /// Replaces the figures of `json`, a summary, that depend on the constants of the force law.
 void replace_forces(const CuttingSettings& cutting, const RunTotals& totals, nlohmann::ordered_json& json) {
   json["force_law"] = force_law_json(cutting);
-  json["headline"] = headline_json(totals.headline(cutting.erosion != ErosionMode::exact));
+  json["headline"] = key_results_json(totals.headline(cutting.erosion != ErosionMode::exact));
   json["work_mj"] = totals.work_mj();
   json["energy_mj"] = totals.energy_mj;
   json["floor_energy_mj"] = totals.floor_energy_mj;
@@ -347,7 +348,7 @@ std::string reforced_summary(const std::string& dir, const CuttingSettings& cutt
   return text_of_summary(json);
 }
 
-void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
+void write_summary(const std::string& dir, const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts,
                    bool finished) {
   nlohmann::ordered_json json = totals_json(scene, totals, facts);
   if (finished) {

@@ -45,21 +45,22 @@ struct RunFacts {
 
 /// Writes the tools of all passes into `dir` (tool_path()), for rendering during the simulation. Throws RunError when
 /// the disk is full.
-void write_tools(const std::string& dir, const ReamingScene& scene);
+void write_tools(const std::string& dir, const SimulationInput& scene);
 
 /// Writes scenario.yaml (resolved, with the checksums and the first contact of a plunge in its head) into `dir`. Throws
 /// RunError when the disk is full.
-void write_scenario(const std::string& dir, const ReamingScene& scene, const RunFacts& facts);
+void write_scenario(const std::string& dir, const SimulationInput& scene, const RunFacts& facts);
 
 /// Whether the scenario.yaml in `dir` is that of this scenario, with the same inputs. Throws InputError when one cannot
 /// be read.
 bool is_result_of(const std::string& dir, const Scenario& scenario);
 
 /// Writes reamed.vdb, reamed.vti and depth_map.csv into `dir`. Throws RunError when the disk is full.
-void write_results(const std::string& dir, const ReamingScene& scene, const Recorder& recorder, const RunFacts& facts);
+void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
+                   const RunFacts& facts);
 
 /// Writes summary.json into `dir`. `finished` false: of the frames so far, without metrics and times.
-void write_summary(const std::string& dir, const ReamingScene& scene, const RunTotals& totals, const RunFacts& facts,
+void write_summary(const std::string& dir, const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts,
                    bool finished = true);
 
 /// The summary.json of the run in `dir` with the forces of other constants. Throws InputError where it is damaged.

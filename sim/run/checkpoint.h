@@ -52,7 +52,7 @@ class CheckpointFiles {
   /// Returns its length in bytes, when it is on the disk. Throws RunError.
   std::size_t write(const Checkpoint& checkpoint);
   /// Warns where that is not possible.
-  void remove(Report& report) const;
+  void remove(Diagnostics& report) const;
 
  private:
   [[nodiscard]] std::string path(int number) const;

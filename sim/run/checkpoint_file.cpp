@@ -22,10 +22,10 @@ void visit_values(Visit& visit, State& c) {
   visit(c.identity.scenario);
   visit(c.identity.inputs);
   visit(c.simulation.frame);
-  visit(c.simulation.ledger.work_mj);
-  visit(c.simulation.ledger.floor_mj);
-  visit(c.simulation.ledger.cut_mj);
-  visit(c.simulation.ledger.first_contact_mm);
+  visit(c.simulation.energy.work_mj);
+  visit(c.simulation.energy.floor_mj);
+  visit(c.simulation.energy.cut_mj);
+  visit(c.simulation.energy.first_contact_mm);
   visit(c.simulation.touched);
   visit(c.simulation.warned_of_no_spin);
   visit(c.simulation.feed);
@@ -74,7 +74,7 @@ std::size_t CheckpointFiles::write(const Checkpoint& checkpoint) {
   return text.size();
 }
 
-void CheckpointFiles::remove(Report& report) const {
+void CheckpointFiles::remove(Diagnostics& report) const {
   for (const int number : {0, 1}) {
     std::error_code error;
     std::filesystem::remove(path(number), error);

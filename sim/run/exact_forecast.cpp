@@ -19,7 +19,7 @@ constexpr double kStepVoxels = 2;
 enum class BrickMark : std::uint8_t { air, whole, partial };
 
 /// Bound of the tool's motion in a visit, mm.
-double visit_shift(const ReamingScene& scene) {
+double visit_shift(const SimulationInput& scene) {
   const double voxel_mm = scene.bone.voxmap->grid.voxel_mm;
   double substep_mm = 0;
   const auto& poses = scene.motion.poses;
@@ -38,7 +38,7 @@ double sample_slack(const DistanceTable& table) {
 /// Bricks of the lattice, and those that the tool has reached.
 class SweptBricks {
  public:
-  explicit SweptBricks(const ReamingScene& scene)
+  explicit SweptBricks(const SimulationInput& scene)
       : scene_(scene),
         visit_shift_mm_(visit_shift(scene)),
         voxel_mm_(scene.bone.voxmap->grid.voxel_mm),
@@ -96,7 +96,7 @@ class SweptBricks {
     return std::abs(coarse - limit_mm) > sample_slack(coarse_) ? coarse : scene_.tool.profile.nearest(rz).distance_mm;
   }
 
-  const ReamingScene& scene_;
+  const SimulationInput& scene_;
   double visit_shift_mm_;
   double voxel_mm_;
   BrickLattice lattice_;
@@ -108,7 +108,7 @@ class SweptBricks {
 
 }  // namespace
 
-ExactForecast forecast_exact(const ReamingScene& scene) {
+ExactForecast forecast_exact(const SimulationInput& scene) {
   SweptBricks swept(scene);
   BoundedPath path(scene.tool.reach_mm, kStepVoxels * scene.bone.voxmap->grid.voxel_mm);
   path.add(scene.motion.poses);

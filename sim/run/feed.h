@@ -46,32 +46,32 @@ class Feed {
 /// A feed along planned poses, whose last frame is known.
 class PlannedFeed : public Feed {
  public:
-  explicit PlannedFeed(const ReamingScene& scene);
+  explicit PlannedFeed(const SimulationInput& scene);
   [[nodiscard]] bool has_ended(std::int64_t frame) const override { return frame >= scene_.motion.last_frame(); }
   [[nodiscard]] bool has_picture(std::int64_t frame) const override;
   [[nodiscard]] std::int64_t last_frame() const override { return scene_.last_frame(); }
 
  protected:
-  [[nodiscard]] const ReamingScene& scene() const { return scene_; }
+  [[nodiscard]] const SimulationInput& scene() const { return scene_; }
 
  private:
-  const ReamingScene& scene_;
+  const SimulationInput& scene_;
   std::vector<std::int64_t> pictures_;  ///< frames, ascending
 };
 
 /// The poses of the motion, in batches of frames.
-std::unique_ptr<Feed> prescribed_feed(const ReamingScene& scene, FrameStepper& stepper);
+std::unique_ptr<Feed> prescribed_feed(const SimulationInput& scene, FrameStepper& stepper);
 
 /// A feed under a given thrust (`motion.push`). In every frame it tries feed rates on the present bone until the forces
 /// balance (thrust_balance.h), and then cuts once. A feed rate whose advance in a frame is near the smallest loss that
 /// single precision tells would give a force of few voxels at a time; such feed rates are tried over a longer time,
 /// past the first advance, whose force includes what earlier frames left.
-std::unique_ptr<Feed> thrust_feed(const ReamingScene& scene, FrameStepper& stepper, Report& report);
+std::unique_ptr<Feed> thrust_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report);
 
 /// A tool on springs (`motion.compliance`). A frame has the substeps of the planned motion; in each, deflections are
 /// tried on the present bone until the forces balance (springs.h), and then the tool cuts once. A substep whose motion
 /// is near the smallest loss that single precision tells is tried over a longer time at the same velocity, as that of a
 /// thrust_feed().
-std::unique_ptr<Feed> spring_feed(const ReamingScene& scene, FrameStepper& stepper, Report& report);
+std::unique_ptr<Feed> spring_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report);
 
 }  // namespace reamsim

@@ -7,12 +7,12 @@
 
 #include "sim/engine/common/force_basis.h"
 #include "sim/record/results.h"
-#include "sim/run/frame_ledger.h"
+#include "sim/run/energy_balance.h"
 
 namespace reamsim {
 
 /// The rows of force_basis.npy of a frame, ascending grades: means of force and torque over the substeps, sums of work
-/// and energies, as FrameLedger::close() has them. `substeps`: of the batch.
+/// and energies, as EnergyBalance::close() has them. `substeps`: of the batch.
 std::vector<BasisRow> basis_rows(const PendingFrame& frame, const std::vector<SubstepBasis>& substeps);
 
 }  // namespace reamsim

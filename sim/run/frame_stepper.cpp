@@ -31,13 +31,13 @@ Aabb shell_box(const Tool& tool) {
 }
 
 /// The box of the shell's points, or of the surface where it clips voxels.
-Aabb cutting_box(const ReamingScene& scene) {
+Aabb cutting_box(const SimulationInput& scene) {
   if (scene.scenario.cutting.erosion != ErosionMode::exact) return shell_box(scene.tool);
   return scene.tool.clip_bounds().expanded(fit_outline(scene.tool.profile).bulge_mm);
 }
 
 /// The tool's origin at the first contact of a plunge that counts from it, B.
-std::optional<Vec3> contact_of(const ReamingScene& scene) {
+std::optional<Vec3> contact_of(const SimulationInput& scene) {
   const std::optional<FirstContact> contact = scene.first_contact();
   return contact ? std::optional(contact->origin_mm) : std::nullopt;
 }
@@ -49,14 +49,14 @@ bool is_moved_by_spin(const Scenario& scenario, const Tool& tool) {
   return tool.spin == ToolSpin::resolved;
 }
 
-FrameStepper::FrameStepper(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report)
+FrameStepper::FrameStepper(SimulationInput& scene, Engine& engine, FrameSink& sink, Diagnostics& report)
     : scene_(scene),
       engine_(engine),
       sink_(sink),
       report_(report),
       tool_box_(cutting_box(scene)),
       bone_box_(bone_box(*scene.bone.voxmap)),
-      ledger_(scene.bone.voxmap->grid.voxel_mm3(),
+      energy_(scene.bone.voxmap->grid.voxel_mm3(),
               scene.scenario.cutting.law == CuttingLaw::per_point && scene.tool.spin == ToolSpin::resolved,
               contact_of(scene)),
       resolved_(is_moved_by_spin(scene.scenario, scene.tool)),
@@ -65,7 +65,7 @@ FrameStepper::FrameStepper(ReamingScene& scene, Engine& engine, FrameSink& sink,
 
 void FrameStepper::start(const FrameMotion& motion, const std::optional<PushResult>& push,
                          const std::optional<Vec3>& deflection_mm) {
-  ledger_.begin_pass();
+  energy_.begin_pass();
   state_.touched = false;
   PendingFrame& pending = open(motion);
   pending.push = push;
@@ -135,7 +135,7 @@ std::vector<SubstepSums> FrameStepper::evaluate(const std::vector<FrameMotion>& 
 
 FrameResult FrameStepper::peek(const FrameMotion& m) {
   PendingFrame frame = pending_of(m);
-  FrameLedger as_it_would_be = ledger_;
+  EnergyBalance as_it_would_be = energy_;
   const int n = count_substeps(m.before, m.pose, scene_.tool, resolved_, max_step_mm_);
   if (n == 1) {
     frame.cut = {{0, make_substep(m.before, m.pose, 0, 1, m.duration_s, m.frame)}};
@@ -159,13 +159,13 @@ std::optional<SubstepArgs> FrameStepper::single_args(const FrameMotion& m) const
 
 StepState FrameStepper::state() const {
   StepState out = state_;
-  out.ledger = ledger_.sums();
+  out.energy = energy_.sums();
   return out;
 }
 
 void FrameStepper::resume(const StepState& from) {
   state_ = from;
-  ledger_.restore(from.ledger);
+  energy_.restore(from.energy);
 }
 
 std::string FrameStepper::name_of_pass() const {
@@ -235,7 +235,7 @@ void FrameStepper::record() {
   }
   sink_.removed(removed_);
   for (const PendingFrame& pending : pending_) {
-    const FrameResult result = ledger_.close(pending, batch_.sums);
+    const FrameResult result = energy_.close(pending, batch_.sums);
     FrameTimes times{.broad_phase_s = pending.broad_phase_s};
     for (const auto& [place, substep] : pending.cut) {
       times.detect_s += batch_.times[place].detect_s;

@@ -9,7 +9,7 @@
 
 #include "sim/base/stopwatch.h"
 #include "sim/engine/make_engine.h"
-#include "sim/run/frame_ledger.h"
+#include "sim/run/energy_balance.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {
@@ -17,7 +17,7 @@ namespace reamsim {
 /// What a simulation has to know to go on after a frame, besides the fill of the bone and the hand that pushes.
 struct StepState {
   std::int64_t frame = 0;  ///< the last one that is recorded
-  LedgerSums ledger;
+  EnergySums energy;
   bool touched = false;  ///< the tool has been in contact
   bool warned_of_no_spin = false;
 };
@@ -37,7 +37,7 @@ struct FrameMotion {
 class FrameStepper {
  public:
   /// All must outlive the stepper. `scene.bone` is reamed; `sink` receives rows, snapshots and timings.
-  FrameStepper(ReamingScene& scene, Engine& engine, FrameSink& sink, Report& report);
+  FrameStepper(SimulationInput& scene, Engine& engine, FrameSink& sink, Diagnostics& report);
 
   /// The first frame of a pass. Where voxels are clipped, bone in the tool's first pose is removed without force.
   void start(const FrameMotion& rest, const std::optional<PushResult>& push = {},
@@ -107,13 +107,13 @@ class FrameStepper {
   void clear_batch();
   void warn_of(const FrameResult& result);
 
-  ReamingScene& scene_;
+  SimulationInput& scene_;
   Engine& engine_;
   FrameSink& sink_;
-  Report& report_;
+  Diagnostics& report_;
   Aabb tool_box_;
   Aabb bone_box_;
-  FrameLedger ledger_;
+  EnergyBalance energy_;
   bool resolved_;
   bool exact_;
   double max_step_mm_;
@@ -124,7 +124,7 @@ class FrameStepper {
   RemovedFrames removed_;
   Stopwatch batch_watch_;
   double frame_wall_s_ = 0;
-  StepState state_;  ///< without the ledger's sums
+  StepState state_;  ///< without the energy sums
   FrameResult last_;
 };
 

@@ -8,7 +8,7 @@
 
 namespace reamsim {
 
-void measure(RunFacts& facts, const ReamingScene& scene, const FillBricks& fill_before, const RunTotals& totals) {
+void measure(RunFacts& facts, const SimulationInput& scene, const FillBricks& fill_before, const RunTotals& totals) {
   const Stopwatch watch;
   const ReamedBone bone{*scene.bone.voxmap, fill_before, scene.bone.fill};
   const Rigid bone_from_tool = totals.deepest_pose.bone_from_tool();

@@ -8,6 +8,6 @@
 namespace reamsim {
 
 /// Measures the reamed bone: metrics, depth map, and the time of measuring. `fill_before`: the fill before the run.
-void measure(RunFacts& facts, const ReamingScene& scene, const FillBricks& fill_before, const RunTotals& totals);
+void measure(RunFacts& facts, const SimulationInput& scene, const FillBricks& fill_before, const RunTotals& totals);
 
 }  // namespace reamsim

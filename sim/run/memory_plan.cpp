@@ -60,7 +60,7 @@ double results_bytes(const BrickCounts& bricks) {
   return std::max(kSurfaceBytes * bricks.partial, grids);
 }
 
-std::size_t planned_device_bytes(const ReamingScene& scene, const ExactForecast& forecast) {
+std::size_t planned_device_bytes(const SimulationInput& scene, const ExactForecast& forecast) {
   const Scenario& scenario = scene.scenario;
   const BoneView bone = scene.bone;
   if (scenario.engine.device == "serial") return 0;
@@ -72,7 +72,7 @@ std::size_t planned_device_bytes(const ReamingScene& scene, const ExactForecast&
 
 }  // namespace
 
-MemoryPlan plan_memory(const ReamingScene& scene) {
+MemoryPlan plan_memory(const SimulationInput& scene) {
   const Voxmap& voxmap = *scene.bone.voxmap;
   const bool exact = scene.scenario.cutting.erosion == ErosionMode::exact;
   const ExactForecast forecast = exact ? forecast_exact(scene) : ExactForecast{};

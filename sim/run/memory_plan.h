@@ -15,9 +15,9 @@ struct MemoryPlan {
   std::size_t device_bytes = 0;   ///< 0 for the serial engine
   std::size_t process_bytes = 0;  ///< within a third of measurements; includes device memory, as for a CPU
 };
-MemoryPlan plan_memory(const ReamingScene& scene);
+MemoryPlan plan_memory(const SimulationInput& scene);
 
 /// The bricks that an `exact` run will cut, from the path of the tool at steps of about two voxels. Conservative.
-ExactForecast forecast_exact(const ReamingScene& scene);
+ExactForecast forecast_exact(const SimulationInput& scene);
 
 }  // namespace reamsim

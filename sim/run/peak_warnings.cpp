@@ -23,7 +23,7 @@ std::string two_digits_below(double value) {
 }
 
 /// The rounding of losses counts where the tool hardly advances in the frame of the peak force.
-void warn_of_rounding(const ReamingScene& scene, const RunTotals& totals, Report& report) {
+void warn_of_rounding(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report) {
   const double enough_mm = kFirstLosses * smallest_advance_mm(scene.bone.voxmap->grid.voxel_mm);
   if (totals.peak_advance_mm == 0 || totals.peak_advance_mm >= enough_mm) return;
   report.warn(fmt::format(
@@ -34,7 +34,7 @@ void warn_of_rounding(const ReamingScene& scene, const RunTotals& totals, Report
       two_digits_below(scene.scenario.motion.frame_rate_hz * totals.peak_advance_mm / enough_mm)));
 }
 
-void warn_of_edges(const ReamingScene& scene, const RunTotals& totals, Report& report) {
+void warn_of_edges(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report) {
   const double over_mean = totals.peak_axial_force_n / totals.peak_layer_axial_force_n - 1;
   if (scene.scenario.tool.spin != ToolSpin::resolved || !(over_mean > kRagged)) return;
   report.warn(
@@ -46,7 +46,7 @@ void warn_of_edges(const ReamingScene& scene, const RunTotals& totals, Report& r
 
 }  // namespace
 
-void warn_of_peaks(const ReamingScene& scene, const RunTotals& totals, Report& report) {
+void warn_of_peaks(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report) {
   if (scene.scenario.cutting.erosion != ErosionMode::exact) return;
   warn_of_rounding(scene, totals, report);
   warn_of_edges(scene, totals, report);

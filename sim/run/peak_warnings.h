@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/record/run_totals.h"
 #include "sim/scene/scene.h"
 
@@ -11,6 +11,6 @@ namespace reamsim {
 
 /// Warns where `exact` gives too large peaks of single frames: the tool advances too little in a frame, or resolved
 /// edges lie along the voxels. The headline of other erosions is made of means.
-void warn_of_peaks(const ReamingScene& scene, const RunTotals& totals, Report& report);
+void warn_of_peaks(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report);
 
 }  // namespace reamsim

@@ -13,7 +13,7 @@ namespace {
 
 class PrescribedFeed : public PlannedFeed {
  public:
-  PrescribedFeed(const ReamingScene& scene, FrameStepper& stepper)
+  PrescribedFeed(const SimulationInput& scene, FrameStepper& stepper)
       : PlannedFeed(scene),
         stepper_(stepper),
         windows_([this](std::int64_t frame) { return args_of(frame); }, scene.motion.last_frame(), stepper.tool_box()),
@@ -56,14 +56,14 @@ class PrescribedFeed : public PlannedFeed {
 
 }  // namespace
 
-PlannedFeed::PlannedFeed(const ReamingScene& scene)
+PlannedFeed::PlannedFeed(const SimulationInput& scene)
     : scene_(scene), pictures_(picture_frames(scene.scenario.render, scene.last_frame(), scene.contact)) {}
 
 bool PlannedFeed::has_picture(std::int64_t frame) const {
   return std::ranges::binary_search(pictures_, frame);
 }
 
-std::unique_ptr<Feed> prescribed_feed(const ReamingScene& scene, FrameStepper& stepper) {
+std::unique_ptr<Feed> prescribed_feed(const SimulationInput& scene, FrameStepper& stepper) {
   return std::make_unique<PrescribedFeed>(scene, stepper);
 }
 

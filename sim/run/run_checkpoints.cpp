@@ -25,7 +25,7 @@ void RunCheckpoints::identify(const Scenario& scenario, const std::vector<InputS
   if (last_) require_same_run(last_->identity, identity_, dir_);
 }
 
-void RunCheckpoints::use_device(const std::string& device, Report& report) {
+void RunCheckpoints::use_device(const std::string& device, Diagnostics& report) {
   identity_.device = device;
   if (last_ && last_->identity.device != device) {
     report.warn("continued on " + device + "; the run began on " + last_->identity.device);
@@ -39,7 +39,7 @@ void RunCheckpoints::restore(FillBricks& fill) {
   last_->fill.clear();
 }
 
-Recorder RunCheckpoints::open_logs(double voxel_mm, const Scenario& scenario, Report& report) {
+Recorder RunCheckpoints::open_logs(double voxel_mm, const Scenario& scenario, Diagnostics& report) {
   const PoseFeedback feedback{.push = scenario.motion.push.has_value(),
                               .springs = scenario.motion.compliance.has_value()};
   if (!last_) return {dir_, voxel_mm, scenario.output.force_basis, feedback};
@@ -56,7 +56,7 @@ std::optional<SimulationState> RunCheckpoints::state() const {
 }
 
 bool RunCheckpoints::save(const SimulationState& state, Recorder& recorder, const FillBricks& fill,
-                          const Report& report) {
+                          const Diagnostics& report) {
   if (every_s_ <= 0 || saved_frame_ == state.frame) return false;
   const Stopwatch watch;
   const std::size_t bytes = files_.write({.identity = identity_,

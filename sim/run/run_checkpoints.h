@@ -21,25 +21,25 @@ class RunCheckpoints {
   /// Sets what identifies the run. Throws InputError where the checkpoint to continue is one of another run.
   void identify(const Scenario& scenario, const std::vector<InputSum>& inputs);
   /// Notes the device of the run. Warns where the checkpoint to continue is from another one.
-  void use_device(const std::string& device, Report& report);
+  void use_device(const std::string& device, Diagnostics& report);
   /// Sets the fill of the bone, before the engine is made. Keeps a copy of the fill before the run.
   void restore(FillBricks& fill);
   /// The logs of the run, new or those of the checkpoint, with what its scenario asks for. `report` gets its warnings.
-  Recorder open_logs(double voxel_mm, const Scenario& scenario, Report& report);
+  Recorder open_logs(double voxel_mm, const Scenario& scenario, Diagnostics& report);
   /// The state to go on from; nullopt at the start.
   [[nodiscard]] std::optional<SimulationState> state() const;
 
   /// Whether the time for a checkpoint has come.
   [[nodiscard]] bool due() const { return every_s_ > 0 && since_last_.seconds() >= every_s_; }
   /// Saves the state, unless no checkpoints are wanted. Returns whether it did. Throws RunError.
-  bool save(const SimulationState& state, Recorder& recorder, const FillBricks& fill, const Report& report);
+  bool save(const SimulationState& state, Recorder& recorder, const FillBricks& fill, const Diagnostics& report);
   /// The frame of the last checkpoint; nullopt where there is none.
   [[nodiscard]] std::optional<std::int64_t> saved_frame() const { return saved_frame_; }
   /// Their number, time and size, in words.
   [[nodiscard]] std::string cost() const;
   [[nodiscard]] double seconds() const { return seconds_; }
   /// Removes the checkpoints of a run that is complete.
-  void remove(Report& report) const { files_.remove(report); }
+  void remove(Diagnostics& report) const { files_.remove(report); }
 
  private:
   std::string dir_;

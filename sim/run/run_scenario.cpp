@@ -36,9 +36,9 @@ std::vector<std::string> files_read(const Scenario& scenario) {
 
 /// The same figures, with the same names, as pictures, plots, summary and report have.
 void say_summary(RunMonitor& monitor, const RunTotals& totals, const RunFacts& facts, double mean_mm) {
-  const Headline run = totals.headline(mean_mm > 0);
+  const KeyResults run = totals.headline(mean_mm > 0);
   monitor.say(fmt::format("removed {:.1f} mm3; {} {} mm; {} {} N, {} {} N mm; energy balance {:.1e}",
-                          totals.removed_mm3, Headline::kDepthName, run.depth_text(), run.force_name(),
+                          totals.removed_mm3, KeyResults::kDepthName, run.depth_text(), run.force_name(),
                           run.force_text(), run.torque_name(), run.torque_text(), totals.balance));
   for (std::size_t i = 0; i < totals.passes.size() && totals.passes.size() > 1; ++i) {
     const PassTotals& pass = totals.passes[i];
@@ -82,7 +82,7 @@ class ScenarioRun {
   /// Whether frames have been simulated, or are.
   [[nodiscard]] bool simulates() const { return simulates_; }
   /// The warnings of a run that failed: one may name the cause.
-  [[nodiscard]] const Report& report() const { return report_; }
+  [[nodiscard]] const Diagnostics& report() const { return report_; }
 
  private:
   void load() {
@@ -243,9 +243,9 @@ class ScenarioRun {
   RunCheckpoints& checkpoints_;
   RunMonitor& monitor_;
   PictureSink* pictures_;
-  Report report_;
+  Diagnostics report_;
   RunFacts facts_;
-  ReamingScene scene_;
+  SimulationInput scene_;
   std::vector<ContactForecast> contacts_;  ///< by pass
   FillBricks fill_before_;                 ///< of the bone, unless the pictures have it
   std::unique_ptr<Engine> engine_;
@@ -262,7 +262,7 @@ InterruptedRun what_remains(const RunCheckpoints& checkpoints, const OutputFolde
 }
 
 /// Gives the warnings of a run that fails to the monitor.
-void take_on_error(RunMonitor& monitor, const Report& report) {
+void take_on_error(RunMonitor& monitor, const Diagnostics& report) {
   try {
     monitor.take(report);
   } catch (const std::exception&) {  // no memory: the error itself is what counts
@@ -271,7 +271,7 @@ void take_on_error(RunMonitor& monitor, const Report& report) {
 
 /// Finishes the output folder, and gives its warning to the monitor.
 void finish(OutputFolder& folder, RunMonitor& monitor, const std::function<void()>& remove_unfinished = {}) {
-  Report report;
+  Diagnostics report;
   if (std::string warning = folder.finish(remove_unfinished); !warning.empty()) report.warn(std::move(warning));
   monitor.take(report);
 }
@@ -341,7 +341,7 @@ std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources
   if (request.keep.pictures)
     write_citation(folder.path(), cite_results(folder.path()));  // else the folder of the study has it
   finish(folder, monitor, [&] {
-    Report report;
+    Diagnostics report;
     checkpoints.remove(report);
     monitor.take(report);
   });

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/engine/common/engine_device.h"
 #include "sim/record/kept_files.h"
 #include "sim/scenario/scenario.h"
@@ -43,17 +43,17 @@ class PictureSink {
   PictureSink& operator=(const PictureSink&) = delete;
 
   /// The bone comes from a CT that was segmented as `scene.bone.segmentation` says.
-  virtual void draw_segmentation(const ReamingScene& scene, const std::string& dir) = 0;
+  virtual void draw_segmentation(const SimulationInput& scene, const std::string& dir) = 0;
   /// The run is about to begin, along poses that are known. DIR/snapshots/tool.stl exists.
-  virtual void begin(const ReamingScene& scene, const std::string& dir) = 0;
+  virtual void begin(const SimulationInput& scene, const std::string& dir) = 0;
   /// After begin(): all snapshots up to and including this frame's are on disk.
   virtual void snapshots_written(std::int64_t frame) = 0;
   /// After begin(): the fill of the bone before the run.
   [[nodiscard]] virtual const FillBricks& fill_before() const = 0;
   /// The run has ended, and all its results are on disk. Called without begin() where the poses were not known.
-  virtual void end(const ReamingScene& scene, const std::string& dir) = 0;
+  virtual void end(const SimulationInput& scene, const std::string& dir) = 0;
   /// Makes everything but the report. `report` gets the warnings. Throws RunError and Interrupted.
-  virtual void make(Report& report) = 0;
+  virtual void make(Diagnostics& report) = 0;
   /// After make(): what rendered the pictures, empty where there are none.
   [[nodiscard]] virtual std::string render_context() const = 0;
   /// DIR/summary.json is complete.
@@ -77,7 +77,7 @@ class RunMonitor {
   /// A line about what the run does, or has found.
   virtual void say(const std::string& /*line*/) {}
   /// Warnings and notes of a stage.
-  virtual void take(const Report& /*report*/) {}
+  virtual void take(const Diagnostics& /*report*/) {}
   /// Finished frames of all. 0: the simulation begins.
   virtual void progress(std::int64_t /*done*/, std::int64_t /*total*/) {}
   /// True interrupts the run: run_scenario() throws Interrupted.

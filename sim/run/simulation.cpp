@@ -11,14 +11,14 @@ namespace reamsim {
 
 namespace {
 
-std::unique_ptr<Feed> make_feed(const ReamingScene& scene, FrameStepper& stepper, Report& report) {
+std::unique_ptr<Feed> make_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report) {
   if (scene.motion.push) return thrust_feed(scene, stepper, report);
   if (scene.scenario.motion.compliance) return spring_feed(scene, stepper, report);
   return prescribed_feed(scene, stepper);
 }
 
 /// Continues, or simulates the first pose of the pass. Returns whether the pass has ended before.
-bool begin_pass(const ReamingScene& scene, FrameStepper& stepper, Feed& feed, const RunControl& control) {
+bool begin_pass(const SimulationInput& scene, FrameStepper& stepper, Feed& feed, const RunControl& control) {
   const std::int64_t first = scene.motion.first_frame;
   if (control.from) {
     stepper.resume(*control.from);
@@ -43,7 +43,7 @@ void end_batch(FrameStepper& stepper, const Feed& feed, const RunControl& contro
   if (stop) throw Interrupted();
 }
 
-void warn_at_end(FrameStepper& stepper, Feed& feed, const RunControl& control, Report& report) {
+void warn_at_end(FrameStepper& stepper, Feed& feed, const RunControl& control, Diagnostics& report) {
   if (!stepper.state().touched && !control.warned_of_no_contact) {
     report.warn(stepper.name_of_pass() +
                 "the tool never touches the bone: check motion and, if it is used, the glenoid frame");
@@ -53,7 +53,7 @@ void warn_at_end(FrameStepper& stepper, Feed& feed, const RunControl& control, R
 
 }  // namespace
 
-std::unique_ptr<Engine> load_engine(const ReamingScene& scene, EngineDevices& devices) {
+std::unique_ptr<Engine> load_engine(const SimulationInput& scene, EngineDevices& devices) {
   try {
     return make_engine_on(devices, scene.scenario, scene.bone, scene.tool);
   } catch (const InputError& error) {
@@ -61,13 +61,13 @@ std::unique_ptr<Engine> load_engine(const ReamingScene& scene, EngineDevices& de
   }
 }
 
-std::unique_ptr<Engine> load_engine(const ReamingScene& scene) {
+std::unique_ptr<Engine> load_engine(const SimulationInput& scene) {
   EngineDevices devices;
   return load_engine(scene, devices);
 }
 
-SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,
-                         Report& report) {
+SimulationState simulate(SimulationInput& scene, Engine& engine, FrameSink& sink, const RunControl& control,
+                         Diagnostics& report) {
   FrameStepper stepper(scene, engine, sink, report);
   const std::unique_ptr<Feed> feed = make_feed(scene, stepper, report);
   const bool had_ended = begin_pass(scene, stepper, *feed, control);
@@ -87,7 +87,7 @@ SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, c
   return feed->state();
 }
 
-RunCost estimate_cost(const ReamingScene& scene) {
+RunCost estimate_cost(const SimulationInput& scene) {
   const double max_step_mm = scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm;
   RunCost cost{.frames = scene.last_frame()};
   const auto add = [&](const Tool& tool, const PoseSequence& poses) {

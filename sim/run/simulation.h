@@ -41,22 +41,22 @@ struct RunControl {
 };
 
 /// make_engine() for the scene, with mistakes located at their keys. Throws InputError, RunError.
-std::unique_ptr<Engine> load_engine(const ReamingScene& scene, EngineDevices& devices);
+std::unique_ptr<Engine> load_engine(const SimulationInput& scene, EngineDevices& devices);
 /// The same on a device of its own.
-std::unique_ptr<Engine> load_engine(const ReamingScene& scene);
+std::unique_ptr<Engine> load_engine(const SimulationInput& scene);
 
 /// Runs the present pass, the main loop: per substep broad phase → enqueue, per batch collect → record. A feed decides
 /// the poses (feed.h). `scene.bone` is reamed; `sink` receives rows, snapshots and timings. Warns when the tool never
 /// touches, starts inside bone, or cuts without spin. Returns the state after the last frame. The same results whether
 /// a run is one or continues another.
-SimulationState simulate(ReamingScene& scene, Engine& engine, FrameSink& sink, const RunControl& control,
-                         Report& report);
+SimulationState simulate(SimulationInput& scene, Engine& engine, FrameSink& sink, const RunControl& control,
+                         Diagnostics& report);
 
 /// Cost of a run, from the motion alone.
 struct RunCost {
   std::int64_t frames = 0;
   std::int64_t substeps = 0;
 };
-RunCost estimate_cost(const ReamingScene& scene);
+RunCost estimate_cost(const SimulationInput& scene);
 
 }  // namespace reamsim

@@ -43,7 +43,7 @@ FrameMotion prolonged(const FrameMotion& m, double times) {
 
 class SpringFeed : public PlannedFeed {
  public:
-  SpringFeed(const ReamingScene& scene, FrameStepper& stepper, Report& report)
+  SpringFeed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report)
       : PlannedFeed(scene),
         settings_(*scene.scenario.motion.compliance),
         stepper_(stepper),
@@ -191,7 +191,7 @@ class SpringFeed : public PlannedFeed {
 
   const ComplianceSettings& settings_;
   FrameStepper& stepper_;
-  Report& report_;
+  Diagnostics& report_;
   double frame_s_;
   bool resolved_;
   double step_mm_;  ///< the longest of a substep
@@ -201,7 +201,7 @@ class SpringFeed : public PlannedFeed {
 
 }  // namespace
 
-std::unique_ptr<Feed> spring_feed(const ReamingScene& scene, FrameStepper& stepper, Report& report) {
+std::unique_ptr<Feed> spring_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report) {
   return std::make_unique<SpringFeed>(scene, stepper, report);
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 class ThrustFeed : public Feed {
  public:
-  ThrustFeed(const ReamingScene& scene, FrameStepper& stepper, Report& report)
+  ThrustFeed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report)
       : scene_(scene),
         plan_(*scene.motion.push),
         stepper_(stepper),
@@ -139,10 +139,10 @@ class ThrustFeed : public Feed {
             .standing_n = edges ? axial_n(stepper_.evaluate({motion(frame, 0, frame_s_)})[0]) : 0};
   }
 
-  const ReamingScene& scene_;
+  const SimulationInput& scene_;
   const PushPlan& plan_;
   FrameStepper& stepper_;
-  Report& report_;
+  Diagnostics& report_;
   double frame_s_;
   Pictures pictures_;
   double loss_mm_;        ///< advance of a smallest loss
@@ -152,7 +152,7 @@ class ThrustFeed : public Feed {
 
 }  // namespace
 
-std::unique_ptr<Feed> thrust_feed(const ReamingScene& scene, FrameStepper& stepper, Report& report) {
+std::unique_ptr<Feed> thrust_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report) {
   return std::make_unique<ThrustFeed>(scene, stepper, report);
 }
 

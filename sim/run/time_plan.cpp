@@ -78,9 +78,9 @@ double integrate_s(const std::vector<Timed>& timed, double frames) {
 }
 
 /// Runs the frames of the scene for at most `most_s` seconds.
-BatchTimes time_window(ReamingScene& scene, Engine& engine, double most_s) {
+BatchTimes time_window(SimulationInput& scene, Engine& engine, double most_s) {
   BatchTimes times;
-  Report discarded;
+  Diagnostics discarded;
   RunControl control;
   const Stopwatch watch;
   control.progress = [&](std::int64_t, std::int64_t) { times.end_batch(); };
@@ -95,7 +95,7 @@ BatchTimes time_window(ReamingScene& scene, Engine& engine, double most_s) {
 
 }  // namespace
 
-TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s) {
+TimePlan plan_time(SimulationInput& scene, Engine& engine, double budget_s) {
   const Motion motion = scene.motion;
   const PoseSequence& poses = motion.poses;
   std::vector<Pass> later_passes = std::exchange(scene.later_passes, {});

@@ -19,6 +19,6 @@ struct TimePlan {
 /// For the present pass. Runs short windows of frames, evenly spread over its motion, on the engine of the run for
 /// about `budget_s` seconds, and interpolates the time per frame linearly. A window begins with the remaining bone of
 /// the previous one, less the bone in its first pose. `engine` has the scene's bone; both are reamed afterwards.
-TimePlan plan_time(ReamingScene& scene, Engine& engine, double budget_s);
+TimePlan plan_time(SimulationInput& scene, Engine& engine, double budget_s);
 
 }  // namespace reamsim

@@ -16,10 +16,10 @@
 #include "sim/scan/boundary_density.h"
 #include "sim/scan/label_map.h"
 #include "sim/scan/morphology.h"
+#include "sim/scan/point_text.h"
 #include "sim/scan/scan.h"
 #include "sim/scan/segment.h"
 #include "sim/scan/voxelize.h"
-#include "sim/scan/words.h"
 
 namespace reamsim {
 
@@ -33,10 +33,10 @@ std::string shape_text(const ct::ScanGeometry& g) {
                      spacing.y(), spacing.z());
 }
 
-void note_image(const ct::ScanSource& source, const std::string& path, Report& report) {
+void note_image(const ct::ScanSource& source, const std::string& path, Diagnostics& report) {
   report.note("image " + path + ": " + source.description() + ", " + shape_text(source.geometry()) + ", " +
               (ct::is_axis_aligned(source.geometry()) ? "axes along LPS" : "oblique, resampled to LPS axes") + ", " +
-              ct::box_words(source.geometry().bounds_mm()));
+              ct::box_text(source.geometry().bounds_mm()));
   if (source.is_unsigned()) {
     report.warn(
         path +
@@ -51,7 +51,7 @@ bool is_default(const DensitySettings& density) {
 }
 
 /// The default relation from HU to density is that of one tube voltage.
-void warn_of_voltage(const ct::ScanSource& source, const BoneSettings& settings, Report& report) {
+void warn_of_voltage(const ct::ScanSource& source, const BoneSettings& settings, Diagnostics& report) {
   constexpr double kLeast_kv = 110, kMost_kv = 130;
   const double kvp = source.kvp();
   if (kvp <= 0 || (kvp >= kLeast_kv && kvp <= kMost_kv) || !is_default(settings.density)) return;
@@ -62,7 +62,7 @@ void warn_of_voltage(const ct::ScanSource& source, const BoneSettings& settings,
 }
 
 /// Replaces NaN and infinity by the least value (padding outside the field of view is often NaN); returns that value.
-float replace_non_finite(std::vector<float>& values, const std::string& path, const char* key, Report& report) {
+float replace_non_finite(std::vector<float>& values, const std::string& path, const char* key, Diagnostics& report) {
   float least = std::numeric_limits<float>::infinity();
   for (const float value : values) {
     if (std::isfinite(value)) least = std::min(least, value);
@@ -82,7 +82,7 @@ ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& setting
   if (box.empty()) {
     throw InputError({settings.path}, "bone.ct.crop_min_mm, bone.ct.crop_max_mm",
                      "the crop contains no voxel of the image",
-                     "the image spans " + ct::box_words(source.geometry().bounds_mm()) + " (LPS)");
+                     "the image spans " + ct::box_text(source.geometry().bounds_mm()) + " (LPS)");
   }
   ct::check_fits_in_memory(static_cast<double>(box.voxels()), 2 * sizeof(float), settings.path, kPathKey);
   return box;
@@ -90,20 +90,20 @@ ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& setting
 
 /// The voxels in the crop, on LPS axes. Beyond an oblique image they get its least value.
 ct::AlignedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box, const CtSettings& settings,
-                              Report& report) {
+                              Diagnostics& report) {
   ct::Scan scan = source.read(box);
   const float least = replace_non_finite(scan.value, settings.path, kPathKey, report);
   return ct::align_to_lps(scan, {settings.crop_min_mm, settings.crop_max_mm}, least);
 }
 
-void note_crop(const ct::AlignedImage& image, const ct::ScanSource& source, Report& report) {
+void note_crop(const ct::AlignedImage& image, const ct::ScanSource& source, Diagnostics& report) {
   if (image.lattice.size() >= source.geometry().size()) return;
   const Vec3i& dims = image.lattice.dims;
   report.note(fmt::format("crop: {}x{}x{} voxels, ", dims.x(), dims.y(), dims.z()) +
-              ct::box_words(image.lattice.bounds_mm()));
+              ct::box_text(image.lattice.bounds_mm()));
 }
 
-void filter(ct::AlignedImage& image, const CtSettings& settings, Report& report) {
+void filter(ct::AlignedImage& image, const CtSettings& settings, Diagnostics& report) {
   if (settings.filter == CtFilter::median) {
     ct::median_filter(image, settings.median_radius_voxels);
     report.note("median filter, radius " + std::to_string(settings.median_radius_voxels) + " voxels");
@@ -114,13 +114,13 @@ void filter(ct::AlignedImage& image, const CtSettings& settings, Report& report)
   }
 }
 
-void note_trabecular(const ct::BoneField& bone, double threshold_hu, Report& report) {
+void note_trabecular(const ct::BoneField& bone, double threshold_hu, Diagnostics& report) {
   report.note(
       fmt::format("interior kept: {} of {} bone voxels ({:.1f} %) are below {:.0f} HU", bone.inside_below, bone.voxels,
                   100.0 * static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels), threshold_hu));
 }
 
-void note_boundary(const ct::BoundaryDensity& boundary, Report& report) {
+void note_boundary(const ct::BoundaryDensity& boundary, Diagnostics& report) {
   report.note(fmt::format(
       "partial volume: the density of {} boundary voxels comes from the bone below them; in {:.1f} % of "
       "them the cortex is thinner than the scan resolves, and the density is a lower bound (noise {:.0f} HU)",
@@ -209,14 +209,14 @@ Segmentation segmentation_of(const ct::AlignedImage& hu, const ct::BoneField& bo
 }
 
 /// The settings with the cut through the joint gap, and a seed behind it.
-BoneSettings with_humerus_cut(const ct::AlignedImage& hu, const BoneSettings& settings, Report& report) {
+BoneSettings with_humerus_cut(const ct::AlignedImage& hu, const BoneSettings& settings, Diagnostics& report) {
   const auto near = glenoid_point(settings.glenoid);
   if (!near)
     throw InputError({}, "bone.ct.separate", "no glenoid", "give bone.glenoid.near_mm, on the face of the glenoid");
   const auto head = ct::find_humeral_head(hu, settings.ct.threshold_hu, *near);
   if (!head) {
     throw InputError({}, "bone.ct.separate",
-                     fmt::format("no head of a humerus next to the glenoid at {}", ct::point_words(*near)),
+                     fmt::format("no head of a humerus next to the glenoid at {}", ct::point_text(*near)),
                      "check bone.glenoid.near_mm and threshold_hu; or give cut_spheres, or a label map");
   }
   BoneSettings out = settings;
@@ -227,7 +227,7 @@ BoneSettings with_humerus_cut(const ct::AlignedImage& hu, const BoneSettings& se
   report.note(
       fmt::format("humeral head: sphere of radius {:.1f} mm about {}, within {:.2f} mm (rms); cut at {:.1f} mm, "
                   "through the joint gap",
-                  head->radius_mm, ct::point_words(head->center_mm), head->rms_mm, head->cut_radius_mm));
+                  head->radius_mm, ct::point_text(head->center_mm), head->rms_mm, head->cut_radius_mm));
   constexpr double kMostTouching = 0.1;
   if (head->touching_fraction > kMostTouching) {
     report.warn(
@@ -239,20 +239,20 @@ BoneSettings with_humerus_cut(const ct::AlignedImage& hu, const BoneSettings& se
 }
 
 /// The settings, with the cut of `separate`.
-BoneSettings with_cuts(const ct::AlignedImage& hu, const BoneSettings& settings, Report& report) {
+BoneSettings with_cuts(const ct::AlignedImage& hu, const BoneSettings& settings, Diagnostics& report) {
   return settings.ct.separate == Separate::humerus ? with_humerus_cut(hu, settings, report) : settings;
 }
 
 /// Threshold or label map, as the settings say.
 ct::BoneField segment(const ct::ScanSource& source, const ct::IndexBox& box, const ct::AlignedImage& hu,
-                      const CtSettings& settings, Report& report) {
+                      const CtSettings& settings, Diagnostics& report) {
   if (!settings.label_map) return ct::segment_by_threshold(hu, settings, report);
   return ct::segment_by_label(ct::read_labels(settings, source.geometry(), box, hu, report), hu, settings, report);
 }
 
 /// Opens the scan and calls `use(source)`. Errors of ITK and of the memory become InputErrors.
 template <class Use>
-auto with_open_scan(const CtSettings& settings, Report& report, const Use& use) {
+auto with_open_scan(const CtSettings& settings, Diagnostics& report, const Use& use) {
   try {
     const ct::DicomChoice choice{settings.series, settings.modality == Modality::any};
     const auto source = ct::open_scan(settings.path, kPathKey, choice, report);
@@ -280,7 +280,7 @@ Vec3 psf_of(const ct::ScanGeometry& scan, const CtSettings& settings) {
 
 /// Corrects the density at the boundary and resamples.
 FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const BoneSettings& settings, const Vec3& psf_mm,
-                       Report& report, Segmentation* segmentation, const StageSink& stages = {}) {
+                       Diagnostics& report, Segmentation* segmentation, const StageSink& stages = {}) {
   begin_stage(stages, BoneStage::correct_density);
   const ct::BoundaryDensity boundary =
       ct::correct_boundary(hu, bone, psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm));
@@ -293,7 +293,7 @@ FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const Bon
   return ct::voxelize(hu, bone, settings, report);
 }
 
-FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& given, Report& report,
+FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& given, Diagnostics& report,
                               Segmentation* segmentation, const StageSink& stages) {
   warn_of_voltage(source, given, report);
   const ct::IndexBox box = cropped_box(source, given.ct);
@@ -312,12 +312,12 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
 
 }  // namespace
 
-FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
+FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Diagnostics& report,
                               Segmentation* segmentation) {
   return voxmap_from_scan(source, settings, report, segmentation, {});
 }
 
-FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation,
+FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Diagnostics& report, Segmentation* segmentation,
                             const StageSink& stages) {
   begin_stage(stages, BoneStage::read);
   return with_open_scan(settings.ct, report, [&](const ct::ScanSource& source) {
@@ -325,7 +325,7 @@ FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmen
   });
 }
 
-SegmentedScan segmented_scan(const BoneSettings& given, Report& report, std::optional<FilledVoxmap>* voxmap) {
+SegmentedScan segmented_scan(const BoneSettings& given, Diagnostics& report, std::optional<FilledVoxmap>* voxmap) {
   return with_open_scan(given.ct, report, [&](const ct::ScanSource& source) {
     const ct::IndexBox box = cropped_box(source, given.ct);
     SegmentedScan out{
@@ -350,7 +350,7 @@ SegmentedScan segmented_scan(const BoneSettings& given, Report& report, std::opt
   });
 }
 
-std::vector<ct::Joint> joints_in_scan(const BoneSettings& settings, Report& report) {
+std::vector<ct::Joint> joints_in_scan(const BoneSettings& settings, Diagnostics& report) {
   return with_open_scan(settings.ct, report, [&](const ct::ScanSource& source) {
     ct::AlignedImage hu = read_cropped(source, cropped_box(source, settings.ct), settings.ct, report);
     filter(hu, settings.ct, report);

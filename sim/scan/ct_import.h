@@ -3,8 +3,8 @@
 
 #pragma once
 
+#include "sim/base/diagnostics.h"
 #include "sim/base/error.h"
-#include "sim/base/report.h"
 #include "sim/bone/voxmap/bone_stage.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/aligned_image.h"
@@ -19,11 +19,11 @@ namespace reamsim {
 /// hole filling, cuts, the piece with the seed; or a label map. HU are resampled to `settings.voxel_mm` by averages or
 /// by trilinear interpolation (paper §3.2), then mapped to grades. `segmentation`, if not null, is filled. Throws
 /// InputError: unreadable, truncated, absurdly large, no bone in the crop, seed outside bone.
-FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Report& report, Segmentation* segmentation = nullptr,
+FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Diagnostics& report, Segmentation* segmentation = nullptr,
                             const StageSink& stages = {});
 
 /// The same for an open scan; `settings.ct.path` is its name in messages.
-FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Report& report,
+FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Diagnostics& report,
                               Segmentation* segmentation = nullptr);
 
 /// A scan as the segmentation sees it, before it is resampled: for looking at it.
@@ -38,11 +38,11 @@ struct SegmentedScan {
 /// threshold, a seed outside the bone) is no error: the scan is returned without it. Throws InputError: unreadable,
 /// truncated, absurdly large, an empty crop.
 /// `voxmap`, if not null, becomes what voxmap_from_ct() makes of it, where the segmentation succeeds.
-SegmentedScan segmented_scan(const BoneSettings& settings, Report& report,
+SegmentedScan segmented_scan(const BoneSettings& settings, Diagnostics& report,
                              std::optional<FilledVoxmap>* voxmap = nullptr);
 
 /// The joints of a scan, the clearest first (ct::find_joints()). Crop and filter of the settings apply. Throws
 /// InputError as segmented_scan() does.
-std::vector<ct::Joint> joints_in_scan(const BoneSettings& settings, Report& report);
+std::vector<ct::Joint> joints_in_scan(const BoneSettings& settings, Diagnostics& report);
 
 }  // namespace reamsim

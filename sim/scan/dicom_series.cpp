@@ -13,7 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/scan/dicom_files.h"
-#include "sim/scan/words.h"
+#include "sim/scan/point_text.h"
 
 namespace reamsim::ct {
 
@@ -134,7 +134,7 @@ int DicomSeries::slices() const {
   return out;
 }
 
-DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Report& report) {
+DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Diagnostics& report) {
   DicomFolder out;
   const std::vector<std::string> files = files_below(folder);
   std::vector<DicomFile> read = read_dicom_headers(files, folder, key);
@@ -169,7 +169,7 @@ std::string list_of(const std::vector<DicomSeries>& series) {
 }
 
 const DicomSeries& choose_series(const DicomFolder& found, const DicomChoice& choice, const std::string& folder,
-                                 Report& report) {
+                                 Diagnostics& report) {
   if (!choice.series.empty()) {
     const DicomSeries& chosen = named_series(found.series, choice.series, folder);
     check_modality(chosen, choice, folder);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/scan/dicom_header.h"
 #include "sim/scan/scan.h"
 
@@ -34,7 +34,7 @@ struct DicomFolder {
 };
 
 /// All DICOM images in a folder and its subfolders. Throws InputError if there is none.
-DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Report& report);
+DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Diagnostics& report);
 
 /// "1: UID 1.2.3, "Bone", CT, 24 slices of 512x512, 0.488x0.488x1.25 mm, kernel B60s; 2: ...".
 std::string list_of(const std::vector<DicomSeries>& series);
@@ -42,6 +42,6 @@ std::string list_of(const std::vector<DicomSeries>& series);
 /// The series that the scenario chooses by UID or number, or else the CT series with the most slices, with a warning if
 /// there are several. Throws InputError: no such series, not CT, two with the same number and spacing of slices.
 const DicomSeries& choose_series(const DicomFolder& found, const DicomChoice& choice, const std::string& folder,
-                                 Report& report);
+                                 Diagnostics& report);
 
 }  // namespace reamsim::ct

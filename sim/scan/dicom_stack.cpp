@@ -14,7 +14,7 @@
 #include "sim/scan/dicom_files.h"
 #include "sim/scan/dicom_series.h"
 #include "sim/scan/image_file.h"
-#include "sim/scan/words.h"
+#include "sim/scan/point_text.h"
 
 namespace reamsim::ct {
 
@@ -68,7 +68,7 @@ bool may_be_slice(const DicomHeader& header) {
 
 /// The images that may be slices. The others are skipped with a warning and added to `skipped`.
 std::vector<const DicomHeader*> slices_among(const DicomSeries& series, std::vector<std::string>& skipped,
-                                             const std::string& key, Report& report) {
+                                             const std::string& key, Diagnostics& report) {
   std::vector<const DicomHeader*> out;
   std::vector<std::string> others;
   for (const DicomHeader& header : series.images) {
@@ -146,7 +146,7 @@ std::string difference(const ScanGeometry& other, const ScanGeometry& usual) {
 }
 
 /// Removes copies of a slice (the same instance). Two different slices at one position are an error.
-void remove_duplicates(Stack& stack, double typical_mm, const std::string& key, Report& report) {
+void remove_duplicates(Stack& stack, double typical_mm, const std::string& key, Diagnostics& report) {
   Stack kept{stack.front()};
   int copies = 0;
   for (std::size_t n = 1; n < stack.size(); ++n) {
@@ -254,7 +254,7 @@ void check_straight(const Stack& stack, const Vec3& step_mm, const std::string& 
   }
 }
 
-void warn_of_other_groups(const std::vector<Stack>& groups, Report& report) {
+void warn_of_other_groups(const std::vector<Stack>& groups, Diagnostics& report) {
   std::size_t count = 0;
   for (std::size_t g = 1; g < groups.size(); ++g) count += groups[g].size();
   if (count == 0) return;
@@ -280,7 +280,8 @@ void check_count(const std::vector<Stack>& groups, const std::string& key) {
 /// Sorts the slices of a series. Skips, with a warning, images of another size, spacing or orientation (a scout) and
 /// copies of a slice. Files of `folder` that cannot be read may be missing slices.
 /// Throws InputError with the file: truncated, damaged, MONOCHROME1, multi-frame, missing, duplicate, displaced.
-DicomStack stack_slices(const DicomSeries& series, const DicomFolder& folder, const std::string& key, Report& report) {
+DicomStack stack_slices(const DicomSeries& series, const DicomFolder& folder, const std::string& key,
+                        Diagnostics& report) {
   std::vector<std::string> skipped = folder.damaged;
   const std::vector<const DicomHeader*> slices = slices_among(series, skipped, key, report);
   std::vector<Stack> groups = groups_of(slices, key);
@@ -321,7 +322,7 @@ DicomStack stack_slices(const DicomSeries& series, const DicomFolder& folder, co
 
 class DicomScan : public ScanSource {
  public:
-  DicomScan(const std::string& folder, const std::string& key, const DicomChoice& choice, Report& report)
+  DicomScan(const std::string& folder, const std::string& key, const DicomChoice& choice, Diagnostics& report)
       : folder_(folder), key_(key) {
     const DicomFolder found = find_dicom_series(folder, key, report);
     const DicomSeries& series = choose_series(found, choice, folder, report);
@@ -357,7 +358,7 @@ class DicomScan : public ScanSource {
 }  // namespace
 
 std::unique_ptr<ScanSource> open_dicom_folder(const std::string& path, const std::string& key,
-                                              const DicomChoice& choice, Report& report) {
+                                              const DicomChoice& choice, Diagnostics& report) {
   return std::make_unique<DicomScan>(path, key, choice, report);
 }
 

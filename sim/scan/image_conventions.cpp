@@ -76,7 +76,7 @@ bool is_origin_of(const nifti_image& header, const Vec3& origin) {
 
 }  // namespace
 
-ScanGeometry as_the_file_means(const itk::ImageIOBase& io, ScanGeometry geometry) {
+ScanGeometry apply_format_conventions(const itk::ImageIOBase& io, ScanGeometry geometry) {
   if (is_nrrd(io)) {
     const NrrdHeader header = read_nrrd_header(io.GetFileName());
     const Vec3 to_mm = signs_of(header, geometry.step_mm).cwiseProduct(header.to_mm);

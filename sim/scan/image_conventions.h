@@ -15,7 +15,7 @@ namespace reamsim::ct {
 /// The geometry that ITK gives, mm in LPS, as the file means it: NRRD in the space left-anterior-superior or in one
 /// with time, which versions of ITK convert differently, NRRD in other units than mm, and NIfTI in metres or
 /// micrometres, whose origin ITK 5.4 converts and 5.2 does not.
-ScanGeometry as_the_file_means(const itk::ImageIOBase& io, ScanGeometry geometry);
+ScanGeometry apply_format_conventions(const itk::ImageIOBase& io, ScanGeometry geometry);
 
 /// What ITK adds to each value though the file says that values are not scaled: a NIfTI with a slope of 0.
 double offset_in_error(const itk::ImageIOBase& io);

@@ -66,7 +66,7 @@ void put_part(ResultWriter& out, const std::string& path, const std::string& key
   read_voxels(*io, box, part.layer, path, key, out.array<float>(static_cast<std::size_t>(box.voxels())));
 }
 
-void warn_of_gaps(const std::string& path, const HeaderGaps& gaps, Report& report) {
+void warn_of_gaps(const std::string& path, const HeaderGaps& gaps, Diagnostics& report) {
   constexpr std::size_t kLongestUnit = 40;
   if (!gaps.unknown_unit.empty()) {
     report.warn(path + ": lengths are in \"" + printable(gaps.unknown_unit.substr(0, kLongestUnit)) +
@@ -82,7 +82,7 @@ void warn_of_gaps(const std::string& path, const HeaderGaps& gaps, Report& repor
 /// An NRRD, NIfTI or MetaImage file. A child process reads its header, and another one its voxels.
 class FileScan : public LabelSource {
  public:
-  FileScan(const std::string& path, const std::string& key, bool allow_layers, Report& report)
+  FileScan(const std::string& path, const std::string& key, bool allow_layers, Diagnostics& report)
       : path_(path), key_(key) {
     const ReadLimits limits = ReadLimits().with(bytes_of_file(path), 0);
     ChildResult result = read_in_child<put_header>({path, key}, limits, path, key, allow_layers);
@@ -151,7 +151,7 @@ void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::stri
 }
 
 std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string& key, const DicomChoice& choice,
-                                      Report& report) {
+                                      Diagnostics& report) {
   const bool folder = fs::is_directory(checked_status(path, key, "give a CT image"));
   try {
     if (folder) return open_dicom_folder(path, key, choice, report);
@@ -166,7 +166,7 @@ std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string
   }
 }
 
-std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key, Report& report) {
+std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key, Diagnostics& report) {
   const char* expected = "give a label map: NRRD, NIfTI or MetaImage";
   if (fs::is_directory(checked_status(path, key, expected))) throw InputError({path}, key, "a folder", expected);
   try {

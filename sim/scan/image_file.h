@@ -12,6 +12,6 @@ namespace reamsim::ct {
 
 /// Opens a folder of DICOM slices (dicom_stack.cpp). Throws InputError: no DICOM, slices that do not form a volume.
 std::unique_ptr<ScanSource> open_dicom_folder(const std::string& path, const std::string& key,
-                                              const DicomChoice& choice, Report& report);
+                                              const DicomChoice& choice, Diagnostics& report);
 
 }  // namespace reamsim::ct

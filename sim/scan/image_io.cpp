@@ -313,7 +313,7 @@ ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, co
     }
     geometry.origin_mm[axis] = io.GetOrigin(axis);
   }
-  geometry = as_the_file_means(io, geometry);
+  geometry = apply_format_conventions(io, geometry);
   if (!is_plausible(geometry)) {
     throw InputError({path}, key, "voxel spacing, axes or origin are zero, not finite or degenerate",
                      fmt::format("expected a spacing above {:g} mm and three independent axes", kLeastStep_mm));

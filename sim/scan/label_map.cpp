@@ -10,8 +10,8 @@
 #include <set>
 
 #include "sim/base/error.h"
+#include "sim/scan/point_text.h"
 #include "sim/scan/scan.h"
-#include "sim/scan/words.h"
 
 namespace reamsim::ct {
 
@@ -68,9 +68,9 @@ IndexBox overlap_with(const ScanGeometry& labels, const ScanGeometry& image) {
 
 InputError no_overlap(const std::string& path, const ScanGeometry& labels, const ScanGeometry& image,
                       const ScanGeometry& part) {
-  std::string found = "the label map does not overlap the image: it spans " + box_words(labels.bounds_mm()) +
-                      ", the image spans " + box_words(image.bounds_mm());
-  if (part.dims != image.dims) found += ", cropped to " + box_words(part.bounds_mm());
+  std::string found = "the label map does not overlap the image: it spans " + box_text(labels.bounds_mm()) +
+                      ", the image spans " + box_text(image.bounds_mm());
+  if (part.dims != image.dims) found += ", cropped to " + box_text(part.bounds_mm());
   return {{path},
           kLabelPathKey,
           found + " (LPS)",
@@ -103,7 +103,7 @@ void add_end(const ScanGeometry& labels, const Scan& part, const IndexBox& box, 
   });
 }
 
-void report_cut_off(const CutOff& cut, const std::string& path, double threshold_hu, Report& report) {
+void report_cut_off(const CutOff& cut, const std::string& path, double threshold_hu, Diagnostics& report) {
   if (cut.contact_mm2 == 0) return;
   const std::string text =
       path + fmt::format(
@@ -120,7 +120,7 @@ void report_cut_off(const CutOff& cut, const std::string& path, double threshold
 class LabelReader {
  public:
   LabelReader(const CtSettings& settings, const ScanGeometry& image, const IndexBox& box, const AlignedImage& hu,
-              Report& report)
+              Diagnostics& report)
       : settings_(settings),
         map_(*settings.label_map),
         image_(image),
@@ -163,7 +163,7 @@ class LabelReader {
     std::string out = fmt::format(", {}x{}x{} voxels of {:.4g}x{:.4g}x{:.4g} mm, ", g.dims.x(), g.dims.y(), g.dims.z(),
                                   s.x(), s.y(), s.z());
     if (source_->layers() > 1) out += std::to_string(source_->layers()) + " layers, ";
-    return out + box_words(g.bounds_mm());
+    return out + box_text(g.bounds_mm());
   }
 
   void add_layer(const IndexBox& box, int layer, LayerClasses& classes) {
@@ -223,7 +223,7 @@ class LabelReader {
   const ScanGeometry& image_;
   ScanGeometry part_;
   const AlignedImage& hu_;
-  Report& report_;
+  Diagnostics& report_;
   std::unique_ptr<LabelSource> source_;
   std::vector<float> selected_;
   std::vector<float> other_;
@@ -248,7 +248,7 @@ NearestVoxel::NearestVoxel(const ScanGeometry& labels, const ScanGeometry& image
 }
 
 LabelImages read_labels(const CtSettings& settings, const ScanGeometry& image, const IndexBox& box,
-                        const AlignedImage& hu, Report& report) {
+                        const AlignedImage& hu, Diagnostics& report) {
   return LabelReader(settings, image, box, hu, report).read();
 }
 

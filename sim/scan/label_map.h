@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/scan/aligned_image.h"
 #include "sim/scan/label_names.h"
 #include "sim/scenario/scenario.h"
@@ -52,6 +52,6 @@ class NearestVoxel {
 /// from the voxels `box` of `image`. Warns if the map ends inside the bone.
 /// Throws InputError: unreadable, no such label, no overlap of map and image.
 LabelImages read_labels(const CtSettings& settings, const ScanGeometry& image, const IndexBox& box,
-                        const AlignedImage& hu, Report& report);
+                        const AlignedImage& hu, Diagnostics& report);
 
 }  // namespace reamsim::ct

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/scan/point_text.h"
 #include "sim/scan/resample.h"
-#include "sim/scan/words.h"
 
 namespace reamsim::ct {
 
@@ -117,7 +117,7 @@ std::vector<float> signed_field(const AlignedImage& hu, double threshold_hu, con
 }
 
 void refine_to_isosurface(AlignedImage& field, const AlignedImage& other, const AlignedImage& hu, double threshold_hu,
-                          double reach_mm, Report& report) {
+                          double reach_mm, Diagnostics& report) {
   Refinement refinement(field, other, hu, threshold_hu, reach_mm);
   const Mask refined = refinement.run();
   const Mask& before = refinement.mask();

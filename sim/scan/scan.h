@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/diagnostics.h"
 #include "sim/base/geometry.h"
-#include "sim/base/report.h"
 
 namespace reamsim::ct {
 
@@ -86,10 +86,10 @@ struct DicomChoice {
 /// Throws InputError: no such file, none of these formats, not a volume of single numbers, larger than the memory, or
 /// shorter than its header claims; for DICOM see choose_series() and stack_slices().
 std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string& key, const DicomChoice& choice,
-                                      Report& report);
+                                      Diagnostics& report);
 
 /// Opens an NRRD, NIfTI or MetaImage. Throws InputError as open_scan() does.
-std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key, Report& report);
+std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key, Diagnostics& report);
 
 /// Throws InputError when `voxels` voxels of `bytes_per_voxel` are more than half of this machine's memory.
 void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::string& path, const std::string& key);

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
-#include "sim/scan/words.h"
+#include "sim/scan/point_text.h"
 
 namespace reamsim::ct {
 
@@ -21,7 +21,7 @@ std::int64_t count(const Mask& mask) {
   return std::count(mask.begin(), mask.end(), std::uint8_t{1});
 }
 
-Mask above_threshold(const AlignedImage& hu, const CtSettings& settings, Report& report) {
+Mask above_threshold(const AlignedImage& hu, const CtSettings& settings, Diagnostics& report) {
   Mask mask(hu.value.size());
   std::transform(hu.value.begin(), hu.value.end(), mask.begin(),
                  [&](float value) { return static_cast<double>(value) >= settings.threshold_hu ? 1 : 0; });
@@ -32,7 +32,7 @@ Mask above_threshold(const AlignedImage& hu, const CtSettings& settings, Report&
                      "no bone in the crop: the maximum of " + std::to_string(mask.size()) + " voxels has " +
                          fmt::format("{:.0f}", highest) + " HU, the threshold is " +
                          fmt::format("{:.0f}", settings.threshold_hu) + " HU",
-                     "lower the threshold or move the crop; it spans " + box_words(hu.lattice.bounds_mm()));
+                     "lower the threshold or move the crop; it spans " + box_text(hu.lattice.bounds_mm()));
   }
   report.note("threshold " + fmt::format("{:.0f}", settings.threshold_hu) + " HU: " + std::to_string(voxels) + " of " +
               std::to_string(mask.size()) + " voxels at or above");
@@ -98,8 +98,8 @@ SolidPiece choose_piece(const Pieces& pieces, const AlignedImage& hu, const CtSe
   const Vec3i seed = lattice.voxel_of(*settings.seed_mm);
   if (!lattice.contains(seed)) {
     throw InputError({settings.path}, "bone.ct.seed_mm",
-                     point_words(*settings.seed_mm) + " lies outside the image or crop",
-                     "expected a point in " + box_words(lattice.bounds_mm()));
+                     point_text(*settings.seed_mm) + " lies outside the image or crop",
+                     "expected a point in " + box_text(lattice.bounds_mm()));
   }
   for (const Piece& piece : pieces.list) {  // the largest is first
     if (!may_contain(piece, seed)) continue;
@@ -108,7 +108,7 @@ SolidPiece choose_piece(const Pieces& pieces, const AlignedImage& hu, const CtSe
   }
   const float there = hu.value[lattice.index(seed)];
   throw InputError({settings.path}, "bone.ct.seed_mm",
-                   point_words(*settings.seed_mm) + " lies outside bone: " + fmt::format("{:.0f}", there) +
+                   point_text(*settings.seed_mm) + " lies outside bone: " + fmt::format("{:.0f}", there) +
                        " HU there, and no piece above " + fmt::format("{:.0f}", settings.threshold_hu) +
                        " HU encloses it",
                    "give a point inside the bone to be kept, LPS, mm");
@@ -125,7 +125,7 @@ Mask with_cut_margin(const Mask& kept, const Mask& before_cuts, const Mask& afte
 }
 
 void note_pieces(const Pieces& pieces, const SolidPiece& solid, const CtSettings& settings, const Lattice& lattice,
-                 Report& report) {
+                 Diagnostics& report) {
   const double kept_mm3 = static_cast<double>(count(solid.mask)) * lattice.voxel_mm3();
   report.note(std::to_string(pieces.list.size()) + " connected pieces; kept the " +
               (settings.seed_mm ? "one with the seed" : "largest") + ", " + fmt::format("{:.0f}", kept_mm3) +
@@ -155,7 +155,7 @@ Segmentation facts_of(const Pieces& pieces, const SolidPiece& solid, std::int64_
 }
 
 /// Without a seed the choice of the largest piece may be wrong.
-void warn_of_second_piece(const Segmentation& facts, Report& report) {
+void warn_of_second_piece(const Segmentation& facts, Diagnostics& report) {
   constexpr double kAnotherBone = 0.05;  // smaller pieces are noise, calcifications or parts of ribs
   if (facts.by_seed || facts.second_mm3 < kAnotherBone * facts.largest_mm3) return;
   report.warn(fmt::format(
@@ -197,7 +197,7 @@ bool is_cut_away(const CtSettings& settings, const Vec3& point_mm) {
   return false;
 }
 
-BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& settings, Report& report) {
+BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& settings, Diagnostics& report) {
   const Lattice& lattice = hu.lattice;
   const Mask dense = above_threshold(hu, settings, report);
   Mask after_cuts = dense;
@@ -227,7 +227,8 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
   return bone;
 }
 
-BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtSettings& settings, Report& report) {
+BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtSettings& settings,
+                           Diagnostics& report) {
   const LabelMapSettings& map = *settings.label_map;
   AlignedImage& selected = labels.selected;
   gaussian_filter(selected, kLabelSmoothing_voxels);

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/scan/aligned_image.h"
 #include "sim/scan/label_map.h"
 #include "sim/scan/morphology.h"
@@ -35,12 +35,12 @@ bool is_cut_away(const CtSettings& settings, const Vec3& point_mm);
 /// The field is signed_field(). Where the threshold determines the surface, its zero is the isosurface of the
 /// interpolated HU; elsewhere it lies halfway between voxels.
 /// Throws InputError: nothing above the threshold, all bone cut away, seed outside the crop or outside bone.
-BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& settings, Report& report);
+BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& settings, Diagnostics& report);
 
 /// The field is the mask of the labels after a narrow Gaussian, which smooths the voxel steps, minus a half; with
 /// `refine_mm` the result of refine_to_isosurface().
 /// Throws InputError when no voxel has the label.
-BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtSettings& settings, Report& report);
+BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtSettings& settings, Diagnostics& report);
 
 /// |HU − threshold|, positive in `bone` and negative outside.
 std::vector<float> signed_field(const AlignedImage& hu, double threshold_hu, const Mask& bone);
@@ -51,6 +51,6 @@ std::vector<float> signed_field(const AlignedImage& hu, double threshold_hu, con
 /// points between it and the surface are not dense and bone begins within reach. So trabecular bone under a cortex is
 /// kept, a joint gap is not crossed, and voxels of the `other` labels are never added.
 void refine_to_isosurface(AlignedImage& field, const AlignedImage& other, const AlignedImage& hu, double threshold_hu,
-                          double reach_mm, Report& report);
+                          double reach_mm, Diagnostics& report);
 
 }  // namespace reamsim::ct

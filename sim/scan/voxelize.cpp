@@ -13,9 +13,9 @@
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/density_limit.h"
 #include "sim/bone/voxmap/sample_voxels.h"
+#include "sim/scan/point_text.h"
 #include "sim/scan/resample.h"
 #include "sim/scan/scan.h"
-#include "sim/scan/words.h"
 
 namespace reamsim::ct {
 
@@ -102,7 +102,7 @@ void set_fill_at_surface(const BoneField& bone, const SliceResampler& hu, const 
   set_partial_fill(sample, voxmap);
 }
 
-void note_voxmap(const FilledVoxmap& voxmap, const HuStatistics& hu, Report& report) {
+void note_voxmap(const FilledVoxmap& voxmap, const HuStatistics& hu, Diagnostics& report) {
   const VoxelGrid& grid = voxmap.grid;
   report.note(
       fmt::format("voxmap: {}x{}x{} voxels of {:g} mm; bone {} voxels, {:.0f} mm3; HU {:.0f} to {:.0f}, mean {:.0f}",
@@ -116,7 +116,8 @@ int resampling_reach(const Lattice& image, double voxel_mm) {
   return kFieldReach + static_cast<int>(std::ceil(voxel_mm / image.spacing_mm.minCoeff()));
 }
 
-FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSettings& settings, Report& report) {
+FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSettings& settings,
+                      Diagnostics& report) {
   const VoxelGrid grid = grid_of(hu.lattice, bone, settings);
   FilledVoxmap voxmap(grid);
   voxmap.mapping = {settings.density.ash_slope_g_cm3_per_hu, settings.density.ash_offset_g_cm3,

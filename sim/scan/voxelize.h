@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/aligned_image.h"
 #include "sim/scan/segment.h"
@@ -16,6 +16,6 @@ int resampling_reach(const Lattice& image, double voxel_mm);
 
 /// Resamples HU and bone to voxels of `settings.voxel_mm`, with a margin of air in whole bricks, and maps HU to grades.
 /// Throws InputError: too many voxels for this machine, or voxels so large that no bone remains.
-FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSettings& settings, Report& report);
+FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSettings& settings, Diagnostics& report);
 
 }  // namespace reamsim::ct

@@ -118,9 +118,9 @@ enum class FilmFormat { none, mp4, webp, apng };
 template <>
 inline constexpr auto kChoiceNames<FilmFormat> = name_list("none", "mp4", "webp", "apng");
 
-enum class ToolLook { see_through, steel };
+enum class ToolMaterial { see_through, steel };
 template <>
-inline constexpr auto kChoiceNames<ToolLook> = name_list("see-through", "steel");
+inline constexpr auto kChoiceNames<ToolMaterial> = name_list("see-through", "steel");
 
 enum class Background { studio, white, transparent };
 template <>

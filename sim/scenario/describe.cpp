@@ -110,7 +110,7 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
   v.flag({.name = "tool", .doc = "Draw the reamer"}, render.tool);
   v.choice({.name = "tool_look",
             .doc = "Material of the reamer: transparent or brushed steel; a cut surface is always steel"},
-           render.tool_look);
+           render.tool_material);
   v.flag({.name = "force_arrow",
           .doc = "Draw the force of the bone on the reamer as an arrow with its magnitude, in pictures along the run"},
          render.force_arrow);

@@ -286,7 +286,7 @@ struct RenderSettings {
   FilmFormat film = FilmFormat::none;
   int film_rate_hz = 25;
   bool tool = true;
-  ToolLook tool_look = ToolLook::see_through;
+  ToolMaterial tool_material = ToolMaterial::see_through;
   bool force_arrow = true;  ///< in pictures along the run
   Background background = Background::studio;
   Vec3 light{-0.55, 0.70, 0.62};  ///< direction to the key light: right, up, towards the viewer

@@ -47,7 +47,7 @@ bool is_apart_from_anatomy(const BoneSettings& settings) {
          !settings.pilot_hole;
 }
 
-void append(const Report& from, Report& to) {
+void append(const Diagnostics& from, Diagnostics& to) {
   to.notes.insert(to.notes.end(), from.notes.begin(), from.notes.end());
   to.warnings.insert(to.warnings.end(), from.warnings.begin(), from.warnings.end());
   to.listings.insert(to.listings.end(), from.listings.begin(), from.listings.end());
@@ -55,7 +55,7 @@ void append(const Report& from, Report& to) {
 
 }  // namespace
 
-Bone BoneCache::load(const BoneSettings& settings, Report& report) {
+Bone BoneCache::load(const BoneSettings& settings, Diagnostics& report) {
   const bool shared = is_apart_from_anatomy(settings);
   BoneSettings counted = settings;
   if (shared) counted.glenoid = {};

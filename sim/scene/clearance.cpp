@@ -302,7 +302,7 @@ class ClearanceSearch {
 };
 
 /// Where and when a clearance is.
-std::string place_of(const FrameClearance& at, const ReamingScene& scene) {
+std::string place_of(const FrameClearance& at, const SimulationInput& scene) {
   const Vec3& p = at.point_mm;
   return fmt::format("the {} at ({:.1f}, {:.1f}, {:.1f}) mm, in frame {} ({:.3f} s)", name_of(at.obstacle), p.x(),
                      p.y(), p.z(), at.frame, static_cast<double>(at.frame) * scene.motion.frame_s());
@@ -337,7 +337,7 @@ std::string holder_part_name(const Scenario& scenario, const FrameClearance& cle
   return name.empty() ? "holder " + std::to_string(clearance.part + 1) : name;
 }
 
-std::optional<HolderClearance> find_clearance(const ReamingScene& scene) {
+std::optional<HolderClearance> find_clearance(const SimulationInput& scene) {
   HolderClearance out;
   out.least.mm = kFar;
   for_each_predicted_pass(scene, [&](const FillBricks& fill, const Tool& tool, const Motion& motion) {
@@ -347,7 +347,7 @@ std::optional<HolderClearance> find_clearance(const ReamingScene& scene) {
   return out.frames.empty() ? std::nullopt : std::optional(out);
 }
 
-std::string sentence_of(const HolderClearance& clearance, const ReamingScene& scene) {
+std::string sentence_of(const HolderClearance& clearance, const SimulationInput& scene) {
   const FrameClearance& least = clearance.least;
   const std::string part = holder_part_name(scene.scenario, least);
   const std::string place = place_of(least, scene);
@@ -357,7 +357,7 @@ std::string sentence_of(const HolderClearance& clearance, const ReamingScene& sc
   return fmt::format("clearance of the holder: at least {:.2f} mm, {} from {}", least.mm, part, place);
 }
 
-void warn_of_clearance(const HolderClearance& clearance, const ReamingScene& scene, Report& report) {
+void warn_of_clearance(const HolderClearance& clearance, const SimulationInput& scene, Diagnostics& report) {
   if (!clearance.first_below) return;
   report.warn(fmt::format("{}; less than clearance.least_mm ({:g} mm) between frames {} and {}",
                           sentence_of(clearance, scene), scene.scenario.clearance.least_mm, *clearance.first_below,

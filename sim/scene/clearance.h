@@ -38,15 +38,15 @@ struct HolderClearance {
 };
 
 /// nullopt where no pass has a tool.holder. Throws InputError where the mesh of the envelope cannot be read.
-std::optional<HolderClearance> find_clearance(const ReamingScene& scene);
+std::optional<HolderClearance> find_clearance(const SimulationInput& scene);
 
 /// The name of the part of a clearance, for messages and results.
 std::string holder_part_name(const Scenario& scenario, const FrameClearance& clearance);
 
 /// One line for users: the least clearance, its part, frame and place.
-std::string sentence_of(const HolderClearance& clearance, const ReamingScene& scene);
+std::string sentence_of(const HolderClearance& clearance, const SimulationInput& scene);
 
 /// Warns where the clearance is below clearance.least_mm.
-void warn_of_clearance(const HolderClearance& clearance, const ReamingScene& scene, Report& report);
+void warn_of_clearance(const HolderClearance& clearance, const SimulationInput& scene, Diagnostics& report);
 
 }  // namespace reamsim

@@ -255,14 +255,14 @@ double margin_mm(const Scenario& scenario, const Tool& tool) {
 
 /// Whether earlier passes leave what is predicted, to within a voxel. Wear, springs, a hand, cutting edges that turn
 /// and points of a shell can leave more bone.
-bool leaves_as_predicted(const ReamingScene& scene) {
+bool leaves_as_predicted(const SimulationInput& scene) {
   const auto is_envelope = [](const Tool& tool) { return !tool.teeth; };
   return scene.scenario.cutting.erosion == ErosionMode::exact && scene.scenario.motion.is_prescribed() &&
          is_envelope(scene.tool) && std::ranges::all_of(scene.later_passes, is_envelope, &Pass::tool);
 }
 
 /// `most`: at least the bone that the pass meets.
-ContactForecast forecast_pass(const ReamingScene& scene, const FillBricks& fill, const FillBricks& most,
+ContactForecast forecast_pass(const SimulationInput& scene, const FillBricks& fill, const FillBricks& most,
                               const Tool& tool, const Motion& motion) {
   const Voxmap& voxmap = *scene.bone.voxmap;
   ContactForecast out;
@@ -292,11 +292,11 @@ ContactForecast forecast_pass(const ReamingScene& scene, const FillBricks& fill,
 
 }  // namespace
 
-ContactForecast forecast_contact(const ReamingScene& scene) {
+ContactForecast forecast_contact(const SimulationInput& scene) {
   return forecast_pass(scene, scene.bone.fill, scene.bone.fill, scene.tool, scene.motion);
 }
 
-std::vector<ContactForecast> forecast_passes(const ReamingScene& scene) {
+std::vector<ContactForecast> forecast_passes(const SimulationInput& scene) {
   std::vector<ContactForecast> out;
   const bool predictable = leaves_as_predicted(scene);
   for_each_predicted_pass(scene, [&](const FillBricks& fill, const Tool& tool, const Motion& motion) {
@@ -331,7 +331,7 @@ std::optional<FrameSpan> forecast_contact_frames(const Voxmap& voxmap, const Fil
   return ContactSearch(voxmap, fill, tool, path).frames();
 }
 
-void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report,
+void warn_of_contact(const SimulationInput& scene, const ContactForecast& forecast, Diagnostics& report,
                      const std::string& pass) {
   if (forecast.start_mm3 > scene.bone.voxmap->grid.voxel_mm3()) {
     const bool exact = scene.scenario.cutting.erosion == ErosionMode::exact;
@@ -350,7 +350,7 @@ void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast,
   }
 }
 
-void warn_of_contact(const ReamingScene& scene, const std::vector<ContactForecast>& forecasts, Report& report) {
+void warn_of_contact(const SimulationInput& scene, const std::vector<ContactForecast>& forecasts, Diagnostics& report) {
   for (std::size_t i = 0; i < forecasts.size(); ++i) {
     warn_of_contact(scene, forecasts[i], report, forecasts.size() > 1 ? "pass " + std::to_string(i + 1) + ": " : "");
   }

@@ -26,9 +26,9 @@ struct ContactForecast {
 };
 
 /// Of the present pass.
-ContactForecast forecast_contact(const ReamingScene& scene);
+ContactForecast forecast_contact(const SimulationInput& scene);
 /// Of the present pass and the later ones, with the bone that the passes before are predicted to leave.
-std::vector<ContactForecast> forecast_passes(const ReamingScene& scene);
+std::vector<ContactForecast> forecast_passes(const SimulationInput& scene);
 
 /// Of a run with these passes: at its start, its first and last contact, and its nearest pose.
 ContactForecast of_whole_run(const std::vector<ContactForecast>& passes);
@@ -39,8 +39,8 @@ std::optional<FrameSpan> forecast_contact_frames(const Voxmap& voxmap, const Fil
                                                  const ToolPath& path);
 
 /// Warns of a tool that starts in the bone or never touches it. `pass` begins the messages.
-void warn_of_contact(const ReamingScene& scene, const ContactForecast& forecast, Report& report,
+void warn_of_contact(const SimulationInput& scene, const ContactForecast& forecast, Diagnostics& report,
                      const std::string& pass = "");
-void warn_of_contact(const ReamingScene& scene, const std::vector<ContactForecast>& forecasts, Report& report);
+void warn_of_contact(const SimulationInput& scene, const std::vector<ContactForecast>& forecasts, Diagnostics& report);
 
 }  // namespace reamsim

@@ -73,13 +73,13 @@ std::vector<Ring> rings_of(const Profile& profile, double spacing_mm) {
 }
 
 /// A ray along the line of the tool, and the travel at which the envelope meets bone on it.
-struct Meeting {
+struct RayHit {
   double travel_mm = kNever;
   Vec2 place_mm = Vec2::Zero();  ///< across the line
   double bone_mm = 0;            ///< the bone's point along the line
 };
 
-/// Meetings of the envelope with the bone on rays along the line.
+/// Ray casts of the envelope onto the bone.
 class ContactRays {
  public:
   ContactRays(const BoneView& bone, const Profile& envelope, const Vec3& through_mm, const Vec3& direction,
@@ -102,35 +102,35 @@ class ContactRays {
   }
 
   /// The least travel of all.
-  [[nodiscard]] Meeting first() const {
+  [[nodiscard]] RayHit first() const {
     const double voxel_mm = bone_.voxmap.grid.voxel_mm, fine_mm = kFine_voxels * voxel_mm;
-    const Meeting coarse = least(kCoarse_voxels * voxel_mm, kNever);
-    const Meeting fine = least(fine_mm, coarse.travel_mm + kSlack_voxels * voxel_mm);
+    const RayHit coarse = least(kCoarse_voxels * voxel_mm, kNever);
+    const RayHit fine = least(fine_mm, coarse.travel_mm + kSlack_voxels * voxel_mm);
     // The fine rays are others: a spike of bone may lie between the fine or between the coarse ones.
     if (std::min(fine.travel_mm, coarse.travel_mm) == kNever) return coarse;
     return refined(fine.travel_mm <= coarse.travel_mm ? fine : coarse, fine_mm);
   }
 
-  [[nodiscard]] Vec3 bone_mm(const Meeting& meeting) const { return point_mm(meeting.place_mm, meeting.bone_mm); }
+  [[nodiscard]] Vec3 bone_mm(const RayHit& meeting) const { return point_mm(meeting.place_mm, meeting.bone_mm); }
 
  private:
   /// The least travel on rays `spacing_mm` apart, if it is at most `most_mm`.
-  [[nodiscard]] Meeting least(double spacing_mm, double most_mm) const {
+  [[nodiscard]] RayHit least(double spacing_mm, double most_mm) const {
     const std::vector<Ring> rings = rings_of(envelope_, spacing_mm);
-    std::vector<Meeting> found(rings.size());
+    std::vector<RayHit> found(rings.size());
     parallel_items(rings.size(), [&](std::size_t i) { found[i] = least_on(rings[i], spacing_mm, most_mm); });
-    return *std::ranges::min_element(found, {}, &Meeting::travel_mm);
+    return *std::ranges::min_element(found, {}, &RayHit::travel_mm);
   }
 
   /// Follows the least travel to places between the rays.
-  [[nodiscard]] Meeting refined(Meeting best, double spacing_mm) const {
+  [[nodiscard]] RayHit refined(RayHit best, double spacing_mm) const {
     for (int halving = 0; halving < kHalvings; ++halving) {
       spacing_mm /= 2;
       for (bool moved = true; moved;) {
         moved = false;
         for (const Vec2& step : {Vec2(1, 0), Vec2(-1, 0), Vec2(0, 1), Vec2(0, -1)}) {
           const Vec2 place_mm = best.place_mm + spacing_mm * step;
-          const Meeting tried = at(place_mm, lowest_z(envelope_, place_mm.norm()), best.travel_mm);
+          const RayHit tried = at(place_mm, lowest_z(envelope_, place_mm.norm()), best.travel_mm);
           if (tried.travel_mm >= best.travel_mm) continue;
           best = tried;
           moved = true;
@@ -144,35 +144,35 @@ class ContactRays {
     return through_mm_ + axes_ * Vec3(place_mm.x(), place_mm.y(), along_mm);
   }
 
-  [[nodiscard]] Meeting least_on(const Ring& ring, double spacing_mm, double most_mm) const {
+  [[nodiscard]] RayHit least_on(const Ring& ring, double spacing_mm, double most_mm) const {
     const int count = std::max(1, static_cast<int>(std::ceil(2 * std::numbers::pi * ring.radius_mm / spacing_mm)));
-    Meeting best{.travel_mm = most_mm};
+    RayHit best{.travel_mm = most_mm};
     bool any = false;
     for (int i = 0; i < count; ++i) {
       const double angle = 2 * std::numbers::pi * i / count;
       const Vec2 place_mm = ring.radius_mm * Vec2(std::cos(angle), std::sin(angle));
-      const Meeting here = at(place_mm, ring.low_mm, best.travel_mm);
+      const RayHit here = at(place_mm, ring.low_mm, best.travel_mm);
       if (here.travel_mm > best.travel_mm || (any && here.travel_mm == best.travel_mm)) continue;
       best = here;
       any = true;
     }
-    return any ? best : Meeting{};
+    return any ? best : RayHit{};
   }
 
   /// The meeting on one ray, where the envelope begins at `low_mm`.
-  [[nodiscard]] Meeting at(const Vec2& place_mm, double low_mm, double most_mm) const {
+  [[nodiscard]] RayHit at(const Vec2& place_mm, double low_mm, double most_mm) const {
     if (low_mm == kNever) return {};
     const double ray_mm = std::min(end_mm_, most_mm - low_mm) - start_mm_;
     if (ray_mm < 0) return {};
     const auto met = first_bone_mm(bone_, point_mm(place_mm, start_mm_), axes_.col(2), ray_mm);
     if (!met) return {};
     const double bone_mm = start_mm_ + *met;
-    const Meeting here{bone_mm + low_mm, place_mm, bone_mm};
-    return is_wall(here) ? Meeting{} : here;
+    const RayHit here{bone_mm + low_mm, place_mm, bone_mm};
+    return is_wall(here) ? RayHit{} : here;
   }
 
   /// Whether only the rim of the envelope, or that of its bore, meets bone here.
-  [[nodiscard]] bool is_wall(const Meeting& meeting) const {
+  [[nodiscard]] bool is_wall(const RayHit& meeting) const {
     const double radius_mm = meeting.place_mm.norm(), first_mm = bore_mm_ + rim_mm_;
     const double last_mm = envelope_.max_radius_mm() - rim_mm_;
     if (rim_mm_ == 0 || last_mm < first_mm + rim_mm_) return false;  // a narrow ring is all rim
@@ -201,7 +201,7 @@ std::optional<FirstContact> find_first_contact(const BoneView& bone, const Profi
                                                const Vec3& direction) {
   for (const double rim_mm : {kRim_voxels * bone.voxmap.grid.voxel_mm, 0.0}) {
     const ContactRays rays(bone, envelope, through_mm, direction, rim_mm);
-    const Meeting first = rays.first();
+    const RayHit first = rays.first();
     if (first.travel_mm == kNever) continue;
     return FirstContact{first.travel_mm, through_mm + first.travel_mm * direction, rays.bone_mm(first)};
   }

@@ -46,7 +46,7 @@ void require_surface_near(const Voxmap& voxmap, const std::vector<Vec3>& rim_mm)
   }
 }
 
-void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Report& report) {
+void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Diagnostics& report) {
   FilledVoxmap voxels = bone.take_voxels();
   const double drilled_mm3 = drill_pilot_hole(voxels, hole, bone.glenoid, partial);
   bone.set_voxels(std::move(voxels));
@@ -60,7 +60,7 @@ void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Report& repo
 }
 
 /// Notes where the scenario, which has priority, contradicts the VDB.
-void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stored, Report& report) {
+void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stored, Diagnostics& report) {
   if (settings.side != BodySide::unknown && stored.side != BodySide::unknown && settings.side != stored.side) {
     report.note("bone.side is " + name_of(settings.side) + ", the VDB says " + name_of(stored.side) +
                 "; using that of the scenario");
@@ -80,7 +80,7 @@ void note_contradictions(const BoneSettings& settings, const StoredAnatomy& stor
 }
 
 /// Sets the frame and the rim of the face round `near_mm`.
-void find_face(Bone& bone, const GlenoidSettings& settings, Report& report) {
+void find_face(Bone& bone, const GlenoidSettings& settings, Diagnostics& report) {
   if (bone.side == BodySide::unknown) {
     throw InputError({}, "bone.side", "missing", "left or right, because bone.glenoid is given");
   }
@@ -101,7 +101,7 @@ void set_scapula(Bone& bone) {
 
 }  // namespace
 
-Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
+Bone bone_from_vdb(const BoneSettings& settings, Diagnostics& report) {
   constexpr double kRounding = 1e-6;  // of a float
   StoredBone stored = read_stored_bone(settings.vdb.path);
   note_contradictions(settings, stored.anatomy, report);
@@ -125,7 +125,7 @@ Bone bone_from_vdb(const BoneSettings& settings, Report& report) {
   return bone;
 }
 
-Bone bone_from_source(const BoneSettings& settings, Report& report, const StageSink& stages) {
+Bone bone_from_source(const BoneSettings& settings, Diagnostics& report, const StageSink& stages) {
   if (settings.source == BoneSource::phantom) {
     begin_stage(stages, BoneStage::voxels);
     Bone bone = bone_from_phantom(settings, report);
@@ -144,13 +144,13 @@ Bone bone_from_source(const BoneSettings& settings, Report& report, const StageS
   return bone_from_vdb(settings, report);
 }
 
-Bone load_bone(const BoneSettings& settings, Report& report, const StageSink& stages) {
+Bone load_bone(const BoneSettings& settings, Diagnostics& report, const StageSink& stages) {
   Bone bone = bone_from_source(settings, report, stages);
   begin_stage(stages, BoneStage::anatomy);
   return with_anatomy(std::move(bone), settings, report);
 }
 
-Bone with_anatomy(Bone bone, const BoneSettings& settings, Report& report) {
+Bone with_anatomy(Bone bone, const BoneSettings& settings, Diagnostics& report) {
   if (settings.side != BodySide::unknown) bone.side = settings.side;
   if (const auto given = glenoid_frame(settings.glenoid, bone.side)) bone.glenoid = given;
   if (settings.glenoid.near_mm) find_face(bone, settings.glenoid, report);

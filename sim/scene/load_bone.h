@@ -11,17 +11,17 @@ namespace reamsim {
 /// bone (fit_to_bone); only a VDB keeps its lattice, so that a run can continue an earlier one. Does not compare the
 /// glenoid frame with the bone: check_glenoid_frame() does. `surface_voxels: automatic` counts as whole; resolve it
 /// with with_surface_voxels(). Notes voxels, volumes and pieces in `report`. Throws InputError for invalid data.
-Bone load_bone(const BoneSettings& settings, Report& report, const StageSink& stages = {});
+Bone load_bone(const BoneSettings& settings, Diagnostics& report, const StageSink& stages = {});
 
 // The two steps of load_bone(), for bones that differ in their anatomy only.
 
 /// The voxels, without the glenoid frame and the landmarks of the scenario, and without the pilot hole.
-Bone bone_from_source(const BoneSettings& settings, Report& report, const StageSink& stages = {});
+Bone bone_from_source(const BoneSettings& settings, Diagnostics& report, const StageSink& stages = {});
 /// Adds these. Voxmaps are not copied: with a pilot hole, that of `bone` must not be shared.
-Bone with_anatomy(Bone bone, const BoneSettings& settings, Report& report);
+Bone with_anatomy(Bone bone, const BoneSettings& settings, Diagnostics& report);
 
 /// The bone of a VDB: of an earlier run or import, or of another program with a FloatGrid `density`. Uses the voxel
 /// size and density mapping of the VDB; its glenoid frame, landmarks and side if the scenario has none. Throws as
 /// read_stored_bone().
-Bone bone_from_vdb(const BoneSettings& settings, Report& report);
+Bone bone_from_vdb(const BoneSettings& settings, Diagnostics& report);
 }  // namespace reamsim

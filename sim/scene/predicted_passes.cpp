@@ -15,7 +15,8 @@ namespace {
 /// Motion of the tool between two poses of a long motion, voxels.
 constexpr double kPassStep_voxels = 0.5;
 
-FillBricks predicted_after(const ReamingScene& scene, const FillBricks& fill, const Tool& tool, const Motion& motion) {
+FillBricks predicted_after(const SimulationInput& scene, const FillBricks& fill, const Tool& tool,
+                           const Motion& motion) {
   if (motion.poses.empty()) return fill;
   BoundedPath path(tool.reach_mm, kPassStep_voxels * scene.bone.voxmap->grid.voxel_mm);
   path.add(motion.poses);
@@ -27,7 +28,7 @@ FillBricks predicted_after(const ReamingScene& scene, const FillBricks& fill, co
 
 }  // namespace
 
-void for_each_predicted_pass(const ReamingScene& scene, const VisitPass& visit) {
+void for_each_predicted_pass(const SimulationInput& scene, const VisitPass& visit) {
   visit(scene.bone.fill, scene.tool, scene.motion);
   if (scene.later_passes.empty()) return;
   FillBricks fill = predicted_after(scene, scene.bone.fill, scene.tool, scene.motion);

@@ -14,6 +14,6 @@ using VisitPass = std::function<void(const FillBricks& fill, const Tool& tool, c
 
 /// Visits the present pass and the later ones, with the bone that the passes before are predicted to leave
 /// (swept_bone.h).
-void for_each_predicted_pass(const ReamingScene& scene, const VisitPass& visit);
+void for_each_predicted_pass(const SimulationInput& scene, const VisitPass& visit);
 
 }  // namespace reamsim

@@ -23,7 +23,7 @@ ShellUse shell_use(const Scenario& scenario) {
   return by_surface ? ShellUse::none : ShellUse::touches_voxels;
 }
 
-Tool load_tool_for(const Scenario& scenario, const ToolSettings& settings, double voxel_mm, Report& report) {
+Tool load_tool_for(const Scenario& scenario, const ToolSettings& settings, double voxel_mm, Diagnostics& report) {
   Tool tool = load_tool(settings, voxel_mm, shell_use(scenario), report);
   if (scenario.cutting.erosion != ErosionMode::exact) return tool;
   constexpr double kGridMemoryFraction = 0.25;  // bone, engine and results need the rest
@@ -32,7 +32,7 @@ Tool load_tool_for(const Scenario& scenario, const ToolSettings& settings, doubl
 }
 
 /// The motion of a pass, with the depth of its plunge counted from entry_mm.
-MotionSettings counted_motion(ReamingScene& scene, const PassSpec& spec, const Tool& tool, Report& report) {
+MotionSettings counted_motion(SimulationInput& scene, const PassSpec& spec, const Tool& tool, Diagnostics& report) {
   std::optional<FirstContact>& contact = scene.first_contacts.emplace_back();
   MotionSettings motion = spec.motion;
   if (motion.push && motion.push->from == PlungeStart::contact) {
@@ -53,7 +53,7 @@ MotionSettings counted_motion(ReamingScene& scene, const PassSpec& spec, const T
 }
 
 /// Loads a pass of a scenario. `bone`: it has been loaded; without it, no motion that needs it can be.
-Pass load_pass(ReamingScene& scene, const PassSpec& spec, bool bone, MistakeList& mistakes, Report& report) {
+Pass load_pass(SimulationInput& scene, const PassSpec& spec, bool bone, MistakeList& mistakes, Diagnostics& report) {
   const double voxel_mm = bone ? scene.bone.voxmap->grid.voxel_mm : scene.scenario.bone.voxel_mm;
   Pass pass;
   const auto attempt = [&](const auto& work) {
@@ -77,7 +77,7 @@ Pass load_pass(ReamingScene& scene, const PassSpec& spec, bool bone, MistakeList
 }
 
 /// Loads all passes; their frames follow one another.
-void load_passes(ReamingScene& scene, bool bone, MistakeList& mistakes, Report& report) {
+void load_passes(SimulationInput& scene, bool bone, MistakeList& mistakes, Diagnostics& report) {
   std::vector<Pass> passes;
   for (const PassSpec& spec : passes_of(scene.scenario)) {
     Pass& pass = passes.emplace_back(load_pass(scene, spec, bone, mistakes, report));
@@ -91,7 +91,7 @@ void load_passes(ReamingScene& scene, bool bone, MistakeList& mistakes, Report& 
 }
 
 /// Checks that need the anatomy of a VDB, which is known only after reading it.
-void check_camera_frames(const ReamingScene& scene) {
+void check_camera_frames(const SimulationInput& scene) {
   const auto& cameras = scene.scenario.render.user_cameras;
   for (std::size_t i = 0; i < cameras.size() && !scene.bone.glenoid; ++i) {
     if (cameras[i].frame != PoseFrame::glenoid) continue;
@@ -102,7 +102,7 @@ void check_camera_frames(const ReamingScene& scene) {
 
 }  // namespace
 
-bool begin_next_pass(ReamingScene& scene) {
+bool begin_next_pass(SimulationInput& scene) {
   if (scene.later_passes.empty()) return false;
   scene.tool = std::move(scene.later_passes.front().tool);
   scene.motion = std::move(scene.later_passes.front().motion);
@@ -110,8 +110,9 @@ bool begin_next_pass(ReamingScene& scene) {
   return true;
 }
 
-ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& frame_mistakes, BoneCache* bones) {
-  ReamingScene scene;
+SimulationInput load_scene(const Scenario& scenario, Diagnostics& report, MistakeList& frame_mistakes,
+                           BoneCache* bones) {
+  SimulationInput scene;
   scene.scenario = scenario;
   for (const std::string& note : scenario.notes) report.warn(note);
   MistakeList mistakes;
@@ -141,9 +142,9 @@ ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& f
   return scene;
 }
 
-ReamingScene load_scene(const Scenario& scenario, Report& report, BoneCache* bones) {
+SimulationInput load_scene(const Scenario& scenario, Diagnostics& report, BoneCache* bones) {
   MistakeList mistakes;
-  ReamingScene scene = load_scene(scenario, report, mistakes, bones);
+  SimulationInput scene = load_scene(scenario, report, mistakes, bones);
   mistakes.throw_if_any();
   return scene;
 }

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/base/diagnostics.h"
 #include "sim/base/mistake_list.h"
-#include "sim/base/report.h"
 #include "sim/bone/bone.h"
 #include "sim/scenario/picture_frames.h"
 #include "sim/scene/bone_cache.h"
@@ -24,7 +24,7 @@ struct Pass {
 };
 
 /// The validated input of a run.
-struct ReamingScene {
+struct SimulationInput {
   Scenario scenario;
   Bone bone;
   Tool tool;      ///< of the present pass, the first one after loading
@@ -45,14 +45,14 @@ struct ReamingScene {
 };
 
 /// Replaces tool and motion by those of the next pass. Returns false where there is none.
-bool begin_next_pass(ReamingScene& scene);
+bool begin_next_pass(SimulationInput& scene);
 
 /// Loads bone, tool and motion of a scenario. Throws InputError with all mistakes, each at its key in the scenario
 /// file. A glenoid frame that contradicts the bone is added to `frame_mistakes` instead: the scene is complete, but
 /// must not run. `bones`: takes the bone from there where it is the same.
-ReamingScene load_scene(const Scenario& scenario, Report& report, MistakeList& frame_mistakes,
-                        BoneCache* bones = nullptr);
+SimulationInput load_scene(const Scenario& scenario, Diagnostics& report, MistakeList& frame_mistakes,
+                           BoneCache* bones = nullptr);
 /// The same; throws for a wrong frame as well.
-ReamingScene load_scene(const Scenario& scenario, Report& report, BoneCache* bones = nullptr);
+SimulationInput load_scene(const Scenario& scenario, Diagnostics& report, BoneCache* bones = nullptr);
 
 }  // namespace reamsim

@@ -13,7 +13,7 @@ namespace reamsim {
 
 namespace {
 
-void warn_of_thin_walls(const Tool& tool, bool teeth, double voxel_mm, Report& report) {
+void warn_of_thin_walls(const Tool& tool, bool teeth, double voxel_mm, Diagnostics& report) {
   const double limit_mm = kThinWallVoxels * voxel_mm;
   const auto wall = teeth ? thinnest_wall(tool.mesh, limit_mm) : thinnest_wall(tool.profile, limit_mm);
   if (!wall) return;
@@ -24,7 +24,7 @@ void warn_of_thin_walls(const Tool& tool, bool teeth, double voxel_mm, Report& r
       wall->thickness_mm / kThinWallVoxels));
 }
 
-void report_volume(const DistanceGrid& grid, Report& report) {
+void report_volume(const DistanceGrid& grid, Diagnostics& report) {
   const std::string text = fmt::format(
       "tool: the distance grid has {} bricks, sample spacing {:.3g} mm, volume {:.2f} mm3; the mesh has {:.2f} "
       "mm3 ({:+.3f} %)",
@@ -39,7 +39,8 @@ bool has_resolved_teeth(const Tool& tool, const ToolSettings& settings) {
   return settings.spin == ToolSpin::resolved && !tool.revolved;
 }
 
-void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes, Report& report) {
+void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes,
+                      Diagnostics& report) {
   const bool teeth = has_resolved_teeth(tool, settings);
   warn_of_thin_walls(tool, teeth, voxel_mm, report);
   if (!teeth) {

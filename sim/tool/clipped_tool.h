@@ -17,6 +17,7 @@ bool has_resolved_teeth(const Tool& tool, const ToolSettings& settings);
 
 /// Prepares a tool for `erosion: exact` at voxels of `voxel_mm`: warns of thin walls, and makes the distance grid of
 /// resolved cutting edges. Throws InputError where it would need more than `memory_bytes`.
-void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes, Report& report);
+void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes,
+                      Diagnostics& report);
 
 }  // namespace reamsim

@@ -90,7 +90,7 @@ class CsvTrack final : public KeyTrack {
     const BlockStart& start = index_[number];
     TrackIntegrator integrator(bone_from_poses_, start_s_, start.key);
     Keys keys{start.key};
-    Report discarded;
+    Diagnostics discarded;
     if (FileState(path_) != state_) fail();
     csv_.seek(start.place);
     KeyPose key;
@@ -121,7 +121,7 @@ class CsvTrack final : public KeyTrack {
 }  // namespace
 
 std::unique_ptr<const KeyTrack> open_csv_track(const CsvMotionSettings& settings,
-                                               const std::optional<Rigid>& bone_from_poses, Report& report) {
+                                               const std::optional<Rigid>& bone_from_poses, Diagnostics& report) {
   PoseCsv csv(settings, report);
   const bool seekable = fs::is_regular_file(settings.path);
   std::optional<TrackIntegrator> integrator;

@@ -43,7 +43,7 @@ Quat orientation_from_axis(const Vec3& tool_z) {
   return Quat(axes).normalized();
 }
 
-Quat normalized_or_warn(const Quat& q, const std::string& where, Report& report) {
+Quat normalized_or_warn(const Quat& q, const std::string& where, Diagnostics& report) {
   const double norm = q.norm();
   if (!(norm > kMinNorm) || !std::isfinite(norm))
     throw InputError(where + ": the quaternion has length " + rounded_text(norm) + "; a unit quaternion is needed");
@@ -78,7 +78,7 @@ std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge) {
   return poses;
 }
 
-std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyframes, Report& report) {
+std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyframes, Diagnostics& report) {
   require(keyframes.size() >= 2, "motion.keyframes", std::to_string(keyframes.size()) + " keyframes",
           "at least two are needed");
   std::vector<KeyPose> poses;

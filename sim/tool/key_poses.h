@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/tool/motion.h"
 
 namespace reamsim {
@@ -27,10 +27,10 @@ std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge);
 
 /// Keyframes as key poses. Between axes the tool tilts along the shortest rotation, without rotation about its axis
 /// beside the spin. Throws InputError: fewer than two, time not increasing, no orientation.
-std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyframes, Report& report);
+std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyframes, Diagnostics& report);
 
 /// `q` normalized. Warns when |q| differs from 1 by more than 10⁻³. Throws InputError when |q| is 0 or not finite.
 /// Messages begin with `where`.
-Quat normalized_or_warn(const Quat& q, const std::string& where, Report& report);
+Quat normalized_or_warn(const Quat& q, const std::string& where, Diagnostics& report);
 
 }  // namespace reamsim

@@ -61,7 +61,7 @@ std::unique_ptr<const KeyTrack> store_track(std::vector<KeyPose> keys) {
   return std::make_unique<const StoredTrack>(std::move(keys));
 }
 
-void note_start(double start_s, Report& report) {
+void note_start(double start_s, Diagnostics& report) {
   if (start_s == 0) return;
   report.note("motion: the first pose is at " + rounded_text(start_s) + " s; that is time 0 of the simulation");
 }

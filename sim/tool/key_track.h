@@ -53,9 +53,9 @@ std::unique_ptr<const KeyTrack> store_track(std::vector<KeyPose> keys);
 /// once, such as a pipe. Of a longer one the track holds an index, and reads blocks of rows again; see read_pose_csv()
 /// for what is thrown. Notes another start than time 0.
 std::unique_ptr<const KeyTrack> open_csv_track(const CsvMotionSettings& settings,
-                                               const std::optional<Rigid>& bone_from_poses, Report& report);
+                                               const std::optional<Rigid>& bone_from_poses, Diagnostics& report);
 
 /// Notes that time 0 of the simulation is the first pose, where that is at `start_s`.
-void note_start(double start_s, Report& report);
+void note_start(double start_s, Diagnostics& report);
 
 }  // namespace reamsim

@@ -68,14 +68,14 @@ std::size_t count_frames(double end_s, double frame_rate_hz) {
 }
 
 /// The poses of a plunge or of keyframes; empty for a CSV.
-std::vector<KeyPose> read_key_poses(const MotionSettings& settings, Report& report) {
+std::vector<KeyPose> read_key_poses(const MotionSettings& settings, Diagnostics& report) {
   if (settings.plunge) return plunge_poses(*settings.plunge);
   if (settings.csv) return {};
   if (!settings.keyframes.empty()) return keyframe_poses(settings.keyframes, report);
   throw InputError(SourceLocation{}, "motion", "the motion is missing", "give plunge, push, keyframes or csv");
 }
 
-std::vector<KeyPose> integrated(std::vector<KeyPose> keys, const std::optional<Rigid>& to_bone, Report& report) {
+std::vector<KeyPose> integrated(std::vector<KeyPose> keys, const std::optional<Rigid>& to_bone, Diagnostics& report) {
   note_start(keys.front().time_s, report);
   TrackIntegrator integrator(to_bone, keys.front().time_s);
   for (KeyPose& key : keys) key = integrator.next(key);
@@ -83,7 +83,7 @@ std::vector<KeyPose> integrated(std::vector<KeyPose> keys, const std::optional<R
 }
 
 /// Warns of a key pose between two frames that the straight way between them misses, such as the end of a plunge.
-void warn_of_missed_keys(const std::vector<KeyPose>& keys, const Motion& motion, Report& report) {
+void warn_of_missed_keys(const std::vector<KeyPose>& keys, const Motion& motion, Diagnostics& report) {
   for (std::size_t i = 1; i + 1 < keys.size(); ++i) {
     const double frame = keys[i].time_s * motion.frame_rate_hz;
     const auto before = static_cast<std::size_t>(frame);
@@ -118,7 +118,7 @@ std::optional<Rigid> bone_from_frame(PoseFrame frame, const std::optional<Glenoi
   return glenoid->bone_from_glenoid;
 }
 
-Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Report& report) {
+Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Diagnostics& report) {
   const std::optional<Rigid> to_bone = bone_from_frame(settings.frame, glenoid);
   if (settings.push) return pushed_motion(settings, to_bone);
   std::vector<KeyPose> keys = read_key_poses(settings, report);

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <optional>
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/scenario/scenario.h"
 #include "sim/tool/pose_sequence.h"
 #include "sim/tool/push_plan.h"
@@ -41,6 +41,6 @@ std::optional<Rigid> bone_from_frame(PoseFrame frame, const std::optional<Glenoi
 /// motion: the tool rests at its last pose, with spin, until then. Rows of a long CSV are not held in memory: they are
 /// read again from the file, which must not change. The depth of a plunge counts from entry_mm here: `from: contact`
 /// must have been resolved (sim/scene/first_contact.h). Throws InputError where `frame: glenoid` has no glenoid frame.
-Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Report& report);
+Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Diagnostics& report);
 
 }  // namespace reamsim

@@ -126,7 +126,7 @@ struct Layout {
   std::size_t fields = 0;
 };
 
-Layout read_header(LineReader& lines, Report& report) {
+Layout read_header(LineReader& lines, Diagnostics& report) {
   if (!lines.next()) lines.fail("the file is empty", "a header is needed: " + std::string(kHeader));
   refuse_other_separator(lines.line(), lines.here());
   Layout layout;
@@ -169,7 +169,7 @@ void check_range(const LineReader& lines, Column column, double value, double mo
                "at most " + rounded_text(most) + " " + unit + " is possible");
 }
 
-KeyPose read_row(const LineReader& lines, const Layout& layout, double default_spin_rpm, Report& row_report) {
+KeyPose read_row(const LineReader& lines, const Layout& layout, double default_spin_rpm, Diagnostics& row_report) {
   const auto fields = split(lines.line());
   if (fields.size() == 1) refuse_other_separator(lines.line(), lines.here());
   if (fields.size() != layout.fields)
@@ -190,13 +190,13 @@ KeyPose read_row(const LineReader& lines, const Layout& layout, double default_s
 class RowWarnings {
  public:
   /// Takes the warnings of a row.
-  void take(Report& row, Report& report) {
+  void take(Diagnostics& row, Diagnostics& report) {
     for (const std::string& warning : row.warnings) {
       if (count_++ < kMaxRowWarnings) report.warn(warning);
     }
     row.warnings.clear();
   }
-  void finish(const std::string& path, Report& report) const {
+  void finish(const std::string& path, Diagnostics& report) const {
     if (count_ <= kMaxRowWarnings) return;
     report.warn(path + ": the same of " + std::to_string(count_ - kMaxRowWarnings) + " more rows");
   }
@@ -213,14 +213,14 @@ struct PoseCsv::State {
   double spin_rpm;
 };
 
-PoseCsv::PoseCsv(const CsvMotionSettings& settings, Report& report)
+PoseCsv::PoseCsv(const CsvMotionSettings& settings, Diagnostics& report)
     : state_(new State{pose_rows::LineReader(settings.path), {}, settings.spin_rpm}) {
   state_->layout = pose_rows::read_header(state_->lines, report);
 }
 PoseCsv::PoseCsv(PoseCsv&&) noexcept = default;
 PoseCsv::~PoseCsv() = default;
 
-bool PoseCsv::next(KeyPose& pose, Report& row_report) {
+bool PoseCsv::next(KeyPose& pose, Diagnostics& row_report) {
   if (!state_->lines.next()) return false;
   pose = pose_rows::read_row(state_->lines, state_->layout, state_->spin_rpm, row_report);
   return true;
@@ -238,9 +238,9 @@ SourceLocation PoseCsv::here() const {
   return state_->lines.here();
 }
 
-void scan_pose_csv(PoseCsv& csv, const std::string& path, Report& report,
+void scan_pose_csv(PoseCsv& csv, const std::string& path, Diagnostics& report,
                    const std::function<void(const KeyPose&, const PoseCsv::Place&)>& visit) {
-  Report row_report;
+  Diagnostics row_report;
   pose_rows::RowWarnings warnings;
   std::size_t rows = 0;
   double before_s = 0;
@@ -263,7 +263,7 @@ void scan_pose_csv(PoseCsv& csv, const std::string& path, Report& report,
   warnings.finish(path, report);
 }
 
-std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Report& report) {
+std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostics& report) {
   PoseCsv csv(settings, report);
   std::vector<KeyPose> poses;
   scan_pose_csv(csv, settings.path, report, [&](const KeyPose& pose, const PoseCsv::Place&) { poses.push_back(pose); });

@@ -25,7 +25,7 @@ class PoseCsv {
     int line = 0;  ///< read before it
   };
 
-  PoseCsv(const CsvMotionSettings& settings, Report& report);
+  PoseCsv(const CsvMotionSettings& settings, Diagnostics& report);
   PoseCsv(PoseCsv&&) noexcept;
   PoseCsv(const PoseCsv&) = delete;
   PoseCsv& operator=(const PoseCsv&) = delete;
@@ -33,7 +33,7 @@ class PoseCsv {
   ~PoseCsv();
 
   /// Reads the next row; false at the end. `row_report` gets a warning about a quaternion that is no rotation.
-  bool next(KeyPose& pose, Report& row_report);
+  bool next(KeyPose& pose, Diagnostics& row_report);
   [[nodiscard]] Place place() const;
   /// Goes on at a place that place() has returned. Only where the file is a regular one.
   void seek(const Place& place);
@@ -46,10 +46,10 @@ class PoseCsv {
 
 /// Reads all rows, and calls visit(pose, place before its row). Besides the mistakes of rows, throws InputError where
 /// times do not increase, and for fewer than two or more than ten million rows. Times need not be equidistant.
-void scan_pose_csv(PoseCsv& csv, const std::string& path, Report& report,
+void scan_pose_csv(PoseCsv& csv, const std::string& path, Diagnostics& report,
                    const std::function<void(const KeyPose&, const PoseCsv::Place&)>& visit);
 
 /// All rows in memory.
-std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Report& report);
+std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostics& report);
 
 }  // namespace reamsim

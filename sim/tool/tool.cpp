@@ -66,7 +66,7 @@ Vec3 centroid(const TriangleMesh& mesh) {
   return sum / volume6;
 }
 
-TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Report& report) {
+TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Diagnostics& report) {
   require_mesh_name(settings.mesh, "tool.mesh");
   TriangleMesh mesh = read_mesh(settings.mesh, settings.scale);
   const MeshDiagnosis diagnosis = diagnose(mesh);
@@ -84,7 +84,7 @@ TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Rep
 }
 
 /// The mesh must be in the tool frame: spin axis on z, cutting end at the origin.
-void check_frame(const ToolSettings& settings, const TriangleMesh& mesh, const Profile& profile, Report& report) {
+void check_frame(const ToolSettings& settings, const TriangleMesh& mesh, const Profile& profile, Diagnostics& report) {
   const double off_axis = centroid(mesh).head<2>().norm();
   const std::string found = "the mesh's centroid is " + text(off_axis) + " mm off the z axis";
   if (off_axis > kOffAxisError * profile.max_radius_mm())
@@ -114,7 +114,7 @@ int least_resolution(const ToolSettings& settings, double extent_mm, double voxe
                    std::to_string(kMaxShellResolution) + " with a leak, which is warned of");
 }
 
-void warn_of_leak(const PointShell& shell, double voxel_mm, Report& report) {
+void warn_of_leak(const PointShell& shell, double voxel_mm, Diagnostics& report) {
   const double spacing = shell.cell_mm / voxel_mm;
   if (spacing <= kSafeSpacingVoxels * (1 + 2 * kSpacingSlack)) return;
   const std::string bound = spacing <= kHardlyLeakingSpacing    ? "less than "
@@ -126,7 +126,7 @@ void warn_of_leak(const PointShell& shell, double voxel_mm, Report& report) {
 
 }  // namespace
 
-Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Report& report) {
+Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Diagnostics& report) {
   Tool tool;
   tool.mesh = read_closed_mesh(settings, voxel_mm, report);
   try {

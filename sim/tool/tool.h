@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/mesh/triangle_mesh.h"
 #include "sim/scenario/scenario.h"
 #include "sim/tool/distance_grid.h"
@@ -44,6 +44,6 @@ enum class ShellUse {
 /// the shell's spacing is at most half of `voxel_mm`; a given one that leaks (leak.h) causes a warning where the shell
 /// touches voxels. Throws InputError: unreadable or open mesh, no axis of revolution, a shell of more than 4096³ cells
 /// that touches voxels.
-Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Report& report);
+Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Diagnostics& report);
 
 }  // namespace reamsim

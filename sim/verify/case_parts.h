@@ -5,8 +5,8 @@
 
 #include <random>
 
+#include "sim/verify/closed_forms.h"
 #include "sim/verify/convergence.h"
-#include "sim/verify/forms.h"
 #include "sim/verify/reaming.h"
 
 namespace reamsim::verify {

@@ -10,7 +10,7 @@
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/verify/case_parts.h"
 #include "sim/verify/plunge.h"
-#include "sim/verify/push_forms.h"
+#include "sim/verify/push_closed_forms.h"
 
 namespace reamsim::verify {
 
@@ -42,7 +42,7 @@ Reamed approach_of(double stiffness_n_mm, double damping_n_s_mm, double time_s, 
   const double begin = kExample.full_contact_mm() + 0.3, end = begin + kExample.feed_mm_s * time_s;
   const Motion motion =
       path(kRate_hz, {x, y, -begin}, {{{x, y, -end}, static_cast<int>(std::lround(kRate_hz * time_s)), kExample.rpm}});
-  ReamingScene scene =
+  SimulationInput scene =
       scene_of(block({33, 33, end + 1}, kVoxel_mm, kExample.density_g_cm3), make_tool(head_of(kExample)), motion);
   scene.scenario.motion.compliance = {{kRigid_n_mm, kRigid_n_mm, stiffness_n_mm}, damping_n_s_mm};
   return ream(std::move(scene), setting);
@@ -55,7 +55,7 @@ double time_constant_s(const Reamed& reamed, double steady_mm, std::size_t a, st
 }
 
 /// A ball fed down on the edge of a block, whose other half is air, through a dense layer.
-ReamingScene ball_on_edge(double feed_mm_s, double depth_mm, double rate_hz) {
+SimulationInput ball_on_edge(double feed_mm_s, double depth_mm, double rate_hz) {
   constexpr double kRadius_mm = 5, kVoxel_mm = 0.25, kLayer_mm = 0.6, kEdge_mm = 0.05;
   const Vec3 inward = Vec3(1, 0.3, 0).normalized();
   const auto behind = [=](const Vec3& p) { return -p.dot(inward); };
@@ -132,7 +132,7 @@ CaseFindings compliance_stiff_case(const Setting& setting) {
   out.form = "the difference of the last forces from those of a rigid tool falls as 1/k";
   constexpr std::size_t kLast = 20;
   const auto force = [&](std::optional<double> stiffness) {
-    ReamingScene scene = ball_on_edge(1, 0.5, 500);
+    SimulationInput scene = ball_on_edge(1, 0.5, 500);
     scene.scenario.engine.tuning.windows = false;  // as with springs
     if (stiffness) scene.scenario.motion.compliance = {Vec3::Constant(*stiffness), 0};
     const Reamed reamed = ream(std::move(scene), setting);
@@ -159,7 +159,7 @@ CaseFindings compliance_energy_case(const Setting& setting) {
   out.title = "Energy of a tool on springs";
   out.scene = "the ball of compliance_stiff fed 1 mm down, on springs of 30, 60 and 100 N/mm with 0.5 N·s/mm";
   out.form = "work of the feed + work of the drive + E_floor = E_cut + spring + damping energy + ½Σk·Δd²";
-  ReamingScene scene = ball_on_edge(1, 1, 500);
+  SimulationInput scene = ball_on_edge(1, 1, 500);
   scene.scenario.motion.compliance = {{30, 60, 100}, 0.5};
   const Reamed reamed = ream(std::move(scene), setting);
   double floor = 0, cut = 0;

@@ -97,7 +97,7 @@ FilledVoxmap scan_and_import(const CtSlab& slab, double voxel_mm) {
   settings.ct.path = "slab";
   settings.ct.threshold_hu = kSlabThreshold_hu;
   settings.ct.closing_mm = 0;
-  Report report;
+  Diagnostics report;
   return voxmap_from_scan(SlabScan(slab), settings, report);
 }
 

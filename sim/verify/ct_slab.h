@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/bone/voxmap/voxmap.h"
-#include "sim/verify/forms.h"
+#include "sim/verify/closed_forms.h"
 
 namespace reamsim::verify {
 

@@ -114,8 +114,8 @@ CaseFindings second_pass_case(const Setting& setting) {
   out.form = "no force, no torque, nothing removed";
   const Quat turned = oblique(12);
   const Leg down = down_leg(), side{down.to_mm + Vec3(2, 1, 0), 60, 250, turned};
-  ReamingScene scene = scene_of(block({24, 24, 8}, kInvariantVoxel_mm, kDensity), head(),
-                                path(kInvariantRate_hz, {0.03, 0.05, 2.5}, {down, side}));
+  SimulationInput scene = scene_of(block({24, 24, 8}, kInvariantVoxel_mm, kDensity), head(),
+                                   path(kInvariantRate_hz, {0.03, 0.05, 2.5}, {down, side}));
   const Reamed first = ream(scene, setting);
   scene.bone = first.bone;
   const Reamed second = ream(std::move(scene), setting);

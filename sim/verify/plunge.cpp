@@ -73,7 +73,7 @@ std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& settin
   const FilledVoxmap bone = bone_of(run, {width, width, end + slant + 1 + voxel_mm});
   const Tool tool = run.erosion == ErosionMode::exact ? make_tool(head_of(plunge))
                                                       : make_tool(head_of(plunge), kShellVoxels * voxel_mm);
-  ReamingScene scene = scene_of(bone, tool, motion, run.erosion);
+  SimulationInput scene = scene_of(bone, tool, motion, run.erosion);
   scene.scenario.motion.compliance = run.compliance;
   const Reamed reamed = ream(std::move(scene), setting);
   const auto steady = reamed.after(reamed.rows.size() - 1 - static_cast<std::size_t>(frames));

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "sim/verify/forms.h"
+#include "sim/verify/closed_forms.h"
 #include "sim/verify/reaming.h"
 
 namespace reamsim::verify {

@@ -9,7 +9,7 @@
 
 #include "sim/verify/case_parts.h"
 #include "sim/verify/plunge.h"
-#include "sim/verify/push_forms.h"
+#include "sim/verify/push_closed_forms.h"
 
 namespace reamsim::verify {
 
@@ -33,11 +33,11 @@ struct Push {
   double energy_factor = 1;  ///< of the specific energy
 };
 
-ReamingScene scene_of_push(const Push& push) {
+SimulationInput scene_of_push(const Push& push) {
   PushSettings settings = push.settings;
   settings.entry_mm = {0.12 * push.voxel_mm, 0.21 * push.voxel_mm, -push.begin_mm};
   const Vec3 size(push.width_mm, push.width_mm, push.block_mm);
-  ReamingScene scene = scene_of(block(size, push.voxel_mm, push.density), make_tool(push.head), {});
+  SimulationInput scene = scene_of(block(size, push.voxel_mm, push.density), make_tool(push.head), {});
   auto plan = std::make_shared<const PushPlan>(settings, push.rate_hz, std::nullopt);
   scene.motion.frame_rate_hz = push.rate_hz;
   scene.motion.poses = unresisted_poses(plan, push.rate_hz);

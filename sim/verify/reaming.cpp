@@ -28,11 +28,11 @@ double Reamed::removed_mm3() const {
   return sum;
 }
 
-Reamed ream(ReamingScene scene, const Setting& setting) {
+Reamed ream(SimulationInput scene, const Setting& setting) {
   scene.scenario.engine.device = setting.device;
   const auto engine = setting.engine(scene.scenario, scene.bone, scene.tool);
   Rows sink;
-  Report report;
+  Diagnostics report;
   RunControl control;
   control.stop = setting.stop;
   const SimulationState end = simulate(scene, *engine, sink, control, report);

@@ -41,7 +41,7 @@ struct Reamed {
 };
 
 /// Reams the scene with the program's main loop. Throws InputError (no such device), RunError, Interrupted.
-Reamed ream(ReamingScene scene, const Setting& setting);
+Reamed ream(SimulationInput scene, const Setting& setting);
 
 struct MeanLoads {
   Vec3 force_n = Vec3::Zero();

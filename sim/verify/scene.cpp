@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "sim/tool/revolve.h"
-#include "sim/verify/forms.h"
+#include "sim/verify/closed_forms.h"
 
 namespace reamsim::verify {
 
@@ -105,8 +105,8 @@ Vec3 ball_origin(const Vec3& center_mm, double radius_mm, const Quat& turned) {
   return center_mm - turned * Vec3(0, 0, radius_mm);
 }
 
-ReamingScene scene_of(FilledVoxmap bone, Tool tool, Motion motion, ErosionMode erosion) {
-  ReamingScene scene;
+SimulationInput scene_of(FilledVoxmap bone, Tool tool, Motion motion, ErosionMode erosion) {
+  SimulationInput scene;
   scene.scenario.name = "verification";
   scene.scenario.cutting = stated_cutting(erosion);
   scene.scenario.render.enabled = false;

@@ -53,6 +53,6 @@ Motion path(double rate_hz, const Vec3& from_mm, const std::vector<Leg>& legs);
 Vec3 ball_origin(const Vec3& center_mm, double radius_mm, const Quat& turned);
 
 /// The scene with the suite's cutting law.
-ReamingScene scene_of(FilledVoxmap bone, Tool tool, Motion motion, ErosionMode erosion = ErosionMode::exact);
+SimulationInput scene_of(FilledVoxmap bone, Tool tool, Motion motion, ErosionMode erosion = ErosionMode::exact);
 
 }  // namespace reamsim::verify

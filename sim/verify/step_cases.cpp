@@ -20,7 +20,7 @@ double swept_mm3() {
   return cap_mm3(kBall_mm, kDeep_mm) + kSweep_mm * segment_mm2(kBall_mm, kDeep_mm);
 }
 
-ReamingScene swept_ball(double frame_s, std::optional<double> shell_spacing_mm) {
+SimulationInput swept_ball(double frame_s, std::optional<double> shell_spacing_mm) {
   const Vec3 way = kSweep_mm * Vec3(std::cos(0.6), std::sin(0.6), 0);
   const Vec3 start(-0.5 * way.x() + 0.15, -0.5 * way.y() + 0.07, kBall_mm - kDeep_mm);
   const auto origin = [](const Vec3& center) { return ball_origin(center, kBall_mm, Quat::Identity()); };
@@ -37,7 +37,7 @@ struct Sweep {
   MeanLoads loads;
 };
 
-Sweep sweep_of(const ReamingScene& scene, const Setting& setting) {
+Sweep sweep_of(const SimulationInput& scene, const Setting& setting) {
   const Reamed reamed = ream(scene, setting);
   return {reamed.removed_mm3(), mean_loads(reamed.after(kDownFrames))};
 }
@@ -53,7 +53,7 @@ void add_indifference(const Sweep& plain, const Setting& setting, std::vector<Ch
   };
   constexpr double kFrame_s = 4e-3;
   for (const int batch : {1, 7}) {
-    ReamingScene scene = swept_ball(kFrame_s, {});
+    SimulationInput scene = swept_ball(kFrame_s, {});
     scene.scenario.engine.batch_frames = batch;
     add("batches of " + std::to_string(batch), sweep_of(scene, setting));
   }

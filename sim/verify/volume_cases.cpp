@@ -142,7 +142,7 @@ Level plunged_cylinder(const Tool& tool, double voxel_mm, const Quat& turned, in
     const double length = kLength_mm + offset.z();
     const Motion motion =
         path(kVolumeRate_hz, entry + kEntry_mm * axis, {{entry - length * axis, kFrames, 250, turned}});
-    const ReamingScene scene = scene_of(block({24, 24, 11}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
+    const SimulationInput scene = scene_of(block({24, 24, 11}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
     samples.push_back({pi * kOuter_mm * kOuter_mm * length, ream(scene, setting).removed_mm3()});
   }
   return level_of(voxel_mm, samples, pi * kOuter_mm * kOuter_mm * kLength_mm);
@@ -188,7 +188,7 @@ CaseFindings sweep_case(const Setting& setting) {
     const Motion motion = path(
         kVolumeRate_hz, origin(start + Vec3(0, 0, kDeep_mm + kVolumeClear_mm)),
         {{origin(start), 62, 250, turned}, {origin(start + way), static_cast<int>(kSweep_mm / kStep_mm), 250, turned}});
-    const ReamingScene scene = scene_of(block({30, 24, 5}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
+    const SimulationInput scene = scene_of(block({30, 24, 5}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
     add_level(refinement, voxel_mm, ream(scene, setting).removed_mm3());
   }
   add_refinement(out, std::move(refinement), 2e-4,

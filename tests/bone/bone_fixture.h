@@ -23,7 +23,7 @@ inline BoneSettings phantom(PhantomShape shape, double voxel_mm) {
 }
 
 inline Bone make(const BoneSettings& settings) {
-  Report report;
+  Diagnostics report;
   return bone_from_phantom(settings, report);
 }
 

@@ -148,7 +148,7 @@ TEST_F(BoneVdb, SumOfFillIsTheBoneVolume) {
 TEST_F(BoneVdb, SurfaceIsThatOfTheSphere) {
   BoneSettings settings = phantom(PhantomShape::sphere, 0.5);
   settings.phantom.radius_mm = 8;
-  Report report;
+  Diagnostics report;
   write_bone_vdb(path(), load_bone(settings, report), {}, {});
   const auto surface = openvdb::gridPtrCast<openvdb::FloatGrid>(grids_of(path())["surface"]);
   EXPECT_NEAR(surface->background(), 1.5, 1e-6);
@@ -161,7 +161,7 @@ TEST_F(BoneVdb, SurfaceIsThatOfTheSphere) {
 TEST_F(BoneVdb, SurfaceHasTheDistancesOfTheSphere) {
   BoneSettings settings = phantom(PhantomShape::sphere, 0.5);
   settings.phantom.radius_mm = 8;
-  Report report;
+  Diagnostics report;
   write_bone_vdb(path(), load_bone(settings, report), {}, {});
   const auto surface = openvdb::gridPtrCast<openvdb::FloatGrid>(grids_of(path())["surface"]);
   double sum = 0, squares = 0, worst = 0;
@@ -185,7 +185,7 @@ TEST_F(BoneVdb, SurfaceFollowsTheFill) {
   // A block whose top layer is a quarter full: the surface stands lower than that of the whole block.
   BoneSettings settings = phantom(PhantomShape::half_space, 0.5);
   settings.phantom.size_mm = {12, 12, 6};
-  Report report;
+  Diagnostics report;
   FilledVoxmap bone = load_bone(settings, report).take_voxels();
   const auto volume = [&] {
     write_bone_vdb(path(), bone, {}, {});
@@ -255,7 +255,7 @@ TEST_F(BoneVdb, NothingLeftIsAnEmptySurface) {
 
 TEST_F(BoneVdb, GridsDoNotDependOnTheThreads) {
   BoneSettings settings = phantom(PhantomShape::glenoid, 0.8);
-  Report report;
+  Diagnostics report;
   const FilledVoxmap bone = load_bone(settings, report).take_voxels();
   write_bone_vdb(path("many.vdb"), bone, {}, {});
   {

@@ -22,7 +22,7 @@ class DamagedVdb : public ::testing::Test {
   void SetUp() override {
     BoneSettings settings = phantom(PhantomShape::sphere, 0.5);
     settings.phantom.radius_mm = 4;
-    Report report;
+    Diagnostics report;
     bone_ = load_bone(settings, report).take_voxels();
     write_bone_vdb(path_, bone_, {{5, 1}}, {{"scenario", "none"}});
     whole_ = file_bytes(path_);

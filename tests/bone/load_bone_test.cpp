@@ -18,7 +18,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 
 TEST(LoadBone, PhantomIsFittedAndReported) {
-  Report report;
+  Diagnostics report;
   const Bone bone = load_bone(phantom(PhantomShape::sphere, 0.5), report);
   for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(bone.voxmap->grid.dims[axis] % 8, 0);
   EXPECT_TRUE(bone.glenoid);
@@ -30,7 +30,7 @@ TEST(LoadBone, GlenoidOfTheScenarioReplacesThePhantomsOwn) {
   settings.glenoid.center_mm = Vec3(1, 2, 0);
   settings.glenoid.normal = Vec3(0, 0, 1);
   settings.glenoid.superior = Vec3(1, 0, 0);
-  Report report;
+  Diagnostics report;
   const Bone bone = load_bone(settings, report);
   EXPECT_EQ(bone.glenoid->bone_from_glenoid.translation(), Vec3(1, 2, 0));
 }
@@ -39,7 +39,7 @@ TEST(LoadBone, DrillsThePilotHole) {
   BoneSettings settings = phantom(PhantomShape::half_space, 0.5);
   settings.pilot_hole = PilotHoleSettings{};
   settings.pilot_hole->frame = PoseFrame::glenoid;
-  Report report;
+  Diagnostics report;
   EXPECT_EQ(grade_at(load_bone(settings, report), {0.1, 0.1, -10}), 0);
   EXPECT_THAT(report.notes, Contains(HasSubstr("pilot hole")));
   settings.pilot_hole->entry_mm = {0, 0, 500};
@@ -49,7 +49,7 @@ TEST(LoadBone, DrillsThePilotHole) {
 
 TEST(LoadBone, VdbGoesOnWhereItStopped) {
   const TempDir dir;
-  Report report;
+  Diagnostics report;
   Bone bone = load_bone(phantom(PhantomShape::sphere, 0.5), report);
   const Vec3i reamed = bone.voxmap->grid.voxel_of({0, 0, 19.8});
   bone.fill.set(reamed, 777);
@@ -76,7 +76,7 @@ TEST(LoadBone, AVdbThatIsNotInGramsPerCubicCentimetreIsWarnedOf) {
     grid->setName("density");
     grid->fill(openvdb::CoordBBox({0, 0, 0}, {9, 9, 9}), density);
     openvdb::io::File(settings.vdb.path).write({grid});
-    Report report;
+    Diagnostics report;
     load_bone(settings, report);
     return report.warnings;
   };
@@ -86,7 +86,7 @@ TEST(LoadBone, AVdbThatIsNotInGramsPerCubicCentimetreIsWarnedOf) {
 
 TEST(LoadBone, TheRimIsThePhantomsOwnOrTheScenarios) {
   BoneSettings settings = phantom(PhantomShape::glenoid, 1);
-  Report report;
+  Diagnostics report;
   const Bone own = load_bone(settings, report);
   ASSERT_GT(own.rim_mm.size(), 60u);
   for (const Vec3& point : own.rim_mm) {

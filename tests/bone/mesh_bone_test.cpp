@@ -35,7 +35,7 @@ class MeshBone : public ::testing::Test {
   }
 
   TempDir dir_;
-  Report report_;
+  Diagnostics report_;
 };
 
 TEST_F(MeshBone, SphereVolumeAndCorticalShell) {

@@ -27,7 +27,7 @@ using Errors = std::array<double, kVoxels_mm.size()>;
 /// The bone's volume, mm³, for settings made for a voxel size.
 double volume(BoneSettings settings, SurfaceVoxels surface_voxels) {
   settings.surface_voxels = surface_voxels;
-  Report report;
+  Diagnostics report;
   return load_bone(settings, report).view().bone_mm3();
 }
 
@@ -119,7 +119,7 @@ TEST_F(PartialMesh, PlateOfAVoxelAndABit) {
 TEST_F(PartialMesh, BoxOnTheLatticeStaysWholeButForItsEdges) {
   BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {10, 6, 4}), 0.5);
   settings.surface_voxels = SurfaceVoxels::partial;
-  Report report;
+  Diagnostics report;
   const FilledVoxmap voxmap = load_bone(settings, report).take_voxels();
   EXPECT_NEAR(voxmap.bone_mm3(), 240, 0.01 * 240);  // its edges are rounded
   EXPECT_EQ(grade_at(voxmap, {5, 3, 4.1}), 0) << "nothing outside a face";
@@ -128,7 +128,7 @@ TEST_F(PartialMesh, BoxOnTheLatticeStaysWholeButForItsEdges) {
 
 TEST_F(PartialMesh, VoxelsJustOutsideAreCorticalAndHoldLittle) {
   BoneSettings settings = settings_for(sphere_mesh({0.1, 0.2, 0.3}, 9, 5), 0.5);
-  Report report;
+  Diagnostics report;
   const FilledVoxmap whole = load_bone(settings, report).take_voxels();
   settings.surface_voxels = SurfaceVoxels::partial;
   const FilledVoxmap voxmap = load_bone(settings, report).take_voxels();
@@ -152,7 +152,7 @@ TEST_F(PartialMesh, VoxelsJustOutsideAreCorticalAndHoldLittle) {
 TEST_F(PartialMesh, SameFillEveryTime) {
   BoneSettings settings = settings_for(sphere_mesh({0, 0, 0}, 8, 4), 0.4);
   settings.surface_voxels = SurfaceVoxels::partial;
-  Report report;
+  Diagnostics report;
   const FilledVoxmap first = load_bone(settings, report).take_voxels();
   for (int i = 0; i < 3; ++i) {
     const FilledVoxmap again = load_bone(settings, report).take_voxels();
@@ -221,7 +221,7 @@ TEST(PartialHole, TakesTheCylinderOutOfTheVoxels) {
   hole.axis = {5, 1, -2};
   hole.depth_mm = 8;
   const double truth_mm3 = pi * 4 * 8;
-  Report report;
+  Diagnostics report;
   FilledVoxmap bone = bone_from_phantom(settings, report).take_voxels();
   const double before_mm3 = bone.bone_mm3();
   const double drilled_mm3 = drill_pilot_hole(bone, hole, {}, true);

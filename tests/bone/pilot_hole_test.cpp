@@ -15,7 +15,7 @@ using std::numbers::pi;
 using ::testing::HasSubstr;
 
 FilledVoxmap block() {
-  Report report;
+  Diagnostics report;
   BoneSettings settings = phantom(PhantomShape::half_space, 0.25);
   settings.phantom.size_mm = {20, 20, 16};
   return bone_from_phantom(settings, report).take_voxels();

@@ -33,7 +33,7 @@ class StoredBoneTest : public ::testing::Test {
     return metadata_of(StoredAnatomy{original_.glenoid, original_.landmarks, original_.side});
   }
 
-  Report report_;
+  Diagnostics report_;
   TempDir dir_;
   Bone original_;
 };

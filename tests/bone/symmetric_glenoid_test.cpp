@@ -49,7 +49,7 @@ class SymmetricGlenoid : public testing::Test {
   }
 
   TempDir folder_;
-  Report report_;
+  Diagnostics report_;
   TriangleMesh mesh_;
 };
 

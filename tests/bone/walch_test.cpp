@@ -333,7 +333,7 @@ TEST(Walch, LatticeHoldsAllOfIt) {
 }
 
 TEST(Walch, SaysHowTheFaceIsTurned) {
-  Report report;
+  Diagnostics report;
   bone_from_phantom(walch(Walch::b2, 1), report);
   std::string all;
   for (const std::string& line : report.notes) all += line + "\n";

@@ -28,7 +28,7 @@ class BadCt : public ::testing::Test {
     ::testing::internal::CaptureStdout();
     std::string message;
     try {
-      Report report;
+      Diagnostics report;
       voxmap_from_ct(settings, report);
       ADD_FAILURE() << "no error for " << settings.ct.path;
     } catch (const InputError& error) {
@@ -283,7 +283,7 @@ TEST_F(BadCt, DamagedHeadersNeverCrash) {
       std::string damaged = bytes;
       for (int hit = 0; hit < 3; ++hit) damaged[random(348)] = static_cast<char>(random(256));
       try {
-        Report report;
+        Diagnostics report;
         voxmap_from_ct(settings_for(put(name, damaged), 1), report);
       } catch (const InputError& error) {
         EXPECT_THAT(std::string(error.what()), Not(HasSubstr("\n"))) << "seed " << kSeed << " trial " << trial;

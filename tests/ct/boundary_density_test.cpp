@@ -130,7 +130,7 @@ class BoundaryDensity : public ::testing::Test {
   }
 
   TempFolder folder_;
-  Report report_;
+  Diagnostics report_;
 };
 
 TEST_F(BoundaryDensity, OfAUniformBlockHoldsAtEveryVoxelSize) {

@@ -54,7 +54,7 @@ class Conventions : public ::testing::Test {
   }
 
   FilledVoxmap import(const std::string& path, const Vec3& crop_max_mm = Vec3::Constant(1e6)) {
-    Report report;
+    Diagnostics report;
     BoneSettings settings = settings_for(path, 1);
     settings.ct.crop_max_mm = crop_max_mm;
     FilledVoxmap out = voxmap_from_ct(settings, report);
@@ -246,7 +246,7 @@ TEST_F(Conventions, ANiftiWithASlopeOfZeroIsNotScaled) {
     };
   };
   expect_same(import(nifti("zero.nii", scaled(0, -1024))), reference_, "slope 0");
-  Report report;
+  Diagnostics report;
   BoneSettings settings = settings_for(nifti("scaled.nii", scaled(2, -100)), 1);
   settings.ct.threshold_hu = 2 * 200 - 100;
   EXPECT_NEAR(volume_mm3(voxmap_from_ct(settings, report)), volume_mm3(reference_), 1e-6);

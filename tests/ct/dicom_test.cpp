@@ -59,7 +59,7 @@ class Dicom : public ::testing::Test {
   TempFolder folder_;
   TestImage egg_ = egg_image();
   FilledVoxmap reference_;
-  Report report_;
+  Diagnostics report_;
   std::string series_;
   Modality modality_ = Modality::ct;
 };

@@ -18,7 +18,7 @@ namespace {
 using ::testing::HasSubstr;
 
 FilledVoxmap import(const std::string& path, double voxel_mm = 1) {
-  Report report;
+  Diagnostics report;
   return voxmap_from_ct(settings_for(path, voxel_mm), report);
 }
 
@@ -67,7 +67,7 @@ TEST_F(Formats, DicomRescaleCountsInHu) {
     patch_tag(slice.path().string(), 0x1052, "0 ", "64");  // intercept
     patch_tag(slice.path().string(), 0x1053, "1 ", "2 ");  // slope
   }
-  Report report;
+  Diagnostics report;
   BoneSettings settings = settings_for(folder_.file("series"), 1);
   settings.ct.threshold_hu = 2 * 200 + 64;
   const FilledVoxmap voxmap = voxmap_from_ct(settings, report);
@@ -83,7 +83,7 @@ TEST_F(Formats, DicomFolderMayHoldOtherFilesAndAScout) {
   scout.sample(knobbed_egg);
   write_dicom(scout, folder_.file("scout"));
   std::filesystem::copy(folder_.file("scout/slice001.dcm"), folder_.file("series/a_scout.dcm"));
-  Report report;
+  Diagnostics report;
   expect_same(voxmap_from_ct(settings_for(folder_.file("series"), 1), report), reference_, "with a scout");
   ASSERT_EQ(report.warnings.size(), 1U);
   EXPECT_THAT(report.warnings[0], HasSubstr("images of the DICOM series skipped: 1, the first is "));
@@ -92,7 +92,7 @@ TEST_F(Formats, DicomFolderMayHoldOtherFilesAndAScout) {
 
 TEST_F(Formats, DicomIsReadOnlyWhereTheCropIs) {
   write_dicom(egg_, folder_.file("series"));
-  Report report;
+  Diagnostics report;
   BoneSettings settings = settings_for(folder_.file("series"), 1);
   settings.ct.crop_max_mm = Vec3(0, 100, 110);
   const FilledVoxmap cropped = voxmap_from_ct(settings, report);
@@ -125,13 +125,13 @@ TEST_F(Formats, SignedBytesKeepTheirSign) {
   write_image<std::int8_t>(image, folder_.file("int8.nrrd"));
   BoneSettings settings = settings_for(folder_.file("int8.nrrd"), 1);
   settings.ct.threshold_hu = 200 - 128;
-  Report report;
+  Diagnostics report;
   EXPECT_NEAR(volume_mm3(voxmap_from_ct(settings, report)), volume_mm3(reference_), 1e-6);
 }
 
 TEST_F(Formats, UnsignedPixelsAreWarnedOf) {
   write_image<std::uint16_t>(egg_, folder_.file("u.nrrd"));
-  Report report;
+  Diagnostics report;
   voxmap_from_ct(settings_for(folder_.file("u.nrrd"), 1), report);
   ASSERT_FALSE(report.warnings.empty());
   EXPECT_THAT(report.warnings.front(), HasSubstr("unsigned"));
@@ -162,7 +162,7 @@ TEST_F(Formats, RasAndLasNiftiGiveTheSameVoxmap) {
 }
 
 TEST_F(Formats, ReportSaysWhatWasDone) {
-  Report report;
+  Diagnostics report;
   voxmap_from_ct(settings_for(folder_.file("reference.nrrd"), 0.5), report);
   std::string all;
   for (const std::string& note : report.notes) all += note + "\n";

@@ -155,7 +155,7 @@ TEST_P(BallVolume, IsThatOfTheSphere) {
   image.origin_mm = Vec3(-13.9, -13.6, -13.8);
   image.sample([](const Vec3& p) { return blurred_ball(p, kRadius); });
   write_image<float>(image, folder.file("ball.nrrd"));
-  Report report;
+  Diagnostics report;
   const FilledVoxmap voxmap = voxmap_from_ct(settings_for(folder.file("ball.nrrd"), ball.voxel_mm), report);
   const double expected = 4.0 / 3 * std::numbers::pi * std::pow(kRadius, 3);
   EXPECT_NEAR(volume_mm3(voxmap) / expected, 1, ball.tolerance);
@@ -190,7 +190,7 @@ TEST(Surface, OfAThresholdIsSmootherThanTheImagesVoxels) {
   image.origin_mm = Vec3(-13.9, -13.6, -13.8);
   image.sample([](const Vec3& p) { return blurred_ball(p, 9); });
   write_image<float>(image, folder.file("ball.nrrd"));
-  Report report;
+  Diagnostics report;
   const FilledVoxmap voxmap = voxmap_from_ct(settings_for(folder.file("ball.nrrd"), 0.2), report);
   // An image voxel is five voxels wide: nearest neighbours would be off by up to four (half its diagonal).
   EXPECT_LT(roughness_voxels(voxmap, 9), 0.25);
@@ -207,7 +207,7 @@ TEST(Surface, OfALabelMapIsSmootherThanTheImagesVoxels) {
   write_image<std::int16_t>(image, folder.file("ct.nrrd"));
   BoneSettings settings = settings_for(folder.file("ct.nrrd"), 0.2);
   settings.ct.label_map = LabelMapSettings{.path = folder.file("label.nrrd"), .label = {"3"}};
-  Report report;
+  Diagnostics report;
   const FilledVoxmap voxmap = voxmap_from_ct(settings, report);
   EXPECT_LT(roughness_voxels(voxmap, 9), 2.6);
   // The Gaussian of 0.6 mm moves a surface of radius R inwards by about 0.6²/R, here 0.04 mm or 1.3 % of the volume.
@@ -232,7 +232,7 @@ TEST(Oblique, ImageComesOutWhereTheBoneIs) {
   image.sample(ellipsoid);
   for (const std::string name : {"oblique.nrrd", "oblique.nii", "oblique.mha"}) {
     write_image<float>(image, folder.file(name));
-    Report report;
+    Diagnostics report;
     const FilledVoxmap voxmap = voxmap_from_ct(settings_for(folder.file(name), 0.5), report);
     EXPECT_NEAR(volume_mm3(voxmap) / (4.0 / 3 * std::numbers::pi * 6 * 9 * 12), 1, 0.02) << name;
     EXPECT_LT((centroid_mm(voxmap) - centre).norm(), 0.1) << name;
@@ -255,7 +255,7 @@ TEST(Oblique, CropHoldsInLpsAxes) {
   BoneSettings settings = settings_for(folder.file("ball.nrrd"), 0.5);
   settings.ct.crop_min_mm = Vec3(0, -15, -15);
   settings.ct.crop_max_mm = Vec3(15, 15, 15);
-  Report report;
+  Diagnostics report;
   const FilledVoxmap half = voxmap_from_ct(settings, report);
   EXPECT_NEAR(volume_mm3(half) / (2.0 / 3 * std::numbers::pi * 729), 1, 0.03);
   EXPECT_EQ(grade_at(half, Vec3(-0.6, 0, 0)), 0);
@@ -271,7 +271,7 @@ TEST(Oblique, TiltedGantryIsAShearAndNoStretch) {
   image.origin_mm = Vec3(-15, -20, -15);
   image.sample([](const Vec3& p) { return blurred_ball(p, 9); });
   write_dicom(image, folder.file("tilted"));
-  Report report;
+  Diagnostics report;
   const FilledVoxmap voxmap = voxmap_from_ct(settings_for(folder.file("tilted"), 0.5), report);
   EXPECT_NEAR(volume_mm3(voxmap) / (4.0 / 3 * std::numbers::pi * 729), 1, 0.03);
   EXPECT_LT(centroid_mm(voxmap).norm(), 0.2);
@@ -284,7 +284,7 @@ TEST(Density, GradeFollowsTheMappingOfTheScenario) {
   image.sample([](const Vec3& p) { return (p - Vec3::Constant(9.5)).norm() < 7 ? 1000 : -50; });
   write_image<std::int16_t>(image, folder.file("a.nrrd"));
   BoneSettings settings = settings_for(folder.file("a.nrrd"), 1);
-  Report report;
+  Diagnostics report;
   const Vec3 centre = Vec3::Constant(9.5);
   // (0.0007·1000 − 0.009)/0.6 = 1.1517 g/cm³; in steps of 0.008: 144.
   EXPECT_EQ(grade_at(voxmap_from_ct(settings, report), centre), 144);

@@ -66,7 +66,7 @@ class HumeralHeadTest : public ::testing::Test {
 
   TempFolder folder_;
   TestImage image_;
-  Report report_;
+  Diagnostics report_;
 };
 
 TEST_F(HumeralHeadTest, IsCutOffAlongTheJointGap) {
@@ -85,7 +85,7 @@ TEST_F(HumeralHeadTest, IsFoundFromPointsRoundTheCentreOfTheFace) {
   for (const Vec3& off : {Vec3(6, 0, 0), Vec3(-6, 0, 0), Vec3(0, 6, 2), Vec3(-2, -4, 6)}) {
     BoneSettings settings = write(3);
     *settings.glenoid.near_mm += off;
-    Report report;
+    Diagnostics report;
     const FilledVoxmap scapula = voxmap_from_ct(settings, report);
     EXPECT_EQ(grade_at(scapula, kCenter), 0) << off.transpose();
     EXPECT_NE(grade_at(scapula, Vec3(-10, 0, 0)), 0) << off.transpose();
@@ -141,7 +141,7 @@ TEST(HumeralHeadOfAScan, GlenoidAndHeadAreFoundFromOnePoint) {
   settings.glenoid = {};
   settings.glenoid.near_mm = center + Vec3(3, 2, -4);
   settings.surface_voxels = SurfaceVoxels::partial;
-  Report report;
+  Diagnostics report;
   const Bone bone = load_bone(settings, report);
   const Rigid frame = bone.glenoid->bone_from_glenoid;
   // The centre that was measured lies in the joint gap, 1.3 to 1.8 mm in front of the bone.
@@ -162,7 +162,7 @@ TEST(GlenoidOfAMesh, IsFoundFromOnePoint) {
   settings.glenoid = {};
   settings.glenoid.near_mm = center + Vec3(-2, 3, 4);
   settings.surface_voxels = SurfaceVoxels::partial;
-  Report report;
+  Diagnostics report;
   const Rigid frame = load_bone(settings, report).glenoid->bone_from_glenoid;
   // The point that was measured is the middle of a plane through the rim. Along its normal the surface of the mesh lies
   // 2.2 mm behind it: there the bone is, on which the frame's origin lies.

@@ -75,7 +75,7 @@ class LabelMap : public ::testing::Test {
   TempFolder folder_;
   TestImage labels_;
   FilledVoxmap reference_;
-  Report report_;
+  Diagnostics report_;
 };
 
 TEST_F(LabelMap, EveryOrderAndSenseOfTheAxesIsTheSameMap) {

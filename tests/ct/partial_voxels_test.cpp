@@ -54,7 +54,7 @@ class PartialCt : public ::testing::Test {
   static constexpr double kTruth_mm3 = 4 * pi / 3 * kRadius_mm * kRadius_mm * kRadius_mm;
   TempFolder folder_;
   BoneSettings settings_;
-  Report report_;
+  Diagnostics report_;
 };
 
 /// Bone mineral mass, mg, of the fill with its density.

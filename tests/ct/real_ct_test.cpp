@@ -35,7 +35,7 @@ class RealShoulder : public ::testing::Test {
   }
 
   static inline std::unique_ptr<FilledVoxmap> voxmap_;
-  static inline Report report_;
+  static inline Diagnostics report_;
   const Vec3 glenoid_{126.9, 175.9, -440.6};  // the data's README
   const Vec3 normal_ = Vec3(0.611, -0.548, 0.572).normalized();
   const Vec3 head_{139.2, 163.7, -427.7};
@@ -119,7 +119,7 @@ TEST_F(RealShoulder, TrabecularInsideOfTheVaultIsKept) {
 TEST(RealBody, Int32NiftiInRasIsReadWithTheRightAxes) {
   const std::string path = data_file("body_ct/body_3mm_int32.nii.gz");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path << "; set REAMSIM_DATA";
-  Report report;
+  Diagnostics report;
   BoneSettings settings = settings_for(path, 3);
   settings.ct.closing_mm = 0;
   const FilledVoxmap spine = voxmap_from_ct(settings, report);

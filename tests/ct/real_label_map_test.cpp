@@ -61,7 +61,7 @@ class RealLabelMap : public ::testing::Test {
     settings.ct.crop_min_mm = Vec3(85, 140, -480);  // round the glenoid
     settings.ct.crop_max_mm = Vec3(150, 205, -415);
     settings.ct.label_map = LabelMapSettings{.path = shared_->folder.file(name), .label = label};
-    Report report;
+    Diagnostics report;
     return voxmap_from_ct(settings, report);
   }
   static void expect_reference(const std::string& name, const std::vector<std::string>& label) {

@@ -53,7 +53,7 @@ class RefineMask : public ::testing::Test {
   }
 
   TempFolder folder_;
-  Report report_;
+  Diagnostics report_;
 };
 
 TEST_F(RefineMask, TheSurfaceBecomesTheIsosurface) {

@@ -49,7 +49,7 @@ class Segmentation : public ::testing::Test {
 
   TempFolder folder_;
   TestImage image_;
-  Report report_;
+  Diagnostics report_;
   static double ball(double radius) { return 4.0 / 3 * std::numbers::pi * std::pow(radius, 3); }
 };
 

@@ -19,7 +19,7 @@ TEST(Bricked, BricksInManyPoolsGiveTheSame) {
   for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
     for (const ErosionMode erosion : {ErosionMode::remove, ErosionMode::wear}) {
       SCOPED_TRACE(name_of(shape) + ", " + name_of(erosion));
-      ReamingScene scene = oblique_scene("auto");
+      SimulationInput scene = oblique_scene("auto");
       scene.scenario.engine.tuning.kernel_shape = shape;
       scene.scenario.cutting.erosion = erosion;
       const Outcome one = run(scene);
@@ -53,7 +53,7 @@ TEST(Bricked, AShortListOfRemovedVoxelsGivesTheSame) {
   for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
     for (const CuttingLaw law : {CuttingLaw::energy, CuttingLaw::per_point}) {
       SCOPED_TRACE(name_of(shape) + ", " + name_of(law));
-      ReamingScene scene = oblique_scene("auto");
+      SimulationInput scene = oblique_scene("auto");
       scene.scenario.engine.tuning.kernel_shape = shape;
       scene.scenario.cutting.law = law;
       scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 20);
@@ -70,7 +70,7 @@ TEST(Bricked, AShortListOfRemovedVoxelsGivesTheSame) {
 TEST(Bricked, WhatDoesNotFitSaysWhatWould) {
   cl::DeviceInfo info = cl::choose_device("auto");
   info.global_memory_bytes = 50'000;
-  const ReamingScene scene = oblique_scene("auto");
+  const SimulationInput scene = oblique_scene("auto");
   try {
     make_bricked_engine(cl::Device(info), scene.scenario, scene.bone, scene.tool);
     FAIL() << "it fits";

@@ -33,9 +33,9 @@ Bone phantom_bone(PhantomShape shape) {
 }
 
 /// A flat reamer of 8 mm radius that moves straight, with a holder.
-ReamingScene scene_of(const Bone& bone, const Vec3& from, const Vec3& to, std::vector<HolderPartSettings> holder,
-                      const Quat& orientation = Quat::Identity(), int frames = 200) {
-  ReamingScene scene;
+SimulationInput scene_of(const Bone& bone, const Vec3& from, const Vec3& to, std::vector<HolderPartSettings> holder,
+                         const Quat& orientation = Quat::Identity(), int frames = 200) {
+  SimulationInput scene;
   scene.scenario = quiet_scenario("auto");
   scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.scenario.tool.holder = std::move(holder);
@@ -46,7 +46,7 @@ ReamingScene scene_of(const Bone& bone, const Vec3& from, const Vec3& to, std::v
   return scene;
 }
 
-HolderClearance clearance_of(const ReamingScene& scene) {
+HolderClearance clearance_of(const SimulationInput& scene) {
   std::optional<HolderClearance> out = find_clearance(scene);
   if (!out) throw std::logic_error("no clearance");
   return *out;
@@ -66,7 +66,7 @@ TEST(Clearance, OfAWideHolderFromTheFaceOfABlock) {
 
 TEST(Clearance, CountsRemovedBoneAsRemoved) {
   const Bone bone = phantom_bone(PhantomShape::half_space);
-  const ReamingScene scene = scene_of(bone, {0.2, 0.1, 3}, {0.2, 0.1, -10}, {part(kHead_mm, 60, 10)});
+  const SimulationInput scene = scene_of(bone, {0.2, 0.1, 3}, {0.2, 0.1, -10}, {part(kHead_mm, 60, 10)});
   const HolderClearance found = clearance_of(scene);
   ASSERT_EQ(found.frames.size(), 201U);
   double most = 0;
@@ -100,11 +100,11 @@ TEST(Clearance, OfATiltedConeFromABlockAndOfAShaftBesideASphere) {
 }
 
 TEST(Clearance, WarnsOfTooLittle) {
-  ReamingScene scene =
+  SimulationInput scene =
       scene_of(phantom_bone(PhantomShape::half_space), {0, 0, 3}, {0, 0, -4}, {part(kHead_mm, 40, 24)});
   scene.scenario.tool.holder[0].name = "handpiece";
   scene.scenario.clearance.least_mm = 3;
-  Report report;
+  Diagnostics report;
   warn_of_clearance(clearance_of(scene), scene, report);
   ASSERT_EQ(report.warnings.size(), 1U);
   EXPECT_THAT(report.warnings[0],
@@ -117,7 +117,7 @@ TEST(Clearance, WarnsOfTooLittle) {
   scene.motion = straight({0, 0, 3}, {0, 0, -7.5}, 200, 100, 250);
   const HolderClearance touching = clearance_of(scene);
   EXPECT_NEAR(touching.least.mm, -1.5, kVoxel_mm);
-  Report alarm;
+  Diagnostics alarm;
   warn_of_clearance(touching, scene, alarm);
   ASSERT_EQ(alarm.warnings.size(), 1U);
   EXPECT_THAT(alarm.warnings[0], testing::StartsWith("clearance of the holder: none, handpiece touches the bone at ("));
@@ -125,7 +125,7 @@ TEST(Clearance, WarnsOfTooLittle) {
 
 TEST(Clearance, FromAnEnvelopeOfSoftTissue) {
   const TempDir dir;
-  ReamingScene scene =
+  SimulationInput scene =
       scene_of(phantom_bone(PhantomShape::half_space), {0, 0, 3}, {0, 0, -4}, {part(kHead_mm, 40, 10)});
   // A wall in metres, 12.5 mm from the axis.
   write_stl(dir.path() + "/skin.stl", box_mesh(1e-3 * Vec3(12.5, -30, 5), 1e-3 * Vec3(14, 30, 60)));
@@ -154,8 +154,8 @@ TEST(Clearance, IsNoneWithoutAHolderAndTheSameForLongMotions) {
 TEST(Clearance, LaterPassesMeetTheBoneThatEarlierOnesLeave) {
   // The first pass cuts a hole of 8 mm radius; the second one enters it with a holder of 5 mm radius.
   const Bone bone = phantom_bone(PhantomShape::half_space);
-  ReamingScene scene = scene_of(bone, {0.2, 0.1, 3}, {0.2, 0.1, -12}, {});
-  const ReamingScene second = scene_of(bone, {0.2, 0.1, 3}, {0.2, 0.1, -8}, {part(kHead_mm, 60, 10)});
+  SimulationInput scene = scene_of(bone, {0.2, 0.1, 3}, {0.2, 0.1, -12}, {});
+  const SimulationInput second = scene_of(bone, {0.2, 0.1, 3}, {0.2, 0.1, -8}, {part(kHead_mm, 60, 10)});
   scene.scenario.motion.passes = {{scene.scenario.tool, {}}, {second.scenario.tool, {}}};
   scene.later_passes.push_back({second.tool, second.motion});
   scene.later_passes[0].motion.first_frame = scene.motion.last_frame() + 1;

@@ -43,7 +43,7 @@ struct Plunge {
 
 /// Plunges `depth` mm into the half-space. The frame rate only says how often the steady feed is sampled.
 Plunge plunge(const std::string& device, double depth, double rate_hz, double voxel) {
-  ReamingScene scene;
+  SimulationInput scene;
   scene.scenario = quiet_scenario(device);
   scene.bone.set_voxels(block({33, 33, 6}, voxel, kDensity));
   scene.tool = make_tool(cap_profile(kRadius, kWidth, 8, kBore), static_cast<int>(std::ceil(30 / (voxel / 2))) + 1);
@@ -52,7 +52,7 @@ Plunge plunge(const std::string& device, double depth, double rate_hz, double vo
   const TempDir dir;
   Plunge out;
   out.rate_hz = rate_hz;
-  Report report;
+  Diagnostics report;
   Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   simulate(scene, *engine, recorder, {}, report);
@@ -110,7 +110,7 @@ TEST(ClosedForm, CapVolumeAgainstSerialAndAnalytic) {
 }
 
 TEST(ClosedForm, WithdrawalTakesNothing) {
-  ReamingScene scene;
+  SimulationInput scene;
   scene.scenario = quiet_scenario("auto");
   scene.bone.set_voxels(block({12, 12, 4}, 0.25, 1.2));
   scene.tool = make_tool(cap_profile(8, 8, 4, 0.5), 80);
@@ -121,7 +121,7 @@ TEST(ClosedForm, WithdrawalTakesNothing) {
   for (std::size_t k = 1; k < up.poses.size(); ++k) poses.push_back(up.poses[k]);
   scene.motion.poses = poses;
   const TempDir dir;
-  Report report;
+  Diagnostics report;
   Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   simulate(scene, *engine, recorder, {}, report);

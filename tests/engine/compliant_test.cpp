@@ -14,8 +14,8 @@ namespace reamsim::test::compliant_tests {
 namespace {
 
 /// A small head fed down beside the middle of a block, so that half of it is in the air.
-ReamingScene scene_of(const ComplianceSettings& springs, const std::string& device, double rate_hz = 200) {
-  ReamingScene scene;
+SimulationInput scene_of(const ComplianceSettings& springs, const std::string& device, double rate_hz = 200) {
+  SimulationInput scene;
   scene.scenario = quiet_scenario(device);
   scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.scenario.motion.compliance = springs;
@@ -51,7 +51,7 @@ TEST(Compliance, SameOnSerialAndBothShapesOfKernels) {
   const FrameRows serial = run_rows(scene_of(kSoft, "serial"));
   ASSERT_EQ(serial.rows.size(), 71U);
   for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
-    ReamingScene scene = scene_of(kSoft, "auto");
+    SimulationInput scene = scene_of(kSoft, "auto");
     scene.scenario.engine.tuning.kernel_shape = shape;
     EXPECT_EQ(values_of(run_rows(scene)), values_of(serial)) << name_of(shape);
   }
@@ -75,10 +75,10 @@ TEST(Compliance, BonePushesTheToolAwayAndTheSpringHoldsTheForce) {
 
 TEST(Compliance, InterruptedAndContinuedIsTheSame) {
   const FrameRows whole = run_rows(scene_of(kSoft, "auto"));
-  ReamingScene scene = scene_of(kSoft, "auto");
+  SimulationInput scene = scene_of(kSoft, "auto");
   auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   FrameRows sink;
-  Report report;
+  Diagnostics report;
   std::optional<SimulationState> saved;
   RunControl control;
   control.stop = [&] { return sink.rows.size() == 43 && !saved; };
@@ -94,7 +94,7 @@ TEST(Compliance, InterruptedAndContinuedIsTheSame) {
 
 TEST(Compliance, StandsWithinContactAtRest) {
   // Fed, then held: the spring presses the tool on until its force is nearly zero, without chatter.
-  ReamingScene scene = scene_of({{400, 400, 400}, 2}, "auto", 1000);
+  SimulationInput scene = scene_of({{400, 400, 400}, 2}, "auto", 1000);
   std::vector<ToolPose> poses(scene.motion.poses.begin(), scene.motion.poses.end());
   const std::size_t fed = poses.size();
   for (int k = 0; k < 600; ++k) {
@@ -115,7 +115,7 @@ TEST(Compliance, StandsWithinContactAtRest) {
 
 TEST(Compliance, WithAnEdgeForceTheSpringsAreLongerByIt) {
   const auto deflection = [](double normal_n_mm) {
-    ReamingScene scene = scene_of({{1e6, 1e6, 60}, 1}, "auto");
+    SimulationInput scene = scene_of({{1e6, 1e6, 60}, 1}, "auto");
     if (normal_n_mm > 0) scene.scenario.cutting.edge_force = {.tangential_n_mm = 1e-6, .normal_n_mm = normal_n_mm};
     return run_rows(std::move(scene)).rows.back().deflection_mm->z();
   };

@@ -191,7 +191,7 @@ TEST(ContactTravel, SeesWholeVoxelsAsCubesAndPilotHoles) {
   settings.surface_voxels = SurfaceVoxels::partial;
   settings.phantom.size_mm = {40, 40, 12};
   settings.pilot_hole = PilotHoleSettings{.diameter_mm = 6, .depth_mm = 8};
-  Report report;
+  Diagnostics report;
   const Bone drilled = load_bone(settings, report);
   // The ball rests on the edge of the hole.
   EXPECT_NEAR(travel(drilled, ball(6)), 6 - std::sqrt(36.0 - 9), 0.15 * kVoxel_mm);
@@ -215,7 +215,7 @@ TEST(ContactTravel, WithoutBoneOnTheLineIsAMistakeAtTheEntry) {
 
 /// The plunge of `tool` counted from contact, as a run logs it; the tool depth of its last frame.
 double logged_depth(const Bone& bone, const Profile& profile, const Vec3& axis, double depth) {
-  ReamingScene scene;
+  SimulationInput scene;
   scene.scenario = quiet_scenario("auto");
   scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.bone = bone;
@@ -231,7 +231,7 @@ double logged_depth(const Bone& bone, const Profile& profile, const Vec3& axis, 
   scene.scenario.motion.frame_rate_hz = 200;
   MotionSettings counted = scene.scenario.motion;
   counted.plunge = counted_from(find_first_contact(scene.bone, scene.tool, plunge, PoseFrame::bone), plunge);
-  Report report;
+  Diagnostics report;
   scene.motion = build_motion(counted, {}, report);
   return run(scene).totals.max_depth_mm;
 }
@@ -248,7 +248,7 @@ TEST(ContactTravel, TheLogCountsTheSameDepth) {
 
 // A frame advances by two voxels here; the depth counts from the first of its substeps that touches.
 TEST(ContactTravel, OfFastFramesTheLogCountsFromTheSubstep) {
-  ReamingScene scene;
+  SimulationInput scene;
   scene.scenario = quiet_scenario("auto");
   scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.bone = phantom_bone(PhantomShape::half_space);

@@ -35,7 +35,7 @@ std::string refusal(const DensePlan& plan, const cl::DeviceInfo& device) {
 }
 
 TEST(DensePlan, KeepsThePublishedLayouts) {
-  const ReamingScene scene = oblique_scene("auto");
+  const SimulationInput scene = oblique_scene("auto");
   const std::size_t voxels = 41 * 37 * 29, points = scene.tool.shell.codes.size();
   const auto plan = [&](EngineKind engine) { return plan_dense(engine, scene.bone, scene.tool, false); };
   EXPECT_EQ(plan(EngineKind::direct).bone_bytes(), voxels);
@@ -49,7 +49,7 @@ TEST(DensePlan, KeepsThePublishedLayouts) {
 }
 
 TEST(DensePlan, SaysWhatWouldFit) {
-  const ReamingScene scene = oblique_scene("auto");
+  const SimulationInput scene = oblique_scene("auto");
   for (const EngineKind engine : {EngineKind::direct, EngineKind::octree, EngineKind::implicit}) {
     SCOPED_TRACE(name_of(engine));
     const DensePlan plan = plan_dense(engine, scene.bone, scene.tool, true);
@@ -75,7 +75,7 @@ TEST(DensePlan, VoxelsAreNumberedIn32Bits) {
 }
 
 TEST(DensePlan, TheContactListHoldsWhateverTheToolCanHold) {
-  ReamingScene scene = oblique_scene("serial", "implicit");
+  SimulationInput scene = oblique_scene("serial", "implicit");
   scene.bone.set_voxels(block({16, 16, 16}, 0.25, 1.0));
   const DensePlan plan = plan_dense(EngineKind::implicit, scene.bone, scene.tool, false);
   EXPECT_LT(plan.contacts, plan.bone_voxels);
@@ -113,7 +113,7 @@ TEST(HuScale, EveryGradeComesBackFromItsHu) {
   lost.ash_slope_g_cm3_per_hu = 0.005;
   lost.ash_offset_g_cm3 = -1e6;
   EXPECT_FALSE(HuScale(lost).exact());
-  ReamingScene scene = oblique_scene("auto", "octree");
+  SimulationInput scene = oblique_scene("auto", "octree");
   FilledVoxmap voxels = scene.bone.take_voxels();
   voxels.mapping = lost;
   scene.bone.set_voxels(std::move(voxels));

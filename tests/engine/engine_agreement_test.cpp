@@ -16,8 +16,8 @@ namespace {
 class Agreement : public testing::TestWithParam<std::string> {
  protected:
   template <class Change>
-  static ReamingScene changed(const std::string& device, const Change& change) {
-    ReamingScene scene = oblique_scene(device, GetParam());
+  static SimulationInput changed(const std::string& device, const Change& change) {
+    SimulationInput scene = oblique_scene(device, GetParam());
     change(scene);
     return scene;
   }
@@ -44,11 +44,11 @@ INSTANTIATE_TEST_SUITE_P(Engines, EngineAgreement, testing::ValuesIn(kEngines), 
 INSTANTIATE_TEST_SUITE_P(Engines, ShellAgreement, testing::ValuesIn(kShellEngines), name_of);
 
 TEST_P(EngineAgreement, Remove) {
-  EXPECT_GT(agreed([](ReamingScene&) {}).totals.removed_mm3, 5);
+  EXPECT_GT(agreed([](SimulationInput&) {}).totals.removed_mm3, 5);
 }
 
 TEST_P(EngineAgreement, Wear) {
-  const Outcome outcome = agreed([](ReamingScene& s) {
+  const Outcome outcome = agreed([](SimulationInput& s) {
     s.scenario.cutting.erosion = ErosionMode::wear;
     s.scenario.cutting.wear_g_cm3_per_s = 30;
   });
@@ -61,7 +61,7 @@ TEST_P(EngineAgreement, Wear) {
 TEST_P(ShellAgreement, PerPointLaw) {
   for (const int group : {0, 1, 7, 200, 256}) {
     SCOPED_TRACE("work group " + std::to_string(group));
-    const Outcome outcome = agreed([&](ReamingScene& s) {
+    const Outcome outcome = agreed([&](SimulationInput& s) {
       s.scenario.cutting.law = CuttingLaw::per_point;
       s.scenario.engine.tuning.work_group_size = group;
     });
@@ -70,11 +70,11 @@ TEST_P(ShellAgreement, PerPointLaw) {
 }
 
 TEST_P(ShellAgreement, ResolvedSpin) {
-  EXPECT_GT(agreed([](ReamingScene& s) { s.tool.spin = ToolSpin::resolved; }).totals.removed_mm3, 5);
+  EXPECT_GT(agreed([](SimulationInput& s) { s.tool.spin = ToolSpin::resolved; }).totals.removed_mm3, 5);
 }
 
 TEST_P(EngineAgreement, PartlyReamedBone) {
-  const Outcome outcome = agreed([](ReamingScene& s) {
+  const Outcome outcome = agreed([](SimulationInput& s) {
     std::mt19937 random(11);
     for (std::int64_t e = 0; e < s.bone.voxmap->grid.size(); e += 3) {
       s.bone.fill.set(s.bone.voxmap->grid.coord(e), static_cast<std::uint16_t>(random() % 65536));
@@ -87,7 +87,7 @@ TEST_P(EngineAgreement, WorkGroupAndBatchDoNotMatter) {
   const Outcome reference = run(oblique_scene("auto", GetParam()));
   for (const int group : {1, 7, 64, 200}) {
     for (const int batch : {1, 10, 1000}) {
-      ReamingScene scene = oblique_scene("auto", GetParam());
+      SimulationInput scene = oblique_scene("auto", GetParam());
       scene.scenario.engine.tuning.work_group_size = group;
       scene.scenario.engine.batch_frames = batch;
       SCOPED_TRACE("work group " + std::to_string(group) + ", batch " + std::to_string(batch));
@@ -110,7 +110,7 @@ TEST_P(EngineAgreement, RandomScenes) {
     const Quat tilt = Quat(u(random), u(random), u(random), u(random)).normalized();
     const Vec3 from(6 * u(random), 6 * u(random), 6 * u(random)), to(2 * u(random), 2 * u(random), 2 * u(random));
     SCOPED_TRACE("trial " + std::to_string(trial));
-    const Outcome outcome = agreed([&](ReamingScene& s) {
+    const Outcome outcome = agreed([&](SimulationInput& s) {
       FilledVoxmap bone = random_bone(dims, 0.25, bone_seed);
       bone.grade.set({0, 0, 0}, 100);  // never without bone
       s.bone.set_voxels(std::move(bone));
@@ -123,7 +123,7 @@ TEST_P(EngineAgreement, RandomScenes) {
 }
 
 TEST_P(EngineAgreement, OneVoxel) {
-  const Outcome outcome = agreed([](ReamingScene& s) {
+  const Outcome outcome = agreed([](SimulationInput& s) {
     s.bone.set_voxels(one_voxel(1.0, {1.0, -0.5, -0.5}, 225));
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 30);
     s.motion = straight({0, 0, 3}, {0, 0, -1}, 40, 100, 60);
@@ -133,7 +133,7 @@ TEST_P(EngineAgreement, OneVoxel) {
 }
 
 TEST_P(ShellAgreement, OneVoxelOnePoint) {
-  const Outcome outcome = agreed([](ReamingScene& s) {
+  const Outcome outcome = agreed([](SimulationInput& s) {
     s.bone.set_voxels(one_voxel(1.0, {-0.5, -0.5, -0.5}, 225));
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 8);
     s.tool.shell.codes = {s.tool.shell.codes.front()};
@@ -150,7 +150,7 @@ TEST_P(ShellAgreement, AShellBeyond1024) {
   const Profile needle{{{0, 0}, {0.12, 0.1}, {0.12, 6}, {0, 6}}};
   const Tool tool = make_tool(needle, 1500);
   EXPECT_GT(tool.shell.codes.back(), UINT32_MAX) << "some codes must need more than 32 bits";
-  const Outcome outcome = agreed([&](ReamingScene& s) {
+  const Outcome outcome = agreed([&](SimulationInput& s) {
     s.bone.set_voxels(random_bone({41, 37, 29}, 0.2, 23));
     s.tool = tool;
     const Quat tilt(Eigen::AngleAxisd(0.9, Vec3(1, 2, 0.5).normalized()));
@@ -161,7 +161,7 @@ TEST_P(ShellAgreement, AShellBeyond1024) {
 
 TEST_P(EngineAgreement, EdgeOn) {
   // The spin axis lies in the face: the cap's rim goes in first.
-  const Outcome outcome = agreed([](ReamingScene& s) {
+  const Outcome outcome = agreed([](SimulationInput& s) {
     s.bone.set_voxels(block({7, 9, 4}, 0.25, 1.1));
     s.motion = straight({0, 0, 3.2}, {0.3, -0.2, 1.9}, 20, 100, 250, Quat(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX())));
   });
@@ -171,7 +171,7 @@ TEST_P(EngineAgreement, EdgeOn) {
 TEST_P(EngineAgreement, BordersOfTheVoxmap) {
   // Bone fills the lattice to every border, and the tool crosses a face, an edge and a corner of it.
   for (const Vec3& to : {Vec3(0, 0, -1), Vec3(3, 0, -1), Vec3(-3, -2.9, -1), Vec3(3, 2.9, -6)}) {
-    const Outcome outcome = agreed([&](ReamingScene& s) {
+    const Outcome outcome = agreed([&](SimulationInput& s) {
       s.bone.set_voxels(block({6, 5.75, 4.25}, 0.25, 1.1));
       s.motion = straight(to + Vec3(0.1, 0, 2.2), to, 20, 100, 250);
     });
@@ -180,7 +180,7 @@ TEST_P(EngineAgreement, BordersOfTheVoxmap) {
 }
 
 TEST_P(EngineAgreement, ToolLargerThanTheVoxmap) {
-  const Outcome outcome = agreed([](ReamingScene& s) {
+  const Outcome outcome = agreed([](SimulationInput& s) {
     s.bone.set_voxels(block({1.5, 1, 0.75}, 0.25, 1.1));
     s.motion = straight({1.3, 0, 0.5}, {1.3, 0, -3}, 20, 100, 250);
   });
@@ -188,7 +188,7 @@ TEST_P(EngineAgreement, ToolLargerThanTheVoxmap) {
 }
 
 TEST_P(EngineAgreement, ToolFullyInside) {
-  const Outcome outcome = agreed([&](ReamingScene& s) {
+  const Outcome outcome = agreed([&](SimulationInput& s) {
     s.bone.set_voxels(block({12, 12, 12}, 0.25, 1.0));
     s.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 48);
     s.motion = straight({0, 0, -6}, {0, 0, -6.1}, 1, 1000, 250);
@@ -198,7 +198,7 @@ TEST_P(EngineAgreement, ToolFullyInside) {
 }
 
 TEST_P(ShellAgreement, ToolFullyInsideTouchesOnlyItsSurface) {
-  ReamingScene scene = oblique_scene("auto", GetParam());
+  SimulationInput scene = oblique_scene("auto", GetParam());
   scene.bone.set_voxels(block({12, 12, 12}, 0.25, 1.0));
   scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 48);
   scene.motion = straight({0, 0, -6}, {0, 0, -6.1}, 1, 1000, 250);
@@ -212,7 +212,9 @@ TEST_P(ShellAgreement, ToolFullyInsideTouchesOnlyItsSurface) {
 }
 
 TEST_P(EngineAgreement, NoContactNoForce) {
-  const Outcome outcome = agreed([](ReamingScene& s) { s.motion = straight({0, 0, 60}, {0, 0, 50}, 20, 1000, 250); });
+  const Outcome outcome = agreed([](SimulationInput& s) {
+    s.motion = straight({0, 0, 60}, {0, 0, 50}, 20, 1000, 250);
+  });
   EXPECT_EQ(outcome.totals.contact_frames, 0);
   EXPECT_EQ(outcome.totals.removed_mm3, 0);
   ASSERT_EQ(outcome.report.warnings.size(), 1U);

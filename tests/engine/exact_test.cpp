@@ -64,7 +64,7 @@ TEST(Clip, SharesOfAStackOfVoxelsAddUpToTheDistance) {
   }
 }
 
-ReamingScene exact(ReamingScene scene) {
+SimulationInput exact(SimulationInput scene) {
   scene.scenario.cutting.erosion = ErosionMode::exact;
   return scene;
 }
@@ -77,8 +77,8 @@ TEST(Exact, EqualsTheSerialReference) {
 
 /// Bone of all densities, with sharp corners, size effect and edge force: 200 frames of feed and tilt, most of them in
 /// windows of smooth motion, and a stroke through several substeps before the last.
-ReamingScene slow_scene(const std::string& device) {
-  ReamingScene scene = exact(oblique_scene(device));
+SimulationInput slow_scene(const std::string& device) {
+  SimulationInput scene = exact(oblique_scene(device));
   scene.scenario.cutting.size_effect.emplace();
   scene.scenario.cutting.edge_force.emplace();
   const ToolPose begin = scene.motion.poses[20];
@@ -97,7 +97,7 @@ ReamingScene slow_scene(const std::string& device) {
 TEST(Exact, WindowsEqualTheSerialReference) {
   const Outcome serial = run(slow_scene("serial"));
   EXPECT_GT(serial.removed.size(), 100U);
-  ReamingScene framed = slow_scene("auto");
+  SimulationInput framed = slow_scene("auto");
   framed.scenario.engine.tuning.windows = false;
   EXPECT_NE(run(framed).forces, serial.forces) << "windows are in use";
   expect_all_shapes_give(serial, slow_scene);
@@ -116,9 +116,9 @@ Tool ball(double step_mm, int shell = 64) {
 }
 
 /// The ball plunged 4 mm into a block, its middle off the lattice and its axis tilted.
-ReamingScene plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_mm, const Quat& turned,
-                          const std::string& device = "auto") {
-  ReamingScene scene = exact({});
+SimulationInput plunged_ball(const Tool& tool, double voxel_mm, const Vec3& offset_mm, const Quat& turned,
+                             const std::string& device = "auto") {
+  SimulationInput scene = exact({});
   scene.scenario = quiet_scenario(device);
   scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.bone.set_voxels(block({34, 34, 8}, voxel_mm, 1.8));
@@ -141,7 +141,7 @@ double cap_error(const Tool& tool, double voxel_mm, ErosionMode erosion) {
   double sum = 0;
   for (int i = 0; i < kTimes; ++i) {
     const Quat turned(Eigen::AngleAxisd(M_PI / 3 * i / (kTimes - 1), Vec3(std::cos(i), std::sin(i), 0)));
-    ReamingScene scene = plunged_ball(tool, voxel_mm, voxel_mm * Vec3(u(random), u(random), 0), turned);
+    SimulationInput scene = plunged_ball(tool, voxel_mm, voxel_mm * Vec3(u(random), u(random), 0), turned);
     scene.scenario.cutting.erosion = erosion;
     const double error = run(scene).totals.removed_mm3 / expected - 1;
     sum += error * error;
@@ -190,7 +190,7 @@ TEST(Exact, ARimAlongTheLatticeTakesTheSameFromEveryLayer) {
     // Down to a depth of 1.9 mm at the rim, a hundredth of a millimetre a frame.
     const double rim = profile.points.size() > 4 ? 29 - std::sqrt(29 * 29 - kOuter * kOuter) : 0;
     const int frames = static_cast<int>(std::round((rim + 2) / kFeed_mm));
-    ReamingScene scene = exact({});
+    SimulationInput scene = exact({});
     scene.scenario = quiet_scenario("auto");
     scene.scenario.cutting.erosion = ErosionMode::exact;
     scene.bone.set_voxels(block({24, 24, 5}, 0.25, 1.8));
@@ -211,7 +211,7 @@ TEST(Exact, ARimAlongTheLatticeTakesTheSameFromEveryLayer) {
 
 TEST(Exact, RestingTurningAndComingBackTakeNothing) {
   const Tool tool = ball(0.3);
-  ReamingScene scene = plunged_ball(tool, 0.5, Vec3(0.11, 0.23, 0), Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX())));
+  SimulationInput scene = plunged_ball(tool, 0.5, Vec3(0.11, 0.23, 0), Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX())));
   const std::vector<ToolPose> down = scene.motion.poses.all();
   std::vector<ToolPose> poses = down;
   for (int k = 0; k < 50; ++k) poses.push_back(down.back());  // rests, and spins
@@ -235,7 +235,7 @@ TEST(Exact, RestingTurningAndComingBackTakeNothing) {
 
 TEST(Exact, BoneThatTheToolStartsInGoesWithoutForce) {
   const Tool tool = ball(0.1);
-  ReamingScene scene = plunged_ball(tool, 0.5, Vec3(0.2, 0.1, 0), Quat::Identity());
+  SimulationInput scene = plunged_ball(tool, 0.5, Vec3(0.2, 0.1, 0), Quat::Identity());
   scene.motion.poses = std::vector<ToolPose>(3, scene.motion.poses.back());
   const Outcome outcome = run(scene);
   EXPECT_NEAR(outcome.totals.removed_mm3, M_PI * 16 * (3 * 29 - 4) / 3, 0.2);

@@ -46,11 +46,11 @@ Tool ball() {
 }
 
 /// The ball comes down square onto the face of a block that is turned against the lattice.
-ReamingScene onto_a_turned_block(SurfaceVoxels surface_voxels, const TempDir& dir) {
+SimulationInput onto_a_turned_block(SurfaceVoxels surface_voxels, const TempDir& dir) {
   const Quat turned(Eigen::AngleAxisd(0.35, Vec3(2, 1, 0.4).normalized()));
   TriangleMesh mesh = box_mesh({-12, -12, -4}, {12, 12, 0});
   for (Vec3& v : mesh.vertices) v = turned * v + Vec3(0.07, 0.11, 0.05);
-  ReamingScene scene;
+  SimulationInput scene;
   scene.scenario = quiet_scenario("auto");
   scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.scenario.bone.source = BoneSource::mesh;
@@ -59,7 +59,7 @@ ReamingScene onto_a_turned_block(SurfaceVoxels surface_voxels, const TempDir& di
   scene.scenario.bone.mesh.path = dir.path() + "/block.stl";
   scene.scenario.bone.mesh.cortical_mm = 10;
   write_stl(scene.scenario.bone.mesh.path, mesh);
-  Report report;
+  Diagnostics report;
   scene.bone = load_bone(with_surface_voxels(scene.scenario.bone, scene.scenario.cutting), report);
   scene.tool = ball();
   const auto origin = [&](double depth_mm) -> Vec3 { return turned * Vec3(0, 0, -depth_mm) + Vec3(0.07, 0.11, 0.05); };

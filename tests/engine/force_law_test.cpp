@@ -90,8 +90,8 @@ constexpr double kRateHz = 100, kFeed = 1, kFull = 4.4, kVoxel = 0.5;
 constexpr int kFast = 25, kSlow = 50, kRest = 10, kOut = 10;
 constexpr int kSlowBegin = kFast + 1, kRestBegin = kSlowBegin + kSlow, kOutBegin = kRestBegin + kRest;
 
-ReamingScene plunge(const Face& face, const CuttingSettings& cutting, double voxel_mm) {
-  ReamingScene scene;
+SimulationInput plunge(const Face& face, const CuttingSettings& cutting, double voxel_mm) {
+  SimulationInput scene;
   scene.scenario = quiet_scenario("auto");
   scene.scenario.cutting = cutting;
   scene.scenario.cutting.erosion = ErosionMode::exact;
@@ -220,7 +220,7 @@ TEST(EdgeForce, AddsToTheCutAndEndsWithContact) {
 }
 
 TEST(FrictionShare, ChangesNoForce) {
-  ReamingScene scene = oblique_scene("auto");
+  SimulationInput scene = oblique_scene("auto");
   const Outcome without = run(scene);
   scene.scenario.cutting.friction_fraction = 0.3;
   expect_same(run(scene), without);
@@ -244,8 +244,8 @@ std::vector<Options> options() {
 
 class ForceOptions : public testing::TestWithParam<Options> {
  protected:
-  static ReamingScene scene(const std::string& device, const std::string& engine) {
-    ReamingScene out = oblique_scene(device, engine);
+  static SimulationInput scene(const std::string& device, const std::string& engine) {
+    SimulationInput out = oblique_scene(device, engine);
     out.scenario.cutting = GetParam().cutting;
     out.scenario.cutting.erosion = GetParam().erosion;
     out.scenario.cutting.wear_g_cm3_per_s = 30;
@@ -271,7 +271,7 @@ TEST_P(ForceOptions, EqualTheSerialReference) {
 }
 
 TEST_P(ForceOptions, TheBatchDoesNotMatter) {
-  ReamingScene one_by_one = scene("auto", "bricked"), all = one_by_one;
+  SimulationInput one_by_one = scene("auto", "bricked"), all = one_by_one;
   one_by_one.scenario.engine.batch_frames = 1;
   all.scenario.engine.batch_frames = 1000;
   expect_same(run(one_by_one), run(all));

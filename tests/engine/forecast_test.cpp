@@ -23,8 +23,8 @@ namespace reamsim::test::forecast_tests {
 namespace {
 
 /// A cap that comes down askew into a block of whole bone, 4 mm deep.
-ReamingScene plunge() {
-  ReamingScene scene;
+SimulationInput plunge() {
+  SimulationInput scene;
   scene.scenario = quiet_scenario("auto");
   scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.bone.set_voxels(block({40, 40, 20}, 0.2, 1.8));
@@ -39,10 +39,10 @@ struct Taken {
   std::size_t device_bytes = 0;
 };
 
-Taken taken_by(ReamingScene scene) {
+Taken taken_by(SimulationInput scene) {
   const TempDir dir;
   Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);
-  Report report;
+  Diagnostics report;
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   simulate(scene, *engine, recorder, {}, report);
   recorder.close();
@@ -50,7 +50,7 @@ Taken taken_by(ReamingScene scene) {
 }
 
 TEST(Forecast, BoundsWhatIsCut) {
-  const ReamingScene scene = plunge();
+  const SimulationInput scene = plunge();
   const ExactForecast forecast = forecast_exact(scene);
   const Taken taken = taken_by(scene);
   EXPECT_GE(forecast.partial, taken.pages);
@@ -61,7 +61,7 @@ TEST(Forecast, BoundsWhatIsCut) {
 }
 
 TEST(Forecast, OfOneJumpAndOfManySteps) {
-  ReamingScene scene = plunge();
+  SimulationInput scene = plunge();
   const ExactForecast slow = forecast_exact(scene);
   scene.motion.poses = {scene.motion.poses.front(), scene.motion.poses.back()};
   EXPECT_NEAR(static_cast<double>(forecast_exact(scene).partial), static_cast<double>(slow.partial),
@@ -69,7 +69,7 @@ TEST(Forecast, OfOneJumpAndOfManySteps) {
 }
 
 TEST(Forecast, CountsBricksThatAreNotWholeAlready) {
-  ReamingScene scene = plunge();
+  SimulationInput scene = plunge();
   std::vector<ToolPose> poses = scene.motion.poses.all();
   for (ToolPose& pose : poses) pose.position_mm.z() += 100;  // never comes near
   scene.motion.poses = poses;
@@ -81,8 +81,8 @@ TEST(Forecast, CountsBricksThatAreNotWholeAlready) {
 }
 
 /// The cap of plunge(), upright.
-ReamingScene upright(const Vec3& from, const Vec3& to) {
-  ReamingScene scene = plunge();
+SimulationInput upright(const Vec3& from, const Vec3& to) {
+  SimulationInput scene = plunge();
   scene.motion = straight(from, to, 200, 1000, 250, Quat::Identity());
   return scene;
 }
@@ -115,7 +115,7 @@ TEST(ContactForecast, IsNeverWrongWhereARunCuts) {
   // Down and back up, with the turning point between the steps of the search. The rim of the bore lies 0.025 mm above
   // the tool's origin.
   for (const double lowest_mm : {0.12, 0.02, -0.03, -0.045, -0.07}) {
-    ReamingScene scene = upright({0, 1, 0.5}, {0, 1, lowest_mm});
+    SimulationInput scene = upright({0, 1, 0.5}, {0, 1, lowest_mm});
     std::vector<ToolPose> poses = scene.motion.poses.all();
     for (std::size_t i = poses.size(); i-- > 0;) poses.push_back(poses[i]);
     scene.motion.poses = poses;
@@ -132,10 +132,10 @@ TEST(ContactForecast, IsNeverWrongWhereARunCuts) {
 
 /// The first and the last frame that removes bone: more than the units of fill by which windows of smooth motion and
 /// single frames can differ on a surface that slides along itself.
-FrameSpan removing_frames(ReamingScene scene) {
+FrameSpan removing_frames(SimulationInput scene) {
   const TempDir dir;
   Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);
-  Report report;
+  Diagnostics report;
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   simulate(scene, *engine, recorder, {}, report);
   recorder.close();
@@ -156,7 +156,7 @@ FrameSpan removing_frames(ReamingScene scene) {
 TEST(ContactForecast, TellsFromWhenToWhenBoneIsRemoved) {
   // Down for 2 s with 3 mm/s, the last 4 mm of them in the bone; at rest for 0.5 s; and back.
   const auto there_and_back = [](const Quat& orientation) {
-    ReamingScene scene = plunge();
+    SimulationInput scene = plunge();
     scene.motion = straight({0, 1, 2}, {0, 1, -4}, 2000, 1000, 250, orientation);
     std::vector<ToolPose> poses = scene.motion.poses.all();
     const std::vector<ToolPose> down = poses;
@@ -166,7 +166,7 @@ TEST(ContactForecast, TellsFromWhenToWhenBoneIsRemoved) {
     return scene;
   };
   for (const Quat& orientation : {Quat::Identity(), Quat(Eigen::AngleAxisd(0.2, Vec3(1, 2, 0).normalized()))}) {
-    const ReamingScene scene = there_and_back(orientation);
+    const SimulationInput scene = there_and_back(orientation);
     const std::optional<FrameSpan> expected = forecast_contact(scene).frames;
     ASSERT_TRUE(expected);
     const FrameSpan found = removing_frames(scene);
@@ -180,7 +180,7 @@ TEST(ContactForecast, TellsFromWhenToWhenBoneIsRemoved) {
 
 TEST(ContactForecast, EndsWithTheLastBoneOfASweep) {
   // Across the block, from beside it to beside it.
-  const ReamingScene scene = upright({-30, 0, -1}, {30, 0, -1});
+  const SimulationInput scene = upright({-30, 0, -1}, {30, 0, -1});
   const std::optional<FrameSpan> expected = forecast_contact(scene).frames;
   ASSERT_TRUE(expected);
   const FrameSpan found = removing_frames(scene);
@@ -190,7 +190,7 @@ TEST(ContactForecast, EndsWithTheLastBoneOfASweep) {
 }
 
 TEST(ContactForecast, WhatAStartInTheBoneTakesAway) {
-  ReamingScene scene = upright({0, 0, -4}, {0, 0, -5});
+  SimulationInput scene = upright({0, 0, -4}, {0, 0, -5});
   // A sphere's cap of 20 mm radius out to 8 mm, 4 mm deep, without its bore of 1 mm radius.
   const auto under_sphere = [](double r) { return 10 * r * r + std::pow(400 - r * r, 1.5) / 3; };
   const double cap_mm3 = std::numbers::pi * (4 * (64 - 1) - 2 * (under_sphere(8) - under_sphere(1)));
@@ -202,7 +202,7 @@ TEST(ContactForecast, WhatAStartInTheBoneTakesAway) {
 }
 
 TEST(FillPages, AreNoMoreThanBricks) {
-  const ReamingScene scene = plunge();
+  const SimulationInput scene = plunge();
   const cl::Device device(cl::choose_device("auto"));
   FillPages fill = make_fill_pages(device, scene.bone);
   const std::size_t bricks = scene.bone.voxmap->grade.stored_bricks();
@@ -213,7 +213,7 @@ TEST(FillPages, AreNoMoreThanBricks) {
 }
 
 TEST(FillPages, WhatDoesNotFitSaysWhatWould) {
-  const ReamingScene scene = plunge();
+  const SimulationInput scene = plunge();
   cl::DeviceInfo info = cl::choose_device("auto");
   info.max_allocation_bytes = 1024 * 1000;  // 1000 pages
   const cl::Device device(info);

@@ -22,10 +22,10 @@ class FrameRows final : public FrameSink {
 };
 
 /// Runs a scene on the engine of its scenario.
-inline FrameRows run_rows(ReamingScene scene) {
+inline FrameRows run_rows(SimulationInput scene) {
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   FrameRows sink;
-  Report report;
+  Diagnostics report;
   simulate(scene, *engine, sink, {}, report);
   return sink;
 }

@@ -83,7 +83,7 @@ TEST(Implicit, TheVoiHoldsEveryVoxelThatTheToolHolds) {
   std::cout << "seed " << kSeed << '\n';
   std::mt19937 random(kSeed);
   std::uniform_real_distribution<double> u(-1, 1);
-  const ReamingScene scene = oblique_scene("serial", "implicit");
+  const SimulationInput scene = oblique_scene("serial", "implicit");
   const VoxelGrid& grid = scene.bone.voxmap->grid;
   const VoxelBox bone = bone_extent(*scene.bone.voxmap);
   const OutlineTable table = full_outline_table(scene.tool.profile, 1);
@@ -109,7 +109,7 @@ TEST(Implicit, TheVoiHoldsEveryVoxelThatTheToolHolds) {
 }
 
 /// The signed distance (mm) of a point of B to the solid that the tool sweeps along the motion, sampled finely.
-double swept_distance(const ReamingScene& scene, const Vec3& point) {
+double swept_distance(const SimulationInput& scene, const Vec3& point) {
   double least = 1e9;
   for (std::size_t k = 1; k < scene.motion.poses.size(); ++k) {
     for (int i = 0; i < 4; ++i) {
@@ -122,7 +122,7 @@ double swept_distance(const ReamingScene& scene, const Vec3& point) {
 }
 
 /// What `direct` and `implicit` leave differently lies by the surface that the tool swept.
-void expect_close(ReamingScene scene) {
+void expect_close(SimulationInput scene) {
   const double voxel = scene.bone.voxmap->grid.voxel_mm;
   scene.tool = make_tool(scene.tool.profile, static_cast<int>(6 / (0.47 * voxel)) + 2);
   ASSERT_LE(scene.tool.shell.cell_mm, 0.5 * voxel);
@@ -153,14 +153,14 @@ void expect_close(ReamingScene scene) {
 }
 
 TEST(Implicit, PlungeDiffersFromDirectOnlyByTheSweptSurface) {
-  ReamingScene scene = oblique_scene("auto");
+  SimulationInput scene = oblique_scene("auto");
   scene.bone.set_voxels(block({8, 8, 4}, 0.2, 1.2));
   scene.motion = straight({0.03, 0.05, 0.4}, {0.03, 0.05, -1.7}, 60, 100, 250);
   expect_close(scene);
 }
 
 TEST(Implicit, SidewaysMoveDiffersFromDirectOnlyByTheSweptSurface) {
-  ReamingScene scene = oblique_scene("auto");
+  SimulationInput scene = oblique_scene("auto");
   scene.bone.set_voxels(block({12, 8, 4}, 0.2, 1.2));
   scene.motion = straight({-10, 0.05, -1.03}, {2, 0.4, -1.03}, 120, 100, 250);
   expect_close(scene);

@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(Feeds, NoLeak,
 
 TEST_P(NoLeak, NothingIsLeftDeeperThanHalfAVoxel) {
   const auto& [device, path, feed] = GetParam();
-  ReamingScene scene;
+  SimulationInput scene;
   scene.scenario = quiet_scenario(device);
   scene.bone.set_voxels(block({3.6, 3.6, 2}, kVoxel, 1.2));
   scene.tool = make_tool(cap_profile(6, 3, 1.2, 0.3), 61);
@@ -91,7 +91,7 @@ double measured_leak(double spacing_voxels) {
   std::normal_distribution<double> normal;
   std::int64_t swept = 0, left = 0;
   for (int turn = 0; turn < 5; ++turn) {
-    ReamingScene scene;
+    SimulationInput scene;
     scene.scenario = quiet_scenario("serial");
     scene.bone.set_voxels(block({3, 3, 3}, kVoxel, 1.2));
     const Profile flat{{{0, 0}, {kRadius, 0}, {kRadius, 1}, {0, 1}}};

@@ -34,8 +34,8 @@ motion:
 
   /// The rows of the main loop.
   [[nodiscard]] std::vector<FrameResult> rows_of_run(bool windows) const {
-    Report report;
-    ReamingScene scene = load_scene(parse_scenario(scenario(), {}), report);
+    Diagnostics report;
+    SimulationInput scene = load_scene(parse_scenario(scenario(), {}), report);
     scene.scenario.engine.tuning.windows = windows;
     const auto engine = load_engine(scene);
     test::FrameRows sink;

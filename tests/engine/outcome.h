@@ -21,11 +21,11 @@ struct Outcome {
   RemovedFrames removed;
   std::vector<std::uint16_t> fill;
   RunTotals totals{1};
-  Report report;
+  Diagnostics report;
 };
 
 /// Runs the scene on an engine that has its bone.
-inline Outcome run_on(Engine& engine, ReamingScene scene) {
+inline Outcome run_on(Engine& engine, SimulationInput scene) {
   const TempDir dir;
   Outcome out;
   {
@@ -43,7 +43,7 @@ inline Outcome run_on(Engine& engine, ReamingScene scene) {
   return out;
 }
 
-inline Outcome run(const ReamingScene& scene) {
+inline Outcome run(const SimulationInput& scene) {
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   return run_on(*engine, scene);
 }
@@ -60,7 +60,7 @@ void expect_all_shapes_give(const Outcome& serial, SceneOf scene_of) {
   const auto expect = [&](KernelShape shape, int batch, int compute_units) {
     SCOPED_TRACE(name_of(shape) + ", batch " + std::to_string(batch) + ", " + std::to_string(compute_units) +
                  " compute units");
-    ReamingScene scene = scene_of("auto");
+    SimulationInput scene = scene_of("auto");
     scene.scenario.engine.tuning.kernel_shape = shape;
     scene.scenario.engine.tuning.compute_units = compute_units;
     scene.scenario.engine.batch_frames = batch;
@@ -91,8 +91,8 @@ inline void choose_engine(EngineSettings& engine, const std::string& name) {
 }
 
 /// A tilted tool on an oblique path through bone of all densities.
-inline ReamingScene oblique_scene(const std::string& device, const std::string& engine = "bricked") {
-  ReamingScene scene;
+inline SimulationInput oblique_scene(const std::string& device, const std::string& engine = "bricked") {
+  SimulationInput scene;
   scene.scenario = quiet_scenario(device);
   choose_engine(scene.scenario.engine, engine);
   scene.bone.set_voxels(random_bone({41, 37, 29}, 0.2, 7));

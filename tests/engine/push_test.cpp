@@ -22,8 +22,8 @@ PushSettings pushed_with(double thrust_n) {
 }
 
 /// A small head without bore on a block.
-ReamingScene scene_of(const PushSettings& push, const std::string& device, double rate_hz = 200) {
-  ReamingScene scene;
+SimulationInput scene_of(const PushSettings& push, const std::string& device, double rate_hz = 200) {
+  SimulationInput scene;
   scene.scenario = quiet_scenario(device);
   scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.bone.set_voxels(block({12, 12, 3}, 0.25, 1.8));
@@ -48,7 +48,7 @@ TEST(Push, SameOnSerialAndBothShapesOfKernels) {
   const FrameRows serial = run_rows(scene_of(pushed_with(20), "serial"));
   ASSERT_GT(serial.rows.size(), 20U);
   for (const KernelShape shape : {KernelShape::cpu, KernelShape::gpu}) {
-    ReamingScene scene = scene_of(pushed_with(20), "auto");
+    SimulationInput scene = scene_of(pushed_with(20), "auto");
     scene.scenario.engine.tuning.kernel_shape = shape;
     EXPECT_EQ(values_of(run_rows(scene)), values_of(serial)) << name_of(shape);
   }
@@ -56,10 +56,10 @@ TEST(Push, SameOnSerialAndBothShapesOfKernels) {
 
 TEST(Push, InterruptedAndContinuedIsTheSame) {
   const FrameRows whole = run_rows(scene_of(pushed_with(20), "auto"));
-  ReamingScene scene = scene_of(pushed_with(20), "auto");
+  SimulationInput scene = scene_of(pushed_with(20), "auto");
   auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   FrameRows sink;
-  Report report;
+  Diagnostics report;
   std::optional<SimulationState> saved;
   RunControl control;
   control.stop = [&] { return sink.rows.size() == 13 && !saved; };
@@ -76,10 +76,10 @@ TEST(Push, InterruptedAndContinuedIsTheSame) {
 
 TEST(Push, TrialsLeaveTheBoneAsItIs) {
   for (const std::string device : {"serial", "auto"}) {
-    ReamingScene scene = scene_of(pushed_with(20), device);
+    SimulationInput scene = scene_of(pushed_with(20), device);
     const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
     FrameRows sink;
-    Report report;
+    Diagnostics report;
     FrameStepper stepper(scene, *engine, sink, report);
     const PushPlan& plan = *scene.motion.push;
     stepper.start({.frame = 0, .before = plan.pose(0, 0), .pose = plan.pose(0, 0)});

@@ -24,8 +24,8 @@ Tool toothed_tool(const TriangleMesh& mesh, double voxel_mm, bool by_grid = true
   return tool;
 }
 
-ReamingScene exact_scene(const std::string& device, bool resolved = true) {
-  ReamingScene scene;
+SimulationInput exact_scene(const std::string& device, bool resolved = true) {
+  SimulationInput scene;
   scene.scenario = quiet_scenario(device);
   scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.scenario.tool.spin = resolved ? ToolSpin::resolved : ToolSpin::envelope;
@@ -50,8 +50,8 @@ std::vector<double> column(const std::string& forces, const std::string& name) {
 }
 
 /// A tilted gear that comes down askew through bone of every density.
-ReamingScene oblique_gear(const std::string& device) {
-  ReamingScene scene = exact_scene(device);
+SimulationInput oblique_gear(const std::string& device) {
+  SimulationInput scene = exact_scene(device);
   scene.bone.set_voxels(random_bone({41, 37, 29}, 0.2, 7));
   scene.tool = toothed_tool(gear_mesh(4, 1.1, 2.0, 3), 0.2);
   const Quat tilt(Eigen::AngleAxisd(0.4, Vec3(1, 2, 0.5).normalized()));
@@ -63,7 +63,7 @@ TEST(ResolvedTeeth, EqualTheSerialReference) {
   const Outcome serial = run(oblique_gear("serial"));
   EXPECT_GT(serial.removed.size(), 100U);
   expect_all_shapes_give(serial, oblique_gear);
-  ReamingScene envelope = oblique_gear("auto");
+  SimulationInput envelope = oblique_gear("auto");
   envelope.tool.teeth.reset();
   EXPECT_NE(run(envelope).forces, serial.forces) << "the envelope cuts otherwise";
 }
@@ -82,7 +82,7 @@ Profile ball_profile() {
 
 /// What the ball takes when it goes 2 mm into a block askew, mm3.
 double cap_mm3(const Tool& tool, double voxel_mm) {
-  ReamingScene scene = exact_scene("auto", tool.teeth.has_value());
+  SimulationInput scene = exact_scene("auto", tool.teeth.has_value());
   scene.bone.set_voxels(block({14, 14, 4}, voxel_mm, 1.8));
   scene.tool = tool;
   const Quat turned(Eigen::AngleAxisd(0.5, Vec3(1, 0.3, 0).normalized()));
@@ -115,8 +115,8 @@ constexpr int kTurn = static_cast<int>(kRateHz * 60 / kRpm);
 constexpr double kInner = 4, kOuter = 6, kVoxel = 0.5, kFeedPerTurn = 0.25;
 
 /// The gear goes straight down for `turns` turns into a block that begins at x = `from_x`.
-ReamingScene plunge(double from_x, int turns, bool resolved, double voxel_mm = kVoxel) {
-  ReamingScene scene = exact_scene("auto", resolved);
+SimulationInput plunge(double from_x, int turns, bool resolved, double voxel_mm = kVoxel) {
+  SimulationInput scene = exact_scene("auto", resolved);
   FilledVoxmap bone = block({14, 14, 3}, voxel_mm, 1.2);
   bone.grid.origin_mm.x() = from_x;
   scene.bone.set_voxels(std::move(bone));
@@ -144,7 +144,7 @@ std::vector<double> power_spectrum(const std::vector<double>& series, int lines)
 TEST(ResolvedTeeth, TorqueHasTheToothPassingFrequency) {
   // The gear mills along the edge of a block, 1.5 mm into it, so that its teeth come into the bone one after the other.
   constexpr int kTurns = 4, kMostPerTurn = 20;
-  ReamingScene scene = plunge(4.5, kTurns + 1, true);
+  SimulationInput scene = plunge(4.5, kTurns + 1, true);
   const double along = kFeedPerTurn * (kTurns + 1);
   scene.motion = straight({0.02, 0.03, -2.2}, {0.02, 0.03 + along, -2.2}, (kTurns + 1) * kTurn, kRateHz, kRpm);
   const Outcome outcome = run(scene);
@@ -178,7 +178,7 @@ TEST(ResolvedTeeth, ATurnTakesWhatTheEnvelopeTakes) {
 }
 
 TEST(ResolvedTeeth, TheSamePathAgainTakesNothing) {
-  ReamingScene scene = plunge(-7, 2, true);
+  SimulationInput scene = plunge(-7, 2, true);
   const std::vector<ToolPose> down = scene.motion.poses.all();
   std::vector<ToolPose> poses = down;
   poses.insert(poses.end(), down.rbegin(), down.rend());

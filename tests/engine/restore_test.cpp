@@ -14,13 +14,13 @@ namespace {
 /// Device and engine.
 class Restore : public testing::TestWithParam<std::tuple<std::string, std::string>> {
  protected:
-  static ReamingScene scene() { return oblique_scene(std::get<0>(GetParam()), std::get<1>(GetParam())); }
+  static SimulationInput scene() { return oblique_scene(std::get<0>(GetParam()), std::get<1>(GetParam())); }
 };
 
 TEST_P(Restore, ARestoredEngineRunsAgainAlike) {
   for (const ErosionMode erosion : {ErosionMode::remove, ErosionMode::wear}) {
     SCOPED_TRACE(name_of(erosion));
-    ReamingScene scene = Restore::scene();
+    SimulationInput scene = Restore::scene();
     scene.scenario.cutting.erosion = erosion;
     const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
     const Outcome first = run_on(*engine, scene);
@@ -32,7 +32,7 @@ TEST_P(Restore, ARestoredEngineRunsAgainAlike) {
 }
 
 TEST_P(Restore, TakesTheBoneAsItIsThen) {
-  ReamingScene scene = Restore::scene();
+  SimulationInput scene = Restore::scene();
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   run_on(*engine, scene);
   for (std::int64_t e = 0; e < scene.bone.voxmap->grid.size(); e += 2) {
@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Engines, RestoreOnDevice, testing::Values("direct", "br
                          [](const auto& tested) { return tested.param; });
 
 TEST_P(RestoreOnDevice, RefusesBoneThatItsMemoryWasNotPlannedFor) {
-  ReamingScene scene = oblique_scene("auto", GetParam());
+  SimulationInput scene = oblique_scene("auto", GetParam());
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   EXPECT_THROW(engine->restore(random_bone({41, 37, 28}, 0.2, 7)), RunError);
   scene.bone.fill.set({20, 20, 20}, 1000);

@@ -35,12 +35,12 @@ Touched one_substep(Engine& engine, const SubstepArgs& args) {
   return {as_array(batch.sums.at(0)), removed};
 }
 
-SubstepArgs args_at(const ReamingScene& scene, const Substep& substep, const Aabb& voi) {
+SubstepArgs args_at(const SimulationInput& scene, const Substep& substep, const Aabb& voi) {
   return make_args(substep, voi, scene.tool.shell, scene.bone.voxmap->grid, scene.scenario.cutting, false);
 }
 
 /// Every substep of the scene's motion, each collected by itself.
-std::vector<Touched> all_substeps(const ReamingScene& scene) {
+std::vector<Touched> all_substeps(const SimulationInput& scene) {
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   const double step = scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm;
   const Vec3 margin = Vec3::Constant(scene.tool.shell.cell_mm);
@@ -78,7 +78,7 @@ TEST_P(SubstepAgreement, EverySubstepTouchesTheReferencesVoxels) {
 }
 
 TEST_P(SubstepAgreement, AnEmptyVolumeOfInterestTouchesNothing) {
-  ReamingScene scene = oblique_scene("auto", GetParam());
+  SimulationInput scene = oblique_scene("auto", GetParam());
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   for (const double far : {40.0, -40.0, 1e5, -1e7}) {
     Substep substep;

@@ -59,11 +59,11 @@ struct Leftovers {
 
 /// Reams the scene, and looks for bone whose voxel centres lay more than `deeper_than_voxels` inside the swept volume,
 /// which is sampled every `step_voxels`.
-inline Leftovers ream_and_look(ReamingScene& scene, double deeper_than_voxels, double step_voxels = 0.05) {
+inline Leftovers ream_and_look(SimulationInput& scene, double deeper_than_voxels, double step_voxels = 0.05) {
   Leftovers out;
   {
     const TempDir dir;
-    Report report;
+    Diagnostics report;
     Recorder recorder(dir.path(), scene.bone.voxmap->grid.voxel_mm);
     const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
     simulate(scene, *engine, recorder, {}, report);

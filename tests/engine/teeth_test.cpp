@@ -21,7 +21,7 @@ Tool toothed_reamer(double voxel_mm) {
   ToolSettings settings;
   settings.mesh = REAMSIM_ASSETS "/reamer_convex_edges.stl";
   settings.spin = ToolSpin::resolved;
-  Report report;
+  Diagnostics report;
   Tool tool = load_tool(settings, voxel_mm, ShellUse::touches_voxels, report);
   EXPECT_TRUE(report.warnings.empty());
   return tool;
@@ -72,7 +72,7 @@ TEST(Teeth, OneVoxelFeelsTheEnvelopesNormal) {
   // is the flank that gets there first, and its own normal lies along the motion; the envelope's does not.
   constexpr double kVoxel = 0.5, kRateHz = 1000, kRpm = 60;
   const Vec3 at(10, 0, kRadius - std::sqrt(kRadius * kRadius - 100) + 0.05);
-  ReamingScene scene;
+  SimulationInput scene;
   scene.scenario = quiet_scenario("auto");
   const std::uint8_t grade = DensityMapping::grade_from_density(1.8);
   scene.bone.set_voxels(one_voxel(kVoxel, at - Vec3::Constant(kVoxel / 2), grade));
@@ -83,7 +83,7 @@ TEST(Teeth, OneVoxelFeelsTheEnvelopesNormal) {
   for (ToolPose& pose : poses) pose.spin_angle_rad += start;
   scene.motion.poses = poses;
   const TempDir dir;
-  Report report;
+  Diagnostics report;
   Recorder recorder(dir.path(), kVoxel);
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   simulate(scene, *engine, recorder, {}, report);
@@ -105,7 +105,7 @@ TEST(Teeth, OneVoxelFeelsTheEnvelopesNormal) {
 
 TEST(Teeth, NothingIsLeftOfWhatTheySweep) {
   constexpr double kVoxel = 0.5, kRpm = 500, kFeed = 0.8, kDepth = 0.8;
-  ReamingScene scene;
+  SimulationInput scene;
   scene.scenario = quiet_scenario("auto");
   scene.bone.set_voxels(block({20, 20, 2.5}, kVoxel, 1.2));
   scene.tool = toothed_reamer(kVoxel);
@@ -123,7 +123,7 @@ TEST(Teeth, NothingIsLeftOfWhatTheySweep) {
 }
 
 TEST(Teeth, ATurnTakesAsManySubstepsAsTheRimIsHalfVoxelsLong) {
-  ReamingScene scene;
+  SimulationInput scene;
   scene.scenario = quiet_scenario("serial");
   scene.bone.set_voxels(block({4, 4, 2}, 0.5, 1.2));
   scene.tool = toothed_reamer(0.5);

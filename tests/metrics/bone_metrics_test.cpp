@@ -135,7 +135,7 @@ TEST(BoneMetrics, FaceAnglesAreThoseOfTheGlenoidPhantom) {
     settings.voxel_mm = 2;
     settings.phantom.version_deg = 12;
     settings.phantom.inclination_deg = 7;
-    Report report;
+    Diagnostics report;
     const Bone bone = load_bone(settings, report);
     ASSERT_TRUE(bone.scapula && bone.glenoid);
     const FaceAngles angles = face_angles(bone.glenoid->bone_from_glenoid.linear().col(2), *bone.scapula);

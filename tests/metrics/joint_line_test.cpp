@@ -26,7 +26,7 @@ constexpr double kCannula_mm = 1.25;
 /// A glenoid phantom that can be reamed.
 struct Glenoid {
   explicit Glenoid(const BoneSettings& settings) {
-    Report report;
+    Diagnostics report;
     bone = load_bone(settings, report);
     before = bone.fill;
   }

@@ -55,7 +55,7 @@ class LongCsv : public ::testing::Test {
   }
 
   test::TempDir dir_;
-  Report report_;
+  Diagnostics report_;
 };
 
 TEST_F(LongCsv, StreamedPosesAreThoseInMemory) {

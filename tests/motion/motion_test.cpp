@@ -46,7 +46,7 @@ MotionSettings plunge(const PlungeSettings& p, double rate_hz = 1000) {
 }
 
 Motion build(const MotionSettings& settings) {
-  Report report;
+  Diagnostics report;
   return build_motion(settings, std::nullopt, report);
 }
 
@@ -132,7 +132,7 @@ TEST(Keyframes, TheToolRestsUntilTheLastFrameEnds) {
 }
 
 TEST(Keyframes, FirstKeyframeIsTimeZero) {
-  Report report;
+  Diagnostics report;
   const Motion m = build_motion(keyframes({keyframe(5, {1, 0, 0}, {0, 0, 1}, 0), keyframe(6, {2, 0, 0}, {0, 0, 1}, 0)}),
                                 std::nullopt, report);
   EXPECT_EQ(m.poses.size(), 101u);
@@ -159,7 +159,7 @@ TEST(Keyframes, AQuaternionThatIsNoUnitIsNormalisedWithAWarning) {
   KeyframeSettings a = keyframe(0, Vec3::Zero(), {0, 0, 1}, 0), b = keyframe(1, Vec3::Zero(), {0, 0, 1}, 0);
   b.axis.reset();
   b.quaternion = Quat(2, 0, 0, 0);
-  Report report;
+  Diagnostics report;
   const Motion m = build_motion(keyframes({a, b}), std::nullopt, report);
   EXPECT_NEAR(m.poses.back().orientation.norm(), 1, 1e-15);
   EXPECT_THAT(report.warnings, testing::ElementsAre(HasSubstr("length 2")));
@@ -231,14 +231,14 @@ TEST(Plunge, FasterThanTheFramesIsWarnedOf) {
   p.retract_mm_s = 1000;
   MotionSettings fast = plunge(p);
   fast.frame_rate_hz = 10;
-  Report report;
+  Diagnostics report;
   const Motion m = build_motion(fast, std::nullopt, report);
   EXPECT_EQ(m.poses.size(), 2u) << "0.03 s of motion";
   EXPECT_NEAR(m.poses.back().position_mm.z(), 15, 1e-12);
   ASSERT_EQ(report.warnings.size(), 1u);
   EXPECT_NE(report.warnings[0].find("the pose at 0.01 s lies between two frames"), std::string::npos)
       << report.warnings[0];
-  Report none;
+  Diagnostics none;
   fast.frame_rate_hz = 1000;
   build_motion(fast, std::nullopt, none);
   EXPECT_TRUE(none.warnings.empty());
@@ -276,7 +276,7 @@ TEST(GlenoidFrameMotion, IsTakenToTheBoneFrame) {
   p.approach_mm = 3;
   MotionSettings settings = plunge(p);
   settings.frame = PoseFrame::glenoid;
-  Report report;
+  Diagnostics report;
   const Motion m = build_motion(settings, glenoid, report);
   EXPECT_NEAR((m.poses[0].position_mm - Vec3(103, 50, -20)).norm(), 0, 1e-12);
   EXPECT_NEAR((m.poses[0].orientation * Vec3::UnitZ() - Vec3::UnitX()).norm(), 0, 1e-12);

@@ -50,7 +50,7 @@ class PoseCsv : public testing::Test {
   static std::string with_row(const std::string& row) { return kHeader + "\n0,0,0,0,1,0,0,0\n" + row + "\n"; }
 
   TempDir dir_;
-  Report report_;
+  Diagnostics report_;
 };
 
 TEST_F(PoseCsv, ReadsWhatItSays) {

@@ -133,7 +133,7 @@ TEST_F(Golden, AMissingArrowOrAnotherLookOfTheToolIsSeen) {
   settings.force_arrow = false;
   EXPECT_GT(differences_with(settings)["frames/000040"], 2 * kTolerance);
   settings = golden_settings();
-  settings.tool_look = ToolLook::steel;
+  settings.tool_material = ToolMaterial::steel;
   EXPECT_GT(differences_with(settings)["frames/000040"], 2 * kTolerance);
 }
 

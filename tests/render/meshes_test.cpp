@@ -125,7 +125,7 @@ class Meshes : public ::testing::Test {
   test::TempDir dir_;
   FixtureTruth truth_;
   double left_mm3_ = 0;
-  Report report_;
+  Diagnostics report_;
 };
 
 TEST_F(Meshes, AreClosedFaceOutwardsAndHoldTheBonesVolume) {

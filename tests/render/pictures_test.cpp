@@ -238,7 +238,7 @@ TEST_F(OtherPictures, OSMesaAndEglGiveTheSamePicture) {
   settings_.cameras = {CameraView::oblique, CameraView::section};
   for (const RenderContext context : {RenderContext::osmesa, RenderContext::egl}) {
     settings_.context = context;
-    Report report;
+    Diagnostics report;
     render_pictures(dir_.path(), {settings_, 0.25}, nullptr, &report);
     if (!report.warnings.empty()) GTEST_SKIP() << "this machine has only one of the two: " << report.warnings.front();
     fs::rename(dir_.path() + "/frames", dir_.path() + "/frames_" + name_of(context));

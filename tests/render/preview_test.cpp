@@ -66,7 +66,7 @@ Bone sphere(double voxel_mm) {
   settings.phantom.shape = PhantomShape::sphere;
   settings.phantom.radius_mm = 8;
   settings.surface_voxels = SurfaceVoxels::partial;
-  Report report;
+  Diagnostics report;
   return load_bone(settings, report);
 }
 
@@ -97,7 +97,7 @@ TEST(PreviewPage, HoldsScenarioAndBoneAndAsksForNothing) {
   request.text = "# </script> stays text\nversion: 2\n";
   request.file_name = "a.yaml";
   request.source = "<a>";
-  Report report;
+  Diagnostics report;
   const std::string page = preview_page(request, report);
   EXPECT_THAT(page, HasSubstr("<title>&lt;a&gt; "));
   EXPECT_THAT(page, HasSubstr("# \\u003c/script> stays text\\nversion: 2\\n"));

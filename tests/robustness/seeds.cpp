@@ -174,7 +174,7 @@ void add_vdb(SeedWriter& writer) {
   settings.voxel_mm = 0.5;
   settings.phantom.shape = PhantomShape::sphere;
   settings.phantom.radius_mm = 4;
-  Report report;
+  Diagnostics report;
   const FilledVoxmap bone = load_bone(settings, report).take_voxels();
   writer.add("VDB of reamsim", "bone.vdb", [&](const std::string& path) { write_bone_vdb(path, bone, {}, {}); });
   writer.add("VDB", "foreign.vdb", [&](const std::string& path) {
@@ -217,7 +217,7 @@ BoneSettings bone_from_file(const std::string& path) {
 }
 
 void load(const BoneSettings& bone) {
-  Report report;
+  Diagnostics report;
   load_bone(bone, report);
 }
 

@@ -113,7 +113,7 @@ class TextSeeds {
     seed.read = [](const std::string& file) {
       MotionSettings motion;
       motion.csv = CsvMotionSettings{.path = file, .spin_rpm = 250};
-      Report report;
+      Diagnostics report;
       const Motion built = build_motion(motion, std::nullopt, report);
       for (std::size_t k = 0; k < built.poses.size(); k += 1 + built.poses.size() / 1000) built.poses[k];
     };

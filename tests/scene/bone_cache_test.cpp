@@ -61,7 +61,7 @@ BoneSettings block_scan(const TempDir& dir) {
 
 /// The bone of the cache is that of load_bone(), and so is what is said of it.
 void expect_as_loaded(BoneCache& bones, const BoneSettings& settings) {
-  Report of_cache, of_loading;
+  Diagnostics of_cache, of_loading;
   const Bone cached = bones.load(settings, of_cache);
   const Bone loaded = load_bone(settings, of_loading);
   EXPECT_EQ(cached.voxmap->grade, loaded.voxmap->grade);
@@ -77,7 +77,7 @@ void expect_as_loaded(BoneCache& bones, const BoneSettings& settings) {
 
 /// How many bones the cache has loaded, this one included.
 int loaded(BoneCache& bones, const BoneSettings& settings) {
-  Report report;
+  Diagnostics report;
   bones.load(settings, report);
   return bones.loaded();
 }
@@ -103,7 +103,7 @@ TEST(BoneCache, ReamingOneRunLeavesTheBoneOfTheNext) {
   settings.voxel_mm = 1;
   settings.phantom.shape = PhantomShape::sphere;
   BoneCache bones;
-  Report report;
+  Diagnostics report;
   Bone bone = bones.load(settings, report);
   const double whole_mm3 = bone.view().bone_mm3();
   bone.fill.set(bone.voxmap->grid.voxel_of({0, 0, 0}), 0);
@@ -151,7 +151,7 @@ TEST(BoneCache, WhatWasSaidBeforeMemoryEndedIsKept) {
   settings.voxel_mm = 0.1;
   settings.mesh.path = dir.path() + "/bone.stl";
   BoneCache bones;
-  Report report;
+  Diagnostics report;
   most_bytes = 1'000'000;
   EXPECT_THROW(bones.load(settings, report), std::bad_alloc);
   most_bytes = std::numeric_limits<std::size_t>::max();

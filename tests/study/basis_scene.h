@@ -24,11 +24,11 @@ class RowSink final : public FrameSink {
   std::vector<BasisRow> basis_rows;
 };
 
-inline RowSink rows_of(ReamingScene scene, bool basis) {
+inline RowSink rows_of(SimulationInput scene, bool basis) {
   scene.scenario.output.force_basis = basis;
   const auto engine = make_engine(scene.scenario, scene.bone, scene.tool);
   RowSink sink;
-  Report report;
+  Diagnostics report;
   simulate(scene, *engine, sink, {}, report);
   return sink;
 }

@@ -20,8 +20,8 @@ using ::testing::HasSubstr;
 constexpr double kUpper_g_cm3 = 1.2, kLower_g_cm3 = 0.6;
 
 /// A block of two layers of 1 mm and more.
-ReamingScene two_layers(double upper_g_cm3 = kUpper_g_cm3, double lower_g_cm3 = kLower_g_cm3) {
-  ReamingScene scene;
+SimulationInput two_layers(double upper_g_cm3 = kUpper_g_cm3, double lower_g_cm3 = kLower_g_cm3) {
+  SimulationInput scene;
   scene.scenario = quiet_scenario("auto");
   scene.scenario.cutting.erosion = ErosionMode::exact;
   FilledVoxmap voxels = block({14, 14, 5}, 0.5, upper_g_cm3);
@@ -42,7 +42,7 @@ struct Simulated {
   CuttingSettings cutting;
 };
 
-Simulated simulated(const ReamingScene& scene) {
+Simulated simulated(const SimulationInput& scene) {
   const RowSink run = rows_of(scene, true);
   Simulated out{ForceBasis(run.basis_rows), {}, scene.scenario.cutting};
   for (const FrameResult& r : run.results)
@@ -106,7 +106,7 @@ TEST(Fit, FindsTheLayersWithoutNoise) {
 TEST(Fit, FindsTheLayersOfARerun) {
   // Not from the basis, but from a run of its own with a table.
   const Simulated run = simulated(two_layers());
-  ReamingScene again = two_layers();
+  SimulationInput again = two_layers();
   again.scenario.cutting.specific_energy_table = {{0.6, kU1}, {1.2, kU2}};
   again.scenario.cutting.normal_ratio = kNormal;
   MeasuredForces measured{kAxial, {}, {{}, {}}};

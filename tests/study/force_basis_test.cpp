@@ -34,7 +34,7 @@ CuttingSettings normal_ratio(CuttingSettings cutting, double k_n) {
 }
 
 /// Compares the basis of the scene with reruns; `of`: for messages.
-void expect_forces_of_reruns(const ReamingScene& scene, const std::string& of) {
+void expect_forces_of_reruns(const SimulationInput& scene, const std::string& of) {
   SCOPED_TRACE(of);
   const RowSink run = rows_of(scene, true), plain = rows_of(scene, false);
   ASSERT_EQ(run.results.size(), plain.results.size());
@@ -54,7 +54,7 @@ void expect_forces_of_reruns(const ReamingScene& scene, const std::string& of) {
       {"k_n 1.3", normal_ratio(table(own), 1.3)}};
   for (const auto& [name, cutting] : cases) {
     SCOPED_TRACE(name);
-    ReamingScene again = scene;
+    SimulationInput again = scene;
     again.scenario.cutting = cutting;
     const BasisError error = error_of(basis, cutting, rows_of(again, false).results);
     std::cout << of << ", " << name << ": force " << error.force << ", torque " << error.torque << ", energy "
@@ -68,8 +68,8 @@ void expect_forces_of_reruns(const ReamingScene& scene, const std::string& of) {
 }
 
 /// A cap that comes down through bone of every density, slowly enough for windows of smooth motion.
-ReamingScene exact_plunge(const std::string& device) {
-  ReamingScene scene;
+SimulationInput exact_plunge(const std::string& device) {
+  SimulationInput scene;
   scene.scenario = quiet_scenario(device);
   scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.bone.set_voxels(random_bone({41, 37, 29}, 0.2, 7));
@@ -84,32 +84,32 @@ TEST(ForceBasis, GivesTheForcesOfRerunsInWindows) {
 }
 
 TEST(ForceBasis, GivesTheForcesOfRerunsFrameByFrame) {
-  ReamingScene scene = exact_plunge("auto");
+  SimulationInput scene = exact_plunge("auto");
   scene.scenario.engine.tuning.windows = false;
   expect_forces_of_reruns(scene, "frame by frame");
 }
 
 TEST(ForceBasis, GivesTheForcesOfRerunsWithASizeEffect) {
-  ReamingScene scene = exact_plunge("auto");
+  SimulationInput scene = exact_plunge("auto");
   scene.scenario.cutting.size_effect.emplace();
   expect_forces_of_reruns(scene, "size effect");
 }
 
 TEST(ForceBasis, GivesTheForcesOfRerunsBelowTheSpeedFloor) {
-  ReamingScene scene = exact_plunge("auto");
+  SimulationInput scene = exact_plunge("auto");
   scene.scenario.cutting.speed_floor_mm_s = 40;
   expect_forces_of_reruns(scene, "speed floor");
 }
 
 TEST(ForceBasis, GivesTheForcesOfRerunsWithSeveralSubsteps) {
-  ReamingScene scene = exact_plunge("auto");
+  SimulationInput scene = exact_plunge("auto");
   scene.motion = straight({1, 1, 4.4}, {0.9, 1.1, 2.2}, 6, 100, 250);
   expect_forces_of_reruns(scene, "several substeps");
 }
 
 TEST(ForceBasis, GivesTheForcesOfRerunsWithRemovedVoxels) {
   for (const char* device : {"auto", "serial"}) {
-    ReamingScene scene = exact_plunge(device);
+    SimulationInput scene = exact_plunge(device);
     scene.scenario.cutting.erosion = ErosionMode::remove;
     scene.motion = straight({1, 1, 4.4}, {0.9, 1.1, 3}, 12, 100, 250);
     scene.scenario.engine.max_step_voxels = 0.25;
@@ -118,7 +118,7 @@ TEST(ForceBasis, GivesTheForcesOfRerunsWithRemovedVoxels) {
 }
 
 TEST(ForceBasis, GivesTheForcesOfRerunsWithResolvedCuttingEdges) {
-  ReamingScene scene = exact_plunge("auto");
+  SimulationInput scene = exact_plunge("auto");
   scene.scenario.tool.spin = ToolSpin::resolved;
   const TriangleMesh mesh = gear_mesh(4, 1.1, 2.0, 3);
   Tool tool;
@@ -135,12 +135,12 @@ TEST(ForceBasis, GivesTheForcesOfRerunsWithResolvedCuttingEdges) {
 }
 
 TEST(ForceBasis, HasAPartForTheEdgeForce) {
-  ReamingScene scene = exact_plunge("auto");
+  SimulationInput scene = exact_plunge("auto");
   scene.scenario.cutting.edge_force.emplace();
   const ForceBasis basis(rows_of(scene, true).basis_rows);
   EXPECT_TRUE(basis.has_edge());
   for (const double factor : {1.0, 3.0}) {
-    ReamingScene again = scene;
+    SimulationInput again = scene;
     again.scenario.cutting.edge_force->tangential_n_mm *= factor;
     again.scenario.cutting.edge_force->normal_n_mm *= factor * factor;
     again.scenario.cutting.specific_energy_j_mm3 *= 0.7;
@@ -162,7 +162,7 @@ TEST(ForceBasis, IsTheSameOnEveryDeviceAndForEveryBatch) {
   const std::string reference = bytes_of(rows_of(exact_plunge("serial"), true).basis_rows);
   EXPECT_FALSE(reference.empty());
   for (const int batch : {1, 7, 1000}) {
-    ReamingScene scene = exact_plunge("auto");
+    SimulationInput scene = exact_plunge("auto");
     scene.scenario.engine.batch_frames = batch;
     EXPECT_TRUE(bytes_of(rows_of(scene, true).basis_rows) == reference) << batch;
   }

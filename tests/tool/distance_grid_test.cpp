@@ -110,7 +110,7 @@ ToolSettings resolved() {
 
 TEST(ClippedTool, SaysWhichVoxelsFit) {
   Tool tool = tool_of(gear_mesh(6, 4, 6, 5));
-  Report report;
+  Diagnostics report;
   try {
     prepare_clipping(tool, resolved(), 0.1, 1e6, report);
     FAIL() << "a grid of more than 1 MB in 1 MB";
@@ -124,7 +124,7 @@ TEST(ClippedTool, SaysWhichVoxelsFit) {
 }
 
 TEST(ClippedTool, HasAGridOnlyWhereTeethTurn) {
-  Report report;
+  Diagnostics report;
   Tool toothed = tool_of(gear_mesh(6, 4, 6, 5));
   prepare_clipping(toothed, {}, 0.5, 1e9, report);
   EXPECT_FALSE(toothed.teeth) << "using its envelope";
@@ -140,7 +140,7 @@ TEST(ClippedTool, HasAGridOnlyWhereTeethTurn) {
 
 TEST(ClippedTool, WarnsOfACoarseGrid) {
   Tool tool = tool_of(gear_mesh(6, 4, 6, 5));
-  Report report;
+  Diagnostics report;
   prepare_clipping(tool, resolved(), 1.0, 1e9, report);
   ASSERT_EQ(report.warnings.size(), 1U);
   EXPECT_NE(report.warnings[0].find("the difference exceeds 0.5 %"), std::string::npos) << report.warnings[0];
@@ -176,7 +176,7 @@ TEST(ThinWalls, OfAProfile) {
 }
 
 TEST(ClippedTool, WarnsOfAThinWallWithItsSize) {
-  Report report;
+  Diagnostics report;
   Tool bar = tool_of(box_mesh({-6, -0.3, 0}, {6, 0.3, 5}));
   prepare_clipping(bar, {}, 0.5, 1e9, report);
   EXPECT_TRUE(report.warnings.empty()) << "what it sweeps is a cylinder: " << report.warnings[0];

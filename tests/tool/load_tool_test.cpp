@@ -47,7 +47,7 @@ class LoadTool : public testing::Test {
   }
 
   TempDir dir_;
-  Report report_;
+  Diagnostics report_;
 };
 
 TEST_F(LoadTool, ChoosesAResolutionWithoutALeak) {

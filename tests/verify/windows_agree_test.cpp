@@ -179,7 +179,7 @@ INSTANTIATE_TEST_SUITE_P(Verify, WindowsAgree, testing::ValuesIn(case_ids()),
 
 TEST(WindowsAgree, WithFrameByFrameWhereTheToolTilts) {
   // 512 frames of feed, sideways motion and tilt at the rates of a hand.
-  ReamingScene scene;
+  SimulationInput scene;
   scene.scenario = test::quiet_scenario("auto");
   scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.bone.set_voxels(test::block({36, 36, 8}, 0.25, 1.2));
@@ -205,8 +205,8 @@ TEST(WindowsAgree, WithFrameByFrameWhereTheToolTilts) {
 TEST(WindowsAgree, WithFrameByFrameOnAScan) {
   const std::string scan = test::data_file("shoulder_ct/shoulder_left.nrrd");
   if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << "; set REAMSIM_DATA";
-  Report report;
-  const ReamingScene scene = load_scene(parse_scenario(REAMSIM_TRAJECTORIES "/ct_shoulder.yaml", {}), report);
+  Diagnostics report;
+  const SimulationInput scene = load_scene(parse_scenario(REAMSIM_TRAJECTORIES "/ct_shoulder.yaml", {}), report);
   std::vector<std::shared_ptr<Runs>> all;
   const auto engine = both_engines(all)(scene.scenario, scene.bone.view(), scene.tool);
   test::run_on(*engine, scene);

@@ -122,29 +122,29 @@ class Block {
 };
 
 /// A point of the surface in a cell that it intersects, with the occupancy there and its gradient.
-struct Foot {
+struct ClosestPoint {
   Point at, gradient;
   float value = 0;
 };
 
-Foot foot_at(const Block& block, const Point& p) {
-  Foot out{.at = p, .gradient = {}};
+ClosestPoint closest_point_at(const Block& block, const Point& p) {
+  ClosestPoint out{.at = p, .gradient = {}};
   out.value = block.interpolate(p, out.gradient);
   return out;
 }
 
 /// A point moved to the surface along the gradient.
-Foot on_surface(const Block& block, const Point& p) {
-  const Foot from = foot_at(block, p);
+ClosestPoint on_surface(const Block& block, const Point& p) {
+  const ClosestPoint from = closest_point_at(block, p);
   const float steepness2 = dot(from.gradient, from.gradient);
   if (steepness2 < 1e-6F) return from;
   const Point step = (0.5F - from.value) / steepness2 * from.gradient;
   const float length = length_of(step), most = 0.5F;
-  return foot_at(block, length > most ? Point(p + most / length * step) : Point(p + step));
+  return closest_point_at(block, length > most ? Point(p + most / length * step) : Point(p + step));
 }
 
 /// The mean of the points where the surface intersects the edges of a cell, moved to the surface.
-Foot foot_in_cell(const Block& block, const Vec3i& cell) {
+ClosestPoint closest_point_in_cell(const Block& block, const Vec3i& cell) {
   const Block::Corners corner = block.corners(cell);
   int count = 0;
   std::array<float, 3> sum{};
@@ -161,12 +161,12 @@ Foot foot_in_cell(const Block& block, const Vec3i& cell) {
   return on_surface(block, cell.cast<float>() + within);
 }
 
-std::vector<Foot> feet_of(const Block& block) {
-  std::vector<Foot> out;
+std::vector<ClosestPoint> closest_points_of(const Block& block) {
+  std::vector<ClosestPoint> out;
   for (int z = 0; z < kCells; ++z) {
     for (int y = 0; y < kCells; ++y) {
       for (std::uint32_t rest = block.mixed_cells(y, z); rest != 0; rest &= rest - 1) {
-        out.push_back(foot_in_cell(block, {std::countr_zero(rest), y, z}));
+        out.push_back(closest_point_in_cell(block, {std::countr_zero(rest), y, z}));
       }
     }
   }
@@ -177,9 +177,9 @@ std::vector<Foot> feet_of(const Block& block) {
 class PointSet {
  public:
   PointSet() = default;
-  explicit PointSet(const std::vector<Foot>& feet) {
-    resize(feet.size());
-    for (std::size_t i = 0; i < feet.size(); ++i) set(i, feet[i].at, static_cast<std::int32_t>(i));
+  explicit PointSet(const std::vector<ClosestPoint>& closest_points) {
+    resize(closest_points.size());
+    for (std::size_t i = 0; i < closest_points.size(); ++i) set(i, closest_points[i].at, static_cast<std::int32_t>(i));
   }
 
   [[nodiscard]] bool empty() const { return number_.empty(); }
@@ -261,7 +261,7 @@ class PointSet {
 
 /// Distance from the surface near a foot, voxels: steps to the surface and along it, to where the gradient leads to
 /// `p`.
-float refined_distance(const Block& block, const Point& p, Foot foot) {
+float refined_distance(const Block& block, const Point& p, ClosestPoint foot) {
   constexpr float kSmallStep = 0.05F;  // a step along the surface moves the distance by its square
   const float nearest = length_of(p - foot.at);
   for (int i = 0; i < kRefinements; ++i) {
@@ -277,13 +277,14 @@ float refined_distance(const Block& block, const Point& p, Foot foot) {
   return std::min(nearest, length_of(p - foot.at));
 }
 
-/// Distances of a leaf's voxels from the feet, at most kHalfBandVoxels. Feet are first selected for cubes of 4³ voxels,
-/// then for cubes of 2³: what is nearest to a voxel is hardly further from the cube's centre than what is nearest
-/// there.
+/// Distances of a leaf's voxels from the closest_points, at most kHalfBandVoxels. Feet are first selected for cubes of
+/// 4³ voxels, then for cubes of 2³: what is nearest to a voxel is hardly further from the cube's centre than what is
+/// nearest there.
 class LeafDistances {
  public:
-  LeafDistances(const Block& block, const std::vector<Foot>& feet) : block_(block), feet_(feet) {
-    const PointSet all(feet);
+  LeafDistances(const Block& block, const std::vector<ClosestPoint>& closest_points)
+      : block_(block), closest_points_(closest_points) {
+    const PointSet all(closest_points);
     constexpr int kPart = kSide / 2;
     for_each_voxel(Vec3i::Constant(2), [&](const Vec3i& part) {
       const Vec3i first = kPart * part;
@@ -312,12 +313,12 @@ class LeafDistances {
       if (near_pair_.empty()) return;
       const PointSet::Nearest found = near_pair_.nearest(place(v));
       if (found.distance > kReach) return;
-      out = std::min(out, refined_distance(block_, place(v), feet_[static_cast<std::size_t>(found.number)]));
+      out = std::min(out, refined_distance(block_, place(v), closest_points_[static_cast<std::size_t>(found.number)]));
     });
   }
 
   const Block& block_;
-  const std::vector<Foot>& feet_;
+  const std::vector<ClosestPoint>& closest_points_;
   std::array<float, Leaf::SIZE> distances_{};
   PointSet near_part_, near_pair_;
 };
@@ -325,9 +326,9 @@ class LeafDistances {
 /// A leaf of the level set; nullptr where the surface is out of reach.
 std::unique_ptr<Leaf> band_leaf(const openvdb::FloatTree& occupancy, const openvdb::Coord& corner, float voxel_mm) {
   const Block block(occupancy, corner);
-  const std::vector<Foot> feet = feet_of(block);
-  if (feet.empty()) return nullptr;
-  const LeafDistances distances(block, feet);
+  const std::vector<ClosestPoint> closest_points = closest_points_of(block);
+  if (closest_points.empty()) return nullptr;
+  const LeafDistances distances(block, closest_points);
   auto leaf = std::make_unique<Leaf>(corner, 0.0F, false);
   bool any = false;
   for_each_voxel(Vec3i::Constant(kSide), [&](const Vec3i& v) {

@@ -30,7 +30,7 @@ void DensityLimit::add(double hu, double mm3) {
   if (hu > kMetal_hu) metal_mm3_ += mm3;
 }
 
-void DensityLimit::warn(const std::string& path, Report& report) const {
+void DensityLimit::warn(const std::string& path, Diagnostics& report) const {
   const bool metal = metal_mm3_ >= kLeast_mm3;
   if (!metal && (denser_mm3_ < kLeast_mm3 || denser_mm3_ < kLeastFraction * bone_mm3_)) return;
   std::string text = path + ": ";
@@ -47,7 +47,7 @@ void DensityLimit::warn(const std::string& path, Report& report) const {
   report.warn(text);
 }
 
-void warn_of_density_limit(const DensityMapping& mapping, const std::string& key, double hu, Report& report) {
+void warn_of_density_limit(const DensityMapping& mapping, const std::string& key, double hu, Diagnostics& report) {
   const double limit_hu = limit_hu_of(mapping);
   if (hu <= limit_hu) return;
   report.warn(

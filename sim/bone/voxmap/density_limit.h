@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "sim/base/report.h"
+#include "sim/base/diagnostics.h"
 #include "sim/bone/voxmap/density.h"
 
 namespace reamsim {
@@ -18,7 +18,7 @@ class DensityLimit {
   /// Adds the bone of a voxel.
   void add(double hu, double mm3);
   /// Warns where more bone than noise explains is denser, and asks about metal where its radiodensity suggests it.
-  void warn(const std::string& path, Report& report) const;
+  void warn(const std::string& path, Diagnostics& report) const;
 
  private:
   double limit_hu_;
@@ -28,6 +28,6 @@ class DensityLimit {
 };
 
 /// Warns if the radiodensity `hu` of a scenario, given by `key`, is denser than a grade can hold.
-void warn_of_density_limit(const DensityMapping& mapping, const std::string& key, double hu, Report& report);
+void warn_of_density_limit(const DensityMapping& mapping, const std::string& key, double hu, Diagnostics& report);
 
 }  // namespace reamsim

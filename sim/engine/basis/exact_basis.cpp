@@ -73,7 +73,7 @@ class ForceLine {
 
 /// What the bricks of a visit share.
 struct ExactBasis::Visit {
-  const VisitPlan& plan;
+  const BrickBatchPlan& plan;
   std::span<const SubstepArgs> args;  ///< by slot
   std::vector<UnitArgs> units;        ///< by substep of the visit
   std::vector<NodeUnits> nodes;       ///< of the plan's motions
@@ -119,7 +119,7 @@ ExactBasis::ExactBasis(const Scenario& scenario, const BoneView& bone, const Too
 std::vector<SubstepBasis> ExactBasis::cut(std::span<const SubstepArgs> args, const MotionsOfSlots& motions) {
   std::vector<SubstepBasis> out;
   for (int first = 0; first < static_cast<int>(args.size());) {
-    const VisitPlan plan = plan_visit(args, motions, first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
+    const BrickBatchPlan plan = plan_brick_batch(args, motions, first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
     Visit visit{plan, args, {}, {}};
     for (int slot = plan.first; slot < plan.end; ++slot)
       visit.units.emplace_back(args[static_cast<std::size_t>(slot)], edges_per_turn_);
@@ -135,7 +135,7 @@ std::vector<SubstepBasis> ExactBasis::cut(std::span<const SubstepArgs> args, con
 }
 
 /// As kernels/list_bricks.cl.
-std::vector<Vec3i> ExactBasis::bricks_in_reach(const SubstepArgs& args, const VisitPlan& plan) const {
+std::vector<Vec3i> ExactBasis::bricks_in_reach(const SubstepArgs& args, const BrickBatchPlan& plan) const {
   std::vector<Vec3i> out;
   if (plan.superbricks.empty()) return out;
   const Vec3i first = 4 * plan.superbricks.first;

@@ -9,7 +9,7 @@
 #include "kernels/distance_grid.h"
 #include "sim/engine/basis/visit_basis.h"
 #include "sim/engine/common/outline_table.h"
-#include "sim/engine/exact/visit_plan.h"
+#include "sim/engine/exact/brick_batch_plan.h"
 #include "sim/scenario/scenario.h"
 #include "sim/tool/distance_table.h"
 #include "sim/tool/tool.h"
@@ -31,7 +31,7 @@ class ExactBasis {
   struct BrickVisit;
   using Page = std::array<std::uint16_t, RS_BRICK_VOXELS>;
 
-  [[nodiscard]] std::vector<Vec3i> bricks_in_reach(const SubstepArgs& args, const VisitPlan& plan) const;
+  [[nodiscard]] std::vector<Vec3i> bricks_in_reach(const SubstepArgs& args, const BrickBatchPlan& plan) const;
   Page& page_of(const Vec3i& brick);
   void cut_brick(const Visit& visit, const Vec3i& at, VisitBasis& sums);
   /// The blocks of 4×4×4 voxels of a brick that the surface can reach while the tool moves by `shift` voxels, a bit

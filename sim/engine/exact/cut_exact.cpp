@@ -54,7 +54,7 @@ std::size_t CutExact::max_records(std::size_t listed, int substeps) {
   return listed * 8 * static_cast<std::size_t>(std::min(substeps, 64));
 }
 
-void CutExact::enqueue(const VisitPlan& plan, const FillPages& fill, const cl::Buffer<RemovedBlock>& removed) {
+void CutExact::enqueue(const BrickBatchPlan& plan, const FillPages& fill, const cl::Buffer<RemovedBlock>& removed) {
   windows_.write(device_, plan.windows.data(), plan.windows.size(), 0, false);
   if (!plan.motions.empty()) motions_.write(device_, plan.motions.data(), plan.motions.size(), 0, false);
   kernel_.set_from(cl::SlotKernel::kAfterSlot, static_cast<cl_uint>(plan.windows.size()), fill.page_of_slot,

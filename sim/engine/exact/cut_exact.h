@@ -23,7 +23,7 @@ class CutExact {
   /// The largest number of records of removed voxels in a visit.
   [[nodiscard]] static std::size_t max_records(std::size_t listed, int substeps);
   /// Enqueues a visit of the listed bricks. `fill` needs room for a page per brick, `removed` for every record.
-  void enqueue(const VisitPlan& plan, const FillPages& fill, const cl::Buffer<RemovedBlock>& removed);
+  void enqueue(const BrickBatchPlan& plan, const FillPages& fill, const cl::Buffer<RemovedBlock>& removed);
   /// Run time of the visits since the last call, s.
   double take_seconds() { return kernel_.take_total_s(); }
 

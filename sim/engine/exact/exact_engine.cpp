@@ -64,7 +64,7 @@ class ExactEngine final : public Engine {
     batch_.write_args();  // at once: a write for each substep takes longer than all other calls
     out.times.resize(static_cast<std::size_t>(batch_.used()));
     for (int first = 0; first < batch_.used();) {
-      const VisitPlan plan = visit(first);
+      const BrickBatchPlan plan = visit(first);
       const double per_substep = 1.0 / (plan.end - plan.first);
       const StageTimes times{list_.take_seconds() * per_substep, cut_.take_seconds() * per_substep};
       std::fill(out.times.begin() + plan.first, out.times.begin() + plan.end, times);
@@ -93,12 +93,12 @@ class ExactEngine final : public Engine {
 
  private:
   /// Cuts the bricks in reach in as many substeps from `first` on as one visit can have. Returns the visit.
-  VisitPlan visit(int first) {
-    VisitPlan plan = plan_visit(batch_.args_used(), motions_, first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
+  BrickBatchPlan visit(int first) {
+    BrickBatchPlan plan = plan_brick_batch(batch_.args_used(), motions_, first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
     VisitCounts counts{.listed = 0, .pages = static_cast<rs_u32>(fill_.used), .removed = 0, .taken = 0};
     std::size_t listed = list_.list(plan, counts);
     while (CutExact::max_records(listed, plan.end - first) > kMaxRecords && plan.end - first > 1) {
-      plan = plan_visit(batch_.args_used(), motions_, first, (plan.end - first) / 2, tool_box_, extent_);
+      plan = plan_brick_batch(batch_.args_used(), motions_, first, (plan.end - first) / 2, tool_box_, extent_);
       listed = list_.list(plan, counts);
     }
     if (listed == 0) return plan;

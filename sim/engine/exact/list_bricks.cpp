@@ -56,7 +56,7 @@ ListBricks::ListBricks(const cl::Device& device, const DeviceBricks& bone, const
                    listed_, counts_);
 }
 
-std::size_t ListBricks::list(const VisitPlan& visit, VisitCounts counts) {
+std::size_t ListBricks::list(const BrickBatchPlan& visit, VisitCounts counts) {
   if (visit.superbricks.empty()) return 0;
   counts_.write(device_, &counts, 1, 0, false);
   const Vec3i first = visit.superbricks.first, size = visit.superbricks.size();

@@ -5,7 +5,7 @@
 
 #include "sim/engine/common/device_batch.h"
 #include "sim/engine/common/device_bricks.h"
-#include "sim/engine/exact/visit_plan.h"
+#include "sim/engine/exact/brick_batch_plan.h"
 #include "sim/tool/distance_table.h"
 
 namespace reamsim {
@@ -24,7 +24,7 @@ class ListBricks {
              double slack_mm, std::size_t work_group);
 
   /// Lists the bricks of a visit, and returns their number.
-  std::size_t list(const VisitPlan& visit, VisitCounts counts);
+  std::size_t list(const BrickBatchPlan& visit, VisitCounts counts);
   /// Run time of the lists since the last call, s.
   double take_seconds() { return kernel_.take_total_s(); }
 

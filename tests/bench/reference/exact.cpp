@@ -12,8 +12,8 @@
 #include "sim/base/stopwatch.h"
 #include "sim/engine/common/energy_table.h"
 #include "sim/engine/common/outline_table.h"
+#include "sim/engine/exact/brick_batch_plan.h"
 #include "sim/engine/exact/list_bricks.h"
-#include "sim/engine/exact/visit_plan.h"
 #include "tests/bench/reference/bone_memory.h"
 #include "tests/bench/reference/exact_visit.h"
 #include "tests/bench/reference/workers.h"
@@ -93,7 +93,7 @@ struct ExactReference::State {
   /// Lists and cuts the bricks in reach in as many substeps from `first` on as a visit can have. Returns the slot after
   /// them.
   int run_visit(int first, Batch& batch) {
-    const VisitPlan plan = plan_visit(args, motions, first, RS_VISIT_SUBSTEPS, tool_box, extent);
+    const BrickBatchPlan plan = plan_brick_batch(args, motions, first, RS_VISIT_SUBSTEPS, tool_box, extent);
     if (plan.superbricks.empty()) return plan.end;
     ExactVisit visit = make_visit(plan, batch.sums.data() + first);
     const Stopwatch watch;
@@ -114,7 +114,7 @@ struct ExactReference::State {
     return plan.end;
   }
 
-  ExactVisit make_visit(const VisitPlan& plan, SubstepSums* sums) {
+  ExactVisit make_visit(const BrickBatchPlan& plan, SubstepSums* sums) {
     const auto begin = static_cast<rs_u32>(plan.first);
     windows = plan.windows;
     visit_motions = plan.motions;

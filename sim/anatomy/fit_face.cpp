@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/anatomy/settle_face.h"
+#include "sim/anatomy/fit_face.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ constexpr double kMostConvexity_per_mm = 1.0 / 80;
 constexpr double kOneSurface_mm = 0.55;
 
 /// Points of the face at a distance from the outline, in B.
-std::vector<Vec3> points_inside(const BoneProbe& probe, const SettledFace& face) {
+std::vector<Vec3> points_inside(const BoneProbe& probe, const FittedFace& face) {
   const PearOutline& outline = face.fit.outline;
   const double margin_mm = std::min(kMargin_mm, outline.radius_mm / 4), reach_mm = outline.height_mm / 2;
   double top_mm = 0;
@@ -61,7 +61,7 @@ bool is_convex(const FaceSurface& surface) {
 }
 
 /// The normal of the plane through the rim points that lie near the outline.
-std::optional<Vec3> rim_normal(const SettledFace& face) {
+std::optional<Vec3> rim_normal(const FittedFace& face) {
   std::vector<Vec3> rim;
   for (const Vec3& p : face.walk.rim_mm) {
     if (std::abs(face.fit.outline.distance_mm(p.head<2>())) <= 2 * kRimInlier_mm) rim.push_back(p);
@@ -72,7 +72,7 @@ std::optional<Vec3> rim_normal(const SettledFace& face) {
 }
 
 /// The direction out of the face at a point of it, and where it comes from.
-std::optional<Vec3> normal_at(const Vec3& point_mm, const std::vector<Vec3>& points, SettledFace& face) {
+std::optional<Vec3> normal_at(const Vec3& point_mm, const std::vector<Vec3>& points, FittedFace& face) {
   const bool one_surface = rms_of(face.surface, points) <= kOneSurface_mm;
   const Vec3 outward = face.bone_from_face.linear().col(2);
   face.normal = !one_surface ? FaceNormal::rim : face.surface.spherical ? FaceNormal::sphere : FaceNormal::plane;
@@ -86,7 +86,7 @@ std::optional<Vec3> normal_at(const Vec3& point_mm, const std::vector<Vec3>& poi
 
 /// Walks to the rim, fits, and moves the frame to the middle of the face; returns whether there is a face, and in
 /// `moved` how far the frame moved and turned.
-bool settle(const BoneProbe& probe, int directions, SettledFace& face, Vec2& moved) {
+bool fit_step(const BoneProbe& probe, int directions, FittedFace& face, Vec2& moved) {
   face.walk = walk_to_rim(probe, face.bone_from_face, directions);
   std::vector<Vec2> places;
   double top_mm = 0;
@@ -126,29 +126,28 @@ Rigid frame_at(const Vec3& origin_mm, const Vec3& outward) {
   return out;
 }
 
-std::optional<SettledFace> settle_on_face(const BoneProbe& probe, const Rigid& start, const SettleEffort& effort) {
-  SettledFace face;
+std::optional<FittedFace> fit_face(const BoneProbe& probe, const Rigid& start, const FitEffort& effort) {
+  FittedFace face;
   face.bone_from_face = start;
   Vec2 moved = Vec2::Zero();
   for (int turn = 0; turn < effort.turns; ++turn) {
-    if (!settle(probe, effort.directions, face, moved)) return std::nullopt;
+    if (!fit_step(probe, effort.directions, face, moved)) return std::nullopt;
     if (moved.x() < kRest_mm && moved.y() < kRest_rad) break;
   }
   return face;
 }
 
-std::vector<SettledFace> settle_all(std::size_t count,
-                                    const std::function<std::optional<SettledFace>(std::size_t)>& settle) {
-  std::vector<std::optional<SettledFace>> found(count);
-  parallel_items(count, [&](std::size_t i) { found[i] = settle(i); });
-  std::vector<SettledFace> out;
+std::vector<FittedFace> fit_all(std::size_t count, const std::function<std::optional<FittedFace>(std::size_t)>& fit) {
+  std::vector<std::optional<FittedFace>> found(count);
+  parallel_items(count, [&](std::size_t i) { found[i] = fit(i); });
+  std::vector<FittedFace> out;
   for (auto& face : found) {
     if (face) out.push_back(std::move(*face));
   }
   return out;
 }
 
-double face_score(const SettledFace& face) {
+double face_score(const FittedFace& face) {
   constexpr double kRmsWeight = 0.2, kSlimPenalty = 0.3, kRoughPenalty = 0.1;
   constexpr double kSlimmest = 1.9;  // height over width; 1.3 to 1.5 is usual
   const double size_mm = face.fit.outline.height_mm;

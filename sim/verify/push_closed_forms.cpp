@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/verify/push_forms.h"
+#include "sim/verify/push_closed_forms.h"
 
 #include <algorithm>
 #include <cmath>

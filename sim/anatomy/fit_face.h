@@ -20,7 +20,7 @@ enum class FaceNormal { sphere, plane, rim };
 
 /// An articular face in the course of a search: rim, outline and surface in one frame, and the better frame that
 /// follows from them.
-struct SettledFace {
+struct FittedFace {
   Rigid bone_from_face = Rigid::Identity();  ///< origin on the surface, +z out of the bone
   Rigid old_frame = Rigid::Identity();       ///< of walk and fit, one turn earlier
   RimWalk walk;
@@ -39,25 +39,24 @@ struct SettledFace {
   }
 };
 
-/// How finely a face is settled.
-struct SettleEffort {
+/// How finely a face is fitted.
+struct FitEffort {
   int directions = 0;  ///< of the walks
   int turns = 0;
 };
-inline constexpr SettleEffort kCoarseEffort{24, 4}, kFineEffort{90, 12};
+inline constexpr FitEffort kCoarseEffort{24, 4}, kFineEffort{90, 12};
 
-/// Settles on the face at a start on the surface whose +z points out of the bone: walks to the rim, fits outline and
+/// Fits the face at a start on the surface whose +z points out of the bone: walks to the rim, fits outline and
 /// surface, and moves the frame to the middle of the face, until the frame rests or the turns are over. nullopt where
 /// there is no face.
-std::optional<SettledFace> settle_on_face(const BoneProbe& probe, const Rigid& start, const SettleEffort& effort);
+std::optional<FittedFace> fit_face(const BoneProbe& probe, const Rigid& start, const FitEffort& effort);
 
-/// The faces to which `settle(i)` leads for each of `count` items, in their order; computed in parallel.
-std::vector<SettledFace> settle_all(std::size_t count,
-                                    const std::function<std::optional<SettledFace>(std::size_t)>& settle);
+/// The faces to which `fit(i)` leads for each of `count` items, in their order; computed in parallel.
+std::vector<FittedFace> fit_all(std::size_t count, const std::function<std::optional<FittedFace>(std::size_t)>& fit);
 
 /// How much a face is that of a joint, at most 1: the fraction of its rim, less for a rim that is no pear, a slim face,
 /// or more than one surface. −1: too small, too large, or convex.
-double face_score(const SettledFace& face);
+double face_score(const FittedFace& face);
 
 /// The frame at a point with a normal as +z, rotated about it in any way.
 Rigid frame_at(const Vec3& origin_mm, const Vec3& outward);

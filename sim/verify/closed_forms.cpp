@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/verify/forms.h"
+#include "sim/verify/closed_forms.h"
 
 #include <cmath>
 #include <numbers>

@@ -10,7 +10,7 @@
 namespace reamsim {
 
 /// Messages of a stage for the user. The caller prints them, so that no engine prints.
-struct Report {
+struct Diagnostics {
   std::vector<std::string> notes;
   std::vector<std::string> warnings;
   std::vector<std::string> listings;

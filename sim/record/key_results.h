@@ -11,7 +11,7 @@ namespace reamsim {
 
 /// The first figures of every summary: one force, one torque, one depth (docs/formats.md, "Headline"). All outputs take
 /// their names and texts from here.
-struct Headline {
+struct KeyResults {
   bool means = false;  ///< force and torque are means over a voxel of travel; otherwise of single frames
   double peak_axial_force_n = 0;
   double peak_spin_torque_nmm = 0;  ///< magnitude

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The suite's closed forms against the figures of docs/physics.md, 6, and against plain numerical integrals.
-#include "sim/verify/forms.h"
+#include "sim/verify/closed_forms.h"
 
 #include <gtest/gtest.h>
 

@@ -27,7 +27,7 @@ struct PendingFrame {
 };
 
 /// The energy balance of a run so far, and where it began to cut.
-struct LedgerSums {
+struct EnergySums {
   double work_mj = 0;
   double floor_mj = 0;
   double cut_mj = 0;
@@ -36,12 +36,12 @@ struct LedgerSums {
 
 /// Converts the integer sums of the substeps to the rows of forces.csv, and keeps the energy balance: the work on the
 /// bone, −Σ(T·ω + F·v)·Δt + E_floor, against the cutting energy, which is summed independently (docs/physics.md, 5).
-class FrameLedger {
+class EnergyBalance {
  public:
   /// `sums_rotate`: sums are in the shell's frame, which rotates with resolved cutting edges (law per_point), and not
   /// in the tool's frame without spin.
   /// `contact_mm`: the tool's origin at the first contact (B), where that has been found before the run.
-  FrameLedger(double voxel_mm3, bool sums_rotate, const std::optional<Vec3>& contact_mm = {})
+  EnergyBalance(double voxel_mm3, bool sums_rotate, const std::optional<Vec3>& contact_mm = {})
       : voxel_mm3_(voxel_mm3), sums_rotate_(sums_rotate), contact_mm_(contact_mm) {}
 
   FrameResult close(const PendingFrame& frame, const std::vector<SubstepSums>& sums);
@@ -50,17 +50,17 @@ class FrameLedger {
   [[nodiscard]] double balance() const {
     return run_.cut_mj > 0 ? (run_.work_mj + run_.floor_mj - run_.cut_mj) / run_.cut_mj : 0;
   }
-  [[nodiscard]] const LedgerSums& sums() const { return run_; }
+  [[nodiscard]] const EnergySums& sums() const { return run_; }
   /// The next frame is the first one of another tool.
   void begin_pass() { run_.first_contact_mm.reset(); }
   /// Continues a run.
-  void restore(const LedgerSums& sums) { run_ = sums; }
+  void restore(const EnergySums& sums) { run_ = sums; }
 
  private:
   double voxel_mm3_;
   bool sums_rotate_;
   std::optional<Vec3> contact_mm_;
-  LedgerSums run_;
+  EnergySums run_;
 };
 
 }  // namespace reamsim

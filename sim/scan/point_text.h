@@ -10,12 +10,12 @@
 
 namespace reamsim::ct {
 
-inline std::string point_words(const Vec3& p) {
+inline std::string point_text(const Vec3& p) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
 }
 
-inline std::string box_words(const Aabb& box) {
-  return point_words(box.min) + " to " + point_words(box.max) + " mm";
+inline std::string box_text(const Aabb& box) {
+  return point_text(box.min) + " to " + point_text(box.max) + " mm";
 }
 
 }  // namespace reamsim::ct

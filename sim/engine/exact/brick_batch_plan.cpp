@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/exact/visit_plan.h"
+#include "sim/engine/exact/brick_batch_plan.h"
 
 #include <algorithm>
 
@@ -60,7 +60,7 @@ float shift_of(const MotionWindow& window, const Aabb& box) {
 
 /// Adds a substep to the last window of the plan, or to a new one.
 void add_to_window(std::span<const SubstepArgs> args, const MotionsOfSlots& motions, int slot, const Aabb& box,
-                   VisitPlan& plan) {
+                   BrickBatchPlan& plan) {
   const auto at = [&](std::size_t i) -> const SubstepArgs& { return args[i]; };
   const auto here = static_cast<std::size_t>(slot);
   const MotionWindow* motion = motions[here].get();
@@ -85,12 +85,12 @@ void add_to_window(std::span<const SubstepArgs> args, const MotionsOfSlots& moti
 
 }  // namespace
 
-VisitPlan plan_visit(std::span<const SubstepArgs> args, const MotionsOfSlots& motions, int first, int most,
-                     const Aabb& tool_box, const VoxelBox& bone) {
+BrickBatchPlan plan_brick_batch(std::span<const SubstepArgs> args, const MotionsOfSlots& motions, int first, int most,
+                                const Aabb& tool_box, const VoxelBox& bone) {
   const double voxel_mm = args[static_cast<std::size_t>(first)].voxel_mm;
   const Aabb box = tool_box.expanded(voxel_mm);  // an intersected voxel may protrude
   const auto at = [&](int slot) -> const SubstepArgs& { return args[static_cast<std::size_t>(slot)]; };
-  VisitPlan plan{
+  BrickBatchPlan plan{
       .first = first, .end = first, .windows = {}, .motions = {}, .superbricks = {Vec3i::Zero(), Vec3i::Constant(-1)}};
   const int last = std::min(static_cast<int>(args.size()), first + std::min(most, RS_VISIT_SUBSTEPS));
   for (int slot = first; slot < last; ++slot) {

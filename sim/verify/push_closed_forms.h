@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "sim/verify/forms.h"
+#include "sim/verify/closed_forms.h"
 
 namespace reamsim::verify {
 

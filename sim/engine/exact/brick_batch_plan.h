@@ -19,7 +19,7 @@ namespace reamsim {
 using MotionsOfSlots = std::vector<std::shared_ptr<const MotionWindow>>;
 
 /// The substeps of a visit (`erosion: exact`), divided into windows of little motion.
-struct VisitPlan {
+struct BrickBatchPlan {
   int first = 0;                       ///< slot
   int end = 0;                         ///< past the last
   std::vector<SubstepWindow> windows;  ///< in order, without gaps
@@ -32,7 +32,7 @@ struct VisitPlan {
 inline constexpr double kVisitShiftVoxels = 16;
 
 /// Plans a visit of at most `most` substeps from slot `first` on. `tool_box`: T, mm; `bone`: voxels with bone.
-VisitPlan plan_visit(std::span<const SubstepArgs> args, const MotionsOfSlots& motions, int first, int most,
-                     const Aabb& tool_box, const VoxelBox& bone);
+BrickBatchPlan plan_brick_batch(std::span<const SubstepArgs> args, const MotionsOfSlots& motions, int first, int most,
+                                const Aabb& tool_box, const VoxelBox& bone);
 
 }  // namespace reamsim

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/run/frame_ledger.h"
+#include "sim/run/energy_balance.h"
 
 #include <numbers>
 
@@ -23,7 +23,7 @@ Vec3 start_of(const Substep& substep, const PendingFrame& frame) {
 
 }  // namespace
 
-FrameResult FrameLedger::close(const PendingFrame& frame, const std::vector<SubstepSums>& sums) {
+FrameResult EnergyBalance::close(const PendingFrame& frame, const std::vector<SubstepSums>& sums) {
   FrameResult out;
   out.frame = frame.frame;
   out.pass = frame.pass;
