@@ -23,7 +23,7 @@ namespace reamsim {
 
 namespace {
 
-/// Of the libraries that the loader maps, 131 MB, and of their initializers.
+/// The libraries that the loader maps, 131 MB, and their initializers.
 constexpr rlim_t kLeastAddressSpace = 256'000'000;
 
 void write_text(const char* text) {

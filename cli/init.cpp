@@ -191,13 +191,13 @@ void add_init_command(CLI::App& app, Console& console) {
       ->type_name("X,Y,Z")
       ->delimiter(',')
       ->expected(3);
-  command->add_option("--side", options->side, "left or right; of a CT without it by the normal of the face")
+  command->add_option("--side", options->side, "Shoulder side, left or right (CT default: from the face normal)")
       ->check(CLI::IsMember({"left", "right"}));
   command->add_option("--tool", options->tool, "Mesh of the reamer; without it the convex reamer of reamsim")
       ->type_name("MESH");
-  command->add_option("--scale", options->scale, "Of a mesh: file units to mm (default: by its length)")
+  command->add_option("--scale", options->scale, "Mesh only: file units to mm (default: by its length)")
       ->check(CLI::Range(1e-6, 1e6));
-  command->add_option("--threshold-hu", options->threshold_hu, "Of a CT: least radiodensity of bone (default: 200)");
+  command->add_option("--threshold-hu", options->threshold_hu, "CT only: bone threshold, HU (default: 200)");
   command->add_option("--voxel-mm", options->voxel_mm, "Edge length of a voxel")->check(CLI::Range(0.01, 5.0));
   command->add_flag("--overwrite", options->overwrite, "Replace a scenario that init wrote");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");

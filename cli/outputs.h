@@ -37,12 +37,12 @@ RunData open_run(const std::string& dir);
 /// their snapshots are written.
 class Outputs {
  public:
-  /// Of a finished run.
+  /// For a finished run.
   Outputs(RunData run, OutputOptions options) : run_(std::move(run)), options_(std::move(options)) {}
-  /// Of a run that is about to begin. DIR/snapshots/tool.stl must exist.
+  /// For a run that is about to begin. DIR/snapshots/tool.stl must exist.
   Outputs(const SimulationInput& scene, const std::string& dir);
 
-  /// Of a run that has just ended in DIR, with all outputs that its scenario asks for.
+  /// For a run that has just ended in DIR, with all outputs that its scenario asks for.
   static Outputs of_finished(const SimulationInput& scene, const std::string& dir);
 
   /// All snapshots up to and including this frame's are on disk.

@@ -46,7 +46,7 @@ struct RenderOptions {
   }
 };
 
-/// Of a turntable without a number: steps of ten degrees.
+/// A turntable without a number has steps of ten degrees.
 constexpr int kTurntablePictures = 36;
 
 /// The settings of the run with those of the command line, except its cameras.

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-# Writes OUTPUT, a header with the commit that ROOT has checked out; "" where it is no clone.
+# Writes OUTPUT, a header with the commit that ROOT has checked out, or "" if ROOT is not a clone.
 cmake_minimum_required(VERSION 3.25)
 set(commit "")
 if(EXISTS "${ROOT}/.git")

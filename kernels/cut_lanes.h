@@ -24,7 +24,7 @@ Clip clip_sixteen(__global const SubstepArgs* a, const OutlineView* outline, con
   Clip clip;
 #ifndef RS_DISTANCE_GRID
   if (c->smooth[first >> 4]) {
-    /* Here the compiler knows that there is no corner. */
+    /* The compiler sees that this branch has no corner. */
     clip = rs_clip_smooth(a, outline->pieces + outline->numbers[c->near[first >> 4].first], &v->middle, x, y, z);
     *outside = rs_fill_outside(&clip);
     return clip;

@@ -31,8 +31,8 @@ class Renderer {
   /// Shows the bone with this fill.
   void show(const FillBricks& fill);
 
-  /// The current picture without labels, and without a tool where there is none. `for_film`: antialiasing by a filter,
-  /// in half the time.
+  /// The current picture without labels, and without a tool if the camera shows none. `for_film`: antialiasing by a
+  /// filter, in half the time.
   [[nodiscard]] PixelImage render(const Camera& camera, const std::optional<PlacedTool>& tool, bool for_film = false);
 
   /// The contour lines of the current surface as a camera sees them.

@@ -28,7 +28,7 @@ struct FittedFace {
   FaceSurface surface;
   FaceNormal normal = FaceNormal::sphere;
 
-  /// Of all directions, those with a rim on the outline.
+  /// The fraction of all directions with a rim on the outline.
   [[nodiscard]] double rim_fraction() const {
     return fit.inlier_fraction * static_cast<double>(walk.rim_mm.size()) / walk.directions;
   }

@@ -38,7 +38,7 @@ std::optional<Profile> profile_of(const BoneProbe& probe, const Rigid& bone_from
   return std::nullopt;
 }
 
-/// Where the surface has turned to fall by 45 degrees: the point farthest outwards and upwards. Of a rounded rim that
+/// Where the surface has turned to fall by 45 degrees: the point farthest outwards and upwards. On a rounded rim that
 /// is about its middle; where a gentle slope begins beside the face a steeper edge would lie far down on it.
 Vec2 corner_of(const Profile& profile) {
   return *std::ranges::max_element(profile, {}, [](const Vec2& p) { return p.sum(); });

@@ -46,7 +46,7 @@ StepResult result_of(const FrameResult& r) {
 /// The simulation has not been given its first pose.
 constexpr const char* kNotStarted = "call start() before step() and peek()";
 constexpr const char* kFailed = "an earlier step failed: make a new simulation";
-/// Of the wall clock, between two calls of stop().
+/// Wall time between two calls of stop().
 constexpr double kMostSeconds = 0.2;
 
 }  // namespace

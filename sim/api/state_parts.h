@@ -44,7 +44,7 @@ struct Simulation::State::Parts {
   FillBricks before;  ///< the fill before the first step; empty in a state from a file
   SavedFill fill;
 
-  /// Of the bone whose fill before the first step is `start`. Throws InputError where a brick lies outside.
+  /// For the bone whose fill before the first step is `start`. Throws InputError where a brick lies outside.
   [[nodiscard]] FillBricks fill_on(const FillBricks& start) const;
 };
 

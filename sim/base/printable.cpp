@@ -29,7 +29,7 @@ bool is_control(std::string_view character) {
   return character.size() == 3 && first == 0xE2 && (line_or_override || isolate);
 }
 
-/// Bytes of the printable character at `at`; 0 where there is none.
+/// Bytes of the printable character at `at`, or 0.
 std::size_t printable_length(std::string_view text, std::size_t at) {
   const std::size_t length = utf8_length(text, at);
   return length > 0 && is_control(text.substr(at, length)) ? 0 : length;

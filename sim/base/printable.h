@@ -9,7 +9,7 @@
 
 namespace reamsim {
 
-/// Bytes of the UTF-8 character at `text[at]`, 1 to 4; 0 where there is none (stray, overlong, surrogate, cut off).
+/// Bytes of the UTF-8 character at `text[at]`, 1 to 4, or 0 for an invalid one (stray, overlong, surrogate, cut off).
 std::size_t utf8_length(std::string_view text, std::size_t at);
 
 /// Whether a text is valid UTF-8 on one line: no control characters, line separators or changes of the writing

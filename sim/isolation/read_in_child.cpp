@@ -42,7 +42,7 @@ constexpr int kSlowdown = 10;
 #else
 constexpr int kSlowdown = 1;
 #endif
-/// Of the clock, for a second of the processor: other programs, and discs on a network.
+/// Wall time per second of the processor: other programs, and discs on a network, take the rest.
 constexpr int kClockPerCpu = 10;
 /// How often a stop request and the limits of time are looked at.
 constexpr int kPollMs = 20;

@@ -9,7 +9,7 @@
 
 namespace reamsim {
 
-// Of a binary STL.
+// A binary STL.
 inline constexpr std::size_t kStlHeaderBytes = 84;
 inline constexpr std::size_t kStlTriangleBytes = 50;
 

@@ -104,7 +104,7 @@ void mark_enclosed(const TriangleMesh& mesh, const std::vector<std::size_t>& pie
   }
   for (std::size_t n = 0; n < pieces.size(); ++n) {
     pieces[n].inside_another = std::ranges::any_of(points_in[n], [&](const auto& in) {
-      // Of two copies of a surface, rounding may put each inside the other.
+      // Rounding may put each of two copies of a surface inside the other.
       return in.second == sums[n].extreme_mm.size() && pieces[in.first].volume_mm3 > pieces[n].volume_mm3;
     });
   }

@@ -59,7 +59,7 @@ std::vector<Neighbours> neighbours_in(const std::vector<Triangle>& triangles) {
   return out;
 }
 
-/// Turns the triangles of each surface to the orientation that most of them have. Of a surface with one side only, such
+/// Turns the triangles of each surface to the orientation that most of them have. A surface with one side only, such
 /// as a Moebius strip, some edges stay between opposite orientations.
 std::size_t turn_alike(std::vector<Triangle>& triangles) {
   const std::vector<Neighbours> edges = neighbours_in(triangles);

@@ -48,7 +48,7 @@ std::string version_of(const Json& summary) {
   return program.substr(std::min(program.size(), program.find(' ') + 1));
 }
 
-/// The scalar below `section.key` of a resolved scenario; "" where there is none.
+/// The scalar below `section.key` of a resolved scenario, or "".
 std::string scalar_at(YamlNodePtr node, std::initializer_list<const char*> path) {
   for (const char* key : path) {
     const YamlEntry* entry = node->kind == YamlNode::Kind::map ? node->find(key) : nullptr;

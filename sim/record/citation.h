@@ -23,7 +23,7 @@ struct Citation {
   [[nodiscard]] std::vector<Reference> all() const;
 };
 
-/// Of the program itself.
+/// The program itself.
 Citation cite_program();
 /// Of runs: each work once. Reads summary.json of each folder, and scenario.yaml where it matters. Throws InputError
 /// where a file is damaged.

@@ -26,7 +26,7 @@ struct Reference {
 
 /// A published work by its key, with its note. Throws std::out_of_range: a key that no table has.
 Reference known_reference(const std::string& key, const std::string& note = "");
-/// A public data set by the SHA-256 of its file; its key is "" where it is none that reamsim knows.
+/// A public data set by the SHA-256 of its file; its key is "" if reamsim does not know the data set.
 Reference known_data(const std::string& sha256);
 
 /// One line: authors, year, title, journal, DOI, note.

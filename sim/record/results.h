@@ -40,7 +40,7 @@ struct FrameResult {
   double floor_energy_mj = 0;
   double balance = 0;                   ///< (work done − energy cut)/energy cut, cumulative; 0 before contact
   std::optional<PushResult> push = {};  ///< of a tool that a hand pushes
-  /// Of a tool on springs, from the planned position, in T.
+  /// A tool on springs: from the planned position, in T.
   std::optional<Vec3> deflection_mm = {};
 
   /// Bone exerts a force on the tool, or the tool removes bone. Edges that rub do the first alone.

@@ -10,7 +10,7 @@
 
 namespace reamsim {
 
-/// Collects the rows of a log in bounded memory, in one pass. Up to a number of rows it keeps all. Of a longer log it
+/// Collects the rows of a log in bounded memory, in one pass. Up to a number of rows it keeps all. From a longer log it
 /// keeps the first and the last row, those of given frames, and of each of 2048 to 4096 buckets of successive rows the
 /// first and those with the least and the greatest depth, force, torque, their means, and energy balance: curves keep
 /// their peaks.

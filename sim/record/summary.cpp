@@ -230,7 +230,7 @@ nlohmann::ordered_json plunge_contact_json(const FirstContact& contact) {
   return {{"travel_mm", contact.travel_mm}, {"bone_mm", {p.x(), p.y(), p.z()}}};
 }
 
-/// Of a run with several passes, those that it has come to.
+/// The passes that a run has come to.
 nlohmann::ordered_json passes_json(const SimulationInput& scene, const RunTotals& totals) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   const std::vector<PassSpec> specs = passes_of(scene.scenario);

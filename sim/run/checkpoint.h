@@ -47,7 +47,7 @@ class CheckpointFiles {
  public:
   explicit CheckpointFiles(std::string dir) : dir_(std::move(dir)) {}
 
-  /// The later one of those that are not damaged; nullopt where there is none.
+  /// The later undamaged checkpoint, or nullopt.
   [[nodiscard]] std::optional<Checkpoint> read();
   /// Returns its length in bytes, when it is on the disk. Throws RunError.
   std::size_t write(const Checkpoint& checkpoint);

@@ -29,7 +29,7 @@ constexpr double kLeafBytes = 2'200;
 /// The serial engine's dense grades and fill, per voxel.
 constexpr double kSerialBytes = 3;
 
-/// Of a long run, poses and rows are thinned; until then all are held, and vectors double as they grow.
+/// A long run thins poses and rows; until then it holds all, and vectors double as they grow.
 double path_bytes(double frames) {
   return 2 * sizeof(PathSample) * std::min(frames, static_cast<double>(BoundedPath::kMost));
 }

@@ -44,8 +44,8 @@ Recorder RunCheckpoints::open_logs(double voxel_mm, const Scenario& scenario, Di
                               .springs = scenario.motion.compliance.has_value()};
   if (!last_) return {dir_, voxel_mm, scenario.output.force_basis, feedback};
   for (const std::string& warning : last_->warnings) report.warn(warning);
-  // Of an attempt that was killed after its simulation: with it, and rows behind the checkpoint removed, the folder
-  // would look like that of a finished run.
+  // Left by an attempt that was killed after its simulation: with it, and rows behind the checkpoint removed, the
+  // folder would look like that of a finished run.
   std::error_code ignored;
   std::filesystem::remove(dir_ + "/reamed.vdb", ignored);
   return {dir_, voxel_mm, last_->simulation.frame, last_->logs, std::move(last_->removed), feedback};

@@ -33,7 +33,7 @@ class RunCheckpoints {
   [[nodiscard]] bool due() const { return every_s_ > 0 && since_last_.seconds() >= every_s_; }
   /// Saves the state, unless no checkpoints are wanted. Returns whether it did. Throws RunError.
   bool save(const SimulationState& state, Recorder& recorder, const FillBricks& fill, const Diagnostics& report);
-  /// The frame of the last checkpoint; nullopt where there is none.
+  /// The frame of the last checkpoint, or nullopt.
   [[nodiscard]] std::optional<std::int64_t> saved_frame() const { return saved_frame_; }
   /// Their number, time and size, in words.
   [[nodiscard]] std::string cost() const;

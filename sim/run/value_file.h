@@ -127,7 +127,7 @@ class ValueReader {
     rest_.remove_prefix(bytes);
     return out;
   }
-  /// Of a text or a list, each of whose items has a byte or more.
+  /// The length of a text or a list, each of whose items has a byte or more.
   std::size_t length() {
     std::size_t out = 0;
     (*this)(out);

@@ -311,7 +311,7 @@ std::optional<Joint> joint_of(const AlignedImage& hu, double threshold_hu, const
   return best;
 }
 
-/// The fitted sphere as a head; nullopt where it is none.
+/// Returns the fitted sphere as a head, or nullopt if the sphere is no head.
 std::optional<HumeralHead> head_of(const AlignedImage& hu, const std::vector<SurfacePoint>& surface,
                                    const Sphere& sphere) {
   if (!(sphere.radius_mm >= kLeastRadius_mm && sphere.radius_mm <= kMostRadius_mm)) return std::nullopt;

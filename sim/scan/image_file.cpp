@@ -126,7 +126,7 @@ class FileScan : public LabelSource {
   std::map<std::string, std::string> metadata_;
 };
 
-/// The kind of an existing path. Throws InputError where there is none.
+/// The kind of an existing path. Throws InputError if the path does not exist.
 fs::file_status checked_status(const std::string& path, const std::string& key, const char* expected) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);

@@ -69,7 +69,7 @@ std::vector<std::string> quoted_in(const std::string& text) {
   }
 }
 
-/// Of the units of all axes, those of the axes of the space: not of the values of a voxel, such as layers.
+/// The units of the axes of the space, without those of the values of a voxel, such as layers.
 std::vector<std::string> of_space_axes(const std::vector<std::string>& units, const std::string& kinds) {
   static constexpr std::array kOfSpace{"space", "domain", "time", "none", "???"};
   std::istringstream in(kinds);

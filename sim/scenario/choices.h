@@ -139,7 +139,7 @@ std::vector<std::string> names_of(const std::vector<E>& values) {
   return out;
 }
 
-/// The value of that name; nullopt where there is none.
+/// The value of that name, or nullopt.
 template <class E>
 std::optional<E> from_name(std::string_view name) {
   const auto found = std::ranges::find(kChoiceNames<E>, name);

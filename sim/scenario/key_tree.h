@@ -28,7 +28,7 @@ struct KeyNode {
 /// All keys; the root is a section without a name. Built once.
 const KeyNode& key_tree();
 
-/// The unit in a key's name, "mm/s" for "feed_mm_s"; "" where there is none.
+/// The unit in a key's name, "mm/s" for "feed_mm_s", or "".
 std::string_view unit_of(std::string_view name);
 
 /// A key's name without its unit, "feed" for "feed_mm_s".
@@ -37,7 +37,7 @@ std::string_view without_unit(std::string_view name);
 /// The values that a key accepts, in words: "a number, 0.01 to 5 (mm)", "one of left, right".
 std::string expectation(const KeyInfo& info, KeyNode::Kind kind);
 
-/// A range in words: "0.01 to 5"; "" where there is none.
+/// A range in words: "0.01 to 5", or "".
 std::string range_text(const Range& range);
 
 /// "a, b or c".

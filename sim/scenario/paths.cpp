@@ -28,7 +28,7 @@ bool is_variable_name(const std::string& name) {
          name.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
 }
 
-/// The user's home as the environment has it, else as the system has it; "" where there is none.
+/// The user's home as the environment has it, else as the system has it, or "".
 std::string home_folder() {
   const char* variable = std::getenv("HOME");
   if (variable != nullptr && *variable != '\0') return variable;
@@ -36,7 +36,7 @@ std::string home_folder() {
   return user != nullptr && user->pw_dir != nullptr ? user->pw_dir : "";
 }
 
-/// The home with a slash at its end, as it is named and with links resolved. Empty where it is no folder of a user.
+/// The home with a slash at its end, as it is named and with links resolved. Empty if it is not the folder of a user.
 std::vector<std::string> home_prefixes() {
   const fs::path home = fs::path(home_folder() + "/").lexically_normal();
   if (!home.is_absolute() || !home.has_relative_path()) return {};

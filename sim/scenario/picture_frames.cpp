@@ -9,7 +9,7 @@
 namespace reamsim {
 namespace {
 
-/// Of a run whose settings give no number, the first and the last included.
+/// Frames if the settings give no number, the first and the last included.
 constexpr std::int64_t kStills = 11;
 constexpr std::int64_t kFilmPictures = 150;
 /// Margin around the contact, parts of it: 1/20.

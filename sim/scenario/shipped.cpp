@@ -58,7 +58,7 @@ bool may_be_name(const std::string& argument, const std::string& folder = "") {
   return !is_scenario_name(argument) && is_missing_word(argument, folder);
 }
 
-/// The file of this name; "" where there is none.
+/// The file of this name, or "".
 std::string file_of(const std::string& name, ShippedKind kind) {
   const std::vector<std::string> names = shipped_names(kind);
   return std::ranges::find(names, name) == names.end() ? "" : folder_of(kind) + "/" + name + ".yaml";

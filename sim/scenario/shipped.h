@@ -13,7 +13,7 @@ namespace reamsim {
 // Files that come with the program: reamers and scenarios. They are found from the place of the executable, or of the
 // Python module, so that the build tree, an install prefix that was moved, and /usr work alike.
 
-/// The folder `name` ("assets", "trajectories") of this program; "" where there is none.
+/// The folder `name` ("assets", "trajectories") of this program, or "".
 std::string shipped_folder(const std::string& name);
 
 enum class ShippedKind { scenario, study };

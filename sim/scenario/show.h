@@ -27,7 +27,7 @@ std::string shown(const YamlNode& node);
 /// number (1.0e+20, not 1e+20).
 std::string number_text(double value);
 
-/// The number that the whole text is; infinite or NaN where written so or overflowing; nullopt where it is no number.
+/// The number that the whole text is; infinite or NaN where written so or overflowing; nullopt for other text.
 std::optional<double> parse_number(std::string_view text);
 
 /// A text as a YAML scalar: plain where that is safe, else in double quotes.

@@ -25,12 +25,12 @@ struct ContactForecast {
   std::optional<FrameSpan> frames;
 };
 
-/// Of the present pass.
+/// For the present pass.
 ContactForecast forecast_contact(const SimulationInput& scene);
-/// Of the present pass and the later ones, with the bone that the passes before are predicted to leave.
+/// For the present pass and the later ones, with the bone that the passes before are predicted to leave.
 std::vector<ContactForecast> forecast_passes(const SimulationInput& scene);
 
-/// Of a run with these passes: at its start, its first and last contact, and its nearest pose.
+/// A run with these passes: at its start, its first and last contact, and its nearest pose.
 ContactForecast of_whole_run(const std::vector<ContactForecast>& passes);
 /// In which frames these passes touch the bone.
 FrameSpans contact_frames(const std::vector<ContactForecast>& passes);

@@ -33,7 +33,7 @@ struct SimulationInput {
   FrameSpans contact{};  ///< expected (contact_forecast.h), for the choice of pictures
   std::vector<std::optional<FirstContact>> first_contacts = {};  ///< by pass, of plunges whose depth counts from it
 
-  /// Of the present pass.
+  /// The first contact of the present pass.
   [[nodiscard]] std::optional<FirstContact> first_contact() const {
     const auto i = static_cast<std::size_t>(motion.pass) - 1;
     return i < first_contacts.size() ? first_contacts[i] : std::nullopt;
@@ -44,7 +44,7 @@ struct SimulationInput {
   }
 };
 
-/// Replaces tool and motion by those of the next pass. Returns false where there is none.
+/// Replaces tool and motion by those of the next pass. Returns false after the last pass.
 bool begin_next_pass(SimulationInput& scene);
 
 /// Loads bone, tool and motion of a scenario. Throws InputError with all mistakes, each at its key in the scenario

@@ -27,7 +27,7 @@ class StudyFolder {
  public:
   /// Creates the folder where it does not exist. Throws InputError where it holds something that is no study.
   StudyFolder(const Study& study, const std::string& dir);
-  /// An existing one, which is only read. Throws InputError where there is none.
+  /// An existing folder, which is only read. Throws InputError if it does not exist.
   static StudyFolder open(const Study& study, const std::string& dir);
 
   [[nodiscard]] const std::string& path() const { return dir_; }

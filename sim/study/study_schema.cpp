@@ -53,13 +53,13 @@ Json distribution(const char* name, const Json& parameters, const char* descript
 
 Json distributions() {
   const Json spread{{"type", "number"}, {"exclusiveMinimum", 0}};
-  return {{"oneOf",
-           {distribution("normal", numbers(2), "Mean and standard deviation"),
-            distribution("lognormal", numbers(2), "Median, and standard deviation of the logarithm"),
-            distribution("uniform", numbers(2), "Both ends"),
-            distribution("tilt_sd_deg", spread,
-                         "Of a direction: standard deviation of two rotations about axes across it [°]"),
-            distribution("shift_sd_mm", spread, "Of a position: standard deviation of each component [mm]")}}};
+  return {
+      {"oneOf",
+       {distribution("normal", numbers(2), "Mean and standard deviation"),
+        distribution("lognormal", numbers(2), "Median, and standard deviation of the logarithm"),
+        distribution("uniform", numbers(2), "Both ends"),
+        distribution("tilt_sd_deg", spread, "Direction: standard deviation of two rotations about axes across it [°]"),
+        distribution("shift_sd_mm", spread, "Position: standard deviation of each component [mm]")}}};
 }
 
 Json sample_schema() {

@@ -10,9 +10,9 @@
 
 namespace reamsim {
 
-/// Collects the poses of a path in bounded memory. A path of up to 100,000 poses keeps all of them. Of a longer one it
-/// keeps those at steps along the path, those where the tool stops or reverses, the last one and those of given frames
-/// (see StepChooser). The step doubles whenever there are too many.
+/// Collects the poses of a path in bounded memory. A path of up to 100,000 poses keeps all of them. From a longer one
+/// it keeps those at steps along the path, those where the tool stops or reverses, the last one and those of given
+/// frames (see StepChooser). The step doubles whenever there are too many.
 class BoundedPath {
  public:
   static constexpr std::size_t kMost = 100'000;  ///< 10 MB

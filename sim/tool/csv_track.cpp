@@ -67,7 +67,7 @@ class CsvTrack final : public KeyTrack {
   }
 
  private:
-  /// Of a block, and the first one of the next, so that no segment lies between blocks.
+  /// The rows of a block, and the first one of the next, so that no segment lies between blocks.
   using Keys = std::vector<KeyPose>;
   struct Block {
     std::size_t number;

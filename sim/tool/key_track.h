@@ -50,7 +50,7 @@ double spin_rad(double from_rpm, double to_rpm, double duration_s);
 std::unique_ptr<const KeyTrack> store_track(std::vector<KeyPose> keys);
 
 /// The track of a recorded CSV. A file of up to 100,000 rows is read into memory, and so is one that can be read only
-/// once, such as a pipe. Of a longer one the track holds an index, and reads blocks of rows again; see read_pose_csv()
+/// once, such as a pipe. For a longer one the track holds an index, and reads blocks of rows again; see read_pose_csv()
 /// for what is thrown. Notes another start than time 0.
 std::unique_ptr<const KeyTrack> open_csv_track(const CsvMotionSettings& settings,
                                                const std::optional<Rigid>& bone_from_poses, Diagnostics& report);

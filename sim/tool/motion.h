@@ -20,7 +20,7 @@ struct Motion {
   PoseSequence poses;
   std::int64_t first_frame = 0;  ///< not 0 in later passes of a run
   int pass = 1;                  ///< number of the pass
-  /// Of a tool that a hand pushes: `poses` are then those of a push without resistance (unresisted_poses()), and the
+  /// A tool that a hand pushes: `poses` are then those of a push without resistance (unresisted_poses()), and the
   /// run has others.
   std::shared_ptr<const PushPlan> push = {};
 

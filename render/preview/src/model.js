@@ -150,7 +150,7 @@ export class Model {
     this.notify("values");
   }
 
-  // The point that a tool places; null where there is none yet.
+  // The point that a tool places, or null before it is placed.
   pointOf(tool) {
     const { values } = this;
     if (tool === "superior") return values.center === null || values.superior === null ? null : rounded(add(values.center, unit(values.superior), 15), 2);

@@ -25,7 +25,7 @@ function scan(text, depth = 0) {
   return { end: text.length, depth };
 }
 
-// "key: value # comment" of a line; null where it is none. `comment` has the spaces before it.
+// The parts of a line "key: value # comment", or null for another line. `comment` has the spaces before it.
 function partsOf(line) {
   const match = /^(\s*)("(?:[^"\\]|\\.)*"|'(?:[^']|'')*'|[^\s#"'[\]{},&*!|>%@`-][^#]*?|-[^\s#][^#]*?)\s*:(?=\s|$)/.exec(line);
   if (match === null) return null;
@@ -104,7 +104,7 @@ function expandFlow(lines, found, path) {
   lines.splice(found.line, found.end - found.line, found.head + (found.end === found.line + 1 ? found.comment : ""), ...items);
 }
 
-// The block of the sequence item `index` below `found`, as a mapping; null where it is none.
+// The block of the sequence item `index` below `found`, as a mapping, or null.
 function itemBlock(lines, found, index) {
   let count = -1, start = -1, end = found.end, dash = -1;
   for (let at = found.line + 1; at < found.end; ++at) {

@@ -32,7 +32,7 @@ struct GradeBasis {
   [[nodiscard]] Vec3 at(std::size_t first) const { return {values[first], values[first + 1], values[first + 2]}; }
 };
 
-/// Of the grades that lose volume in a substep, ascending.
+/// The grades that lose volume in a substep, ascending.
 using SubstepBasis = std::vector<GradeBasis>;
 
 }  // namespace reamsim
