@@ -9,7 +9,7 @@
 
 #include "render/surface/scalar_grid.h"
 #include "sim/base/parallel.h"
-#include "sim/bone/vdb/vdb_archive.h"
+#include "sim/bone/vdb/grids.h"
 
 namespace reamsim {
 namespace {

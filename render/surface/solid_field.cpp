@@ -13,7 +13,7 @@
 #include "render/surface/scalar_grid.h"
 #include "sim/base/gaussian.h"
 #include "sim/base/parallel.h"
-#include "sim/bone/vdb/vdb_archive.h"
+#include "sim/bone/vdb/grids.h"
 
 // OpenVDB's library instantiates this template; compiling it takes a minute.
 extern template void openvdb::tools::VolumeToMesh::operator()(const openvdb::FloatGrid&);

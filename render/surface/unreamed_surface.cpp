@@ -11,8 +11,8 @@
 #include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
+#include "sim/bone/vdb/grids.h"
 #include "sim/bone/vdb/mesh_distance.h"
-#include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
 namespace {

@@ -55,16 +55,15 @@ void Bone::set_voxels(FilledVoxmap&& voxels) {
   voxmap = std::make_shared<Voxmap>(std::move(static_cast<Voxmap&>(voxels)));
 }
 
-FilledVoxmap Bone::take_voxels() {
+FilledVoxmap Bone::copy_voxels() const {
   FilledVoxmap out;
-  // set_voxels() created it as a mutable Voxmap. NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast)
-  static_cast<Voxmap&>(out) = std::move(const_cast<Voxmap&>(*voxmap));
-  out.fill = std::move(fill);
-  voxmap.reset();
+  static_cast<Voxmap&>(out) = *voxmap;
+  out.fill = fill;
   return out;
 }
 
-FilledVoxmap fit_to_bone(const FilledVoxmap& voxmap, int margin_voxels) {
+FilledVoxmap fit_to_bone(const BoneView& bone, int margin_voxels) {
+  const Voxmap& voxmap = bone.voxmap;
   const VoxelBox extent = bone_extent(voxmap);
   if (extent.empty()) {
     throw InputError({}, "bone", "the volume contains no bone", "expected at least one voxel of bone");
@@ -83,7 +82,7 @@ FilledVoxmap fit_to_bone(const FilledVoxmap& voxmap, int margin_voxels) {
     return copy_brick(voxmap, shift, brick_coord, brick);
   });
   out.fill = FillBricks(dims);
-  copy_fill_within(extent, voxmap.fill, shift, out.fill);
+  copy_fill_within(extent, bone.fill, shift, out.fill);
   out.mapping = voxmap.mapping;
   out.layers = voxmap.layers;
   out.frame = voxmap.frame;

@@ -34,8 +34,8 @@ struct Bone {
   [[nodiscard]] BoneView view() const { return {*voxmap, fill}; }
   operator BoneView() const { return view(); }  // not explicit on purpose
   void set_voxels(FilledVoxmap&& voxels);
-  /// Moves voxmap and fill out, to change them; set_voxels() moves them back. The voxmap must not be shared yet.
-  [[nodiscard]] FilledVoxmap take_voxels();
+  /// A copy of voxmap and fill, to change them for set_voxels().
+  [[nodiscard]] FilledVoxmap copy_voxels() const;
 };
 
 // voxmaps in the frame B.
@@ -57,6 +57,6 @@ double drill_pilot_hole(FilledVoxmap& voxmap, const PilotHoleSettings& hole, con
 
 /// Changes the lattice so that it surrounds the bone with a margin of `margin_voxels`, and its dimensions are multiples
 /// of 8 (whole bricks). Throws InputError without bone.
-FilledVoxmap fit_to_bone(const FilledVoxmap& voxmap, int margin_voxels);
+FilledVoxmap fit_to_bone(const BoneView& bone, int margin_voxels);
 
 }  // namespace reamsim

@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "sim/base/error.h"
+#include "sim/bone/vdb/grids.h"
 #include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {

@@ -47,7 +47,7 @@ void require_surface_near(const Voxmap& voxmap, const std::vector<Vec3>& rim_mm)
 }
 
 void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Diagnostics& report) {
-  FilledVoxmap voxels = bone.take_voxels();
+  FilledVoxmap voxels = bone.copy_voxels();
   const double drilled_mm3 = drill_pilot_hole(voxels, hole, bone.glenoid, partial);
   bone.set_voxels(std::move(voxels));
   const std::string text =
@@ -129,7 +129,7 @@ Bone bone_from_source(const BoneSettings& settings, Diagnostics& report, const S
   if (settings.source == BoneSource::phantom) {
     begin_stage(stages, BoneStage::voxels);
     Bone bone = bone_from_phantom(settings, report);
-    bone.set_voxels(fit_to_bone(bone.take_voxels(), kMarginVoxels));
+    bone.set_voxels(fit_to_bone(bone, kMarginVoxels));
     return bone;
   }
   if (settings.source == BoneSource::ct) {

@@ -17,7 +17,7 @@ Bone load_bone(const BoneSettings& settings, Diagnostics& report, const StageSin
 
 /// The voxels, without the glenoid frame and the landmarks of the scenario, and without the pilot hole.
 Bone bone_from_source(const BoneSettings& settings, Diagnostics& report, const StageSink& stages = {});
-/// Adds these. Voxmaps are not copied: with a pilot hole, that of `bone` must not be shared.
+/// Adds these. The voxmap is copied only for a pilot hole.
 Bone with_anatomy(Bone bone, const BoneSettings& settings, Diagnostics& report);
 
 /// The bone of a VDB: of an earlier run or import, or of another program with a FloatGrid `density`. Uses the voxel

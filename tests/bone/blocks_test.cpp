@@ -92,7 +92,7 @@ TEST(Layered, CorticalOnTrabecular) {
   BoneSettings settings = phantom(PhantomShape::layered, 0.25);
   settings.phantom.size_mm = {8, 8, 10};
   settings.phantom.cortical_mm = 2;
-  const FilledVoxmap voxmap = make(settings).take_voxels();
+  const FilledVoxmap voxmap = make(settings).copy_voxels();
   const std::int64_t cortical = count_grade(voxmap, 225);
   const std::int64_t trabecular = count_grade(voxmap, 50);
   EXPECT_EQ(cortical, 32 * 32 * 8);

@@ -13,7 +13,7 @@
 #include <random>
 
 #include "bone_fixture.h"
-#include "sim/bone/vdb/vdb_archive.h"
+#include "sim/bone/vdb/grids.h"
 #include "sim/scene/load_bone.h"
 #include "tests/support/temp_dir.h"
 
@@ -186,7 +186,7 @@ TEST_F(BoneVdb, SurfaceFollowsTheFill) {
   BoneSettings settings = phantom(PhantomShape::half_space, 0.5);
   settings.phantom.size_mm = {12, 12, 6};
   Diagnostics report;
-  FilledVoxmap bone = load_bone(settings, report).take_voxels();
+  FilledVoxmap bone = load_bone(settings, report).copy_voxels();
   const auto volume = [&] {
     write_bone_vdb(path(), bone, {}, {});
     return openvdb::tools::levelSetVolume(*openvdb::gridPtrCast<openvdb::FloatGrid>(grids_of(path())["surface"]));
@@ -256,7 +256,7 @@ TEST_F(BoneVdb, NothingLeftIsAnEmptySurface) {
 TEST_F(BoneVdb, GridsDoNotDependOnTheThreads) {
   BoneSettings settings = phantom(PhantomShape::glenoid, 0.8);
   Diagnostics report;
-  const FilledVoxmap bone = load_bone(settings, report).take_voxels();
+  const FilledVoxmap bone = load_bone(settings, report).copy_voxels();
   write_bone_vdb(path("many.vdb"), bone, {}, {});
   {
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);

@@ -23,7 +23,7 @@ class DamagedVdb : public ::testing::Test {
     BoneSettings settings = phantom(PhantomShape::sphere, 0.5);
     settings.phantom.radius_mm = 4;
     Diagnostics report;
-    bone_ = load_bone(settings, report).take_voxels();
+    bone_ = load_bone(settings, report).copy_voxels();
     write_bone_vdb(path_, bone_, {{5, 1}}, {{"scenario", "none"}});
     whole_ = file_bytes(path_);
   }

@@ -130,7 +130,7 @@ TEST(GlenoidPhantom, UniformFoamHasOneDensity) {
     settings.phantom.trabecular_density_g_cm3 = 0.32;
     settings.phantom.trabecular_gradient = 0;
     settings.phantom.texture = 0;
-    const FilledVoxmap foam = make(settings).take_voxels();
+    const FilledVoxmap foam = make(settings).copy_voxels();
     EXPECT_GT(foam.count_bone(), 10000);
     EXPECT_EQ(count_grade(foam, 40), foam.count_bone()) << name_of(surface);
   }
@@ -220,10 +220,10 @@ TEST(GlenoidPhantom, VersionAndInclinationTurnTheFace) {
 
 TEST(GlenoidPhantom, SameSeedSameBoneOtherSeedOtherTexture) {
   BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
-  const FilledVoxmap first = make(settings).take_voxels();
+  const FilledVoxmap first = make(settings).copy_voxels();
   EXPECT_EQ(first.grade, make(settings).voxmap->grade);
   settings.phantom.seed = 2;
-  const FilledVoxmap other = make(settings).take_voxels();
+  const FilledVoxmap other = make(settings).copy_voxels();
   EXPECT_NE(first.grade, other.grade);
   EXPECT_EQ(first.count_bone(), other.count_bone()) << "the shape is not random";
 }
@@ -232,7 +232,7 @@ TEST(GlenoidPhantom, SkippedBricksHoldNoBone) {
   BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
   settings.phantom.version_deg = 25;
   settings.phantom.inclination_deg = -20;
-  const FilledVoxmap voxmap = make(settings).take_voxels();
+  const FilledVoxmap voxmap = make(settings).copy_voxels();
   const GlenoidShape shape(settings.phantom);
   const VoxelGrid& grid = voxmap.grid;
   for (std::int64_t e = 0; e < grid.size(); ++e) {
@@ -249,7 +249,7 @@ TEST(GlenoidPhantom, NoBoneBeyondTheLattice) {
     BoneSettings settings = phantom(PhantomShape::glenoid, 1);
     settings.phantom.version_deg = version;
     settings.phantom.inclination_deg = 0.7 * version;
-    const FilledVoxmap voxmap = make(settings).take_voxels();
+    const FilledVoxmap voxmap = make(settings).copy_voxels();
     for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
       const Vec3i c = voxmap.grid.coord(e);
       const bool border = (c.array() == 0).any() || (c.array() == voxmap.grid.dims.array() - 1).any();

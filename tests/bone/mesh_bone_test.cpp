@@ -256,7 +256,7 @@ TriangleMesh diagonal_bar(double cube_mm, double side_mm) {
 TEST_F(MeshBone, AThinBoneIn2048CubedCostsWhatItHolds) {
   const BoneSettings settings = settings_for(diagonal_bar(204, 2), 0.1);
   const std::int64_t before = peak_bytes();
-  const FilledVoxmap voxmap = load_bone(settings, report_).take_voxels();
+  const FilledVoxmap voxmap = load_bone(settings, report_).copy_voxels();
   EXPECT_GE(voxmap.grid.dims.minCoeff(), 2048);
   const double truth_mm3 = 204 * std::sqrt(3.0) * 4;
   EXPECT_NEAR(voxmap.bone_mm3(), truth_mm3, 0.01 * truth_mm3);

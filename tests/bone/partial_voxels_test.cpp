@@ -120,7 +120,7 @@ TEST_F(PartialMesh, BoxOnTheLatticeStaysWholeButForItsEdges) {
   BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {10, 6, 4}), 0.5);
   settings.surface_voxels = SurfaceVoxels::partial;
   Diagnostics report;
-  const FilledVoxmap voxmap = load_bone(settings, report).take_voxels();
+  const FilledVoxmap voxmap = load_bone(settings, report).copy_voxels();
   EXPECT_NEAR(voxmap.bone_mm3(), 240, 0.01 * 240);  // its edges are rounded
   EXPECT_EQ(grade_at(voxmap, {5, 3, 4.1}), 0) << "nothing outside a face";
   EXPECT_EQ(voxmap.fill.get(voxmap.grid.voxel_of({5, 3, 3.9})), FillBricks::kWhole);
@@ -129,9 +129,9 @@ TEST_F(PartialMesh, BoxOnTheLatticeStaysWholeButForItsEdges) {
 TEST_F(PartialMesh, VoxelsJustOutsideAreCorticalAndHoldLittle) {
   BoneSettings settings = settings_for(sphere_mesh({0.1, 0.2, 0.3}, 9, 5), 0.5);
   Diagnostics report;
-  const FilledVoxmap whole = load_bone(settings, report).take_voxels();
+  const FilledVoxmap whole = load_bone(settings, report).copy_voxels();
   settings.surface_voxels = SurfaceVoxels::partial;
-  const FilledVoxmap voxmap = load_bone(settings, report).take_voxels();
+  const FilledVoxmap voxmap = load_bone(settings, report).copy_voxels();
   const int cortical = DensityMapping::grade_from_density(DensityMapping().density_from_hu(settings.mesh.cortical_hu));
   std::int64_t outside = 0;
   for_each_bone_voxel(voxmap, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
@@ -153,9 +153,9 @@ TEST_F(PartialMesh, SameFillEveryTime) {
   BoneSettings settings = settings_for(sphere_mesh({0, 0, 0}, 8, 4), 0.4);
   settings.surface_voxels = SurfaceVoxels::partial;
   Diagnostics report;
-  const FilledVoxmap first = load_bone(settings, report).take_voxels();
+  const FilledVoxmap first = load_bone(settings, report).copy_voxels();
   for (int i = 0; i < 3; ++i) {
-    const FilledVoxmap again = load_bone(settings, report).take_voxels();
+    const FilledVoxmap again = load_bone(settings, report).copy_voxels();
     EXPECT_EQ(again.grade, first.grade);
     EXPECT_EQ(dense_fill(again), dense_fill(first));
   }
@@ -222,7 +222,7 @@ TEST(PartialHole, TakesTheCylinderOutOfTheVoxels) {
   hole.depth_mm = 8;
   const double truth_mm3 = pi * 4 * 8;
   Diagnostics report;
-  FilledVoxmap bone = bone_from_phantom(settings, report).take_voxels();
+  FilledVoxmap bone = bone_from_phantom(settings, report).copy_voxels();
   const double before_mm3 = bone.bone_mm3();
   const double drilled_mm3 = drill_pilot_hole(bone, hole, {}, true);
   EXPECT_NEAR(drilled_mm3, truth_mm3, 0.002 * truth_mm3);

@@ -18,7 +18,7 @@ FilledVoxmap block() {
   Diagnostics report;
   BoneSettings settings = phantom(PhantomShape::half_space, 0.25);
   settings.phantom.size_mm = {20, 20, 16};
-  return bone_from_phantom(settings, report).take_voxels();
+  return bone_from_phantom(settings, report).copy_voxels();
 }
 
 TEST(PilotHole, VolumeOfTheCylinder) {

@@ -281,8 +281,8 @@ TEST(Walch, WearOnlyTakes) {
   for (const Walch type : {Walch::a1, Walch::a2, Walch::b2}) {
     BoneSettings healthy = walch(type, 0.5);
     healthy.phantom.walch = Walch::none;
-    const FilledVoxmap before = make(healthy).take_voxels();
-    const FilledVoxmap worn = make(walch(type, 0.5)).take_voxels();
+    const FilledVoxmap before = make(healthy).copy_voxels();
+    const FilledVoxmap worn = make(walch(type, 0.5)).copy_voxels();
     ASSERT_EQ(before.grid.dims, worn.grid.dims);
     std::int64_t gone = 0;
     for (std::int64_t i = 0; i < before.grid.size(); ++i) {
@@ -318,7 +318,7 @@ TEST(Walch, RightIsTheMirrorImage) {
 TEST(Walch, LatticeHoldsAllOfIt) {
   for (const Walch type : {Walch::a1, Walch::a2, Walch::b2, Walch::c}) {
     const BoneSettings settings = walch(type, 0.5);
-    const FilledVoxmap voxmap = make(settings).take_voxels();
+    const FilledVoxmap voxmap = make(settings).copy_voxels();
     const GlenoidShape shape(settings.phantom);
     for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {
       const Vec3i c = voxmap.grid.coord(e);

@@ -114,7 +114,7 @@ TEST(HuScale, EveryGradeComesBackFromItsHu) {
   lost.ash_offset_g_cm3 = -1e6;
   EXPECT_FALSE(HuScale(lost).exact());
   SimulationInput scene = oblique_scene("auto", "octree");
-  FilledVoxmap voxels = scene.bone.take_voxels();
+  FilledVoxmap voxels = scene.bone.copy_voxels();
   voxels.mapping = lost;
   scene.bone.set_voxels(std::move(voxels));
   EXPECT_THROW(make_engine(scene.scenario, scene.bone, scene.tool), InputError);

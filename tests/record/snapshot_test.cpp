@@ -11,7 +11,7 @@
 #include <filesystem>
 
 #include "sim/base/error.h"
-#include "sim/bone/vdb/vdb_archive.h"
+#include "sim/bone/vdb/grids.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

@@ -175,7 +175,7 @@ void add_vdb(SeedWriter& writer) {
   settings.phantom.shape = PhantomShape::sphere;
   settings.phantom.radius_mm = 4;
   Diagnostics report;
-  const FilledVoxmap bone = load_bone(settings, report).take_voxels();
+  const FilledVoxmap bone = load_bone(settings, report).copy_voxels();
   writer.add("VDB of reamsim", "bone.vdb", [&](const std::string& path) { write_bone_vdb(path, bone, {}, {}); });
   writer.add("VDB", "foreign.vdb", [&](const std::string& path) {
     write_bone_vdb(path + ".own", bone, {}, {});

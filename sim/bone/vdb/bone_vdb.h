@@ -14,9 +14,6 @@
 
 namespace reamsim {
 
-/// Removed voxels and the frames of their removal: (voxel index, frame), unordered.
-using RemovedFrames = std::vector<std::pair<std::int64_t, std::int32_t>>;
-
 /// Text metadata: (name, value).
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 

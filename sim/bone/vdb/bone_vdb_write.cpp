@@ -11,6 +11,7 @@
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/vdb/bone_vdb_metadata.h"
+#include "sim/bone/vdb/grids.h"
 #include "sim/bone/vdb/surface_grid.h"
 #include "sim/bone/vdb/vdb_archive.h"
 

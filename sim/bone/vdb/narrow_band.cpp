@@ -13,7 +13,7 @@
 
 #include "sim/base/geometry.h"
 #include "sim/base/parallel.h"
-#include "sim/bone/vdb/vdb_archive.h"
+#include "sim/bone/vdb/grids.h"
 #include "sim/bone/voxmap/voxel_grid.h"
 
 namespace reamsim {

@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "sim/base/parallel.h"
+#include "sim/bone/vdb/grids.h"
 #include "sim/bone/vdb/narrow_band.h"
-#include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
 

@@ -18,7 +18,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/memory.h"
-#include "sim/bone/vdb/grid_transfer.h"
+#include "sim/bone/vdb/grids.h"
 #include "sim/isolation/read_in_child.h"
 
 namespace reamsim {
@@ -284,14 +284,6 @@ std::string VdbFile::grid_names() const {
 openvdb::FloatGrid::Ptr VdbFile::read(const std::string& grid) const {
   ChildResult result = read_in_child<put_named_grid>({path_, ""}, limits_for(path_), path_, grid);
   return take_grid(result.reader());
-}
-
-openvdb::FloatGrid::Ptr make_float_grid(float background) {
-  return openvdb::FloatGrid::create(background);
-}
-
-openvdb::BoolGrid::Ptr make_bool_grid(bool background) {
-  return openvdb::BoolGrid::create(background);
 }
 
 }  // namespace reamsim

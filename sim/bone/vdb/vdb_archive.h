@@ -46,9 +46,4 @@ class VdbFile {
   std::vector<std::string> names_;
 };
 
-// An empty grid with the identity as its transform. Defined in one file, because OpenVDB's create() adds half a minute
-// to the compilation of each file that calls it.
-openvdb::FloatGrid::Ptr make_float_grid(float background);
-openvdb::BoolGrid::Ptr make_bool_grid(bool background);
-
 }  // namespace reamsim

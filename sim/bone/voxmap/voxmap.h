@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/bone/voxmap/density.h"
@@ -47,6 +48,9 @@ struct BoneView {
   /// Remaining bone, mm³: Σ fill/65535 · voxel volume over voxels with grade ≠ 0.
   [[nodiscard]] double bone_mm3() const;
 };
+
+/// Removed voxels and the frames of their removal: (voxel index, frame), unordered.
+using RemovedFrames = std::vector<std::pair<std::int64_t, std::int32_t>>;
 
 /// A voxmap and the fill of its voxels, while a bone is built or read from a file.
 struct FilledVoxmap : Voxmap {

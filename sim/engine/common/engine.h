@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "kernels/window.h"
-#include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/engine/common/force_basis.h"
 #include "sim/engine/common/substep.h"

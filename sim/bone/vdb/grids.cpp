@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/bone/vdb/grid_transfer.h"
+#include "sim/bone/vdb/grids.h"
 
 #include <array>
 #include <cmath>
-
-#include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
 
@@ -206,6 +204,14 @@ openvdb::FloatGrid::Ptr take_grid(ResultReader& in) {
   add_tiles(in, grid->tree());
   add_leaves(in, grid->tree());
   return grid;
+}
+
+openvdb::FloatGrid::Ptr make_float_grid(float background) {
+  return openvdb::FloatGrid::create(background);
+}
+
+openvdb::BoolGrid::Ptr make_bool_grid(bool background) {
+  return openvdb::BoolGrid::create(background);
 }
 
 }  // namespace reamsim
