@@ -18,19 +18,6 @@ constexpr double kMinNorm = 1e-9;
 /// With a larger x component of the axis, y is the reference direction.
 constexpr double kNearlyParallel = 0.9;
 
-void require(bool right, const std::string& key, const std::string& found, const std::string& expected) {
-  if (!right) throw InputError(SourceLocation{}, key, found, expected);
-}
-
-void require_positive(double value, const std::string& key) {
-  require(value > 0 && std::isfinite(value), key, rounded_text(value), "a number above 0 is needed");
-}
-
-Vec3 unit_axis(const Vec3& axis, const std::string& key) {
-  require(axis.allFinite() && axis.norm() > kMinNorm, key, "no direction", "a vector longer than 0 is needed");
-  return axis.normalized();
-}
-
 }  // namespace
 
 Quat orientation_from_axis(const Vec3& tool_z) {
@@ -53,15 +40,12 @@ Quat normalized_or_warn(const Quat& q, const std::string& where, Diagnostics& re
 }
 
 std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge) {
-  const Vec3 axis = unit_axis(plunge.axis, "motion.plunge.axis");
-  require(plunge.entry_mm.allFinite(), "motion.plunge.entry_mm", "not a number", "three finite numbers are needed");
-  require_positive(plunge.feed_mm_s, "motion.plunge.feed_mm_s");
-  require_positive(plunge.retract_mm_s, "motion.plunge.retract_mm_s");
+  const Vec3 axis = plunge.axis.normalized();
   const double feed_mm = plunge.approach_mm + plunge.depth_mm;
-  require_positive(feed_mm, "motion.plunge.approach_mm + depth_mm");
-  require(plunge.dwell_s >= 0, "motion.plunge.dwell_s", rounded_text(plunge.dwell_s), "0 or more is needed");
-  require(plunge.retract_mm >= 0, "motion.plunge.retract_mm", rounded_text(plunge.retract_mm), "0 or more is needed");
-
+  if (!(feed_mm > 0)) {
+    throw InputError(SourceLocation{}, "motion.plunge.approach_mm + depth_mm", rounded_text(feed_mm),
+                     "a number above 0 is needed");
+  }
   const Quat orientation = orientation_from_axis(-axis);
   std::vector<KeyPose> poses;
   double time = 0;
@@ -79,24 +63,15 @@ std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge) {
 }
 
 std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyframes, Diagnostics& report) {
-  require(keyframes.size() >= 2, "motion.keyframes", std::to_string(keyframes.size()) + " keyframes",
-          "at least two are needed");
   std::vector<KeyPose> poses;
   std::optional<Vec3> last_axis;
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     const KeyframeSettings& k = keyframes[i];
-    const std::string where = "motion.keyframes[" + std::to_string(i) + "]";
-    require(std::isfinite(k.time_s) && (i == 0 || k.time_s > keyframes[i - 1].time_s), where + ".time_s",
-            rounded_text(k.time_s), "a time later than that of the previous keyframe is needed");
-    require(k.position_mm.allFinite(), where + ".position_mm", "not a number", "three finite numbers are needed");
-    require(std::isfinite(k.spin_rpm), where + ".spin_rpm", "not a number", "a finite number is needed");
-    require(k.axis || k.quaternion, where, "no orientation", "axis (+z of the tool) or quaternion is needed");
-
     Quat orientation;
     if (k.quaternion) {
-      orientation = normalized_or_warn(*k.quaternion, where + ".quaternion", report);
+      orientation = normalized_or_warn(*k.quaternion, "motion.keyframes[" + std::to_string(i) + "].quaternion", report);
     } else {
-      const Vec3 axis = unit_axis(*k.axis, where + ".axis");
+      const Vec3 axis = k.axis->normalized();
       orientation = poses.empty() ? orientation_from_axis(axis)
                                   : smallest_rotation(*last_axis, axis) * poses.back().pose.orientation;
     }

@@ -22,11 +22,12 @@ struct KeyPose {
 /// x is nearly parallel to `tool_z`.
 Quat orientation_from_axis(const Vec3& tool_z);
 
-/// Approach, feed, dwell and retract as key poses, starting at time 0.
+/// Approach, feed, dwell and retract as key poses, starting at time 0. Throws InputError where approach and depth are
+/// 0.
 std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge);
 
 /// Keyframes as key poses. Between axes the tool tilts along the shortest rotation, without rotation about its axis
-/// beside the spin. Throws InputError: fewer than two, time not increasing, no orientation.
+/// beside the spin. The scenario has been validated: two or more, in ascending time. Throws as normalized_or_warn().
 std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyframes, Diagnostics& report);
 
 /// `q` normalized. Warns when |q| differs from 1 by more than 10⁻³. Throws InputError when |q| is 0 or not finite.
