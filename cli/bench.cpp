@@ -1,27 +1,60 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <fmt/core.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string>
+#include <vector>
 
-#include "cli/bench_latency.h"
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/environment.h"
+#include "cli/stop.h"
 #include "render/plots/bench_plot.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/bench/latency.h"
 #include "sim/bench/paper.h"
 #include "sim/bench/suite.h"
 #include "sim/record/citation.h"
 #include "sim/record/output_folder.h"
+#include "sim/scenario/parse.h"
 #include "sim/scenario/shipped.h"
 
 namespace reamsim {
 
 namespace {
+
+constexpr std::int64_t kMostFrames = 5000;
+
+/// `reamsim bench --latency`: prints a line per scenario. Throws InputError, RunError, Interrupted.
+void bench_latency(const std::vector<std::string>& scenarios, const std::string& device, const Console& console) {
+  const auto kernels = prepare_opencl(device, console);
+  std::vector<std::string> overrides;
+  if (device != "auto") overrides.push_back("engine.device=" + device);
+  for (const std::string& file : scenarios) {
+    Diagnostics report;
+    const PrintOnError warnings_of_error(report, console);
+    const Scenario scenario = parse_scenario(file, overrides);
+    SimulationInput scene = load_scene(scenario, report);
+    const auto engine = load_engine(scene);
+    const bench::Latency found = bench::frame_latency(scene, *engine, kMostFrames, stop_requested);
+    if (found.frames == 0)
+      throw InputError(
+          {file, 0, 0}, "motion",
+          fmt::format("no more than {} frames are in contact, which the measurement leaves out", bench::kWarmUpFrames),
+          "a motion that reams for longer");
+    console.say(
+        fmt::format("{}, {:g} mm, {} on {}: {} frames in contact, median {:.3f} ms, 99 % {:.3f} ms, 99.9 % {:.3f} ms, "
+                    "most {:.3f} ms",
+                    scenario.name, scene.bone.voxmap->grid.voxel_mm, name_of(engine_of(scene.scenario)),
+                    engine->device(), found.frames, found.median_ms, found.p99_ms, found.p999_ms, found.most_ms));
+  }
+}
 
 struct BenchOptions {
   bool quick = false;

@@ -3,12 +3,16 @@
 
 #include "render/plots/compare.h"
 
+#include <fmt/core.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <set>
+#include <string>
+#include <vector>
 
-#include "render/plots/compare_style.h"
 #include "render/plots/plots.h"
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
@@ -17,6 +21,202 @@
 #include "sim/record/force_log.h"
 
 namespace reamsim {
+
+namespace {
+
+/// Colours whose least difference is 31 (CIE 1976 L*a*b*), also as seen with protanopia, deuteranopia and tritanopia;
+/// tests/python/test_compare_colors.py measures it. With four dash types, 24 styles.
+constexpr std::array<unsigned, 6> kCurveColors{0x332288, 0xe69f00, 0x56b4e9, 0x117733, 0x8c4f86, 0x000000};
+constexpr std::size_t kDashes = 4;
+static_assert(kCurveColors.size() * kDashes >= kLineStyles);
+
+/// viridis (van der Walt and Smith 2015, CC0) without its lightest tenth, which is faint on white.
+constexpr std::array<std::array<double, 3>, 10> kRamp{{{68, 1, 84},
+                                                       {72, 36, 117},
+                                                       {65, 68, 135},
+                                                       {53, 95, 141},
+                                                       {42, 120, 142},
+                                                       {33, 145, 140},
+                                                       {34, 168, 132},
+                                                       {68, 191, 112},
+                                                       {122, 209, 81},
+                                                       {189, 223, 38}}};
+constexpr unsigned kNoValue = 0x999999;  // of a run without the number
+
+/// Most characters of an entry in the legend: two fit side by side, and four of at most kShortEntry.
+constexpr std::size_t kMostInLegend = 46, kShortEntry = 18;
+
+unsigned ramp_color(double fraction) {
+  const double place = std::clamp(fraction, 0.0, 1.0) * (kRamp.size() - 1);
+  const auto low = std::min(static_cast<std::size_t>(place), kRamp.size() - 2);
+  unsigned out = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double value = std::lerp(kRamp[low][c], kRamp[low + 1][c], place - static_cast<double>(low));
+    out = out << 8 | static_cast<unsigned>(std::lround(value));
+  }
+  return out;
+}
+
+std::string array_text(const std::string& name, const std::vector<std::string>& items) {
+  std::string out = "array " + name + "[" + std::to_string(items.size()) + "] = [";
+  for (std::size_t i = 0; i < items.size(); ++i) out += (i == 0 ? "" : ", ") + items[i];
+  return out + "]\n";
+}
+
+std::string color_text(unsigned color) {
+  return fmt::format("0x{:06x}", color);
+}
+
+/// At most kMostInLegend characters: the middle of a longer text is left out.
+std::string shortened(const std::string& text) {
+  if (text_width(text) <= kMostInLegend) return text;
+  std::vector<std::string> characters;
+  for (const char c : text) {
+    if ((static_cast<unsigned char>(c) & 0xc0) != 0x80 || characters.empty()) characters.emplace_back();
+    characters.back() += c;
+  }
+  std::string out;
+  const std::size_t half = (kMostInLegend - 1) / 2;
+  for (std::size_t i = 0; i < half; ++i) out += characters[i];
+  out += "…";
+  for (std::size_t i = characters.size() - half; i < characters.size(); ++i) out += characters[i];
+  return out;
+}
+
+/// "3  label": the number is that of runs.csv.
+std::string entry_of(const Comparison& comparison, std::size_t run) {
+  return std::to_string(run + 1) + "  " + shortened(comparison.runs[run].label);
+}
+
+std::string single_styles(const Comparison& comparison) {
+  std::vector<std::string> shades, dashes, entries, entry_shades, entry_dashes;
+  for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
+    shades.push_back(color_text(kCurveColors[i % kCurveColors.size()]));
+    dashes.push_back(std::to_string(i / kCurveColors.size() % kDashes + 1));
+    entries.push_back(gnuplot_string(entry_of(comparison, i)));
+  }
+  const bool short_entries =
+      std::ranges::all_of(entries, [](const std::string& entry) { return text_width(entry) <= kShortEntry + 2; });
+  return "colored_by = ''\ncolumns_of_key = " + std::string(short_entries ? "4" : "2") + "\n" +
+         array_text("shade", shades) + array_text("dash", dashes) + array_text("entry", entries) +
+         array_text("entry_shade", shades) + array_text("entry_dash", dashes);
+}
+
+/// The parameter that dash types show beside the ramp: the first other one with few values. nullptr: none.
+const ComparedParameter* dashed_by(const Comparison& comparison, const RampKey& ramp) {
+  const auto found = std::ranges::find_if(comparison.parameters, [&](const ComparedParameter& parameter) {
+    return parameter.key != ramp.key && parameter.distinct() <= kDashes;
+  });
+  return found == comparison.parameters.end() ? nullptr : &*found;
+}
+
+/// Dash of each run and the legend of the dash types.
+std::string dash_styles(const ComparedParameter* parameter, std::size_t runs) {
+  std::vector<std::string> seen, dashes, entries, entry_dashes;
+  for (std::size_t i = 0; i < runs && parameter != nullptr; ++i) {
+    const auto found = std::ranges::find(seen, parameter->shown[i]);
+    dashes.push_back(std::to_string(found - seen.begin() + 1));
+    if (found != seen.end()) continue;
+    seen.push_back(parameter->shown[i]);
+    entry_dashes.push_back(dashes.back());
+    entries.push_back(gnuplot_string(shortened(parameter->key + " = " + parameter->shown[i])));
+  }
+  if (parameter == nullptr) {
+    dashes.assign(runs, "1");
+    entries = {"''"};
+    entry_dashes = {"1"};
+  }
+  const std::vector<std::string> grey(entries.size(), "0x404040");
+  return array_text("dash", dashes) + array_text("entry", entries) + array_text("entry_shade", grey) +
+         array_text("entry_dash", entry_dashes);
+}
+
+std::string ramp_styles(const Comparison& comparison, const RampKey& ramp) {
+  std::vector<double> finite;
+  std::ranges::copy_if(ramp.values, std::back_inserter(finite), [](double value) { return std::isfinite(value); });
+  const auto [low, high] = std::ranges::minmax(finite);
+  std::vector<std::string> shades, bar;
+  for (const double value : ramp.values) {
+    const double fraction = high > low ? (value - low) / (high - low) : 0;
+    shades.push_back(color_text(std::isfinite(value) ? ramp_color(fraction) : kNoValue));
+  }
+  constexpr int kBarSteps = 64;
+  for (int i = 0; i < kBarSteps; ++i) bar.push_back(color_text(ramp_color((i + 0.5) / kBarSteps)));
+  return "columns_of_key = 2\ncolored_by = " + gnuplot_string(ramp.key.empty() ? "number of the run" : ramp.key) +
+         "\n" + "ramp_low = " + shortest_text(low) + " + 0.0\nramp_high = " + shortest_text(high) + " + 0.0\n" +
+         array_text("bar", bar) + array_text("shade", shades) +
+         dash_styles(dashed_by(comparison, ramp), comparison.runs.size());
+}
+
+/// Ranks from 0; equal values share their mean.
+std::vector<double> ranks(const std::vector<double>& values) {
+  std::vector<double> out;
+  for (const double value : values) {
+    const auto less = std::ranges::count_if(values, [&](double other) { return other < value; });
+    const auto equal = std::ranges::count(values, value);
+    out.push_back(static_cast<double>(less) + 0.5 * static_cast<double>(equal - 1));
+  }
+  return out;
+}
+
+/// Spearman's rank correlation of `a` and `b`; 0 where one is constant or has a missing value.
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  const auto is_missing = [](double value) { return std::isnan(value); };
+  if (std::ranges::any_of(a, is_missing) || std::ranges::any_of(b, is_missing)) return 0;
+  const std::vector<double> x = ranks(a), y = ranks(b);
+  const double mean = 0.5 * (static_cast<double>(a.size()) - 1);
+  double xx = 0, xy = 0, yy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xx += (x[i] - mean) * (x[i] - mean);
+    xy += (x[i] - mean) * (y[i] - mean);
+    yy += (y[i] - mean) * (y[i] - mean);
+  }
+  return xx > 0 && yy > 0 ? xy / std::sqrt(xx * yy) : 0;
+}
+
+std::optional<RampKey> colored_by(const Comparison& comparison) {
+  const auto has_number = [](const std::vector<double>& values) {
+    return std::ranges::any_of(values, [](double value) { return std::isfinite(value); });
+  };
+  if (!comparison.color_by.empty()) {
+    for (const ComparedParameter& parameter : comparison.parameters) {
+      if (parameter.key == comparison.color_by && has_number(parameter.numbers))
+        return {{parameter.key, parameter.numbers}};
+    }
+    for (const ComparedMetric& metric : comparison.metrics) {
+      if (metric.key == comparison.color_by && has_number(metric.values)) return {{metric.key, metric.values}};
+    }
+    throw InputError({}, "--color-by", comparison.color_by + " is no number that differs between the runs",
+                     "give a numeric column of runs.csv, such as removed_mm3");
+  }
+  if (comparison.runs.size() <= kLineStyles) return std::nullopt;
+  const auto force = std::ranges::find(comparison.metrics, "headline.peak_axial_force_n", &ComparedMetric::key);
+  const ComparedParameter* best = nullptr;
+  double best_correlation = -1;
+  for (const ComparedParameter& parameter : comparison.parameters) {
+    if (!parameter.is_number()) continue;
+    const double correlation =
+        force == comparison.metrics.end() ? 0 : std::abs(rank_correlation(parameter.numbers, force->values));
+    if (correlation <= best_correlation) continue;
+    best = &parameter;
+    best_correlation = correlation;
+  }
+  if (best != nullptr) return {{best->key, best->numbers}};
+  RampKey order;
+  for (std::size_t i = 0; i < comparison.runs.size(); ++i) order.values.push_back(static_cast<double>(i + 1));
+  return order;
+}
+
+/// How the curves of a comparison look, as arrays for the gnuplot script: `shade` (colour) and `dash` (1 to 4) of each
+/// run, the entries of the legend, and the colour ramp if there is one.
+std::string curve_styles(const Comparison& comparison) {
+  const std::optional<RampKey> ramp = colored_by(comparison);
+  return "runs = " + std::to_string(comparison.runs.size()) + "\n" +
+         (ramp ? ramp_styles(comparison, *ramp) : single_styles(comparison)) + "\n";
+}
+
+}  // namespace
+
 namespace embedded {
 extern const char* const compare_script;
 }

@@ -2,28 +2,144 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <fmt/core.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/Interpolation.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <string>
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/mesh_depth.h"
 #include "sim/bone/mesh_unit.h"
 #include "sim/bone/sample_phantom.h"
+#include "sim/bone/vdb/mesh_distance.h"
+#include "sim/bone/voxmap/brick_lattice.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/density_limit.h"
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/bone/voxmap/sample_voxels.h"
+#include "sim/bone/voxmap/voxel_grid.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_file.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/mesh/mesh_pieces.h"
 #include "sim/mesh/mesh_repair.h"
+#include "sim/mesh/triangle_mesh.h"
 
 namespace reamsim {
 
 namespace {
+
+/// Signed distance of voxel centres from a closed mesh, voxels, negative inside. Near the surface it is sampled at
+/// every voxel. Where a layer is many voxels thick, the distance below that is interpolated linearly between samples
+/// some voxels apart: a band of all voxels down to 1.5 mm takes most of the time and the memory of loading a fine bone.
+class MeshDepth {
+ public:
+  /// `layer_voxels`: depth to which distances are needed. Throws InputError where the mesh cannot be sampled.
+  MeshDepth(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid, double layer_voxels);
+
+  /// Distances near the surface, by voxel; constant outside and below.
+  [[nodiscard]] const openvdb::FloatTree& near_surface() const { return near_->tree(); }
+  /// Whether distances below are interpolated.
+  [[nodiscard]] bool interpolated() const { return ratio_ > 1; }
+  /// The interpolated distance at voxel coordinates, below the surface.
+  [[nodiscard]] float below(const Vec3& voxel) const;
+
+  using Distances = std::array<float, BrickLattice::kVoxels>;
+  /// The distances of a brick's voxels, by BrickLattice::offset_of().
+  void of_brick(const Vec3i& brick, Distances& out) const;
+
+ private:
+  openvdb::FloatGrid::Ptr near_;
+  openvdb::FloatGrid::Ptr deep_;  ///< distances in spacings of `ratio_` voxels, from the first voxel on
+  int ratio_ = 1;
+};
+
+/// The least number of samples across a layer.
+constexpr double kSamplesInLayer = 5;
+/// Every voxel is sampled down to this depth, voxels, where the samples below are further apart.
+constexpr double kNearVoxels = 3;
+/// Sampled beyond the layer, so that its end lies between samples.
+constexpr double kBeyond = 2;
+
+/// The samples around a brick, for linear interpolation at its voxels.
+class SamplesAround {
+ public:
+  SamplesAround(const openvdb::FloatTree& samples, const Vec3i& first_voxel, int ratio)
+      : ratio_(ratio), first_(first_voxel / ratio) {
+    for_each_voxel(Vec3i::Constant(kSide), [&](const Vec3i& v) {
+      const Vec3i at = first_ + v;
+      values_[place(v)] = samples.getValue({at.x(), at.y(), at.z()});
+    });
+  }
+
+  /// The distance at a voxel of the brick, voxels.
+  [[nodiscard]] float at(const Vec3i& voxel) const {
+    const Vec3i lower = voxel / ratio_;
+    const Vec3 fraction = (voxel - ratio_ * lower).cast<double>() / ratio_;
+    double sum = 0;
+    for_each_trilinear_weight(fraction, [&](const Vec3i& step, double weight) {
+      sum += weight * double{values_[place(lower - first_ + step)]};
+    });
+    return static_cast<float>(ratio_ * sum);
+  }
+
+ private:
+  static constexpr int kSide = BrickLattice::kSide / 2 + 1;  // samples are at least two voxels apart
+
+  static std::size_t place(const Vec3i& v) { return static_cast<std::size_t>(v.x() + kSide * (v.y() + kSide * v.z())); }
+
+  int ratio_;
+  Vec3i first_;
+  std::array<float, std::size_t{kSide} * kSide * kSide> values_{};
+};
+
+MeshDepth::MeshDepth(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid, double layer_voxels)
+    : ratio_(std::max(1, static_cast<int>(layer_voxels / kSamplesInLayer))) {
+  const DistanceSampling near{.first_mm = grid.center_mm({0, 0, 0}),
+                              .spacing_mm = grid.voxel_mm,
+                              .outer_spacings = kMarginVoxels - 1,
+                              .inner_spacings = ratio_ == 1 ? layer_voxels + kBeyond : kNearVoxels};
+  DistanceSampling deep = near;
+  deep.spacing_mm = ratio_ * grid.voxel_mm;
+  deep.inner_spacings = layer_voxels / ratio_ + kBeyond;
+  try {
+    near_ = mesh_distance(mesh, near);
+    deep_ = ratio_ == 1 ? near_ : mesh_distance(mesh, deep);
+  } catch (const std::bad_alloc&) {
+    throw InputError({path, 0, 0}, "", "the distance field of the mesh does not fit into memory",
+                     "increase bone.voxel_mm");
+  } catch (const openvdb::Exception&) {
+    throw InputError({path, 0, 0}, "", "the mesh cannot be voxelized", "give a closed surface");
+  }
+}
+
+float MeshDepth::below(const Vec3& voxel) const {
+  const Vec3 sample = voxel / ratio_;
+  return static_cast<float>(ratio_) *
+         openvdb::tools::BoxSampler::sample(deep_->tree(), openvdb::Vec3d(sample.x(), sample.y(), sample.z()));
+}
+
+void MeshDepth::of_brick(const Vec3i& brick, Distances& out) const {
+  using Leaf = openvdb::FloatTree::LeafNodeType;
+  static_assert(Leaf::DIM == BrickLattice::kSide);
+  const Vec3i first = BrickLattice::kSide * brick;
+  const openvdb::Coord corner(first.x(), first.y(), first.z());
+  const Leaf* leaf = near_->tree().probeConstLeaf(corner);
+  const float all = leaf == nullptr ? near_->tree().getValue(corner) : 0;
+  std::optional<SamplesAround> samples;
+  for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
+    const Vec3i v = BrickLattice::voxel_at(Vec3i::Zero(), offset);
+    float& distance = out[static_cast<std::size_t>(offset)];
+    distance = leaf == nullptr ? all : leaf->getValue(Leaf::coordToOffset({v.x(), v.y(), v.z()}));
+    if (!interpolated() || distance > -kNearVoxels) continue;
+    if (!samples) samples.emplace(deep_->tree(), first, ratio_);
+    distance = samples->at(first + v);
+  }
+}
 
 /// Largest relative deviation of the voxelized volume from that of the mesh.
 constexpr double kMaxVolumeError = 0.1;

@@ -10,12 +10,13 @@
 
 #include "sim/base/error.h"
 #include "sim/base/memory.h"
+#include "sim/base/stopwatch.h"
+#include "sim/bone/glenoid_frame.h"
 #include "sim/record/citation.h"
 #include "sim/record/clearance_file.h"
 #include "sim/record/layer_mean.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/summary.h"
-#include "sim/run/measure.h"
 #include "sim/run/peak_warnings.h"
 #include "sim/run/run_checkpoints.h"
 #include "sim/run/simulation.h"
@@ -25,6 +26,24 @@
 namespace reamsim {
 
 namespace {
+
+/// Measures the reamed bone: metrics, depth map, and the time of measuring. `fill_before`: the fill before the run.
+void measure(RunFacts& facts, const SimulationInput& scene, const FillBricks& fill_before, const RunTotals& totals) {
+  const Stopwatch watch;
+  const ReamedBone bone{*scene.bone.voxmap, fill_before, scene.bone.fill};
+  const Rigid bone_from_tool = totals.deepest_pose.bone_from_tool();
+  BoneAxes axes{.scapula = scene.bone.scapula, .glenoid = {}};
+  axes.rim_mm = scene.bone.rim_mm;
+  if (scene.bone.glenoid) {
+    axes.glenoid = axes_of(*scene.bone.glenoid, scene.bone.side);
+    axes.bone_from_glenoid = scene.bone.glenoid->bone_from_glenoid;
+    axes.face_center_mm = axes.bone_from_glenoid->translation();
+  }
+  if (scene.bone.landmarks) axes.face_center_mm = scene.bone.landmarks->glenoid_center_mm;
+  facts.metrics = measure_bone(bone, bone_from_tool, axes, scene.scenario.metrics);
+  facts.depth_map = depth_map(bone, scene.bone.glenoid, bone_from_tool);
+  facts.measure_s = watch.seconds();
+}
 
 namespace fs = std::filesystem;
 

@@ -7,16 +7,170 @@
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <vector>
 
+#include "sim/base/geometry.h"
 #include "sim/scan/nifti_header.h"
-#include "sim/scan/nrrd_header.h"
 
 namespace reamsim::ct {
 
 namespace {
+
+/// What ITK leaves out of the header of an NRRD, or converts by rules that differ between its versions.
+struct NrrdHeader {
+  std::string space = {};             ///< letters and digits in lower case. ITK names the space into which it converted
+  std::vector<Vec3> directions = {};  ///< of the axes that have one, in the space and its units
+  Vec3 to_mm = Vec3::Ones();          ///< millimetres in the length unit of each axis of the space
+  std::string unknown_unit = {};      ///< the first that is no known length unit, taken as mm; empty: none
+};
+
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+/// Letters and digits in lower case.
+std::string plain(const std::string& text) {
+  std::string out;
+  std::ranges::copy_if(lower_case(text), std::back_inserter(out), [](unsigned char c) { return std::isalnum(c) != 0; });
+  return out;
+}
+
+/// The bytes of the header, without the voxels that follow its blank line.
+std::string header_text(const std::string& path) {
+  constexpr std::size_t kMostBytes = 1 << 24;  // of a header, which may hold any texts
+  std::ifstream in(path, std::ios::binary);
+  std::array<char, 4096> chunk{};
+  std::string out;
+  while (out.size() < kMostBytes && (in.read(chunk.data(), chunk.size()) || in.gcount() > 0)) {
+    const std::size_t from = std::max<std::size_t>(out.size(), 2) - 2;  // the blank line may begin in the last chunk
+    out.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
+    const std::size_t end = std::min(out.find("\n\n", from), out.find("\n\r\n", from));
+    if (end != std::string::npos) return out.substr(0, end);
+  }
+  return out;
+}
+
+/// The fields of a header by plain() name; the first counts. `space:=value` and comments are none.
+std::map<std::string, std::string> fields_of(const std::string& path) {
+  std::map<std::string, std::string> out;
+  std::istringstream header(header_text(path));
+  for (std::string line; std::getline(header, line);) {
+    const std::size_t colon = line.starts_with('#') ? std::string::npos : line.find(": ");
+    if (colon != std::string::npos) out.try_emplace(plain(line.substr(0, colon)), line.substr(colon + 2));
+  }
+  return out;
+}
+
+/// The texts between quotation marks, without the blanks around them.
+std::vector<std::string> quoted_in(const std::string& text) {
+  std::vector<std::string> out;
+  for (std::size_t at = 0;;) {
+    const std::size_t open = text.find('"', at);
+    const std::size_t close = open == std::string::npos ? open : text.find('"', open + 1);
+    if (close == std::string::npos) return out;
+    const std::string inside = text.substr(open + 1, close - open - 1);
+    const std::size_t first = inside.find_first_not_of(' ');
+    out.push_back(first == std::string::npos ? "" : inside.substr(first, inside.find_last_not_of(' ') + 1 - first));
+    at = close + 1;
+  }
+}
+
+/// The units of the axes of the space, without those of the values of a voxel, such as layers.
+std::vector<std::string> of_space_axes(const std::vector<std::string>& units, const std::string& kinds) {
+  static constexpr std::array kOfSpace{"space", "domain", "time", "none", "???"};
+  std::istringstream in(kinds);
+  std::vector<std::string> out;
+  for (const std::string& unit : units) {
+    std::string kind;
+    if (!(in >> kind) || std::ranges::find(kOfSpace, lower_case(kind)) != kOfSpace.end()) out.push_back(unit);
+  }
+  return out;
+}
+
+/// Millimetres in a length unit; 0 for an unknown one. The standard has no list of units.
+double mm_of_unit(const std::string& unit) {
+  static const std::map<std::string, double, std::less<>> kUnits{
+      {"", 1},
+      {"mm", 1},
+      {"millimeter", 1},
+      {"millimeters", 1},
+      {"millimetre", 1},
+      {"millimetres", 1},
+      {"cm", 10},
+      {"centimeter", 10},
+      {"centimeters", 10},
+      {"centimetre", 10},
+      {"centimetres", 10},
+      {"m", 1e3},
+      {"meter", 1e3},
+      {"meters", 1e3},
+      {"metre", 1e3},
+      {"metres", 1e3},
+      {"um", 1e-3},
+      {"micrometer", 1e-3},
+      {"micrometers", 1e-3},
+      {"micrometre", 1e-3},
+      {"micrometres", 1e-3},
+      {"micron", 1e-3},
+      {"microns", 1e-3},
+      {"\xC2\xB5m", 1e-3},
+      {"\xCE\xBCm", 1e-3},
+      {"in", 25.4},
+      {"inch", 25.4},
+      {"inches", 25.4}};  // µ is U+00B5 or the Greek letter U+03BC
+  const auto found = kUnits.find(lower_case(unit));
+  return found == kUnits.end() ? 0 : found->second;
+}
+
+/// The units of the axes of the space. Axes with a direction have those of the space, others their own.
+std::vector<std::string> space_units(std::map<std::string, std::string>& fields) {
+  const std::vector<std::string> own = of_space_axes(quoted_in(fields["units"]), fields["kinds"]);
+  const std::vector<std::string> of_space = quoted_in(fields["spaceunits"]);
+  return fields.contains("spacedirections") || own.empty() ? of_space : own;
+}
+
+/// The vectors "(x,y,z)" of a text; others, such as "none", are left out.
+std::vector<Vec3> vectors_in(const std::string& text) {
+  std::vector<Vec3> out;
+  for (std::size_t open = text.find('('); open != std::string::npos; open = text.find('(', open + 1)) {
+    Vec3 v = Vec3::Zero();
+    const char* at = text.c_str() + open + 1;
+    for (double& value : v.reshaped()) {
+      char* end = nullptr;
+      value = std::strtod(at, &end);
+      at = *end == ',' ? end + 1 : end;
+    }
+    out.push_back(v);
+  }
+  return out;
+}
+
+/// Reads the header up to its end, the first blank line.
+NrrdHeader read_nrrd_header(const std::string& path) {
+  std::map<std::string, std::string> fields = fields_of(path);
+  const std::vector<std::string> units = space_units(fields);
+  NrrdHeader out{.space = plain(fields["space"]), .directions = vectors_in(fields["spacedirections"])};
+  for (std::size_t axis = 0; axis < std::min<std::size_t>(units.size(), 3); ++axis) {
+    const double mm = mm_of_unit(units[axis]);
+    if (mm > 0) {
+      out.to_mm[static_cast<Eigen::Index>(axis)] = mm;
+    } else if (out.unknown_unit.empty()) {
+      out.unknown_unit = units[axis];
+    }
+  }
+  return out;
+}
 
 /// The signs that take coordinates of an anatomical space to LPS; nullopt for other spaces.
 std::optional<Vec3> lps_from(const std::string& space) {

@@ -3,15 +3,74 @@
 
 #include "sim/engine/basis/basis_engine.h"
 
+#include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 
+#include "sim/base/parallel.h"
+#include "sim/bone/vdb/bone_vdb.h"
 #include "sim/engine/basis/exact_basis.h"
-#include "sim/engine/basis/touched_basis.h"
+#include "sim/engine/basis/visit_basis.h"
+#include "sim/engine/common/outline_table.h"
+#include "sim/tool/tool.h"
 
 namespace reamsim {
 
 namespace {
+
+/// The force basis of `erosion: remove`, from the voxels that the engine removed.
+class TouchedBasis {
+ public:
+  /// The voxmap must outlive it.
+  TouchedBasis(const BoneView& bone, const Tool& tool)
+      : voxmap_(&bone.voxmap), outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)) {}
+
+  /// The basis of each substep. `removed`: voxels, and the places in `args` of the substeps that removed them.
+  [[nodiscard]] std::vector<SubstepBasis> of(std::span<const SubstepArgs> args, const RemovedFrames& removed) const;
+
+ private:
+  [[nodiscard]] BasisValues response(const UnitArgs& args, const Vec3i& voxel) const;
+
+  const Voxmap* voxmap_;
+  OutlineTable outline_;
+};
+
+/// As rs_voxel_force().
+BasisValues TouchedBasis::response(const UnitArgs& args, const Vec3i& voxel) const {
+  const OutlineView outline = view_of(outline_);
+  const SubstepArgs& a = args.without_normal;
+  BrickMiddle brick;
+  rs_brick_in_tool(&a, voxel.x(), voxel.y(), voxel.z(), &brick);
+  Clip clip{};
+  rs_voxel_in_tool(&a, &brick, static_cast<float>(voxel.x() & 7), static_cast<float>(voxel.y() & 7),
+                   static_cast<float>(voxel.z() & 7), clip.p);
+  const float r = RS_SQRT(clip.p[0] * clip.p[0] + clip.p[1] * clip.p[1]);
+  rs_outline_normal(&outline, rs_pieces_near(&outline, r, clip.p[2]), clip.p, clip.n);
+  return unit_response(args, clip, static_cast<float>(voxmap_->grid.voxel_mm3()));
+}
+
+std::vector<SubstepBasis> TouchedBasis::of(std::span<const SubstepArgs> args, const RemovedFrames& removed) const {
+  RemovedFrames ordered = removed;
+  std::ranges::sort(ordered, {}, [](const auto& voxel) { return std::pair(voxel.second, voxel.first); });
+  std::vector<SubstepBasis> out(args.size());
+  parallel_items(args.size(), [&](std::size_t slot) {
+    const auto slot_of = [](const auto& voxel) { return voxel.second; };
+    const auto begin = std::ranges::lower_bound(ordered, static_cast<std::int32_t>(slot), {}, slot_of);
+    const auto end = std::ranges::upper_bound(begin, ordered.end(), static_cast<std::int32_t>(slot), {}, slot_of);
+    if (begin == end) return;
+    const UnitArgs units(args[slot], 0);
+    BrickBasis sums(1);
+    for (auto at = begin; at != end; ++at) {
+      const Vec3i voxel = voxmap_->grid.coord(at->first);
+      sums.add(0, voxmap_->grade.get(voxel), RS_WHOLE_FILL, response(units, voxel));
+    }
+    VisitBasis whole(1);
+    whole.add(sums);
+    out[slot] = std::move(whole.substeps().front());
+  });
+  return out;
+}
 
 /// `erosion: exact`: the basis is found apart from the engine.
 class ExactBasisEngine final : public Engine {
