@@ -4,10 +4,180 @@
 #include "render/film/film.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
+#include "render/pictures/canvas.h"
+#include "render/pictures/scale.h"
 #include "sim/base/text.h"
 
 namespace reamsim {
+
+namespace {
+
+// Lengths in pixels of a film 1080 high.
+constexpr double kLeft = 96;
+constexpr double kRight = 34;
+constexpr double kTop = 84;
+constexpr double kBetween = 108;
+constexpr double kBottom = 96;
+constexpr double kTitle = 24;
+constexpr double kNumber = 19;
+
+constexpr Rgba kGrid{0.86, 0.87, 0.89, 1};
+constexpr double kPaleOpacity = 0.28;
+
+Rgba rgba_of(std::uint32_t rgb, double opacity) {
+  return {(rgb >> 16 & 255) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0, opacity};
+}
+
+}  // namespace
+
+ForcePanel::ForcePanel(const ForceLog& log, const std::string& mean, int width_px, int height_px, double unit)
+    : log_(log),
+      unit_(unit),
+      first_s_(log.rows.front().time_s),
+      last_s_(std::max(log.rows.back().time_s, log.rows.front().time_s + 1e-6)),
+      background_(plain_image(width_px, height_px, kColumnRgb)) {
+  // Blue and vermilion of Okabe and Ito (2008), as in the plots: safe for colour-blind readers.
+  curves_.push_back(
+      {mean + "axial force", "N", [](const ForceRow& row) { return row.layer_axial_force_n; }, 1, 0x0072b2, {}});
+  curves_.push_back(
+      {mean + "spin torque", "N·mm", [](const ForceRow& row) { return row.layer_spin_torque_nmm; }, 0, 0xd55e00, {}});
+  if (log.rows.back().push) {
+    curves_.push_back(
+        {"feed rate", "mm/s", [](const ForceRow& row) { return row.push ? row.push->feed_mm_s : 0; }, 2, 0x009e73, {}});
+  }
+  const auto curves = static_cast<double>(curves_.size());
+  const double height = (height_px - (kTop + (curves - 1) * kBetween + kBottom) * unit) / curves;
+  double y = kTop * unit;
+  for (Curve& curve : curves_) {
+    curve.title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(curve.title.front())));
+    curve.box = {kLeft * unit, y, width_px - (kLeft + kRight) * unit, height};
+    y += height + kBetween * unit;
+    compute_envelope(curve);
+    draw_frame(curve);
+  }
+  draw_time_axis();
+  const Canvas canvas(background_);
+  for (const Curve& curve : curves_) draw_curve(canvas, curve, curve.low.size(), kPaleOpacity);
+  canvas.finish();
+}
+
+double ForcePanel::x_of(double time_s) const {
+  const Box& box = curves_.front().box;
+  return box.x + box.width * (time_s - first_s_) / (last_s_ - first_s_);
+}
+
+double ForcePanel::y_of(const Curve& curve, double value) const {
+  return curve.box.y + curve.box.height * (curve.max - value) / (curve.max - curve.min);
+}
+
+void ForcePanel::compute_envelope(Curve& curve) const {
+  const auto columns = static_cast<std::size_t>(std::max(1.0, std::ceil(curve.box.width)));
+  curve.low.assign(columns, std::numeric_limits<double>::max());
+  curve.high.assign(columns, std::numeric_limits<double>::lowest());
+  double least = 0, most = 0;
+  for (const ForceRow& row : log_.rows) {
+    const double value = curve.value(row);
+    const double place = (x_of(row.time_s) - curve.box.x) / curve.box.width * static_cast<double>(columns);
+    const auto column = std::min(columns - 1, static_cast<std::size_t>(std::max(0.0, place)));
+    curve.low[column] = std::min(curve.low[column], value);
+    curve.high[column] = std::max(curve.high[column], value);
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  const Scale scale = scale_up_to(std::max(most, -least));
+  curve.step = scale.step;
+  curve.max = most > 0 || least == 0 ? scale.step * std::max(1.0, std::ceil(most / scale.step - 1e-6)) : 0;
+  curve.min = scale.step * std::floor(least / scale.step + 1e-6);
+}
+
+void ForcePanel::draw_frame(const Curve& curve) {
+  const Canvas canvas(background_);
+  const Box& box = curve.box;
+  const int lowest = static_cast<int>(std::lround(curve.min / curve.step));
+  const int highest = static_cast<int>(std::lround(curve.max / curve.step));
+  const Scale numbers{curve.max, curve.step};
+  cairo_set_line_width(canvas.get(), std::max(1.0, 1.2 * unit_));
+  for (int tick = lowest; tick <= highest; ++tick) {
+    const double y = y_of(curve, tick * curve.step);
+    canvas.set_color(tick == 0 ? kFaintTextColor : kGrid);
+    canvas.line({box.x, y}, {box.x + box.width, y});
+    const TextLine number(canvas, numbers.label(tick), kNumber * unit_);
+    canvas.set_color(kFaintTextColor);
+    number.draw(box.x - 10 * unit_ - number.width, y - 0.5 * number.height);
+  }
+  const TextLine title(canvas, curve.title + " (" + curve.unit + ")", kTitle * unit_, true);
+  canvas.set_color(kTextColor);
+  title.draw(box.x, box.y - title.height - 16 * unit_);
+  canvas.finish();
+}
+
+void ForcePanel::draw_time_axis() {
+  const Canvas canvas(background_);
+  const Scale scale = scale_up_to(last_s_ - first_s_);
+  const Box& lower = curves_.back().box;
+  const double bottom = lower.y + lower.height;
+  cairo_set_line_width(canvas.get(), std::max(1.0, 1.2 * unit_));
+  const int first = static_cast<int>(std::ceil(first_s_ / scale.step - 1e-9));
+  for (int tick = first; tick * scale.step <= last_s_ + 1e-9 * scale.step; ++tick) {
+    const double x = x_of(tick * scale.step);
+    for (const Curve& curve : curves_) {
+      canvas.set_color(kGrid);
+      canvas.line({x, curve.box.y}, {x, curve.box.y + curve.box.height});
+    }
+    const TextLine number(canvas, scale.label(tick), kNumber * unit_);
+    canvas.set_color(kFaintTextColor);
+    number.draw(x - 0.5 * number.width, bottom + 8 * unit_);
+  }
+  const TextLine title(canvas, "Time (s)", kNumber * unit_);
+  canvas.set_color(kTextColor);
+  title.draw(lower.x + 0.5 * (lower.width - title.width), bottom + 40 * unit_);
+  canvas.finish();
+}
+
+void ForcePanel::draw_curve(const Canvas& canvas, const Curve& curve, std::size_t columns, double opacity) const {
+  cairo_t* c = canvas.get();
+  const double step = curve.box.width / static_cast<double>(curve.low.size());
+  cairo_new_path(c);
+  for (std::size_t i = 0; i < columns; ++i) {
+    if (curve.low[i] > curve.high[i]) continue;  // no frame in this column
+    const double x = curve.box.x + (static_cast<double>(i) + 0.5) * step;
+    cairo_line_to(c, x, y_of(curve, curve.low[i]));
+    cairo_line_to(c, x, y_of(curve, curve.high[i]));
+  }
+  cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
+  cairo_set_line_cap(c, CAIRO_LINE_CAP_ROUND);
+  cairo_set_line_width(c, std::max(1.2, 2.4 * unit_));
+  canvas.set_color(rgba_of(curve.rgb, opacity));
+  cairo_stroke(c);
+}
+
+PixelImage ForcePanel::at(const ForceRow& row) const {
+  PixelImage image = background_;
+  const Canvas canvas(image);
+  cairo_t* c = canvas.get();
+  const double x = x_of(row.time_s);
+  for (const Curve& curve : curves_) {
+    const Box& box = curve.box;
+    const double columns = (x - box.x) / box.width * static_cast<double>(curve.low.size());
+    draw_curve(canvas, curve, std::min(curve.low.size(), static_cast<std::size_t>(std::max(0.0, columns)) + 1), 1);
+    cairo_set_line_width(c, std::max(1.0, 1.6 * unit_));
+    canvas.set_color(kFaintTextColor);
+    canvas.line({x, box.y}, {x, box.y + box.height});
+    cairo_arc(c, x, y_of(curve, curve.value(row)), 7 * unit_, 0, 6.2832);
+    canvas.set_color(rgba_of(curve.rgb, 1));
+    cairo_fill_preserve(c);
+    canvas.set_color({1, 1, 1, 1});
+    cairo_stroke(c);
+    const TextLine number(canvas, fixed_text(curve.value(row), curve.decimals), kTitle * unit_, true);
+    canvas.set_color(rgba_of(curve.rgb, 1));
+    number.draw(box.x + box.width - number.width, box.y - number.height - 16 * unit_);
+  }
+  canvas.finish();
+  return image;
+}
 namespace {
 
 /// Background of transparent pictures.

@@ -5,13 +5,57 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "render/film/encoder.h"
-#include "render/film/force_panel.h"
+#include "render/gl/pixel_image.h"
 #include "render/pictures/captions.h"
 #include "render/pictures/run_view.h"
+#include "sim/record/force_log.h"
 
 namespace reamsim {
+
+/// Axial force and spin torque against time, and the feed rate of a push, beside a film's pictures: the whole run pale,
+/// the past opaque, and a cursor. The axes span the whole run.
+class ForcePanel {
+ public:
+  /// Draws the static background. `mean`: prefix of the names of averaged forces. Sizes in pixels; `unit`: pixels per
+  /// pixel of a film 1080 high. `log` outlives the panel. Throws RunError.
+  ForcePanel(const ForceLog& log, const std::string& mean, int width_px, int height_px, double unit);
+
+  /// The panel at the time of a row of the log. Throws RunError.
+  [[nodiscard]] PixelImage at(const ForceRow& row) const;
+
+  /// The plot area of a curve: 0 force, 1 torque, 2 feed rate.
+  [[nodiscard]] const Box& plot(int curve) const { return curves_.at(static_cast<std::size_t>(curve)).box; }
+  /// Pixels from the panel's left edge.
+  [[nodiscard]] double x_of(double time_s) const;
+
+ private:
+  struct Curve {
+    std::string title, unit;
+    double (*value)(const ForceRow&);
+    int decimals;
+    std::uint32_t rgb;
+    Box box;
+    double min = 0, max = 1, step = 0.2;  ///< of the axis
+    std::vector<double> low{}, high{};    ///< extremes per column of pixels
+  };
+
+  void compute_envelope(Curve& curve) const;
+  void draw_frame(const Curve& curve);
+  void draw_time_axis();
+  /// Draws the curve up to a column.
+  void draw_curve(const class Canvas& canvas, const Curve& curve, std::size_t columns, double opacity) const;
+  [[nodiscard]] double y_of(const Curve& curve, double value) const;
+
+  const ForceLog& log_;
+  double unit_;
+  double first_s_ = 0;
+  double last_s_ = 1;
+  std::vector<Curve> curves_;
+  PixelImage background_;
+};
 
 /// The layout of a film: the bone, with the force panel beside it, or below it in portrait format.
 struct FilmLayout {

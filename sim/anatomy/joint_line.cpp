@@ -6,9 +6,163 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include "sim/base/linear_algebra.h"
+
 namespace reamsim {
+
+namespace {
+
+constexpr double kSlopeRadius_mm = 1.5;
+/// Lines of sight start this far above the highest point of the rim. They end below the lowest point, by the inner
+/// radius of the face: a bowl of that width is not deeper.
+constexpr double kAboveRim_mm = 3;
+
+/// Centroid of a polygon.
+Vec2 centroid_of(const std::vector<Vec2>& corners) {
+  Vec2 sum = Vec2::Zero();
+  double doubled_area = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2& a = corners[i];
+    const Vec2& b = corners[(i + 1) % corners.size()];
+    const double cross = a.x() * b.y() - a.y() * b.x();
+    doubled_area += cross;
+    sum += cross * (a + b) / 3;
+  }
+  return doubled_area == 0 ? Vec2(Vec2::Zero()) : Vec2(sum / doubled_area);
+}
+
+double distance_from_edge(const Vec2& place, const Vec2& a, const Vec2& b) {
+  const Vec2 along = b - a;
+  const double length2 = along.squaredNorm();
+  const double at = length2 == 0 ? 0 : std::clamp((place - a).dot(along) / length2, 0.0, 1.0);
+  return (place - a - at * along).norm();
+}
+
+/// The heights of the face on a regular grid in the plane of the outline.
+class FaceGrid {
+ public:
+  FaceGrid(const ReamedBone& bone, const FaceOutline& outline) : outline_(outline) {
+    const Aabb& box = outline.box_mm();
+    const double voxel_mm = bone.voxmap.grid.voxel_mm;
+    pitch_mm_ = std::max({voxel_mm, kFacePitch_mm, (box.max - box.min).head<2>().maxCoeff() / kMaxColumns});
+    first_ = (box.min.head<2>() / pitch_mm_).array().floor().cast<int>();
+    const Eigen::Vector2i last = (box.max.head<2>() / pitch_mm_).array().floor().cast<int>();
+    count_ = last - first_ + Eigen::Vector2i::Ones();
+    cells_.resize(static_cast<std::size_t>(count_.x()) * static_cast<std::size_t>(count_.y()));
+    SurfaceProbe probe(bone, outline.bone_from_outline(), box.max.z() + kAboveRim_mm,
+                       box.min.z() - std::max(outline.inner_radius_mm(), kAboveRim_mm));
+    for_each([&](int i, int j) {
+      if (outline_.inside_mm(place_mm(i, j)) > 0) cell(i, j) = probe.at(place_mm(i, j));
+    });
+  }
+
+  template <class Visit>
+  void for_each(const Visit& visit) {
+    for (int j = 0; j < count_.y(); ++j) {
+      for (int i = 0; i < count_.x(); ++i) visit(i, j);
+    }
+  }
+
+  [[nodiscard]] std::optional<SurfaceColumn>& cell(int i, int j) {
+    return cells_[static_cast<std::size_t>(i) + static_cast<std::size_t>(count_.x()) * static_cast<std::size_t>(j)];
+  }
+  [[nodiscard]] Vec2 place_mm(int i, int j) const {
+    return pitch_mm_ * (Vec2(first_.x() + i, first_.y() + j) + Vec2::Constant(0.5));
+  }
+  [[nodiscard]] Vec3 in_bone(int i, int j) {
+    const Vec2 place = place_mm(i, j);
+    return outline_.bone_from_outline() * Vec3(place.x(), place.y(), cell(i, j)->height_mm);
+  }
+  [[nodiscard]] double pitch_mm() const { return pitch_mm_; }
+
+  /// Area of the surface over that of its projection, from the least-squares plane through the neighbouring heights.
+  [[nodiscard]] double area_ratio(int i, int j) {
+    const int reach = std::max(2, static_cast<int>(std::lround(kSlopeRadius_mm / pitch_mm_)));
+    Mat3 products = Mat3::Zero();
+    Vec3 right = Vec3::Zero();
+    for (int dj = -std::min(reach, j); dj <= std::min(reach, count_.y() - 1 - j); ++dj) {
+      for (int di = -std::min(reach, i); di <= std::min(reach, count_.x() - 1 - i); ++di) {
+        const auto& near = cell(i + di, j + dj);
+        if (!near) continue;
+        const Vec3 row(1, di * pitch_mm_, dj * pitch_mm_);
+        products += row * row.transpose();
+        right += near->height_mm * row;
+      }
+    }
+    const Vec3 plane = solve_ldlt(products, right);
+    const double slope2 = plane.tail<2>().squaredNorm();
+    return std::isfinite(slope2) ? std::sqrt(1 + std::min(slope2, kMaxSlope * kMaxSlope)) : 1;
+  }
+
+ private:
+  static constexpr double kMaxSlope = 3;  ///< a steeper step is the edge of the face
+
+  const FaceOutline& outline_;
+  double pitch_mm_ = 0;
+  Eigen::Vector2i first_;
+  Eigen::Vector2i count_;
+  std::vector<std::optional<SurfaceColumn>> cells_;
+};
+
+}  // namespace
+
+std::optional<FaceOutline> FaceOutline::of(const std::vector<Vec3>& rim_mm, const Vec3& outward) {
+  const std::optional<PlaneFit> plane = fit_plane(rim_mm, outward);
+  if (!plane) return std::nullopt;
+  FaceOutline out;
+  const Vec3 across = plane->normal.unitOrthogonal();
+  out.bone_from_outline_.linear() << across, plane->normal.cross(across), plane->normal;
+  out.bone_from_outline_.translation() = plane->point_mm;
+  const auto set_corners = [&] {
+    out.corners_mm_.clear();
+    out.box_mm_ = Aabb::none();
+    const Rigid outline_from_bone = out.bone_from_outline_.inverse();
+    for (const Vec3& point : rim_mm) {
+      const Vec3 place = outline_from_bone * point;
+      out.corners_mm_.emplace_back(place.head<2>());
+      out.box_mm_.extend(place);
+    }
+  };
+  set_corners();
+  const Vec2 centroid = centroid_of(out.corners_mm_);
+  out.bone_from_outline_.translation() = out.bone_from_outline_ * Vec3(centroid.x(), centroid.y(), 0);
+  set_corners();
+  return out;
+}
+
+double FaceOutline::inside_mm(const Vec2& place) const {
+  double distance = std::numeric_limits<double>::infinity();
+  bool inside = false;
+  for (std::size_t i = 0; i < corners_mm_.size(); ++i) {
+    const Vec2& a = corners_mm_[i];
+    const Vec2& b = corners_mm_[(i + 1) % corners_mm_.size()];
+    distance = std::min(distance, distance_from_edge(place, a, b));
+    inside ^= (a.y() > place.y()) != (b.y() > place.y()) &&
+              place.x() < a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+  }
+  return inside ? distance : -distance;
+}
+
+NativeFace measure_native_face(const ReamedBone& bone, const FaceOutline& outline) {
+  FaceGrid grid(bone, outline);
+  const double cell_mm2 = grid.pitch_mm() * grid.pitch_mm();
+  const double margin_mm = std::min(kRimMargin_mm, outline.inner_radius_mm() / 4);
+  NativeFace out;
+  FacePoints points{.points_mm = {}, .point_mm2 = cell_mm2, .voxel_mm = bone.voxmap.grid.voxel_mm};
+  grid.for_each([&](int i, int j) {
+    const std::optional<SurfaceColumn>& cell = grid.cell(i, j);
+    if (!cell) return;
+    const double area_mm2 = cell_mm2 * grid.area_ratio(i, j);
+    out.area_mm2 += area_mm2;
+    if (cell->reamed) out.reamed_mm2 += area_mm2;
+    if (outline.inside_mm(grid.place_mm(i, j)) >= margin_mm) points.points_mm.push_back(grid.in_bone(i, j));
+  });
+  out.surface = fit_face(points, outline.bone_from_outline().linear().col(2));
+  return out;
+}
 
 namespace {
 

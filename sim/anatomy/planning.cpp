@@ -5,11 +5,217 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sim/anatomy/column_bone.h"
 #include "sim/base/parallel.h"
 
 namespace reamsim {
+
+namespace {
+
+constexpr double kSurfaceFraction = 0.5;  // fraction at the surface of the bone
+constexpr int kDirections = 72;           // around the axis
+constexpr int kLatitudes = 18;            // of the hemisphere at an end
+constexpr double kStationVoxels = 0.1;    // between circumferences
+constexpr int kStationsPerFan = 5;        // rays start at every fifth circumference
+constexpr double kRayVoxels = 0.5;        // step along a ray
+constexpr int kHalvings = 12;             // of the last step
+constexpr double kFaceCosine = 0.7071;    // a surface steeper than 45° against the implant is a wall
+/// A gap between back and bone begins this far above the bone.
+constexpr double kSurfaceVoxels = 0.5;
+
+/// The bone around a seated implant; points are in its frame.
+class BoneAround {
+ public:
+  BoneAround(const ReamedBone& bone, const SeatedImplant& implant, const ImplantShape& shape)
+      : implant_(implant),
+        shape_(shape),
+        fractions_(bone, DensityMapping::kMaxDensity_g_cm3),
+        voxel_mm_(bone.voxmap.grid.voxel_mm) {
+    const VoxelGrid& grid = bone.voxmap.grid;
+    const Vec3 size_mm = grid.voxel_mm * grid.dims.cast<double>();
+    center_mm_ = implant.bone_from_implant.inverse() * (grid.origin_mm + size_mm / 2);
+    radius_mm_ = size_mm.norm() / 2;
+  }
+
+  [[nodiscard]] double voxel_mm() const { return voxel_mm_; }
+  [[nodiscard]] bool below_back(const Vec3& point) const { return point.z() < shape_.level_mm(point.head<2>()); }
+  [[nodiscard]] bool in_bone(const Vec3& point) { return fraction_at(point) >= kSurfaceFraction; }
+  /// Air below the back that is not the gap between back and bone. The voxel under the back is left out, because the
+  /// interpolation rounds the edge of the face there.
+  [[nodiscard]] bool outside(const Vec3& point) {
+    return !in_bone(point) && below_back(point + voxel_mm_ * Vec3::UnitZ()) && !in_gap(point);
+  }
+
+  /// Distance along a ray from a point to the outer surface of the bone, at most `most_mm`. The face through which the
+  /// peg enters is not part of it.
+  [[nodiscard]] double wall_mm(const Vec3& from, const Vec3& direction, double most_mm) {
+    if (outside(from)) return 0;
+    const double step_mm = kRayVoxels * voxel_mm_;
+    // Beyond the sphere around the lattice everything is air.
+    const double last_mm = std::min(most_mm, (from - center_mm_).norm() + radius_mm_ + voxel_mm_) + step_mm;
+    bool was_in_bone = in_bone(from);
+    for (double along_mm = step_mm; along_mm < last_mm; along_mm += step_mm) {
+      const bool is_in_bone = in_bone(from + along_mm * direction);
+      if (was_in_bone && !is_in_bone) {
+        const double surface_mm = surface_between(from, direction, along_mm - step_mm, along_mm);
+        if (!is_face(from + surface_mm * direction)) return std::min(surface_mm, most_mm);
+      }
+      was_in_bone = is_in_bone;
+    }
+    return most_mm;
+  }
+
+ private:
+  [[nodiscard]] double surface_between(const Vec3& from, const Vec3& direction, double bone_mm, double air_mm) {
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle_mm = 0.5 * (bone_mm + air_mm);
+      (in_bone(from + middle_mm * direction) ? bone_mm : air_mm) = middle_mm;
+    }
+    return 0.5 * (bone_mm + air_mm);
+  }
+
+  /// Whether a point of the surface belongs to the face: above the back, in the gap below the footprint, or beside the
+  /// footprint and facing as the implant does.
+  [[nodiscard]] bool is_face(const Vec3& surface) {
+    if (!below_back(surface + voxel_mm_ * Vec3::UnitZ()) || in_gap(surface)) return true;
+    return !(shape_.covers(surface.head<2>()) && column_at(surface)) && normal_at(surface).z() > kFaceCosine;
+  }
+
+  /// Unit vector out of the bone at its surface.
+  [[nodiscard]] Vec3 normal_at(const Vec3& surface) {
+    Vec3 out;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 step = voxel_mm_ * Vec3::Unit(axis);
+      out[axis] = fraction_at(surface - step) - fraction_at(surface + step);
+    }
+    return out.normalized();
+  }
+
+  [[nodiscard]] double fraction_at(const Vec3& point) {
+    return fractions_.at(implant_.bone_from_implant * point).after;
+  }
+
+  /// The column of the map at a point; nullptr outside the map.
+  [[nodiscard]] const Column* column_at(const Vec3& point) const {
+    const ColumnMap& map = implant_.map;
+    const Vec2 at = (point.head<2>() - map.corner_mm) / map.pitch_mm;
+    const ColumnPlace place(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
+    return map.contains(place) ? &map.at(place) : nullptr;
+  }
+
+  /// Whether a point below the footprint lies between the back of the implant and the bone.
+  [[nodiscard]] bool in_gap(const Vec3& point) const {
+    if (!shape_.covers(point.head<2>())) return false;
+    const Column* column = column_at(point);
+    if (column == nullptr) return false;
+    if (column->state != ColumnState::bone && column->state != ColumnState::reamed) return false;
+    const double surface_mm = column->after_mm - implant_.apex_mm;
+    if (shape_.level_mm(point.head<2>()) - surface_mm > kOverhangDepth_mm) return false;
+    return point.z() > surface_mm - kSurfaceVoxels * voxel_mm_;
+  }
+
+  const SeatedImplant& implant_;
+  const ImplantShape& shape_;
+  BoneFractions fractions_;
+  double voxel_mm_;
+  Vec3 center_mm_;
+  double radius_mm_;
+};
+
+/// A capsule in the frame of the implant.
+struct Capsule {
+  Vec3 from_mm;
+  Vec3 along;  ///< of length 1
+  Vec3 across;
+  double length_mm;
+  double radius_mm;
+
+  explicit Capsule(const PegSettings& peg)
+      : from_mm(peg.from_mm),
+        along((peg.to_mm - peg.from_mm).normalized()),
+        across(along.unitOrthogonal()),
+        length_mm((peg.to_mm - peg.from_mm).norm()),
+        radius_mm(peg.diameter_mm / 2) {}
+
+  [[nodiscard]] Vec3 axis_at(double at_mm) const { return from_mm + at_mm * along; }
+  /// Direction `n` of kDirections around the axis.
+  [[nodiscard]] Vec3 around(int n) const {
+    const double angle = 2 * std::numbers::pi * n / kDirections;
+    return std::cos(angle) * across + std::sin(angle) * along.cross(across);
+  }
+};
+
+/// The least wall from one centre in the direction `ray`; `least_mm` becomes smaller.
+void shorten(BoneAround& bone, const Vec3& center, const Vec3& ray, double radius_mm, double& least_mm) {
+  if (!bone.below_back(center + radius_mm * ray)) return;
+  least_mm = std::min(least_mm, bone.wall_mm(center + radius_mm * ray, ray, least_mm));
+}
+
+/// The walls beyond the hemisphere at an end; `outward`: 1 along the axis, -1 against it.
+void shorten_at_end(BoneAround& bone, const Capsule& peg, const Vec3& end, double outward, double& least_mm) {
+  for (int latitude = 1; latitude <= kLatitudes; ++latitude) {
+    const double angle = 0.5 * std::numbers::pi * latitude / kLatitudes;
+    for (int n = 0; n < (latitude == kLatitudes ? 1 : kDirections); ++n) {
+      const Vec3 ray = std::cos(angle) * peg.around(n) + outward * std::sin(angle) * peg.along;
+      shorten(bone, end, ray, peg.radius_mm, least_mm);
+    }
+  }
+}
+
+/// What the circumference at a place of the axis meets.
+struct Circumference {
+  bool in_bone = true;
+  bool outside = false;
+};
+Circumference circumference_at(BoneAround& bone, const Capsule& peg, const Vec3& center) {
+  Circumference out;
+  for (int n = 0; n < kDirections; ++n) {
+    const Vec3 point = center + peg.radius_mm * peg.around(n);
+    if (bone.in_bone(point)) continue;
+    out.in_bone = false;
+    out.outside |= bone.outside(point);
+  }
+  return out;
+}
+
+PegWall measure_peg(BoneAround& bone, const Capsule& peg) {
+  const double stations = std::ceil(peg.length_mm / (kStationVoxels * bone.voxel_mm()));
+  const double step_mm = peg.length_mm / stations;
+  constexpr double kFar_mm = 1e9;
+  double least_mm = kFar_mm;
+  PegWall out;
+  int below = 0;
+  for (double i = 0.5; i < stations; ++i) {
+    const Vec3 center = peg.axis_at(i * step_mm);
+    if (!bone.below_back(center)) continue;
+    const Circumference found = circumference_at(bone, peg, center);
+    out.length_mm += step_mm;
+    out.in_bone_mm += found.in_bone ? step_mm : 0;
+    out.perforated_mm += found.outside ? step_mm : 0;
+    if (below++ % kStationsPerFan != 0) continue;
+    for (int n = 0; n < kDirections; ++n) shorten(bone, center, peg.around(n), peg.radius_mm, least_mm);
+  }
+  if (below == 0) return out;
+  for (const auto& [at_mm, outward] : {std::pair{0.0, -1.0}, std::pair{peg.length_mm, 1.0}}) {
+    const Vec3 end = peg.axis_at(at_mm);
+    if (bone.below_back(end)) shorten_at_end(bone, peg, end, outward, least_mm);
+  }
+  if (out.perforated_mm > 0) least_mm = 0;
+  if (least_mm < kFar_mm) out.least_wall_mm = least_mm;
+  return out;
+}
+
+}  // namespace
+
+std::vector<PegWall> measure_pegs(const ReamedBone& bone, const SeatedImplant& implant, const ImplantShape& shape,
+                                  const ImplantSettings& settings) {
+  BoneAround around(bone, implant, shape);
+  std::vector<PegWall> out;
+  for (const PegSettings& peg : settings.pegs) out.push_back(measure_peg(around, Capsule(peg)));
+  return out;
+}
 
 namespace {
 

@@ -3,14 +3,38 @@
 
 #pragma once
 
+#include <cstddef>
+#include <string>
 #include <vector>
 
 #include "sim/study/identify.h"
-#include "sim/study/run_messages.h"
 #include "sim/study/run_table.h"
 #include "sim/study/study_folder.h"
 
 namespace reamsim {
+
+/// Messages of runs, each text once, with the first run that has it: of many texts the first ten.
+class RunMessages {
+ public:
+  static constexpr std::size_t kMost = 10;
+
+  /// `number`: of a run; each run once.
+  void add(int number, const std::vector<std::string>& messages);
+
+  /// How many runs have messages.
+  [[nodiscard]] int runs() const { return runs_; }
+  /// "run 3 and 2 more: TEXT", at most `most`.
+  [[nodiscard]] std::vector<std::string> lines(std::size_t most = kMost) const;
+
+ private:
+  struct Text {
+    int number;
+    int runs;
+    std::string message;
+  };
+  std::vector<Text> texts_;
+  int runs_ = 0;
+};
 
 /// Runs of a study by what became of them.
 struct StudyCounts {
