@@ -35,7 +35,7 @@ namespace {
 
 /// Duration of the timed part of the simulation.
 constexpr double kCheckTiming_s = 1;
-/// Time of a picture of 1920 × 1080, measured on two cores as docs/formats.md describes.
+/// Time of a picture of 1920 × 1080, measured on two cores as docs/scenario.md describes.
 constexpr double kPicture_s = 0.4;
 
 void note_compliance(const ComplianceSettings& springs, Diagnostics& report) {

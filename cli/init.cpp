@@ -273,7 +273,7 @@ void init_command(InitOptions options, const Console& console) {
   Diagnostics report;
   const PrintOnError warnings_of_error(report, console);
   LoadedBone loaded = load(options, near_of(options, report), report);
-  FirstScenario first{.first_line = std::string(kFirstLine) + " docs/formats.md lists all keys.",
+  FirstScenario first{.first_line = std::string(kFirstLine) + " docs/keys.md lists all keys.",
                       .bone = loaded.settings,
                       .bone_path = beside(options.input, options.output),
                       .tool_path = beside(tool, options.output),

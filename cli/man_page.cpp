@@ -89,8 +89,8 @@ std::string man_page(const CLI::App& root) {
   out += section("SYNOPSIS") + bold("reamsim") + " " + italic("COMMAND") + " [" + italic("OPTIONS") + "]\n";
   out += section("DESCRIPTION") + line(kDescription);
   out += ".PP\n" + line(
-                       "A scenario is one YAML file: bone, reamer and motion. The reference of its keys and of all "
-                       "files is formats.md in the documentation of the package.");
+                       "A scenario is one YAML file: bone, reamer and motion. In the documentation of the package, "
+                       "keys.md has its keys and results.md the files of a run.");
   out += section("OPTIONS") + arguments(options_of(root));
   out += section("COMMANDS");
   for (const ListedCommand& command : listed_commands(root)) out += command_section(command);

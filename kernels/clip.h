@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Exact erosion: a voxel keeps its part outside the tool, which is bounded by a local plane (docs/physics.md, 3). */
+/* Exact erosion: a voxel keeps its part outside the tool, which is bounded by a local plane (docs/erosion.md, 3). */
 #ifndef REAMSIM_KERNELS_CLIP_H
 #define REAMSIM_KERNELS_CLIP_H
 

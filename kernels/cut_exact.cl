@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Exact erosion over bricks (docs/physics.md, 3): a voxel keeps the part outside the tool. A brick passes through all
+/* Exact erosion over bricks (docs/erosion.md, 3): a voxel keeps the part outside the tool. A brick passes through all
  * substeps of a visit at once, because no voxel depends on another; forces are added to the slots of the substeps. The
  * substeps form windows, in which the tool moves so little that one list of candidate voxels serves all of them. Where
  * the motion of a window is smooth, its voxels are cut in all of its frames at once (cut_window.h).

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Exact erosion over a window of frames whose motion is smooth (docs/physics.md, 3): the distance of a voxel from the
+/* Exact erosion over a window of frames whose motion is smooth (docs/erosion.md, 3): the distance of a voxel from the
  * tool is a quadratic polynomial of time through three nodes, the fraction outside the tool is a piecewise cubic of
  * that distance, and force and torque are its loss times a vector that is linear in time. The same code serves host,
  * work-item and lanes (lanes.h). */

@@ -20,7 +20,7 @@ std::array<double, kPoseColumns> values_of(const Pose& pose) {
   return {x, y, z, qw, qx, qy, qz, pose.spin_rpm, pose.spin_angle_rad.value_or(0)};
 }
 
-/// In the order of forces.csv (docs/formats.md).
+/// In the order of forces.csv (docs/columns.md).
 Row row_of(const StepResult& s) {
   Row out{static_cast<double>(s.frame), s.time_s};
   std::ranges::copy(values_of(s.pose), out.begin() + 2);

@@ -11,7 +11,7 @@ namespace reamsim {
 
 /// The report of a verification: tables in Markdown, with a reference to verification.png.
 std::string verification_markdown(const verify::Findings& findings);
-/// The report as JSON; see docs/formats.md.
+/// The report as JSON; see docs/columns.md.
 std::string verification_json(const verify::Findings& findings);
 
 /// Writes verification.md, verification.json, and the figure of the refinements (verification.gp, .png, .svg) into

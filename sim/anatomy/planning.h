@@ -22,7 +22,7 @@ struct PegWall {
   std::optional<double> least_wall_mm;
 };
 
-/// One result per peg of the settings, in their order. Precision: see docs/physics.md.
+/// One result per peg of the settings, in their order. Precision: see docs/metrics.md.
 std::vector<PegWall> measure_pegs(const ReamedBone& bone, const SeatedImplant& implant, const ImplantShape& shape,
                                   const ImplantSettings& settings);
 

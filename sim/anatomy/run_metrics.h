@@ -42,7 +42,7 @@ struct RemovedVolume {
   double dense_mm3 = 0;  ///< subchondral and cortical
 };
 
-/// Depth along the reamer's axis (docs/formats.md, Headline).
+/// Depth along the reamer's axis (docs/results.md, Headline).
 struct AxialDepth {
   double max_mm = 0;
   double mean_mm = 0;

@@ -146,7 +146,7 @@ struct Findings {
 
 /// The findings as text tables, with the paper's figures.
 std::string text_of(const Findings& findings);
-/// The findings as JSON (docs/formats.md).
+/// The findings as JSON (docs/columns.md).
 std::string json_of(const Findings& findings);
 
 }  // namespace reamsim::bench

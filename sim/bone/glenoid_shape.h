@@ -14,7 +14,7 @@
 namespace reamsim {
 
 /// The articular face of the parametric glenoid. Balls remove bone: one with the radius of the native face and, for
-/// wear, one with that of the humeral head. All figures of the face therefore have closed forms (docs/physics.md).
+/// wear, one with that of the humeral head. All figures of the face therefore have closed forms (docs/glenoid.md).
 ///
 /// Anatomical coordinates, mm, origin at the centre of the native face: (lateral, superior, anterior). Lateral is the
 /// Friedman axis, from the trigonum spinae to the centre of the glenoid.

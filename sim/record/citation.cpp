@@ -83,7 +83,7 @@ void add(const Reference& reference, std::vector<Reference>& list) {
 
 void add_density(const YamlNodePtr& scenario, Citation& out) {
   if (has_default_density(scenario)) {
-    add(known_reference("pmc5234499", "density from radiodensity: the default, of a femur; docs/physics.md, 1"),
+    add(known_reference("pmc5234499", "density from radiodensity: the default, of a femur; docs/density.md, 1"),
         out.method);
   } else {
     add({.key = "density",
@@ -103,15 +103,16 @@ void add_method(const Json& summary, const std::string& dir, Citation& out) {
   if (engine == "implicit") rebuilt = "; the engine is that of Yau et al., its reference 32, as rebuilt there";
   add(known_reference("faieghi2020", "voxmap, broad phase and contact" + rebuilt), out.method);
   if (word_of(summary, "erosion") == "exact") {
-    add(known_reference("scardovelli2000", "volumes of clipped voxels; docs/physics.md, 1 and 3"), out.method);
+    add(known_reference("scardovelli2000", "volumes of clipped voxels; docs/density.md, 1, and docs/erosion.md, 3"),
+        out.method);
   }
   if (summary.contains("segmentation")) {
-    add(known_reference("aslam2004", "density of boundary voxels; docs/physics.md, 1"), out.method);
+    add(known_reference("aslam2004", "density of boundary voxels; docs/density.md, 1"), out.method);
     const std::string file = dir + "/scenario.yaml";
     add_density(parse_yaml(read_file(file, "the scenario.yaml of a run"), file), out);
   }
   if (summary.contains("deflection")) {
-    add(known_reference("broyden1965", "balance of a tool on springs; docs/physics.md, 11"), out.method);
+    add(known_reference("broyden1965", "balance of a tool on springs; docs/feeds.md, 11"), out.method);
   }
 }
 

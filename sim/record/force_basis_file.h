@@ -15,7 +15,7 @@ namespace reamsim {
 /// The file of a run's force basis.
 inline constexpr const char* kForceBasisName = "force_basis.npy";
 
-/// Writes force_basis.npy, an array of BasisRow (docs/formats.md).
+/// Writes force_basis.npy, an array of BasisRow (docs/columns.md).
 class ForceBasisWriter {
  public:
   /// Throws RunError when the file cannot be created.

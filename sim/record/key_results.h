@@ -9,7 +9,7 @@
 
 namespace reamsim {
 
-/// The first figures of every summary: one force, one torque, one depth (docs/formats.md, "Headline"). All outputs take
+/// The first figures of every summary: one force, one torque, one depth (docs/results.md, "Headline"). All outputs take
 /// their names and texts from here.
 struct KeyResults {
   bool means = false;  ///< force and torque are means over a voxel of travel; otherwise of single frames

@@ -13,13 +13,13 @@
 
 namespace reamsim {
 
-/// What happens in a push (docs/formats.md, events.csv).
+/// What happens in a push (docs/columns.md, events.csv).
 struct PushEvent {
   std::int64_t frame = 0;
   double time_s = 0;
   double depth_mm = 0;
   std::string event;  ///< contact, stall, breakthrough, end
-  double value = 0;   ///< see docs/formats.md
+  double value = 0;   ///< see docs/columns.md
 };
 
 /// Sums, extremes and events of a push, row by row.

@@ -11,7 +11,7 @@ namespace reamsim {
 
 namespace {
 
-// Sources: docs/physics.md and docs/engines.md, which say what each is used for.
+// Sources: docs/physics.md, the pages that it lists, and docs/engines.md, which say what each is used for.
 const std::vector<Reference>& published() {
   static const std::vector<Reference> all{
       {.key = "faieghi2020",
@@ -126,7 +126,7 @@ struct KnownFile {
   Reference reference;
 };
 
-// The files that docs/commands.md names under "Data".
+// The files that docs/command-line.md names under "Data".
 const std::vector<KnownFile>& public_files() {
   static const std::vector<KnownFile> all{
       {"67e5af7b99fbdeb342fb9b01b5c3e4e0f07da4fa79614dbdc76838baed767c96",

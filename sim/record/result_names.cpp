@@ -57,7 +57,7 @@ bool is_of_unfinished(const std::string& place, ResultKind kind) {
 
 constexpr const char* kFolders[] = {"frames", "plots", "snapshots", "turntable"};
 
-/// Users copy it into a run, whose report then shows it (docs/formats.md).
+/// Users copy it into a run, whose report then shows it (docs/figures.md).
 constexpr const char* kVerification = "verification.json";
 
 std::string kind_name(ResultKind kind) {

@@ -48,7 +48,7 @@ struct FrameResult {
 };
 
 /// What the voxels of one grade exert on the tool in a frame, per specific energy of 1 N/mm²; a row of force_basis.npy
-/// (docs/formats.md). Force = Σ u·(P + k_n·N), in B. Grade 0 is the edge force: P per K_t, N per K_n, each 1 N/mm.
+/// (docs/columns.md). Force = Σ u·(P + k_n·N), in B. Grade 0 is the edge force: P per K_t, N per K_n, each 1 N/mm.
 struct BasisRow {
   std::int32_t frame = 0;
   std::int32_t grade = 0;

@@ -22,7 +22,7 @@ struct SpringState {
   double drill_mj = 0;                  ///< work of the drive against the spin torque
   double spring_mj = 0;
   double damping_mj = 0;
-  double lost_mj = 0;        ///< ½·k·Δd² of every substep: of the step in time (docs/physics.md, 11)
+  double lost_mj = 0;        ///< ½·k·Δd² of every substep: of the step in time (docs/feeds.md, 11)
   double unbalanced_mj = 0;  ///< work of what the balances miss
   std::int64_t limited_frames = 0;
   std::int64_t unbalanced_frames = 0;

@@ -18,7 +18,7 @@ struct FeedState {
   double drill_mj = 0;            ///< work of the drive against the spin torque
   double damping_mj = 0;
   double kinetic_mj = 0;
-  double lost_mj = 0;  ///< kinetic energy that bone took within frames beside the mean force (docs/physics.md, 10)
+  double lost_mj = 0;  ///< kinetic energy that bone took within frames beside the mean force (docs/feeds.md, 10)
 };
 
 /// What balances the force of the bone in a frame: F_bone(feed) + damping·feed + M·dv/dt = thrust.

@@ -12,7 +12,7 @@
 
 namespace reamsim {
 
-// The values of every key that takes one of a closed list; docs/formats.md defines them. kChoiceNames<E> has their
+// The values of every key that takes one of a closed list; docs/keys.md defines them. kChoiceNames<E> has their
 // names in the order of the enumerators, for scenarios, results and messages.
 
 template <class E>

@@ -32,10 +32,10 @@ bool write(const std::string& path, const std::string& text) {
 
 }  // namespace
 
-/// reamsim_docs SCHEMA.json FORMATS.md: writes the JSON schema, and the table of keys into the page.
+/// reamsim_docs SCHEMA.json KEYS.md: writes the JSON schema, and the table of keys into the page.
 int main(int argc, char** argv) {
   if (argc != 3) {
-    std::cerr << "usage: reamsim_docs SCHEMA.json FORMATS.md\n";
+    std::cerr << "usage: reamsim_docs SCHEMA.json KEYS.md\n";
     return EXIT_FAILURE;
   }
   std::ifstream page_file(argv[2], std::ios::binary);

@@ -54,7 +54,7 @@ std::string to_yaml(const Scenario& scenario, const std::function<std::string(co
 /// assets/scenario.schema.json, generated from the same description of keys that the parser uses.
 std::string scenario_json_schema();
 
-/// The table of keys for docs/formats.md (Markdown), generated from the same description.
+/// The table of keys for docs/keys.md (Markdown), generated from the same description.
 std::string scenario_key_table();
 
 /// Every file that the scenario names as an input, for provenance: (its key, absolute path). The scenario file itself

@@ -16,7 +16,7 @@ void apply_preset(const KeyLocations& locations, CuttingSettings& cutting);
 /// Keys of the section `cutting` that differ from its preset; none without a preset.
 std::vector<std::string_view> changed_from_preset(const CuttingSettings& cutting);
 
-/// Replaces the defaults of a glenoid phantom by those of its Walch type (docs/physics.md has their sources). Does
+/// Replaces the defaults of a glenoid phantom by those of its Walch type (docs/glenoid.md has their sources). Does
 /// nothing with `walch: none`.
 void apply_walch_defaults(PhantomSettings& phantom);
 

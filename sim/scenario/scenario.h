@@ -43,7 +43,7 @@ struct GlenoidSettings {
   std::vector<Vec3> rim_mm;  ///< edge of the joint face before reaming, in order round it; empty: not given
 };
 
-/// Shapes for verification, and the parametric glenoid. Which keys apply: docs/formats.md.
+/// Shapes for verification, and the parametric glenoid. Which keys apply: docs/keys.md.
 struct PhantomSettings {
   PhantomShape shape = PhantomShape::glenoid;
   double density_g_cm3 = 1.8;  ///< half_space, cup, sphere: uniform
@@ -53,7 +53,7 @@ struct PhantomSettings {
   double cortical_mm = 2;      ///< layered: thickness of the top layer
   double cortical_density_g_cm3 = 1.8;
   double trabecular_density_g_cm3 = 0.4;
-  // glenoid; sources of its densities: docs/physics.md
+  // glenoid; sources of its densities: docs/glenoid.md
   double subchondral_density_g_cm3 = 1.1;
   double height_mm = 35;           ///< superior–inferior
   double width_mm = 26;            ///< anterior–posterior, of the lower, wider part
@@ -66,7 +66,7 @@ struct PhantomSettings {
   double trabecular_gradient = 1;  ///< how much denser trabecular bone is under the plate than deep; 0: even
   double texture = 0.25;           ///< relative amplitude of the trabecular texture
   int seed = 1;
-  // glenoid, worn or dysplastic; docs/physics.md defines the keys of each type
+  // glenoid, worn or dysplastic; docs/glenoid.md defines the keys of each type
   Walch walch = Walch::none;       ///< sets defaults of some keys (apply_walch_defaults)
   double medialization_mm = 1.5;   ///< A1, A2: how far wear has moved the face's centre towards the trigonum spinae
   double wear_radius_mm = 24;      ///< A1, A2, B2: of the humeral head that wore the face

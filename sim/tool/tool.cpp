@@ -22,7 +22,7 @@ namespace reamsim {
 
 namespace {
 
-/// Largest shell spacing without missed voxels, in voxels (docs/physics.md, 2).
+/// Largest shell spacing without missed voxels, in voxels (docs/erosion.md, 2).
 constexpr double kSafeSpacingVoxels = 0.5;
 /// Automatic spacing, in voxels: below the safe one, and no simple fraction of a voxel. At exactly half a voxel,
 /// aligned with the lattice, all layers of points would enter their next layers of voxels in the same frame.

@@ -36,7 +36,7 @@ struct PlungeLoads {
 };
 
 /// Loads of a face with bone under one half: towards e, perpendicular to the axis. t is e rotated by 90°,
-/// counter-clockwise seen from the drive; the tool rotates clockwise (docs/formats.md).
+/// counter-clockwise seen from the drive; the tool rotates clockwise (docs/scenario.md).
 struct HalfFaceLoads {
   double torque_nmm = 0;     ///< against the rotation
   double axial_force_n = 0;  ///< out of the bone

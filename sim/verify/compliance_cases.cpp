@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A tool on springs (docs/physics.md, 11), against closed forms.
+// A tool on springs (docs/feeds.md, 11), against closed forms.
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>

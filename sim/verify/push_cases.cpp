@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Feeds that follow from the balance of forces (docs/physics.md, 10), against closed forms.
+// Feeds that follow from the balance of forces (docs/feeds.md, 10), against closed forms.
 #include <fmt/core.h>
 #include <cmath>
 #include <limits>

@@ -7,7 +7,7 @@
 
 namespace reamsim::verify {
 
-// Feeds of a head under a thrust, from the closed forms of its forces (docs/physics.md, 10). `feed_mm_s` of the head is
+// Feeds of a head under a thrust, from the closed forms of its forces (docs/feeds.md, 10). `feed_mm_s` of the head is
 // not used.
 
 /// A of A·v + B·v² = F, N·s/mm.

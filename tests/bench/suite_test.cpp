@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A whole run at a small size: every row is there, and the JSON has the keys that docs/formats.md promises.
+// A whole run at a small size: every row is there, and the JSON has the keys that docs/columns.md promises.
 #include "sim/bench/suite.h"
 
 #include <gmock/gmock.h>

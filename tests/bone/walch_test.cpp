@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The worn and dysplastic faces of the glenoid phantom against their closed forms (docs/physics.md).
+// The worn and dysplastic faces of the glenoid phantom against their closed forms (docs/glenoid.md).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -228,7 +228,7 @@ TEST_F(Overwrite, EveryFileOfARunWithEverythingIsKnown) {
                           "cutting: {erosion: remove}\n";
   const std::string resolved = with(all, "plunge:\n", "plunge:\n    spin_rpm: 3000\n");
   expect_done(run(with(resolved, "/assets/reamer_flat.stl\n", "/assets/reamer_convex_edges.stl\n  spin: resolved\n")));
-  fs::copy(path("out/scenario.yaml"), path("out/verification.json"));  // as docs/formats.md suggests
+  fs::copy(path("out/scenario.yaml"), path("out/verification.json"));  // as docs/figures.md suggests
   expect_done(run(resolved, {"--overwrite"}));
 }
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""keys.py REAMSIM ROOT: every key of summary.json and every column of each CSV that runs write is in docs/formats.md, and the
-page names no key of summary.json that no run has.
+"""keys.py REAMSIM ROOT: every key of summary.json and every column of each CSV that runs write is on a page of results, and
+docs/results.md names no key of summary.json that no run has.
 
-A row of the page's table stands for the names in its first cell, where `.name` replaces the last part of the name before it, and for
+A row of its table stands for the names in its first cell, where `.name` replaces the last part of the name before it, and for
 the names below them that its text gives in backticks."""
 
 import csv
@@ -17,6 +17,7 @@ import tempfile
 
 import scans
 
+PAGES = ("results", "figures", "columns", "study-files")
 HOLDER = "holder: [{name: shaft, from_z_mm: 30, to_z_mm: 80, diameter_mm: 8}]"
 GLENOID = "bone: {source: phantom, side: left, voxel_mm: 1, phantom: {shape: glenoid, walch: A1}}\n"
 IMPLANT = ("metrics: {implant: {backside_radius_mm: 29, width_mm: 22, height_mm: 28, thickness_mm: 4, pegs: [{from_mm: [0, 0, 0], "
@@ -93,9 +94,9 @@ def simulate(program, folder, root):
     subprocess.run([program, "compare", "shell", "resolved", "-o", "compared"], cwd=folder, check=True, capture_output=True)
 
 
-def check_columns(page, folder):
-    """Columns of the CSV files of runs, against the page's words in backticks, alone or in a list with commas."""
-    words = {word for span in re.findall(r"`([^`\n]+)`", page) for word in span.split(",")}
+def check_columns(text, folder):
+    """Columns of the CSV files of runs, against the words of the pages in backticks, alone or in a list with commas."""
+    words = {word for span in re.findall(r"`([^`\n]+)`", text) for word in span.split(",")}
     missing, files = [], 0
     for path in sorted(folder.glob("*/*.csv")):
         if path.name == "runs.csv" or path.parent.name == "scan" and path.name == "poses.csv":
@@ -109,18 +110,18 @@ def check_columns(page, folder):
 
 def main():
     program, root = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
-    page = (root / "docs/formats.md").read_text()
-    rows = list(rows_of(section(page, "summary.json")))
+    pages = {name: (root / f"docs/{name}.md").read_text() for name in PAGES}
+    rows = list(rows_of(section(pages["results"], "summary.json")))
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         simulate(program, folder, root)
         found = {key for run in RUNS for key in keys_of(json.loads((folder / run / "summary.json").read_text()))}
-        missing = check_columns(page, folder)
+        missing = check_columns("\n".join(pages.values()), folder)
     missing += sorted(f"summary.json: {key}" for key in found if not is_documented(key, rows))
     plain = {key.replace("[]", "") for key in found}
     stale = [name for names, _ in rows for name in names
              if not any(key == name.replace("[]", "") or key.startswith(name.replace("[]", "") + ".") for key in plain)]
-    assert not missing and not stale, "not in docs/formats.md:\n" + "\n".join(missing) + "\nin no run:\n" + "\n".join(stale)
+    assert not missing and not stale, f"not in docs/ ({', '.join(PAGES)}):\n" + "\n".join(missing) + "\nin no run:\n" + "\n".join(stale)
     print(f"{len(found)} keys of summary.json")
 
 

@@ -306,7 +306,7 @@ def main():
             check_page(place, build, commands)
             if page in ("README.md", "docs/studies.md", "docs/guide/pictures.md"):
                 check_python(place, (root / page).read_text())
-        check_batch_script(place, (root / "docs/formats.md").read_text())
+        check_batch_script(place, (root / "docs/command-line.md").read_text())
 
 
 main()

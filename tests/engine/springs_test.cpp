@@ -34,7 +34,7 @@ BoneForces damper(const SpringBalance& b, const SpringState& from, const Mat3& r
   };
 }
 
-/// Lateral motion turns the force, as one-sided contact does (docs/physics.md, 11).
+/// Lateral motion turns the force, as one-sided contact does (docs/feeds.md, 11).
 Mat3 one_sided() {
   Mat3 out;
   out << 40, 90, 10, -90, 40, -80, 15, 0, 200;

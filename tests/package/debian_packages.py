@@ -17,7 +17,7 @@ VERSION = re.search(r"project\(reamsim VERSION (\S+)", (ROOT / "CMakeLists.txt")
 PLACES = {
     "reamsim": ["usr/bin/reamsim", "usr/share/reamsim/assets/reamer_convex.stl", "usr/share/reamsim/assets/scenario.schema.json",
                 "usr/share/reamsim/trajectories/default.yaml", "usr/share/reamsim/trajectories/studies/reamers.yaml",
-                "usr/share/doc/reamsim/docs/formats.md", "usr/share/doc/reamsim/docs/examples/library/impedance.cpp"],
+                "usr/share/doc/reamsim/docs/keys.md", "usr/share/doc/reamsim/docs/examples/library/impedance.cpp"],
     "libreamsim-dev": ["usr/include/reamsim/simulation.h", r"usr/lib/[^/]+-linux-gnu/reamsim/libsim_api\.a",
                        r"usr/lib/[^/]+-linux-gnu/cmake/reamsim/reamsimConfig\.cmake", r"usr/lib/[^/]+-linux-gnu/pkgconfig/reamsim\.pc"],
     "python3-reamsim": [r"usr/lib/python3/dist-packages/reamsim/__init__\.py",

@@ -50,7 +50,7 @@ def test_paths_of_a_dict_are_relative_to_the_current_folder(small, tmp_path, mon
 
 def test_every_path_key_of_a_dict_is_known(tmp_path):
     """The keys of the scenario that take a file or folder are `path`, `mesh` and `output.dir`."""
-    table = (ROOT / "docs/formats.md").read_text()
+    table = (ROOT / "docs/keys.md").read_text()
     keys = [line.split("|")[1].strip().strip("`") for line in table.splitlines()
             if line.startswith("| `") and line.count("|") >= 6 and line.split("|")[2].strip() in ("path", "folder")]
     assert len(keys) >= 7, keys

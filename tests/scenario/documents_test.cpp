@@ -89,7 +89,7 @@ TEST(Documents, SchemaFileIsInStep) {
 }
 
 TEST(Documents, KeyTableIsInStep) {
-  const std::string page = file_text(kRoot + "/docs/formats.md");
+  const std::string page = file_text(kRoot + "/docs/keys.md");
   const std::string begin = "<!-- keys: begin -->\n";
   const std::size_t from = page.find(begin), to = page.find("<!-- keys: end -->");
   ASSERT_NE(from, std::string::npos);

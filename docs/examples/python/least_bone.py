@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 """Searches the axis along which a reamer removes least bone until the back of an implant, a sphere like the reamer's, is
-seated on all of its footprint. Seated is what lies at most 0.5 mm above bone, as in metrics.seating (docs/physics.md, 7).
+seated on all of its footprint. Seated is what lies at most 0.5 mm above bone, as in metrics.seating (docs/metrics.md, 7).
 Usage: least_bone.py SCENARIO AXES SEED"""
 import math
 import sys

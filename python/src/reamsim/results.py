@@ -37,7 +37,7 @@ def load(folder: str | os.PathLike[str]) -> Run:
 class Run:
     """Results of one run. Each attribute reads its file once; `ResultsError` says which file is missing or damaged.
 
-    Units are those of the files (docs/formats.md): mm, s, N, N·mm, mJ, g/cm³. The name of a key or column has its unit.
+    Units are those of the files (docs/columns.md): mm, s, N, N·mm, mJ, g/cm³. The name of a key or column has its unit.
 
     Attributes:
         dir: the results folder.

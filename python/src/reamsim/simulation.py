@@ -102,7 +102,7 @@ class Simulation:
 
     def run(self, poses: Any) -> Any:
         """Steps to poses that are known ahead, `frame_s` apart, in batches: faster, and with windows of smooth motion as
-        `reamsim.run` (docs/physics.md, 3). Before `start`, the first pose is that of `start`.
+        `reamsim.run` (docs/erosion.md, 3). Before `start`, the first pose is that of `start`.
 
         Args:
             poses: poses as of `planned_poses`; a table with the columns of forces.csv, such as `Run.forces`; or an array of

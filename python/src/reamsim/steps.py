@@ -25,7 +25,7 @@ _ANGLE = "spin_angle_rad"
 
 
 class Step(NamedTuple):
-    """What a step did: a row of forces.csv (docs/formats.md). Force and torque are those of the bone on the tool, means over
+    """What a step did: a row of forces.csv (docs/columns.md). Force and torque are those of the bone on the tool, means over
     the step, in the bone frame."""
 
     frame: int

@@ -3,7 +3,7 @@
 
 /// The simulator as a library: the caller gives the pose of the tool frame by frame, and gets the force.
 ///
-/// Frames and units are those of docs/formats.md: mm, s, N, N·mm, mJ; B is the bone's frame, T the tool's without its
+/// Frames and units are those of docs/scenario.md: mm, s, N, N·mm, mJ; B is the bone's frame, T the tool's without its
 /// spin. Every error is a reamsim::Error; no other exception leaves the library. A Simulation may be used by one thread
 /// at a time.
 #ifndef REAMSIM_SIMULATION_H
@@ -100,7 +100,7 @@ class Simulation {
   /// that is no rotation, a value that is not finite, and dt of 0 or less.
   StepResult step(const Pose& pose, std::optional<double> dt = {});
   /// The same for poses that are known ahead, frame_s() apart, in batches: faster, and where the motion is smooth with
-  /// one fit for many frames (docs/physics.md, 3), as `reamsim run` does. Before start(), the first pose is that of
+  /// one fit for many frames (docs/erosion.md, 3), as `reamsim run` does. Before start(), the first pose is that of
   /// start(). `stop` is called several times a second; where it returns true, the steps end early: as many as results.
   /// Wrong poses are found before the first step.
   std::vector<StepResult> run(std::span<const Pose> poses, const std::function<bool()>& stop = {});

@@ -17,7 +17,7 @@ namespace reamsim {
 /// Text metadata: (name, value).
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
-/// Writes FloatGrids `density`, `fill`, `surface`, `removed_frame` (docs/formats.md) with an isotropic transform in mm,
+/// Writes FloatGrids `density`, `fill`, `surface`, `removed_frame` (docs/results.md) with an isotropic transform in mm,
 /// index (0,0,0) at the centre of voxel (0,0,0). Throws RunError when the file cannot be written.
 void write_bone_vdb(const std::string& path, const BoneView& bone, const RemovedFrames& removed,
                     const Metadata& metadata);

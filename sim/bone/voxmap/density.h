@@ -9,7 +9,7 @@
 
 namespace reamsim {
 
-/// Radiodensity to apparent density to grade (docs/physics.md, 1).
+/// Radiodensity to apparent density to grade (docs/density.md, 1).
 /// ρ_ash = ash_slope·HU + ash_offset; ρ = ρ_ash/ash_fraction, clamped to 0…2 g/cm³ (PMC5234499, Table 1: a femur at
 /// 120 kVp; a default, not a scapular calibration). grade = clamp(round(ρ/0.008), 1, 250) in bone, 0 in air.
 struct DensityMapping {

@@ -91,7 +91,7 @@ Substep make_substep(const ToolPose& a, const ToolPose& b, double begin_fraction
 
 Rigid bone_from_shell(const ToolPose& pose, bool spin_resolved) {
   Rigid out = pose.bone_from_tool();
-  // Positive spin is about −z of T (docs/formats.md).
+  // Positive spin is about −z of T (docs/scenario.md).
   if (spin_resolved) out.rotate(Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ()));
   return out;
 }
