@@ -77,7 +77,7 @@ endfunction()
 function(reamsim_test name)
   cmake_parse_arguments(ARG "HOST_THREADS" "COST" "SOURCES;LINK;SHARED" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE reamsim_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE reamsim_options ${ARG_LINK} test_main GTest::gmock)
   target_compile_options(${name} PRIVATE ${REAMSIM_QUICK_TO_COMPILE})
   reamsim_precompile(${name} test_headers)
   # Names of tests, which are short, must differ within a unit.

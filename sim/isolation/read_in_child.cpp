@@ -17,6 +17,7 @@
 #include <ctime>
 #include <filesystem>
 #include <limits>
+#include <optional>
 
 #include "sim/base/error.h"
 #include "sim/base/process.h"
@@ -85,7 +86,8 @@ double cpu_seconds_of(pid_t child) {
   return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
-enum class Ending { by_itself, out_of_time, stopped };
+/// `waits`: out of time on the clock, with time of the processor left.
+enum class Ending { by_itself, out_of_time, waits, stopped };
 
 /// Waits for the child; kills it when its time is over or a stop is requested.
 class Watch {
@@ -96,7 +98,7 @@ class Watch {
   Ending wait(const AlivePipe& alive) {
     while (!alive.ended()) {
       if (stop_requested()) return killed(Ending::stopped);
-      if (is_out_of_time()) return killed(Ending::out_of_time);
+      if (const auto end = time_is_over()) return killed(*end);
     }
     status_ = wait_for(child_);
     return Ending::by_itself;
@@ -110,7 +112,7 @@ class Watch {
     return why;
   }
   /// Counts from the file that is being read.
-  bool is_out_of_time() {
+  std::optional<Ending> time_is_over() {
     const double cpu = cpu_seconds_of(child_);
     const auto now = Clock::now();
     const std::uint64_t files = memory_.head().files_read;
@@ -119,7 +121,9 @@ class Watch {
       cpu_before_ = cpu;
       begun_ = now;
     }
-    return cpu - cpu_before_ > seconds_ || now - begun_ > std::chrono::seconds(kClockPerCpu * seconds_);
+    if (cpu - cpu_before_ > seconds_) return Ending::out_of_time;
+    if (now - begun_ > std::chrono::seconds(kClockPerCpu * seconds_)) return Ending::waits;
+    return std::nullopt;
   }
 
   pid_t child_;
@@ -208,6 +212,13 @@ ChildResult ChildRun::run(const ForeignFile& file, ChildFunction function) {
   const ForeignFile current = current_file(file, *memory_);
   if (ending == Ending::out_of_time) {
     throw_died(current, fmt::format("reading it took more than {} s", limits_.seconds));
+  }
+  if (ending == Ending::waits) {
+    throw InputError(
+        {current.path, 0, 0}, current.key,
+        fmt::format("reading it waited for more than {} s", kClockPerCpu * limits_.seconds),
+        "the disc or the network does not answer, or the system is overloaded: try again, or copy the file "
+        "to a local disc");
   }
   // Ctrl-C in a terminal reaches the child too.
   if (WIFSIGNALED(watch.status()) && WTERMSIG(watch.status()) == SIGINT) throw Interrupted();

@@ -1,0 +1,14 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The main function of every GoogleTest program. As that of reamsim, it starts the server of readers before there are
+// threads: a fork of a process with threads may inherit a lock that nobody releases, and a reader would wait forever.
+#include <gtest/gtest.h>
+
+#include "sim/isolation/reader_server.h"
+
+int main(int argc, char** argv) {
+  reamsim::start_reader_server();
+  testing::InitGoogleTest(&argc, argv);
+  return RUN_ALL_TESTS();
+}
