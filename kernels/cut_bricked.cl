@@ -283,6 +283,7 @@ __kernel void cut_bricked(PARAMETERS) {
       clear_if_empty(brick, occupancy, at, bricks);
     }
   }
+  barrier(CLK_LOCAL_MEM_FENCE); /* without it PoCL 7.1 takes the number of records of another work-item */
   finish_tally(&tally, &law, &sums[substep]);
 }
 

@@ -21,7 +21,7 @@ PODMAN = ["run", "--rm", "--read-only", "--read-only-tmpfs=false", "--network=no
 LIMITS = ["--ulimit=nofile=1024:1024", "--ulimit=nproc=4096:4096"]
 KINDS = [(["podman"], []), (["podman"], LIMITS), (["podman", "--runtime=runc"], LIMITS)]
 # A machine that forbids containers of their own namespaces may still build in a chroot.
-ISOLATIONS = ([], ["--isolation=chroot"])
+BUILDERS = (["podman", "build"], ["podman", "--runtime=runc", "build"], ["podman", "build", "--isolation=chroot"])
 
 
 def own_storage(folder):
@@ -67,15 +67,15 @@ def build_image(source, folder, release):
     roots.bootstrap(base, release)
     roots.run(["tar", "-cf", folder / "base.tar", "-C", base, "."])
     roots.run(["podman", "import", folder / "base.tar", "debian-base"])
-    for isolation in ISOLATIONS:
+    for builder in BUILDERS:
         begin = time.monotonic()
-        done = subprocess.run(["podman", "build", *isolation, "--network=host", "--build-arg=DEBIAN=localhost/debian-base", "--tag", "reamsim",
+        done = subprocess.run([*builder, "--network=host", "--build-arg=DEBIAN=localhost/debian-base", "--tag", "reamsim",
                                str(source)], capture_output=True, text=True)
         if done.returncode == 0:
             size = roots.run(["podman", "image", "inspect", "--format", "{{.Size}}", "reamsim"])
-            print(f"podman build {' '.join(isolation)}: {time.monotonic() - begin:.0f} s; image of {float(size) / 1e6:.0f} MB", flush=True)
+            print(f"{' '.join(builder)}: {time.monotonic() - begin:.0f} s; image of {float(size) / 1e6:.0f} MB", flush=True)
             return
-        print(f"podman build {' '.join(isolation)}: {done.stderr.strip().splitlines()[-1]}", flush=True)
+        print(f"{' '.join(builder)}: {done.stderr.strip().splitlines()[-1]}", flush=True)
     raise AssertionError(done.stdout[-4000:] + done.stderr[-4000:])
 
 
