@@ -15,7 +15,7 @@ ThrustBalance pushing(double thrust_n) {
   return {.thrust_n = thrust_n, .max_feed_mm_s = 5};
 }
 
-TEST(Hand, LinearBoneGivesThrustOverSlopeInOneTrialWhenTheSlopeIsKnown) {
+TEST(BalancedFeed, LinearBoneGivesThrustOverSlopeInOneTrialWhenTheSlopeIsKnown) {
   const BoneForce bone = [](double feed) { return 235 * feed; };
   const FeedRate first = balanced_feed(pushing(50), bone, 0);
   EXPECT_NEAR(first.mm_s, 50 / 235.0, 1e-9);
@@ -26,7 +26,7 @@ TEST(Hand, LinearBoneGivesThrustOverSlopeInOneTrialWhenTheSlopeIsKnown) {
   EXPECT_FALSE(second.limited);
 }
 
-TEST(Hand, AirAndSoftBoneLeaveTheLimit) {
+TEST(BalancedFeed, AirAndSoftBoneLeaveTheLimit) {
   const FeedRate air = balanced_feed(
       pushing(50), [](double) { return 0.0; }, 0);
   EXPECT_EQ(air.mm_s, 5);
@@ -39,7 +39,7 @@ TEST(Hand, AirAndSoftBoneLeaveTheLimit) {
   EXPECT_EQ(add_thrust_energies(pushing(50), soft, 1e-3, state), 10);
 }
 
-TEST(Hand, GapBeforeTheBoneIsBracketed) {
+TEST(BalancedFeed, GapBeforeTheBoneIsBracketed) {
   // Contact within the frame: no force up to 3 mm/s.
   const FeedRate feed = balanced_feed(
       pushing(50), [](double v) { return v < 3 ? 0.0 : 400 * (v - 3); }, 0);
@@ -47,14 +47,14 @@ TEST(Hand, GapBeforeTheBoneIsBracketed) {
   EXPECT_FALSE(feed.limited);
 }
 
-TEST(Hand, JumpOfTheForceEndsAtIt) {
+TEST(BalancedFeed, JumpOfTheForceEndsAtIt) {
   const FeedRate feed = balanced_feed(
       pushing(50), [](double v) { return v < 2 ? 10.0 : 90.0; }, 0);
   EXPECT_NEAR(feed.mm_s, 2, 1e-5);
   EXPECT_LT(feed.evaluations, 60);
 }
 
-TEST(Hand, ForcesOtherThanLinearBalance) {
+TEST(BalancedFeed, ForcesOtherThanLinearBalance) {
   for (const double power : {0.5, 0.7, 2.0}) {
     const FeedRate feed = balanced_feed(
         pushing(30), [&](double v) { return 40 * std::pow(v, power); }, 0);
@@ -63,7 +63,7 @@ TEST(Hand, ForcesOtherThanLinearBalance) {
   }
 }
 
-TEST(Hand, StandsWhereTheRestingToolIsHeld) {
+TEST(BalancedFeed, StandsWhereTheRestingToolIsHeld) {
   ThrustBalance held = pushing(10);
   held.standing_n = 13;
   const FeedRate still = balanced_feed(
@@ -76,7 +76,7 @@ TEST(Hand, StandsWhereTheRestingToolIsHeld) {
               0.1, 1e-9);
 }
 
-TEST(Hand, DampingTakesItsPart) {
+TEST(BalancedFeed, DampingTakesItsPart) {
   ThrustBalance damped = pushing(50);
   damped.damping_n_s_mm = 15;
   EXPECT_NEAR(balanced_feed(
@@ -85,7 +85,7 @@ TEST(Hand, DampingTakesItsPart) {
               0.2, 1e-9);
 }
 
-TEST(Hand, MassOnALinearBoneFollowsTheExponentialAtEveryStep) {
+TEST(BalancedFeed, MassOnALinearBoneFollowsTheExponentialAtEveryStep) {
   constexpr double kSlope = 0.725, kThrust = 2, kMass = 10, kTau = 1e-3 * kMass / kSlope;
   for (const double frame_s : {1e-4, 1e-3, 1e-2, 0.1}) {
     FeedState state;
@@ -113,7 +113,7 @@ TEST(Hand, MassOnALinearBoneFollowsTheExponentialAtEveryStep) {
   }
 }
 
-TEST(Hand, StiffBoneDoesNotMakeTheVelocityOscillate) {
+TEST(BalancedFeed, StiffBoneDoesNotMakeTheVelocityOscillate) {
   FeedState state;
   for (int i = 0; i < 50; ++i) {
     const ThrustBalance forces{.thrust_n = i < 25 ? 50.0 : 25.0,
