@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""mutation_campaign.py BUILD [--seed N] [--mutants N] [--quick]: do the tests find small faults?
+
+Draws mutants from the sources of FOLDERS by a seed: each changes one operator or number of one line. In a worktree of HEAD, built in
+BUILD (made if it does not exist), each mutant is built and tested, first with the tests of tests/quick.txt, then with all (--quick:
+without these) until one fails. A mutant that does not compile is replaced by the next of its draw. Results are appended to
+BUILD/mutants.jsonl as they come, and a mutant that is there is not tested again, so that a campaign may be interrupted. Prints the
+mutants, what found them, and the survivors. A mutant takes a minute to half an hour on two cores."""
+
+import argparse
+import json
+import os
+import pathlib
+import random
+import re
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+FOLDERS = ["kernels", "sim/engine", "sim/bone", "sim/anatomy", "sim/record"]
+# What is replaced by what, each where it stands between spaces, as clang-format writes binary operators.
+SWAPS = {" < ": [" <= ", " > "], " <= ": [" < "], " > ": [" >= ", " < "], " >= ": [" > "], " == ": [" != "], " != ": [" == "],
+         " + ": [" - "], " - ": [" + "], " * ": [" / "], " / ": [" * "], " && ": [" || "], " || ": [" && "], " += ": [" -= "],
+         " -= ": [" += "], "true": ["false"], "false": ["true"], "min(": ["max("], "max(": ["min("], "++": ["--"]}
+NUMBER = re.compile(r"(?<![\w.\"'])(\d+(?:\.\d+)?(?:e-?\d+)?)(?![\w.\"'])")
+# Lines that are no statement of the program, or whose change only alters a text.
+SKIPPED = re.compile(r"^\s*(//|/\*|\*|#|static_assert|template|using |typedef|namespace |case .*:$)|\"")
+
+
+def sites(text):
+    """(line, column, what stands there, what replaces it) of every mutant of a file."""
+    for number, line in enumerate(text.splitlines()):
+        code = line.split("//")[0].split("/*")[0]
+        if SKIPPED.search(code):
+            continue
+        for what, others in SWAPS.items():
+            for found in re.finditer(re.escape(what), code):
+                yield from ((number, found.start(), what, other) for other in others)
+        for found in NUMBER.finditer(code):
+            value = found[1]
+            other = str(int(value) + 1) if value.isdigit() else f"{value.split('e')[0]}1" + ("e" + value.split("e")[1] if "e" in value else "")
+            yield number, found.start(), value, other
+
+
+def draw(seed):
+    """All mutants in a random order, a file as often as it has places for them."""
+    files = subprocess.run(["git", "-C", ROOT, "ls-files", *FOLDERS], capture_output=True, text=True, check=True).stdout.split()
+    mutants = [(name, *site) for name in files if name.endswith((".h", ".cpp", ".cl")) for site in sites((ROOT / name).read_text())]
+    random.Random(seed).shuffle(mutants)
+    return mutants
+
+
+def mutated(text, line, column, what, other):
+    lines = text.splitlines(keepends=True)
+    assert lines[line][column:].startswith(what), (lines[line], column, what)
+    lines[line] = lines[line][:column] + other + lines[line][column + len(what):]
+    return "".join(lines)
+
+
+class Campaign:
+    def __init__(self, build, quick):
+        self.build, self.tree, self.quick = build, build / "tree", quick
+        self.log = build / "mutants.jsonl"
+        build.mkdir(parents=True, exist_ok=True)
+        if not self.tree.exists():
+            self.run("git", "-C", ROOT, "worktree", "add", "--detach", self.tree, "HEAD", check=True)
+            self.run("cmake", "-G", "Ninja", "-S", self.tree, "-B", build / "ninja", "-DCMAKE_BUILD_TYPE=Release", check=True)
+        self.run("ninja", "-C", build / "ninja", check=True)
+        self.done = [json.loads(line) for line in self.log.read_text().splitlines()] if self.log.exists() else []
+        expression = self.run(sys.executable, self.tree / "tests/repository/quick_tests.py", self.tree, check=True).stdout.strip()
+        self.stages = [["--tests-regex", expression]] + ([] if quick else [["--label-exclude", "^(long|cluster|container|developer)$"]])
+
+    @staticmethod
+    def run(*command, check=False):
+        done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
+        assert not check or done.returncode == 0, f"{command}\n{done.stdout[-3000:]}{done.stderr[-3000:]}"
+        return done
+
+    def found_by(self):
+        """The first tests that fail; none for a survivor."""
+        for stage in self.stages:
+            tested = self.run("ctest", "--test-dir", self.build / "ninja", "--stop-on-failure", "--parallel", os.cpu_count() or 1, *stage)
+            if tested.returncode != 0:
+                return re.findall(r"^\s*\d+ - (\S+) \(", tested.stdout, re.M)[:3] or ["?"]
+        return []
+
+    def judge(self, mutant):
+        """The result of a mutant; None where it does not compile."""
+        name, *site = mutant
+        begin, path = time.monotonic(), self.tree / name
+        original = path.read_text()
+        path.write_text(mutated(original, *site))
+        try:
+            if self.run("ninja", "-C", self.build / "ninja").returncode != 0:
+                return None
+            return {"mutant": mutant, "line": mutated(original, *site).splitlines()[site[0]].strip(), "found_by": self.found_by(),
+                    "seconds": round(time.monotonic() - begin)}
+        finally:
+            path.write_text(original)
+
+    def result(self, mutant):
+        known = [entry for entry in self.done if entry["mutant"] == list(mutant)]
+        if known:
+            return known[0]
+        out = self.judge(mutant) or {"mutant": list(mutant), "does_not_compile": True}
+        with self.log.open("a") as log:
+            log.write(json.dumps(out) + "\n")
+        return out
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("build", type=lambda text: pathlib.Path(text).resolve())
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--mutants", type=int, default=300)
+    parser.add_argument("--quick", action="store_true")
+    options = parser.parse_args()
+    print(f"seed {options.seed}, {options.mutants} mutants of {', '.join(FOLDERS)}", flush=True)
+    campaign, results = Campaign(options.build, options.quick), []
+    for mutant in draw(options.seed):
+        if len(results) == options.mutants:
+            break
+        result = campaign.result(mutant)
+        if "does_not_compile" in result:
+            continue
+        results.append(result)
+        name, line, _, what, other = mutant
+        print(f"{len(results)} {name}:{line + 1}: '{what.strip()}' → '{other.strip()}': {', '.join(result['found_by']) or 'SURVIVES'}", flush=True)
+    survivors = [result for result in results if not result["found_by"]]
+    print(f"\n{len(results) - len(survivors)} of {len(results)} found; survivors:")
+    for result in survivors:
+        print(f"  {result['mutant'][0]}:{result['mutant'][1] + 1}: {result['line']}")
+
+
+main()
