@@ -77,7 +77,7 @@ SphereRow exact_row(const FilledVoxmap& bone, const Tool& tool, const Plan& plan
   row.volume_error = row.removed_mm3 / cap_mm3(kDepthMm) - 1;
   row.exact = {.kernel_ms = spread_of(frames.kernel_ms).median, .voxels = frames.voxels};
   const cl::DeviceInfo device = cl::choose_device(plan.device);
-  if (device.gpu || device.compute_units < 2) return row;
+  if (device.gpu || device.compute_units < 2 || device.max_parts == 0) return row;
   runs.cores = 1;
   const WholeFrames one_core = time_whole_frames(runs, control);
   row.exact->one_core_ms = spread_of(one_core.ms);

@@ -61,6 +61,7 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id id) {
   info.driver = info_text(id, CL_DRIVER_VERSION, clGetDeviceInfo);
   info.gpu = (info_value<cl_device_type>(id, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_GPU) != 0;
   info.compute_units = info_value<cl_uint>(id, CL_DEVICE_MAX_COMPUTE_UNITS);
+  info.max_parts = info_value<cl_uint>(id, CL_DEVICE_PARTITION_MAX_SUB_DEVICES);
   info.max_work_group = max_work_items(id, info.gpu);
   info.global_memory_bytes = info_value<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
   info.max_allocation_bytes = info_value<cl_ulong>(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
@@ -147,6 +148,7 @@ DeviceInfo choose_device(const std::string& wanted) {
 }
 
 DeviceInfo part_of(const DeviceInfo& device, unsigned compute_units) {
+  if (device.max_parts == 0) throw RunError(device.name + ": the device cannot be divided");
   const cl_device_partition_property by_count[] = {CL_DEVICE_PARTITION_BY_COUNTS,
                                                    static_cast<cl_device_partition_property>(compute_units),
                                                    CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};

@@ -61,6 +61,7 @@ struct DeviceInfo {
   std::string driver;
   bool gpu = false;
   unsigned compute_units = 0;
+  unsigned max_parts = 0;          ///< it can be divided into; 0: not at all, as with PoCL 7.1 on a processor
   std::size_t max_work_group = 0;  ///< limit for the kernels of this program
   std::size_t global_memory_bytes = 0;
   std::size_t max_allocation_bytes = 0;

@@ -31,13 +31,13 @@ constexpr double kFineStep_voxels = 0.05;
 /// The same where the tool turns.
 constexpr double kTurnStep_voxels = 0.005;
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kNoContact = std::numeric_limits<double>::infinity();
 
 /// A brick with bone, and the smallest distance of the tool from its middle.
 struct Brick {
   Vec3i coord;
   Vec3 middle_mm;
-  double least_mm = kNever;
+  double least_mm = kNoContact;
 };
 
 /// Two places along the path.
@@ -49,9 +49,9 @@ struct PathPart {
 /// Where along the path the tool is within reach of a brick for the first time, and where it first is as close, or as
 /// deep in it, as it ever is.
 struct BrickVisit {
-  double enter_mm = kNever;
+  double enter_mm = kNoContact;
   double closest_mm = 0;
-  double least_mm = kNever;  ///< distance from the brick's middle there
+  double least_mm = kNoContact;  ///< distance from the brick's middle there
 };
 
 /// Distances between the voxels of a bone and the profile of a tool along its path.
@@ -87,7 +87,7 @@ class ContactSearch {
   /// reach for certain: beyond half a voxel's diagonal from each centre, the distance that a step along the path may
   /// hide, and `margin_mm`.
   void find_nearest(double margin_mm, ContactForecast& out) {
-    double bound_mm = kNever;  // upper bound of the distance
+    double bound_mm = kNoContact;  // upper bound of the distance
     for (Brick& brick : bricks_) {
       follow(brick.middle_mm, [&](double mm, double) {
         brick.least_mm = std::min(brick.least_mm, mm);
@@ -99,7 +99,7 @@ class ContactSearch {
       return;
     }
     std::ranges::stable_sort(bricks_, {}, &Brick::least_mm);
-    double best_mm = kNever;
+    double best_mm = kNoContact;
     for (const Brick& brick : bricks_) {
       if (brick.least_mm - radius_mm() - kStep_voxels * voxel_mm_ > best_mm) break;
       for_each_bone_voxel(brick.coord, [&](const Vec3& center_mm, double) {
@@ -125,7 +125,7 @@ class ContactSearch {
     std::vector<BrickVisit> visits(bricks_.size());
     parallel_items(bricks_.size(), [&](std::size_t i) { visits[i] = visit_of(bricks_[i].middle_mm); });
     const double first_mm = first_contact_mm(visits);
-    if (first_mm == kNever) return std::nullopt;
+    if (first_mm == kNoContact) return std::nullopt;
     return FrameSpan{static_cast<std::int64_t>(path_.frame_at(first_mm)),
                      static_cast<std::int64_t>(path_.frame_at(last_removal_mm(visits, first_mm)))};
   }
@@ -150,7 +150,7 @@ class ContactSearch {
       before_mm = at_mm;
       const bool removed = mm <= -radius_mm();
       if (removed || at_mm >= path_.length_mm()) return out;
-      const double bound_mm = out.enter_mm == kNever ? radius_mm() : out.least_mm;
+      const double bound_mm = out.enter_mm == kNoContact ? radius_mm() : out.least_mm;
       at_mm = std::min(path_.length_mm(), at_mm + std::max(kStep_voxels * voxel_mm_, mm - bound_mm));
     }
   }
@@ -169,7 +169,7 @@ class ContactSearch {
     const Vec3& middle_mm = bricks_[last].middle_mm;
     const double from_mm = std::max(first_mm, last_mm - kStep_voxels * voxel_mm_);
     const double to_mm = std::min(path_.length_mm(), last_mm + kStep_voxels * voxel_mm_);
-    double least_mm = kNever;
+    double least_mm = kNoContact;
     for (double at_mm = from_mm; at_mm <= to_mm; at_mm += kTurnStep_voxels * voxel_mm_) {
       least_mm = std::min(least_mm, distance_at_mm(middle_mm, at_mm));
     }
@@ -188,12 +188,12 @@ class ContactSearch {
     return part.to_mm;
   }
 
-  /// Where the tool first touches what is filled of a voxel, or kNever.
+  /// Where the tool first touches what is filled of a voxel, or kNoContact.
   [[nodiscard]] double first_contact_mm(const std::vector<BrickVisit>& visits) const {
     std::vector<std::size_t> order(visits.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return visits[i].enter_mm; });
-    double best_mm = kNever;
+    double best_mm = kNoContact;
     for (const std::size_t i : order) {
       if (visits[i].enter_mm >= best_mm) break;
       for_each_bone_voxel(bricks_[i].coord, [&](const Vec3& center_mm, double fill) {
