@@ -174,6 +174,8 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
   return xx > 0 && yy > 0 ? xy / std::sqrt(xx * yy) : 0;
 }
 
+}  // namespace
+
 std::optional<RampKey> colored_by(const Comparison& comparison) {
   const auto has_number = [](const std::vector<double>& values) {
     return std::ranges::any_of(values, [](double value) { return std::isfinite(value); });
@@ -206,6 +208,8 @@ std::optional<RampKey> colored_by(const Comparison& comparison) {
   for (std::size_t i = 0; i < comparison.runs.size(); ++i) order.values.push_back(static_cast<double>(i + 1));
   return order;
 }
+
+namespace {
 
 /// How the curves of a comparison look, as arrays for the gnuplot script: `shade` (colour) and `dash` (1 to 4) of each
 /// run, the entries of the legend, and the colour ramp if there is one.
