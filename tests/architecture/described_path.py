@@ -4,7 +4,7 @@
 """described_path.py SOURCE: docs/architecture.md describes the code as it is.
 
 Of the calls from `main` to the removed voxel, each function is defined in the file that its line names, and its body has the code
-that the line quotes. Every file that the page names exists."""
+that the line quotes. Every source file that any page of the documentation names exists."""
 
 import pathlib
 import re
@@ -51,7 +51,10 @@ def main():
             wrong.append(f"step {number}: {function}() in {path} has no `{quoted}`")
     if [int(number) for number, *_ in steps] != list(range(1, len(steps) + 1)) or len(steps) < 8:
         wrong.append(f"the steps of the path are {[number for number, *_ in steps]}")
-    wrong += [f"{path} does not exist" for path in sorted(set(SOURCE_FILE.findall(page))) if not (root / path).exists()]
+    for name in [*root.glob("*.md"), *root.glob("docs/**/*.md")]:
+        if name.name != "CHANGELOG.md":
+            named = sorted(set(SOURCE_FILE.findall(name.read_text())))
+            wrong += [f"{name.relative_to(root)}: {path} does not exist" for path in named if not (root / path).exists()]
     print(*wrong, sep="\n")
     print(f"{len(steps)} calls from main to the removed voxel, {len(wrong)} mistakes")
     sys.exit(1 if wrong else 0)

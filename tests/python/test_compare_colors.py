@@ -13,7 +13,7 @@ import numpy
 import pytest
 from conftest import ROOT
 
-SOURCE = (ROOT / "render/plots/compare_style.cpp").read_text()
+SOURCE = (ROOT / "render/plots/compare.cpp").read_text()
 VISIONS = {
     "normal": numpy.eye(3),
     "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],

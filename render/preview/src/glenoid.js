@@ -36,7 +36,7 @@ export function nearestSurface(surface, point) {
   return Math.sqrt(least);
 }
 
-// Bone in a sphere round a point, on both sides of the plane through it, mm³; as sim/bone/frame_check.cpp has it.
+// Bone in a sphere round a point, on both sides of the plane through it, mm³; as sim/anatomy/frame_check.cpp has it.
 export function nearbyBone(field, point, normal, radius) {
   const step = Math.max(Math.min(...field.lattice.spacing), radius / 15), reach = Math.floor(radius / step);
   let ahead = 0, behind = 0, sum = [0, 0, 0];
