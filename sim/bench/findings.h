@@ -86,9 +86,10 @@ struct ScatterRow {
 
 /// More of the plunged sphere with `exact`.
 struct ExactFrames {
-  double kernel_ms = 0;                    ///< of a frame, median
-  double voxels = 0;                       ///< that lose bone in a frame, mean
-  std::optional<Spread> one_core_ms = {};  ///< on one compute unit of a processor with several, if its driver can divide it
+  double kernel_ms = 0;  ///< of a frame, median
+  double voxels = 0;     ///< that lose bone in a frame, mean
+  std::optional<Spread> one_core_ms =
+      {};  ///< on one compute unit of a processor with several, if its driver can divide it
   std::optional<double> one_core_kernel_ms = {};
 };
 
