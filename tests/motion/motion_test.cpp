@@ -140,18 +140,12 @@ TEST(Keyframes, FirstKeyframeIsTimeZero) {
   EXPECT_THAT(report.notes, testing::ElementsAre(HasSubstr("5 s")));
 }
 
-TEST(Keyframes, WrongOnesNameTheKey) {
-  const KeyframeSettings a = keyframe(0, Vec3::Zero(), {0, 0, 1}, 0), b = keyframe(1, Vec3::Zero(), {0, 0, 1}, 0);
-  EXPECT_THAT(error_of(keyframes({a})), HasSubstr("at least two"));
-  EXPECT_THAT(error_of(keyframes({a, b, a})), HasSubstr("motion.keyframes[2].time_s: 0"));
-  EXPECT_THAT(error_of(keyframes({a, a})), HasSubstr("motion.keyframes[1].time_s"));
-  KeyframeSettings none = b;
+TEST(Keyframes, AQuaternionWithoutLengthNamesTheKey) {
+  KeyframeSettings none = keyframe(1, Vec3::Zero(), {0, 0, 1}, 0);
   none.axis.reset();
-  EXPECT_THAT(error_of(keyframes({a, none})), HasSubstr("motion.keyframes[1]: no orientation"));
   none.quaternion = Quat(0, 0, 0, 0);
-  EXPECT_THAT(error_of(keyframes({a, none})), HasSubstr("motion.keyframes[1].quaternion: the quaternion has length 0"));
-  EXPECT_THAT(error_of(keyframes({a, keyframe(1, Vec3::Zero(), Vec3::Zero(), 0)})),
-              HasSubstr("motion.keyframes[1].axis: no direction"));
+  EXPECT_THAT(error_of(keyframes({keyframe(0, Vec3::Zero(), {0, 0, 1}, 0), none})),
+              HasSubstr("motion.keyframes[1].quaternion: the quaternion has length 0"));
   EXPECT_THAT(error_of({}), HasSubstr("plunge, push, keyframes or csv"));
 }
 
@@ -256,16 +250,10 @@ TEST(Plunge, ToolPointsAgainstAnyAxis) {
   }
 }
 
-TEST(Plunge, WrongOnesNameTheKey) {
+TEST(Plunge, WithoutTravelNamesTheKeys) {
   PlungeSettings p;
-  p.axis = Vec3::Zero();
-  EXPECT_THAT(error_of(plunge(p)), HasSubstr("motion.plunge.axis"));
-  p = {};
-  p.feed_mm_s = 0;
-  EXPECT_THAT(error_of(plunge(p)), HasSubstr("motion.plunge.feed_mm_s: 0"));
-  p = {};
-  p.depth_mm = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(error_of(plunge(p)), HasSubstr("depth_mm"));
+  p.approach_mm = p.depth_mm = 0;
+  EXPECT_THAT(error_of(plunge(p)), HasSubstr("motion.plunge.approach_mm + depth_mm"));
 }
 
 TEST(GlenoidFrameMotion, IsTakenToTheBoneFrame) {
