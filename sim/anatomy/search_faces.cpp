@@ -20,7 +20,7 @@ constexpr double kPlacesApart_mm = 8;  // faces nearer to each other are one
 constexpr double kLeastVault_mm = 10;  // an acromion is 8 to 9 mm thick
 constexpr double kDeepVault_mm = 20;
 constexpr double kLeastFree_mm = 12;       // in front of the face
-constexpr double kLeastCoarseScore = 0.3;  // score of a face that is settled finely
+constexpr double kLeastCoarseScore = 0.3;  // score of a face that is fitted finely
 constexpr FitEffort kSearchEffort{20, 3};
 constexpr std::size_t kFinePlaces = 6;
 /// Sizes beyond these are no glenoid.

@@ -25,7 +25,7 @@ struct FacePlace {
 /// of 26…46 mm, a width of 19…36 mm and a vault of 15 mm.
 FacePlace place_of(const BoneProbe& probe, const FittedFace& face);
 
-/// The place at a frame on the surface, settled finely; nullopt where there is no face.
+/// The place at a frame on the surface, fitted finely; nullopt where there is no face.
 std::optional<FacePlace> place_at(const BoneView& bone, const Rigid& bone_from_face);
 
 /// A region of B.
@@ -40,7 +40,7 @@ std::vector<Rigid> starts_on_surface(const BoneView& bone, const BoneProbe& prob
 
 /// Searches the whole surface of a bone for faces that resemble a glenoid: a rim round a concave or flat face of 20 to
 /// 50 mm, with a vault of at least 10 mm behind it, which the acromion and the fossae of the scapula have not. Starts
-/// every 5 mm settle coarsely (fit_face()); those that are faces settle finely. The best come first. Voxels of
+/// every 5 mm are fitted coarsely (fit_face()); those that are faces are fitted finely. The best come first. Voxels of
 /// about 1 mm suffice.
 std::vector<FacePlace> search_faces(const BoneView& bone);
 

@@ -38,7 +38,7 @@ struct Bone {
   [[nodiscard]] FilledVoxmap copy_voxels() const;
 };
 
-// voxmaps in the frame B.
+// Sources of bones, as isotropic voxmaps in the frame B. sim/scan reads those of a CT, sim/scene those of a VDB.
 
 /// A closed mesh: cortical grade down to `cortical_mm` below the surface, trabecular grade below. Throws InputError:
 /// unreadable, open or non-manifold (unless `repair`), a failed repair, no volume, absurdly large.
