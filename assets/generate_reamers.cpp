@@ -8,7 +8,7 @@
 
 #include "assets/reamer_shapes.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/tool/revolve.h"
+#include "sim/tool/profile.h"
 
 int main(int argc, char** argv) {
   using namespace reamsim;

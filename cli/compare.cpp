@@ -15,7 +15,6 @@
 
 #include "cli/commands.h"
 #include "sim/base/error.h"
-#include "sim/base/printable.h"
 #include "sim/base/text.h"
 #include "sim/record/citation.h"
 #include "sim/record/layer_mean.h"

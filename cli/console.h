@@ -5,12 +5,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "cli/stop.h"
-#include "sim/base/diagnostics.h"
+#include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 
 namespace reamsim {
@@ -86,5 +88,14 @@ class Progress {
   double last_drawn_s_ = -1;
   Stopwatch watch_;
 };
+
+/// Prints one JSON document, which is all that a command with --json writes to standard output. Bytes that are no
+/// UTF-8, as names of files may have, are replaced.
+void print_json(const nlohmann::ordered_json& json);
+
+/// Calls `work` with a console that is quiet. Where it throws, prints {"program", "ok": false, "mistakes": [...]}, or
+/// "error" where the input is not to blame, and throws again, so that standard error and exit status are the usual
+/// ones.
+void run_with_json(const Console& console, const std::function<void(const Console&)>& work);
 
 }  // namespace reamsim

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/environment.h"
-#include "cli/json_output.h"
 #include "sim/base/error.h"
 #include "sim/device/opencl.h"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "sim/device/kernel_cache.h"
+#include "sim/device/opencl.h"
 
 namespace reamsim {
 
@@ -28,5 +28,8 @@ int flush_standard_output(int status);
 /// The folder for compiled kernels of a command that uses `device`; none for "serial". Says where it is not the usual
 /// one and the command is verbose.
 std::unique_ptr<cl::KernelCache> prepare_opencl(const std::string& device, const Console& console);
+
+/// What --version prints: program, commit, build, libraries, OpenCL devices of this machine, licence.
+std::string version_text();
 
 }  // namespace reamsim

@@ -13,7 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/record/force_rows.h"
+#include "sim/record/force_log.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/result_json.h"
 #include "sim/study/fit_forces.h"

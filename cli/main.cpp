@@ -12,11 +12,10 @@
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/environment.h"
-#include "cli/manual_text.h"
+#include "cli/manual.h"
 #include "cli/stop.h"
-#include "cli/version.h"
 #include "sim/base/error.h"
-#include "sim/base/printable.h"
+#include "sim/base/text.h"
 #include "sim/isolation/reader_server.h"
 
 namespace {

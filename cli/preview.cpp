@@ -14,7 +14,6 @@
 #include "cli/commands.h"
 #include "cli/first_scenario.h"
 #include "cli/input_kind.h"
-#include "cli/mesh_scale.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"

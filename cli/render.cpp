@@ -14,9 +14,9 @@
 
 #include "cli/commands.h"
 #include "cli/outputs.h"
-#include "render/frame_schedule.h"
 #include "render/plots/plots.h"
 #include "render/render.h"
+#include "render/render_thread.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/record/layer_mean.h"

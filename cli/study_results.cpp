@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cli/study_results.h"
+#include "cli/sweep.h"
 
 #include <filesystem>
 #include <system_error>
 
-#include "cli/sweep_options.h"
 #include "sim/base/error.h"
 #include "sim/scenario/show.h"
 #include "sim/study/uq_design.h"

@@ -10,15 +10,11 @@
 
 #include "cli/commands.h"
 #include "cli/input_kind.h"
-#include "cli/study_results.h"
-#include "cli/sweep_collect.h"
-#include "cli/sweep_commands.h"
+#include "cli/sweep.h"
 #include "cli/sweep_estimate.h"
-#include "cli/sweep_options.h"
 #include "cli/sweep_workers.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/base/whole_number.h"
 #include "sim/study/other_plan.h"
 
 namespace reamsim {

@@ -9,11 +9,9 @@
 #include <sstream>
 
 #include "sim/base/error.h"
-#include "sim/base/mistake_list.h"
 #include "sim/base/stopwatch.h"
-#include "sim/run/memory_plan.h"
 #include "sim/run/simulation.h"
-#include "sim/run/time_plan.h"
+#include "sim/run/cost_estimate.h"
 #include "sim/scenario/passes.h"
 #include "sim/scene/clearance.h"
 #include "sim/scene/contact_forecast.h"

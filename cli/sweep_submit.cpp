@@ -9,8 +9,7 @@
 #include <memory>
 
 #include "cli/commands.h"
-#include "cli/sweep_commands.h"
-#include "cli/sweep_options.h"
+#include "cli/sweep.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/record/output_folder.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/sweep_options.h"
+#include "cli/sweep.h"
 
 namespace reamsim {
 

@@ -10,8 +10,7 @@
 
 #include "cli/commands.h"
 #include "cli/input_kind.h"
-#include "cli/study_results.h"
-#include "cli/sweep_options.h"
+#include "cli/sweep.h"
 #include "render/plots/uq_plot.h"
 #include "sim/base/csv.h"
 #include "sim/base/error.h"

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/environment.h"
-#include "cli/json_output.h"
 #include "render/report/verify_report.h"
 #include "sim/base/error.h"
 #include "sim/device/opencl.h"

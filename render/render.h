@@ -7,7 +7,7 @@
 #include <string>
 
 #include "render/pictures/run_view.h"
-#include "sim/base/diagnostics.h"
+#include "sim/base/error.h"
 
 namespace reamsim {
 

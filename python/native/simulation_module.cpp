@@ -9,7 +9,6 @@
 #include <atomic>
 #include <optional>
 
-#include "python/native/arguments.h"
 #include "python/native/results.h"
 
 namespace reamsim::python {

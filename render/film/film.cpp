@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "render/pictures/canvas.h"
-#include "render/pictures/scale.h"
+#include "render/pictures/overlay.h"
 #include "sim/base/text.h"
 
 namespace reamsim {

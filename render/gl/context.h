@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "render/gl/gl.h"
+#include "render/gl/gl_objects.h"
 #include "sim/base/error.h"
 #include "sim/scenario/choices.h"
 

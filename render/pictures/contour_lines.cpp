@@ -9,9 +9,9 @@
 #include <limits>
 #include <unordered_map>
 
-#include "sim/base/gaussian.h"
-#include "sim/base/linear_algebra.h"
+#include "sim/base/geometry.h"
 #include "sim/base/parallel.h"
+#include "sim/base/statistics.h"
 
 namespace reamsim {
 

@@ -10,7 +10,7 @@
 
 #include "render/pictures/smoothed_mask.h"
 #include "sim/base/csv.h"
-#include "sim/base/gaussian.h"
+#include "sim/base/statistics.h"
 
 namespace reamsim {
 namespace {

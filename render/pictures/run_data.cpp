@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "render/gl/camera.h"
-#include "render/pictures/predicted_run.h"
+#include "render/pictures/run_view.h"
 #include "render/surface/unreamed_surface.h"
 #include "sim/base/error.h"
 #include "sim/bone/vdb/bone_vdb.h"

@@ -13,7 +13,7 @@
 #include "sim/mesh/triangle_mesh.h"
 #include "sim/record/force_log.h"
 #include "sim/scenario/picture_frames.h"
-#include "sim/tool/bounded_path.h"
+#include "sim/tool/tool_path.h"
 
 namespace reamsim {
 

@@ -11,6 +11,7 @@
 #include "render/pictures/run_data.h"
 #include "sim/bone/voxmap/density.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scene/swept_bone.h"
 
 namespace reamsim {
 
@@ -66,5 +67,18 @@ class RunView {
 
 /// The depth legend of a run: it ends at `depth_max_mm`, or, if 0, just above the greatest predicted depth.
 Scale depth_scale(const RunData& run, double depth_max_mm);
+
+/// The bone after a run, predicted from the swept volume of its tools.
+struct PredictedRun {
+  PredictedBone bone;
+  std::size_t pass = 0;  ///< index of the last one that removes bone
+  FrameSpans contact;    ///< of the passes that touch the bone
+};
+
+/// Throws InputError when a tool has no swept volume.
+PredictedRun predict_run(const RunInputs& run);
+
+/// The farthest point of the tool from its origin, mm.
+double tool_reach_mm(const TriangleMesh& tool);
 
 }  // namespace reamsim

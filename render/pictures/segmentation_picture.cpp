@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "render/pictures/canvas.h"
-#include "render/pictures/scale.h"
+#include "render/pictures/overlay.h"
 #include "sim/base/parallel.h"
 #include "sim/base/text.h"
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/pictures/setup_picture.h"
+#include "render/pictures/figures.h"
 
 #include <fmt/core.h>
 
@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "render/pictures/canvas.h"
-#include "render/pictures/predicted_run.h"
 #include "render/pictures/renderer.h"
 #include "render/pictures/run_view.h"
 #include "render/surface/unreamed_surface.h"

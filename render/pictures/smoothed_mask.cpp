@@ -5,7 +5,7 @@
 
 #include <cstddef>
 
-#include "sim/base/gaussian.h"
+#include "sim/base/statistics.h"
 
 namespace reamsim {
 namespace {

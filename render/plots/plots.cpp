@@ -4,13 +4,21 @@
 #include "render/plots/plots.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <sstream>
+#include <string>
 
+#include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/base/process.h"
+#include "sim/base/text.h"
 #include "sim/record/force_log.h"
 
 namespace reamsim {
+
 namespace embedded {
 extern const char* const plot_style;
 extern const char* const plot_script;
@@ -172,6 +180,87 @@ void write_push_plot(const std::string& dir) {
 
 void write_deflection_plot(const std::string& dir) {
   draw_plot(dir, "plots/deflection", "csv = \"forces.csv\"\n\n", embedded::deflection_plot_script);
+}
+
+namespace embedded {
+extern const char* const removed_density_script;
+}
+namespace {
+
+// All classes have the same number of grades.
+constexpr int kGradesPerClass = 5;
+constexpr std::size_t kClasses = 250 / kGradesPerClass;
+using Histogram = std::array<double, kClasses>;  // mm³
+
+Histogram removed_by_density(const Voxmap& voxmap, const FillBricks& before, const FillBricks& after) {
+  Histogram out{};
+  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& last) {
+    const GradeBricks::Brick* grades = voxmap.grade.brick(coord);
+    if (grades == nullptr) return;
+    const FillBricks::Brick* first = before.brick(coord);
+    for (std::size_t i = 0; i < last.size(); ++i) {
+      if ((*grades)[i] == 0) continue;
+      const int removed = (first == nullptr ? FillBricks::kWhole : (*first)[i]) - last[i];
+      const std::size_t density_class = std::min<std::size_t>(((*grades)[i] - 1) / kGradesPerClass, kClasses - 1);
+      out[density_class] += static_cast<double>(removed) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
+    }
+  });
+  return out;
+}
+
+}  // namespace
+
+void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
+                           const FillBricks& after) {
+  const Histogram removed = removed_by_density(voxmap, before, after);
+  CsvWriter csv = plot_csv(dir, "removed_density.csv", "density_from_g_cm3,density_to_g_cm3,removed_mm3");
+  for (std::size_t i = 0; i < kClasses; ++i) {
+    // In thousandths, so that the bounds are round numbers.
+    const auto bound = [](std::size_t place) { return static_cast<double>(place * kGradesPerClass * 8) / 1000; };
+    csv.row({bound(i), bound(i + 1), removed[i]});
+  }
+  csv.close();
+  draw_plot(dir, "plots/removed_density", "", embedded::removed_density_script);
+}
+
+namespace {
+
+std::string on_one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  const std::size_t first = text.find_first_not_of(' ');
+  const std::size_t last = text.find_last_not_of(' ');
+  return first == std::string::npos ? std::string("no message") : text.substr(first, last - first + 1);
+}
+
+}  // namespace
+
+std::string gnuplot_string(const std::string& text) {
+  std::string out = "'";
+  for (const char c : printable(text)) {
+    if (c == '\'') out += '\'';
+    out += c;
+  }
+  return out + "'";
+}
+
+void run_gnuplot(const std::string& dir, const std::string& script, const std::string& text,
+                 const std::vector<std::string>& pictures) {
+  write_file(dir + "/" + script, text);
+  const MemoryFile messages("the messages of gnuplot");
+  pid_t child = 0;
+  // -d: without the user's own settings, which could change the figures.
+  const int error_number =
+      spawn({.arguments = {"gnuplot", "-d", script}, .dir = dir, .err = messages.descriptor()}, child);
+  if (error_number != 0) throw RunError(std::string("gnuplot cannot be started: ") + std::strerror(error_number));
+  if (!succeeded(wait_for(child))) {
+    throw RunError(dir + ": gnuplot failed on " + script + ": " + on_one_line(messages.contents()));
+  }
+  for (const std::string& name : pictures) {
+    std::error_code error;
+    if (std::filesystem::file_size(dir + "/" + name, error) == 0 || error) {
+      throw RunError(dir + "/" + name + ": gnuplot wrote nothing: " + on_one_line(messages.contents()));
+    }
+  }
 }
 
 }  // namespace reamsim

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "sim/base/diagnostics.h"
+#include "sim/base/error.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {

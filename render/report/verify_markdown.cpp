@@ -7,7 +7,6 @@
 
 #include "render/report/verify_report.h"
 
-#include "sim/base/printable.h"
 #include "sim/base/text.h"
 
 namespace reamsim {

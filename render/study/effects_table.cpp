@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/base/printable.h"
 #include "sim/base/statistics.h"
 #include "sim/base/text.h"
 #include "sim/scenario/show.h"

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "render/report/markup.h"
-#include "sim/base/printable.h"
 #include "sim/base/text.h"
 #include "sim/scenario/show.h"
 #include "sim/study/column_names.h"

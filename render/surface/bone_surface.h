@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/surface/occupancy.h"
 #include "render/surface/solid_field.h"
 #include "render/surface/unreamed_surface.h"
 

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <vector>
 
-#include "render/surface/point_distance.h"
-
 namespace reamsim {
 namespace {
 

@@ -3,7 +3,9 @@
 
 #pragma once
 
+#include <Eigen/Geometry>
 #include <memory>
+#include <unsupported/Eigen/BVH>
 
 #include "render/surface/unreamed_surface.h"
 
@@ -29,6 +31,18 @@ class LayerBoundary {
 
   const Voxmap& voxmap_;
   std::unique_ptr<Surface> surface_;  ///< near the plane
+};
+
+/// A tree of points, for the nearest of them.
+using PointTree = Eigen::KdBVH<double, 3, Eigen::Vector3d>;
+
+/// For Eigen::BVMinimize: the squared distance to a point, and its lower bound in a box.
+struct PointDistance {
+  using Scalar = double;
+  Eigen::Vector3d from;
+
+  double minimumOnVolume(const PointTree::Volume& box) const { return box.squaredExteriorDistance(from); }
+  double minimumOnObject(const Eigen::Vector3d& point) const { return (point - from).squaredNorm(); }
 };
 
 }  // namespace reamsim

@@ -7,12 +7,11 @@
 #include <cmath>
 #include <utility>
 
-#include "render/surface/point_distance.h"
+#include "render/surface/layer_boundary.h"
 #include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/grids.h"
-#include "sim/bone/vdb/mesh_distance.h"
 
 namespace reamsim {
 namespace {

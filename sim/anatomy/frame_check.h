@@ -5,8 +5,7 @@
 
 #include <optional>
 
-#include "sim/base/diagnostics.h"
-#include "sim/base/mistake_list.h"
+#include "sim/base/error.h"
 #include "sim/bone/bone.h"
 
 namespace reamsim {

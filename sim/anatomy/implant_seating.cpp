@@ -8,8 +8,8 @@
 #include <numbers>
 #include <utility>
 
-#include "sim/anatomy/column_bone.h"
-#include "sim/anatomy/reamed_face.h"
+#include "sim/anatomy/column_map.h"
+#include "sim/anatomy/face_surface.h"
 #include "sim/base/statistics.h"
 #include "sim/bone/implicit.h"
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-#include "sim/base/linear_algebra.h"
+#include "sim/base/geometry.h"
 
 namespace reamsim {
 

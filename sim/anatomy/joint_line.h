@@ -9,7 +9,6 @@
 
 #include "sim/anatomy/column_map.h"
 #include "sim/anatomy/face_surface.h"
-#include "sim/anatomy/reamed_face.h"
 #include "sim/base/geometry.h"
 
 namespace reamsim {

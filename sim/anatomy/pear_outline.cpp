@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/base/linear_algebra.h"
+#include "sim/base/geometry.h"
 #include "sim/base/statistics.h"
 #include "sim/bone/implicit.h"
 

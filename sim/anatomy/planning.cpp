@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/anatomy/column_bone.h"
+#include "sim/anatomy/column_map.h"
 #include "sim/base/parallel.h"
 
 namespace reamsim {

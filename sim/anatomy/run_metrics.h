@@ -5,9 +5,9 @@
 
 #include <optional>
 
+#include "sim/anatomy/face_surface.h"
 #include "sim/anatomy/joint_line.h"
 #include "sim/anatomy/planning.h"
-#include "sim/anatomy/reamed_face.h"
 #include "sim/bone/bone.h"
 #include "sim/scenario/scenario.h"
 

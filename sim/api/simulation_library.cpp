@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/api/guarded.h"
 #include "sim/api/reamsim/simulation.h"
 #include "sim/api/state_parts.h"
 #include "sim/engine/common/motion_windows.h"

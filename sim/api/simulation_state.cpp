@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "sim/api/guarded.h"
 #include "sim/api/state_parts.h"
 #include "sim/base/file.h"
 #include "sim/run/value_file.h"

@@ -3,11 +3,13 @@
 
 #pragma once
 
+#include <new>
 #include <optional>
 #include <variant>
 #include <vector>
 
 #include "sim/api/reamsim/simulation.h"
+#include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/run/checkpoint.h"
 #include "sim/run/frame_stepper.h"
@@ -47,5 +49,21 @@ struct Simulation::State::Parts {
   /// For the bone whose fill before the first step is `start`. Throws InputError where a brick lies outside.
   [[nodiscard]] FillBricks fill_on(const FillBricks& start) const;
 };
+
+/// Calls work(), and turns its exceptions into those of the library.
+template <class Work>
+auto guarded(const Work& work) {
+  try {
+    return work();
+  } catch (const Error&) {
+    throw;
+  } catch (const InputError& error) {
+    throw BadInput(error.what());
+  } catch (const std::bad_alloc&) {
+    throw RunFailure("not enough memory");
+  } catch (const std::exception& error) {
+    throw RunFailure(error.what());
+  }
+}
 
 }  // namespace reamsim

@@ -14,7 +14,6 @@
 #include <utility>
 
 #include "sim/base/file.h"
-#include "sim/base/printable.h"
 #include "sim/base/text.h"
 
 namespace reamsim {

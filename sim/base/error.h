@@ -3,9 +3,12 @@
 
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace reamsim {
@@ -70,5 +73,51 @@ class Suspended : public Interrupted {
 
 /// The message of an exception for users, on one line.
 std::string message_of(const std::exception& error);
+
+/// Messages of a stage for the user. The caller prints them, so that no engine prints.
+struct Diagnostics {
+  std::vector<std::string> notes;
+  std::vector<std::string> warnings;
+  std::vector<std::string> listings;
+
+  void note(std::string text) { notes.push_back(std::move(text)); }
+  void warn(std::string text) { warnings.push_back(std::move(text)); }
+  /// What a warning refers to and the results must not hold, because it may identify a patient.
+  void list(std::string text) { listings.push_back(std::move(text)); }
+};
+
+/// Collects mistakes, so that all of them are reported at once.
+class MistakeList {
+ public:
+  void add(const InputError& error);
+
+  /// Calls `work` and adds the mistakes of an InputError. Returns whether there were none.
+  template <class Work>
+  bool attempt(const Work& work) {
+    try {
+      work();
+      return true;
+    } catch (const InputError& error) {
+      add(error);
+      return false;
+    }
+  }
+
+  /// Marks a key that may be wrong because of a mistake elsewhere. Only concerns() considers it.
+  void doubt(std::string key) { doubted_.push_back(std::move(key)); }
+
+  [[nodiscard]] bool empty() const { return mistakes_.empty(); }
+  /// Whether a mistake or a doubted key is `key`, a key above it or a key below it.
+  [[nodiscard]] bool concerns(std::string_view key) const;
+  /// Whether a mistake concerns a key directly in the section `section`.
+  [[nodiscard]] bool has_key_in(std::string_view section) const;
+
+  /// Throws an InputError of all mistakes, by line and column, at most 50. Does nothing where there are none.
+  void throw_if_any() const;
+
+ private:
+  std::vector<Mistake> mistakes_;
+  std::vector<std::string> doubted_;
+};
 
 }  // namespace reamsim

@@ -3,6 +3,9 @@
 
 #include "sim/base/geometry.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <cmath>
 
 namespace reamsim {
@@ -19,6 +22,38 @@ Quat smallest_rotation(const Vec3& from, const Vec3& to) {
   const double twice_cosine = std::sqrt((1 + cosine) * 2);
   const double inverse = 1 / twice_cosine;
   return {twice_cosine * 0.5, axis.x() * inverse, axis.y() * inverse, axis.z() * inverse};
+}
+
+Vec3 solve_ldlt(const Mat3& a, const Vec3& b) {
+  return a.ldlt().solve(b);
+}
+
+Vec4 solve_ldlt(const Mat4& a, const Vec4& b) {
+  return a.ldlt().solve(b);
+}
+
+Vec6 solve_ldlt(const Mat6& a, const Vec6& b) {
+  return a.ldlt().solve(b);
+}
+
+QrSolution solve_qr(const Mat4& a, const Vec4& b) {
+  const Eigen::ColPivHouseholderQR<Mat4> decomposed(a);
+  return {decomposed.solve(b), static_cast<int>(decomposed.rank())};
+}
+
+SymmetricEigen2 symmetric_eigen(const Mat2& matrix) {
+  const double mean = 0.5 * (matrix(0, 0) + matrix(1, 1)), half_difference = 0.5 * (matrix(0, 0) - matrix(1, 1));
+  const double radius = std::hypot(half_difference, matrix(1, 0));
+  const double angle = 0.5 * std::atan2(matrix(1, 0), half_difference);  // of the direction of the greater eigenvalue
+  const double c = std::cos(angle), s = std::sin(angle);
+  SymmetricEigen2 out{Vec2(mean - radius, mean + radius), {}};
+  out.vectors << -s, c, c, s;
+  return out;
+}
+
+SymmetricEigen3 symmetric_eigen(const Mat3& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> found(matrix);
+  return {found.eigenvalues(), found.eigenvectors()};
 }
 
 }  // namespace reamsim

@@ -4,16 +4,23 @@
 #include "sim/base/process.h"
 
 #include <fcntl.h>
+#include <malloc.h>
 #include <spawn.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
 #include <array>
 #include <cerrno>
+#include <cstdlib>  // defines __GLIBC__
 #include <cstring>
+#include <fstream>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
+
+#ifdef __GLIBC__
+#endif
 
 namespace reamsim {
 
@@ -79,6 +86,29 @@ int wait_for(pid_t child) {
 
 bool succeeded(int status) {
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+void return_free_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+std::optional<std::uint64_t> address_space_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
+  return limit.rlim_cur;
+}
+
+std::uint64_t address_space_in_use() {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
+}
+
+std::string address_space_note() {
+  const auto limit = address_space_limit();
+  return limit ? "the address space is limited to " + megabytes(*limit) + " (ulimit -v)" : "";
 }
 
 }  // namespace reamsim

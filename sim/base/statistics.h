@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <vector>
 
@@ -24,6 +25,22 @@ inline double quantile(std::vector<double> values, double fraction) {
   const auto below = static_cast<std::size_t>(place);
   const std::size_t above = std::min(below + 1, values.size() - 1);
   return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+/// A Gaussian sampled at −reach … reach, with the maximum 1.
+inline std::vector<double> gaussian(double sigma, int reach) {
+  std::vector<double> out;
+  for (int n = -reach; n <= reach; ++n) out.push_back(std::exp(-0.5 * n * n / (sigma * sigma)));
+  return out;
+}
+
+/// The same, scaled to the sum 1.
+inline std::vector<double> gaussian_weights(double sigma, int reach) {
+  std::vector<double> out = gaussian(sigma, reach);
+  double sum = 0;
+  for (const double weight : out) sum += weight;
+  for (double& weight : out) weight /= sum;
+  return out;
 }
 
 }  // namespace reamsim

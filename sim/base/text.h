@@ -3,6 +3,10 @@
 
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,5 +40,32 @@ bool is_whole_number(std::string_view text);
 
 /// Whole megabytes, 10⁶ bytes, rounded up: "12 MB".
 std::string megabytes(std::size_t bytes);
+
+/// A regular expression in ECMAScript's grammar. A class of its own because std::regex takes seconds to compile in each
+/// file that uses it. Throws std::regex_error.
+class Pattern {
+ public:
+  explicit Pattern(const std::string& expression);
+
+  /// Whether the expression describes the whole text.
+  [[nodiscard]] bool matches(const std::string& text) const;
+
+ private:
+  struct Compiled;
+  std::shared_ptr<const Compiled> compiled_;
+};
+
+/// Bytes of the UTF-8 character at `text[at]`, 1 to 4, or 0 for an invalid one (stray, overlong, surrogate, cut off).
+std::size_t utf8_length(std::string_view text, std::size_t at);
+
+/// Whether a text is valid UTF-8 on one line: no control characters, line separators or changes of the writing
+/// direction, with which a name could pass for something else on a terminal.
+bool is_printable(std::string_view text);
+
+/// `text` with every byte that is_printable() excludes as `\xNN`.
+std::string printable(std::string_view text);
+
+/// The number that a text of digits is; nothing where it is another text or the number has more than 64 bits.
+std::optional<std::uint64_t> whole_number(std::string_view text);
 
 }  // namespace reamsim

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "sim/bench/findings.h"
 #include "sim/bench/poses.h"
 #include "sim/bench/suite.h"
+#include "sim/run/simulation.h"
 
 namespace reamsim::bench {
 
@@ -60,5 +62,21 @@ void measure_scatter(const Plan& plan, const ProgramSet& set, const BenchControl
 void measure_exact_case(const Plan& plan, const BenchSetup& setup, const SizePair& size, const std::string& contact,
                         const BenchControl& control, Findings& findings);
 void measure_spheres(const Plan& plan, const BenchControl& control, Findings& findings);
+
+/// The first frames in contact are left out: caches and clocks of the processor are not as they will be.
+inline constexpr std::size_t kWarmUpFrames = 20;
+
+/// Wall time of a frame alone: pose in, force out, nothing batched and no windows, as a haptic device needs it.
+struct Latency {
+  std::int64_t frames = 0;  ///< in contact, that were timed
+  double median_ms = 0;
+  double p99_ms = 0;
+  double p999_ms = 0;
+  double most_ms = 0;
+};
+
+/// Moves the tool of the scene along its motion frame by frame, and times those in contact but the first 20, in which
+/// memory of the device grows. Ends after `most` of them. Throws Interrupted, RunError.
+Latency frame_latency(SimulationInput& scene, Engine& engine, std::int64_t most, const std::function<bool()>& stop);
 
 }  // namespace reamsim::bench

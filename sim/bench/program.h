@@ -9,8 +9,8 @@
 
 #include "sim/bench/scene.h"
 #include "sim/device/opencl.h"
-#include "sim/engine/common/broad_phase.h"
 #include "sim/engine/common/engine.h"
+#include "sim/engine/common/substep.h"
 
 namespace reamsim::bench {
 

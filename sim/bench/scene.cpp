@@ -10,7 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/bone/phantom.h"
 #include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/tool/revolve.h"
+#include "sim/tool/profile.h"
 
 namespace reamsim::bench {
 

@@ -8,7 +8,7 @@
 
 #include "sim/bench/poses.h"
 #include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/tool/revolve.h"
+#include "sim/tool/profile.h"
 
 namespace reamsim::bench::sphere {
 

@@ -3,12 +3,19 @@
 
 #include "sim/bench/whole_frames.h"
 
+#include <fmt/core.h>
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <numbers>
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
+#include "sim/bench/measure.h"
+#include "sim/bench/peaks.h"
+#include "sim/bench/sphere_scene.h"
 #include "sim/record/recorder.h"
 #include "sim/run/simulation.h"
 
@@ -126,6 +133,151 @@ Motion straight_motion(const ToolPose& last, double feed_mm_s, int windows) {
     poses.push_back(pose);
   }
   return {kRateHz, std::move(poses)};
+}
+
+namespace {
+
+using sphere::block, sphere::cap, sphere::down_to, sphere::kDepthMm, sphere::kRadiusMm, sphere::kSphereFeedMmS,
+    sphere::kSphereFrameS;
+
+constexpr int kDepths = 4;            // at which frames are timed at the true feed
+constexpr int kFramesOfDepth = 16;    // with erosion `remove`
+constexpr int kWindowsOfDepth = 5;    // with `exact`, the first of them untimed
+constexpr double kStepVoxels = 0.25;  // between the depths, where the shell's points have to miss no voxel
+
+double cap_mm3(double depth_mm) {
+  return std::numbers::pi * depth_mm * depth_mm * (kRadiusMm - depth_mm / 3);
+}
+
+/// The whole plunge with a shell; time per frame at the depths.
+SphereRow plunge(Program& program, double voxel_mm, const BenchControl& control) {
+  SphereRow row{.engine = program.label().engine, .erosion = ErosionMode::remove, .voxel_mm = voxel_mm};
+  const double frame_mm = kSphereFeedMmS * kSphereFrameS;
+  std::vector<double> ms;
+  double voxels = 0;
+  double depth = 0;
+  // implicit: one step gives the same, because the tool at a depth contains all of its straight path.
+  const double step_mm = row.engine == "implicit" ? kDepthMm : kStepVoxels * voxel_mm;
+  for (int i = 1; i <= kDepths; ++i) {
+    const double begin = kDepthMm * i / kDepths - kFramesOfDepth * frame_mm;
+    while (depth < begin) {
+      if (control.stop()) throw Interrupted();
+      depth = std::min(begin, depth + step_mm);
+      const Substep frame = down_to(depth, 0);
+      voxels += program.run({&frame, 1}, true).removed;
+    }
+    std::vector<Substep> frames;
+    for (int k = 1; k <= kFramesOfDepth; ++k) frames.push_back(down_to(begin + k * frame_mm, k));
+    const BatchSample sample = program.run(frames, true);
+    ms.push_back(1e3 * sample.total_s / kFramesOfDepth);
+    voxels += sample.removed;
+    depth = begin + kFramesOfDepth * frame_mm;
+  }
+  row.ms = spread_of(ms);
+  row.removed_mm3 = voxels * std::pow(voxel_mm, 3);
+  row.volume_error = row.removed_mm3 / cap_mm3(depth) - 1;
+  return row;
+}
+
+/// The motions of `erosion: exact`: its windows at each depth.
+std::vector<Motion> motions_at_depths() {
+  std::vector<Motion> out;
+  for (int i = 1; i <= kDepths; ++i) {
+    const ToolPose last = down_to(kDepthMm * i / kDepths - kSphereFeedMmS * kSphereFrameS, 0).pose;
+    out.push_back(straight_motion(last, kSphereFeedMmS, kWindowsOfDepth));
+  }
+  return out;
+}
+
+SphereRow exact_row(const FilledVoxmap& bone, const Tool& tool, const Plan& plan, const BenchControl& control) {
+  ExactRuns runs{.bone = &bone, .tool = &tool, .motions = motions_at_depths(), .device = plan.device};
+  const WholeFrames frames = time_whole_frames(runs, control);
+  SphereRow row{.engine = "exact", .erosion = ErosionMode::exact, .voxel_mm = bone.grid.voxel_mm};
+  row.ms = spread_of(frames.ms);
+  row.removed_mm3 = frames.removed_mm3;
+  row.volume_error = row.removed_mm3 / cap_mm3(kDepthMm) - 1;
+  row.exact = {.kernel_ms = spread_of(frames.kernel_ms).median, .voxels = frames.voxels};
+  const cl::DeviceInfo device = cl::choose_device(plan.device);
+  if (device.gpu || device.compute_units < 2 || device.max_parts == 0) return row;
+  runs.cores = 1;
+  const WholeFrames one_core = time_whole_frames(runs, control);
+  row.exact->one_core_ms = spread_of(one_core.ms);
+  row.exact->one_core_kernel_ms = spread_of(one_core.kernel_ms).median;
+  return row;
+}
+
+}  // namespace
+
+void measure_spheres(const Plan& plan, const BenchControl& control, Findings& findings) {
+  const bool exact = std::ranges::count(plan.engines, "exact") > 0;
+  if (exact && !plan.sphere_voxels_mm.empty()) findings.peaks = measure_peaks(cl::choose_device(plan.device));
+  for (const double voxel_mm : plan.sphere_voxels_mm) {
+    const FilledVoxmap bone = block(voxel_mm);
+    const Tool tool = cap(voxel_mm);
+    const BenchSetup setup{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
+    for (const std::string& engine : plan.engines) {
+      control.progress("plunged sphere, " + engine + fmt::format(", voxels of {:g} mm", voxel_mm));
+      const Place place{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"};
+      measure_or_skip(place, findings.skipped, [&] {
+        findings.spheres.push_back(engine == "exact"
+                                       ? exact_row(bone, tool, plan, control)
+                                       : plunge(*make_engine_program(engine, plan.device, setup), voxel_mm, control));
+      });
+    }
+  }
+}
+
+namespace {
+
+constexpr int kWindowsOfCase = 3;     // the first of them untimed
+constexpr int kWindowsOfPlunge = 16;  // 1024 frames
+constexpr double kCaseFeedMmS = 1;    // as the other engines' substeps (poses.h)
+
+CaseRow row_of(const Place& at, const WholeFrames& frames) {
+  CaseRow row{.at = at};
+  row.contacts = frames.voxels;
+  row.ms = spread_of(frames.ms);
+  row.kernel_ms = spread_of(frames.kernel_ms).median;
+  return row;
+}
+
+/// The motions of a case: to the depth of each approach; `plunge`: as measure_plunge().
+std::vector<Motion> motions_of(const std::string& contact, double voxel_mm) {
+  std::vector<Motion> out;
+  if (contact == "plunge") {
+    const double step_mm = 0.25 * voxel_mm, rate_hz = 1000;
+    const double depth_mm = kApproaches[0].depth_mm[1] + step_mm * 64 * kWindowsOfPlunge;
+    return {straight_motion(pose_at(kApproaches[0], depth_mm), step_mm * rate_hz, kWindowsOfPlunge)};
+  }
+  for (const Contact each : kContacts) {
+    if (contact != name_of(each)) continue;
+    for (const Approach& approach : kApproaches) {
+      const double depth_mm = approach.depth_mm[static_cast<std::size_t>(each)];
+      out.push_back(straight_motion(pose_at(approach, depth_mm), kCaseFeedMmS, kWindowsOfCase));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void measure_exact_case(const Plan& plan, const BenchSetup& setup, const SizePair& size, const std::string& contact,
+                        const BenchControl& control, Findings& findings) {
+  if (std::ranges::count(plan.engines, "exact") == 0) return;
+  const Place at{{"exact", "deterministic"}, size.voxmap, size.shell, contact};
+  const ExactRuns runs{.bone = setup.voxmap,
+                       .tool = setup.tool,
+                       .motions = motions_of(contact, setup.voxmap->grid.voxel_mm),
+                       .device = plan.device};
+  measure_or_skip(at, findings.skipped, [&] {
+    const WholeFrames frames = time_whole_frames(runs, control);
+    CaseRow row = row_of(at, frames);
+    const CaseRow* direct = findings.find({"direct", "published"}, size.voxmap, size.shell, contact);
+    if (direct != nullptr && row.ms.median > 0) row.ratio_to_direct = direct->ms.median / row.ms.median;
+    findings.cases.push_back(row);
+    if (contact != name_of(Contact::severe)) return;
+    findings.memory.push_back({"exact", size.voxmap, size.shell, static_cast<double>(frames.bytes.voxmap) / 1e6, 0});
+  });
 }
 
 }  // namespace reamsim::bench

@@ -7,8 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim/base/diagnostics.h"
-#include "sim/bone/voxmap/bone_stage.h"
+#include "sim/base/error.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/segmentation.h"
 #include "sim/scenario/scenario.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/base/diagnostics.h"
+#include "sim/base/error.h"
 #include "sim/base/geometry.h"
 
 namespace reamsim {

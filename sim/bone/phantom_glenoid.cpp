@@ -11,7 +11,6 @@
 #include "sim/base/error.h"
 #include "sim/bone/glenoid_shape.h"
 #include "sim/bone/implicit.h"
-#include "sim/bone/sample_phantom.h"
 #include "sim/bone/value_noise.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/lattice.h"

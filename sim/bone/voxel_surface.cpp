@@ -3,6 +3,10 @@
 
 #include "sim/bone/voxel_surface.h"
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
 #include "kernels/cube_fraction.h"
 
 namespace reamsim {
@@ -54,6 +58,127 @@ std::optional<VoxelPlane> voxel_plane(const BoneView& bone, const Vec3i& voxel, 
   const double length = gradient.norm();
   const Vec3 normal = length > kLeastGradient ? Vec3(-gradient / length) : fallback;
   return VoxelPlane{normal, bone.voxmap.grid.voxel_mm * plane_offset(normal, fraction)};
+}
+
+namespace {
+
+/// A corner of a cube around the origin: bit n of `corner` chooses the upper side along axis n.
+Vec3 cube_corner(int corner, double half_mm) {
+  return half_mm * Vec3((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
+}
+
+/// The section of a plane with a cube of side 2·`half_mm` around `center`.
+SurfacePatch section_of_cube(const VoxelPlane& plane, const Vec3& center, double half_mm) {
+  SurfacePatch out;
+  out.normal = plane.normal;
+  for (int corner = 0; corner < 8; ++corner) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((corner >> axis & 1) != 0) continue;
+      const Vec3 from = cube_corner(corner, half_mm), to = cube_corner(corner | 1 << axis, half_mm);
+      const double a = plane.normal.dot(from) - plane.offset_mm, b = plane.normal.dot(to) - plane.offset_mm;
+      if ((a < 0) == (b < 0) || out.count == 6) continue;
+      out.vertices[out.count++] = center + from + (to - from) * (a / (a - b));
+    }
+  }
+  if (out.count < 3) return out;
+  out.measure();
+  // In order around the centre.
+  const Vec3 x = plane.normal.unitOrthogonal(), y = plane.normal.cross(x);
+  const auto angle = [&](const Vec3& p) { return std::atan2((p - out.center).dot(y), (p - out.center).dot(x)); };
+  std::sort(out.vertices.begin(), out.vertices.begin() + static_cast<std::ptrdiff_t>(out.count),
+            [&](const Vec3& a, const Vec3& b) { return angle(a) < angle(b); });
+  return out;
+}
+
+SurfacePatch face_of_cube(const Vec3& center, double half_mm, int axis, int side) {
+  SurfacePatch out;
+  out.normal = side * Vec3::Unit(axis);
+  const Vec3 u = half_mm * Vec3::Unit((axis + 1) % 3), v = half_mm * Vec3::Unit((axis + 2) % 3);
+  const Vec3 middle = center + half_mm * out.normal;
+  for (const Vec3& corner : {Vec3(u + v), Vec3(v - u), Vec3(-u - v), Vec3(u - v)}) {
+    out.vertices[out.count++] = middle + corner;
+  }
+  out.measure();
+  return out;
+}
+
+}  // namespace
+
+void SurfacePatch::measure() {
+  center = Vec3::Zero();
+  for (std::size_t i = 0; i < count; ++i) center += vertices[i] / static_cast<double>(count);
+  radius_mm = 0;
+  for (std::size_t i = 0; i < count; ++i) radius_mm = std::max(radius_mm, (vertices[i] - center).norm());
+}
+
+void SurfacePatch::clip(const VoxelPlane& plane, const Vec3& voxel_center) {
+  SurfacePatch kept;
+  kept.normal = normal;
+  const auto above = [&](const Vec3& p) { return plane.normal.dot(p - voxel_center) - plane.offset_mm; };
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 &a = vertices[i], &b = vertices[(i + 1) % count];
+    const double from = above(a), to = above(b);
+    if (from <= 0 && kept.count < kMost) kept.vertices[kept.count++] = a;
+    if ((from <= 0) != (to <= 0) && kept.count < kMost) {
+      kept.vertices[kept.count++] = a + (b - a) * (from / (from - to));
+    }
+  }
+  if (kept.count > 0) kept.measure();
+  *this = kept;
+}
+
+Vec3 SurfacePatch::nearest(const Vec3& point) const {
+  const Vec3 flat = point - normal.dot(point - center) * normal;
+  bool inside = true;
+  Vec3 best = vertices[0];
+  double best_mm2 = (best - flat).squaredNorm();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3& a = vertices[i];
+    const Vec3 edge = vertices[(i + 1) % count] - a;
+    // The centre tells the inner side of an edge, in either order of the vertices. A polygon without area has none.
+    const Vec3 across = normal.cross(edge);
+    inside &= across.dot(flat - a) * across.dot(center - a) > 0;
+    const double length2 = edge.squaredNorm();
+    const double part = length2 > 0 ? std::clamp(edge.dot(flat - a) / length2, 0.0, 1.0) : 0;
+    const Vec3 here = a + part * edge;
+    const double mm2 = (here - flat).squaredNorm();
+    if (mm2 >= best_mm2) continue;
+    best = here;
+    best_mm2 = mm2;
+  }
+  return inside ? flat : best;
+}
+
+void add_surface_patches(const BoneView& bone, const Vec3i& voxel, std::vector<SurfacePatch>& out) {
+  if (bone_fraction(bone, voxel) == 0) return;
+  const Vec3 center = bone.voxmap.grid.center_mm(voxel);
+  const double half_mm = 0.5 * bone.voxmap.grid.voxel_mm;
+  if (const std::optional<VoxelPlane> plane = voxel_plane(bone, voxel, Vec3::UnitZ())) {
+    const SurfacePatch section = section_of_cube(*plane, center, half_mm);
+    if (section.count >= 3) out.push_back(section);
+    return;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int side : {-1, 1}) {
+      const Vec3i beside = voxel + side * Vec3i(Vec3i::Unit(axis));
+      if (bone_fraction(bone, beside) == 0) out.push_back(face_of_cube(center, half_mm, axis, side));
+    }
+  }
+}
+
+void add_solid_patches(const Vec3& voxel_center, double voxel_mm, std::span<const VoxelPlane> planes,
+                       std::vector<SurfacePatch>& out) {
+  const double half_mm = 0.5 * voxel_mm;
+  const auto add = [&](SurfacePatch patch, const VoxelPlane* own) {
+    for (const VoxelPlane& plane : planes) {
+      if (&plane != own) patch.clip(plane, voxel_center);
+    }
+    if (patch.count >= 3) out.push_back(patch);
+  };
+  for (const VoxelPlane& plane : planes) add(section_of_cube(plane, voxel_center, half_mm), &plane);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int side : {-1, 1}) add(face_of_cube(voxel_center, half_mm, axis, side), nullptr);
+  }
 }
 
 }  // namespace reamsim

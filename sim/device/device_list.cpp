@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "sim/base/error.h"
-#include "sim/base/memory.h"
+#include "sim/base/process.h"
 #include "sim/base/text.h"
 #include "sim/device/opencl.h"
 

@@ -14,6 +14,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "sim/base/error.h"
+
 namespace reamsim {
 
 // What a child process hands back: numbers, texts and arrays, one after the other in memory that it shares with its
@@ -170,5 +172,11 @@ class ResultReader {
   std::string path_;
   std::string key_;
 };
+
+/// Writes the mistakes of an error, in the child.
+void put_mistakes(ResultWriter& out, const InputError& error);
+
+/// Throws the error that put_mistakes() wrote, in the parent.
+[[noreturn]] void throw_mistakes(ResultReader& in);
 
 }  // namespace reamsim

@@ -21,7 +21,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/process.h"
-#include "sim/isolation/mistakes.h"
+#include "sim/isolation/child_result.h"
 #include "sim/isolation/reader_server.h"
 
 namespace reamsim {

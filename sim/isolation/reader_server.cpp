@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/isolation/mistakes.h"
+#include "sim/isolation/child_result.h"
 #include "sim/isolation/sandbox.h"
 
 namespace reamsim {

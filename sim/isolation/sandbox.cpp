@@ -17,7 +17,7 @@
 #include <fstream>
 #include <memory>
 
-#include "sim/base/memory.h"
+#include "sim/base/process.h"
 
 namespace reamsim {
 

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "sim/mesh/triangle_mesh.h"
 
@@ -24,5 +25,28 @@ struct RepairResult {
 /// closes each hole with a fan from the centre of its rim. meshToVolume tolerates the remaining defects (non-manifold
 /// edges, a surface that cannot be oriented): it only determines which voxels are separated from the outside.
 RepairResult repair(TriangleMesh& mesh);
+
+/// A surface of a mesh that shares no vertex with the others.
+struct MeshPiece {
+  double volume_mm3 = 0;  ///< without sign
+  Vec3 centre_mm = Vec3::Zero();
+  bool inside_another = false;  ///< enclosed by another piece
+  bool faces_inwards = false;   ///< its signed volume is negative: right for the wall of a cavity only
+};
+
+/// The pieces of a mesh of closed surfaces, the largest volume first.
+std::vector<MeshPiece> pieces_of(const TriangleMesh& mesh);
+
+/// Turns the triangles of each piece outside the others outwards; those inside another stay as they are. Returns the
+/// pieces as they were, in the order of pieces_of().
+std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh);
+
+/// The volume of the pieces outside the others, which is what voxels of them have: a surface inside another does not
+/// create a cavity.
+double outer_volume_mm3(const std::vector<MeshPiece>& pieces);
+
+/// What to say of a mesh that becomes one bone after turn_outwards(): a sentence for pieces that faced inwards, one for
+/// those beside the largest, one for those inside another; empty for one piece that faces outwards.
+std::vector<std::string> warnings_of(const std::vector<MeshPiece>& pieces);
 
 }  // namespace reamsim

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "sim/anatomy/run_metrics.h"
+#include "sim/scene/clearance.h"
 
 namespace reamsim {
 
@@ -15,5 +16,11 @@ nlohmann::ordered_json metrics_json(const BoneMetrics& metrics);
 
 /// Writes depth_map.csv: a row for each column that meets bone. Throws RunError when it cannot be written.
 void write_depth_map(const std::string& path, const ColumnMap& map);
+
+/// The object `clearance` of summary.json.
+nlohmann::ordered_json clearance_json(const HolderClearance& clearance, const SimulationInput& scene);
+
+/// Writes clearance.csv. Throws RunError when the disk is full.
+void write_clearance(const std::string& path, const HolderClearance& clearance, double frame_s);
 
 }  // namespace reamsim

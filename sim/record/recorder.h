@@ -11,7 +11,7 @@
 
 #include "sim/base/csv.h"
 #include "sim/record/force_basis_file.h"
-#include "sim/record/force_rows.h"
+#include "sim/record/force_log.h"
 #include "sim/record/results.h"
 #include "sim/record/run_totals.h"
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "sim/base/pattern.h"
+#include "sim/base/text.h"
 #include "sim/record/manifest.h"
 
 namespace reamsim {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/stopwatch.h"
 #include "sim/bone/voxmap/sparse_bricks.h"
 #include "sim/record/recorder.h"
 #include "sim/record/summary.h"
@@ -64,5 +65,49 @@ class CheckpointFiles {
 /// Throws InputError where `saved` belongs to another run than `current`: the message names the key or input that
 /// differs. The device may differ. `dir`: for messages.
 void require_same_run(const RunIdentity& saved, const RunIdentity& current, const std::string& dir);
+
+/// The checkpoints of a run: saves its state from time to time, and continues an interrupted run from the last one.
+class RunCheckpoints {
+ public:
+  /// `every_s`: wall time between two checkpoints; 0: none are written. `resume`: the last one, if there is one, is to
+  /// be continued.
+  RunCheckpoints(const std::string& dir, double every_s, bool resume);
+
+  /// Sets what identifies the run. Throws InputError where the checkpoint to continue is one of another run.
+  void identify(const Scenario& scenario, const std::vector<InputSum>& inputs);
+  /// Notes the device of the run. Warns where the checkpoint to continue is from another one.
+  void use_device(const std::string& device, Diagnostics& report);
+  /// Sets the fill of the bone, before the engine is made. Keeps a copy of the fill before the run.
+  void restore(FillBricks& fill);
+  /// The logs of the run, new or those of the checkpoint, with what its scenario asks for. `report` gets its warnings.
+  Recorder open_logs(double voxel_mm, const Scenario& scenario, Diagnostics& report);
+  /// The state to go on from; nullopt at the start.
+  [[nodiscard]] std::optional<SimulationState> state() const;
+
+  /// Whether the time for a checkpoint has come.
+  [[nodiscard]] bool due() const { return every_s_ > 0 && since_last_.seconds() >= every_s_; }
+  /// Saves the state, unless no checkpoints are wanted. Returns whether it did. Throws RunError.
+  bool save(const SimulationState& state, Recorder& recorder, const FillBricks& fill, const Diagnostics& report);
+  /// The frame of the last checkpoint, or nullopt.
+  [[nodiscard]] std::optional<std::int64_t> saved_frame() const { return saved_frame_; }
+  /// Their number, time and size, in words.
+  [[nodiscard]] std::string cost() const;
+  [[nodiscard]] double seconds() const { return seconds_; }
+  /// Removes the checkpoints of a run that is complete.
+  void remove(Diagnostics& report) const { files_.remove(report); }
+
+ private:
+  std::string dir_;
+  double every_s_;
+  CheckpointFiles files_;
+  std::optional<Checkpoint> last_;
+  RunIdentity identity_;
+  FillBricks before_;
+  Stopwatch since_last_;
+  std::optional<std::int64_t> saved_frame_;
+  int written_ = 0;
+  double seconds_ = 0;
+  std::size_t largest_bytes_ = 0;
+};
 
 }  // namespace reamsim

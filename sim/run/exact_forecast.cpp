@@ -5,10 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "sim/engine/common/broad_phase.h"
-#include "sim/engine/exact/list_bricks.h"
-#include "sim/run/memory_plan.h"
-#include "sim/tool/bounded_path.h"
+#include "sim/engine/common/substep.h"
+#include "sim/engine/exact/brick_batch_plan.h"
+#include "sim/run/cost_estimate.h"
+#include "sim/tool/tool_path.h"
 
 namespace reamsim {
 

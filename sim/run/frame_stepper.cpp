@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "sim/bone/voxmap/density.h"
-#include "sim/engine/common/broad_phase.h"
-#include "sim/engine/common/force_basis.h"
+#include "sim/engine/common/engine.h"
+#include "sim/engine/common/substep.h"
 #include "sim/record/results.h"
 #include "sim/run/energy_balance.h"
 #include "sim/tool/outline.h"

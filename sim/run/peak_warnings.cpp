@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "sim/run/slow_trial.h"
+#include "sim/run/feed.h"
 
 namespace reamsim {
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "sim/base/diagnostics.h"
+#include "sim/base/error.h"
 #include "sim/record/run_totals.h"
 #include "sim/scene/scene.h"
 

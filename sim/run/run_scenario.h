@@ -9,11 +9,11 @@
 #include <optional>
 #include <string>
 
-#include "sim/base/diagnostics.h"
-#include "sim/engine/common/engine_device.h"
-#include "sim/record/kept_files.h"
+#include "sim/base/error.h"
+#include "sim/engine/make_engine.h"
+#include "sim/record/manifest.h"
 #include "sim/scenario/scenario.h"
-#include "sim/scene/bone_cache.h"
+#include "sim/scene/load_bone.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "sim/run/feed.h"
-#include "sim/run/slow_trial.h"
 #include "sim/tool/tool_path.h"
 
 namespace reamsim {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "sim/run/feed.h"
-#include "sim/run/slow_trial.h"
 #include "sim/scenario/picture_frames.h"
 
 namespace reamsim {

@@ -3,10 +3,13 @@
 
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/voxel_grid.h"
 #include "sim/scan/scan.h"
 
@@ -73,5 +76,118 @@ IndexBox voxels_in_crop(const ScanGeometry& geometry, const Crop& crop);
 /// is interpolated trilinearly on a lattice of the same spacing within the crop box, with `outside` beyond the image.
 /// Throws std::length_error for an absurdly large lattice.
 AlignedImage align_to_lps(const Scan& scan, const Crop& crop, float outside);
+
+/// An isotropic grid around a box of image voxels (`min` and `max` included), with a margin of `margin_voxels` and
+/// whole bricks of 8. Its planes start at the lower corner of the image, so that voxels of the image's size coincide
+/// with those of the image. Throws std::length_error when a dimension exceeds an int.
+VoxelGrid grid_around(const Lattice& image, const Vec3i& min, const Vec3i& max, double voxel_mm, int margin_voxels);
+
+/// The weights of image values for one voxel along one axis: weight[n] for value first + n. Their sum is 1.
+struct AxisWeights {
+  int first = 0;
+  std::vector<double> weight;
+};
+
+/// The weights of all voxels of a grid along one axis: averages over the voxel if it is at least as large as the
+/// spacing, otherwise linear interpolation at its centre (paper §3.2). Beyond the image the value of its border holds.
+std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& grid, int axis);
+
+/// Resamples an image to a grid. It works by slices (constant k), so that a fine grid of a large bone needs no second
+/// large array. It is separable: each axis averages or interpolates by itself.
+class SliceResampler {
+ public:
+  SliceResampler(const AlignedImage& image, const VoxelGrid& grid);
+
+  /// Values of slice k; value (i,j) has the index i + nx·j. Valid until the next call.
+  const std::vector<double>& slice(int k);
+  /// The value of one voxel. Thread-safe.
+  [[nodiscard]] double at(const Vec3i& voxel) const;
+
+ private:
+  const AlignedImage& image_;
+  VoxelGrid grid_;
+  std::vector<AxisWeights> weights_[3];
+  std::vector<double> plane_;
+  std::vector<double> rows_;
+  std::vector<double> out_;
+};
+
+/// The negative of an image, interpolated trilinearly: a field for fraction_inside(), negative where the image is above
+/// 0. Beyond the image the value of its border holds.
+class NegatedField {
+ public:
+  explicit NegatedField(const AlignedImage& image);
+
+  double operator()(const Vec3& point_mm) const { return value(places(point_mm)); }
+
+  /// As sample_along_axes(). A step changes one coordinate, so that the places along the other axes are found once.
+  [[nodiscard]] FieldSamples cross(const Vec3& center_mm, double step) const {
+    const Places center = places(center_mm);
+    FieldSamples out;
+    out.center = value(center);
+    for (int axis = 0; axis < 3; ++axis) {
+      Places moved = center;
+      moved[static_cast<std::size_t>(axis)] = place(axis, center_mm[axis] - step);
+      out.before[axis] = value(moved);
+      moved[static_cast<std::size_t>(axis)] = place(axis, center_mm[axis] + step);
+      out.after[axis] = value(moved);
+    }
+    return out;
+  }
+
+ private:
+  /// A position between two neighbouring values along one axis.
+  struct Place {
+    std::size_t at = 0;   ///< offset of the lower value
+    double fraction = 0;  ///< weight of the upper value
+  };
+  using Places = std::array<Place, 3>;
+
+  [[nodiscard]] Place place(int axis, double mm) const {
+    const double index = std::min(std::max((mm - origin_mm_[axis]) / spacing_mm_[axis], 0.0), last_[axis]);
+    const int low = std::min(static_cast<int>(index), last_low_[axis]);
+    return {stride_[static_cast<std::size_t>(axis)] * static_cast<std::size_t>(low), index - low};
+  }
+  [[nodiscard]] Places places(const Vec3& mm) const { return {place(0, mm.x()), place(1, mm.y()), place(2, mm.z())}; }
+  [[nodiscard]] double value(const Places& p) const {
+    const float* corner = values_ + p[0].at + p[1].at + p[2].at;
+    const auto along_x = [&](std::size_t at) {
+      return (1 - p[0].fraction) * double{corner[at]} + p[0].fraction * double{corner[at + step_[0]]};
+    };
+    const auto along_y = [&](std::size_t at) {
+      return (1 - p[1].fraction) * along_x(at) + p[1].fraction * along_x(at + step_[1]);
+    };
+    return -((1 - p[2].fraction) * along_y(0) + p[2].fraction * along_y(step_[2]));
+  }
+
+  const float* values_;
+  Vec3 origin_mm_;
+  Vec3 spacing_mm_;
+  Vec3 last_;       ///< index of the last value along each axis
+  Vec3i last_low_;  ///< index of the last value that has a successor
+  std::array<std::size_t, 3> stride_{};
+  std::array<std::size_t, 3> step_{};  ///< to the upper value; 0 along axes with one voxel
+};
+
+/// Tests whether at least half of a voxel of a grid lies where `field` > 0. The field is interpolated trilinearly at
+/// the centre of the voxel, or at several sample points along axes on which the voxel is larger than the spacing.
+class InsideTest {
+ public:
+  InsideTest(const AlignedImage& field, const VoxelGrid& grid);
+
+  [[nodiscard]] bool operator()(const Vec3i& voxel) const;
+
+ private:
+  struct Sample {
+    int low = 0;         ///< lower of the two image voxels along this axis
+    float fraction = 0;  ///< weight of the upper one
+  };
+
+  [[nodiscard]] bool inside(const Sample& x, const Sample& y, const Sample& z) const;
+
+  const AlignedImage& field_;
+  int samples_[3] = {1, 1, 1};     ///< per voxel
+  std::vector<Sample> sample_[3];  ///< of voxel n: samples_ from n·samples_
+};
 
 }  // namespace reamsim::ct

@@ -11,8 +11,8 @@
 #include <optional>
 #include <utility>
 
-#include "sim/base/gaussian.h"
 #include "sim/base/parallel.h"
+#include "sim/base/statistics.h"
 #include "sim/scan/morphology.h"
 
 namespace reamsim::ct {

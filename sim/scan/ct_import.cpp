@@ -16,7 +16,6 @@
 #include "sim/scan/boundary_density.h"
 #include "sim/scan/label_map.h"
 #include "sim/scan/morphology.h"
-#include "sim/scan/point_text.h"
 #include "sim/scan/scan.h"
 #include "sim/scan/segment.h"
 #include "sim/scan/voxelize.h"

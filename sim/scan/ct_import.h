@@ -3,9 +3,7 @@
 
 #pragma once
 
-#include "sim/base/diagnostics.h"
 #include "sim/base/error.h"
-#include "sim/bone/voxmap/bone_stage.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/aligned_image.h"
 #include "sim/scan/humeral_head.h"

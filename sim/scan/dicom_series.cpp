@@ -13,7 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/scan/dicom_files.h"
-#include "sim/scan/point_text.h"
+#include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/diagnostics.h"
-#include "sim/scan/dicom_header.h"
+#include "sim/base/error.h"
+#include "sim/scan/dicom_files.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {

@@ -14,7 +14,7 @@
 #include "sim/scan/dicom_files.h"
 #include "sim/scan/dicom_series.h"
 #include "sim/scan/image_file.h"
-#include "sim/scan/point_text.h"
+#include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/base/linear_algebra.h"
+#include "sim/base/geometry.h"
 #include "sim/base/statistics.h"
 
 namespace reamsim::ct {

@@ -20,7 +20,6 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/scan/nifti_header.h"
 
 namespace reamsim::ct {
 

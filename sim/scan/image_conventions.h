@@ -4,6 +4,9 @@
 #pragma once
 
 #include <itkImageIOBase.h>
+#include <nifti1_io.h>
+#include <memory>
+#include <string>
 
 #include "sim/scan/scan_transfer.h"
 
@@ -26,5 +29,13 @@ HeaderGaps gaps_of(const itk::ImageIOBase& io);
 
 /// Whether a part of the image can be read. ITK loses voxels of a part of a compressed MetaImage.
 bool can_be_read_in_part(itk::ImageIOBase& io);
+
+/// The header of a NIfTI file; freed with the pointer.
+using NiftiHeader = std::unique_ptr<nifti_image, decltype(&nifti_image_free)>;
+
+/// Null if missing.
+inline NiftiHeader read_nifti_header(const std::string& path) {
+  return {nifti_image_read(path.c_str(), 0), &nifti_image_free};
+}
 
 }  // namespace reamsim::ct

@@ -10,7 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/base/printable.h"
+#include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"
 #include "sim/scan/image_file.h"
 #include "sim/scan/image_io.h"

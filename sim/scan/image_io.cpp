@@ -21,10 +21,9 @@
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/base/pattern.h"
+#include "sim/base/text.h"
 #include "sim/scan/image_conventions.h"
-#include "sim/scan/nifti_header.h"
-#include "sim/scan/quiet.h"
+#include "sim/scan/segment.h"
 
 namespace reamsim::ct {
 

@@ -10,7 +10,6 @@
 #include <set>
 
 #include "sim/base/error.h"
-#include "sim/scan/point_text.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/diagnostics.h"
+#include "sim/base/error.h"
 #include "sim/scan/aligned_image.h"
 #include "sim/scan/label_names.h"
 #include "sim/scenario/scenario.h"

@@ -10,11 +10,10 @@
 #include <memory>
 
 #include "sim/base/error.h"
-#include "sim/base/printable.h"
 #include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"
-#include "sim/scan/nifti_header.h"
-#include "sim/scan/quiet.h"
+#include "sim/scan/image_conventions.h"
+#include "sim/scan/segment.h"
 
 namespace reamsim::ct {
 

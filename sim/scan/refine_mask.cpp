@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/scan/point_text.h"
-#include "sim/scan/resample.h"
+#include "sim/scan/aligned_image.h"
+#include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 

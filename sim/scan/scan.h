@@ -3,13 +3,14 @@
 
 #pragma once
 
+#include <fmt/core.h>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "sim/base/diagnostics.h"
+#include "sim/base/error.h"
 #include "sim/base/geometry.h"
 
 namespace reamsim::ct {
@@ -93,5 +94,13 @@ std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::str
 
 /// Throws InputError when `voxels` voxels of `bytes_per_voxel` are more than half of this machine's memory.
 void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::string& path, const std::string& key);
+
+inline std::string point_text(const Vec3& p) {
+  return fmt::format("({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
+}
+
+inline std::string box_text(const Aabb& box) {
+  return point_text(box.min) + " to " + point_text(box.max) + " mm";
+}
 
 }  // namespace reamsim::ct

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "sim/isolation/child_result.h"
-#include "sim/scan/dicom_header.h"
+#include "sim/scan/dicom_files.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {

@@ -3,12 +3,17 @@
 
 #include "sim/scan/segment.h"
 
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <nifti1_io.h>
+#include <unistd.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 
 #include "sim/base/error.h"
-#include "sim/scan/point_text.h"
+#include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 
@@ -247,6 +252,34 @@ BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtS
               fmt::format("{:.0f}", static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3()) + " mm3");
   bone.field = std::move(selected);
   return bone;
+}
+
+QuietLibraries::QuietLibraries()
+    : cerr_(std::cerr.rdbuf(captured_.rdbuf())), cout_(std::cout.rdbuf(captured_.rdbuf())) {
+  nifti_set_debug_level(0);
+  // The NIfTI library prints some errors to C's stderr at any debug level.
+  std::fflush(stderr);
+  stderr_ = dup(STDERR_FILENO);
+  const int null_device = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (stderr_ >= 0 && null_device >= 0) dup2(null_device, STDERR_FILENO);
+  if (null_device >= 0) close(null_device);
+}
+
+QuietLibraries::~QuietLibraries() {
+  std::fflush(stderr);
+  if (stderr_ >= 0) {
+    dup2(stderr_, STDERR_FILENO);
+    close(stderr_);
+  }
+  std::cout.rdbuf(cout_);
+  std::cerr.rdbuf(cerr_);
+}
+
+bool QuietLibraries::reports_missing_voxels() const {
+  constexpr std::array<const char*, 3> kMessages{"data not read completely", "Uncompress failed",
+                                                 "Incomplete Pixel Data"};
+  const std::string output = captured_.str();
+  return std::ranges::any_of(kMessages, [&](const char* text) { return output.find(text) != std::string::npos; });
 }
 
 }  // namespace reamsim::ct

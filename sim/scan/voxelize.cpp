@@ -11,10 +11,9 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/cube_fraction.h"
-#include "sim/bone/voxmap/density_limit.h"
+#include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/scan/point_text.h"
-#include "sim/scan/resample.h"
+#include "sim/scan/aligned_image.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {

@@ -5,14 +5,13 @@
 #include <array>
 
 #include "sim/base/error.h"
-#include "sim/base/mistake_list.h"
 #include "sim/scenario/describe_sections.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/parse_steps.h"
+#include "sim/scenario/paths.h"
 #include "sim/scenario/presets.h"
 #include "sim/scenario/reader.h"
 #include "sim/scenario/show.h"
-#include "sim/scenario/text_file.h"
 #include "sim/scenario/yaml_tree.h"
 
 namespace reamsim {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/mistake_list.h"
+#include "sim/base/error.h"
 #include "sim/scenario/key_tree.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/yaml_tree.h"
@@ -54,5 +54,9 @@ void check_push(const Scenario& scenario, const KeyLocations& locations);
 
 /// The rules of motion.compliance: likewise. Throws InputError.
 void check_compliance(const Scenario& scenario, const KeyLocations& locations);
+
+/// Throws InputError unless a frame of motion.push at its fastest feed is one substep (engine.max_step_voxels), so that
+/// the balance of the frame is that of its cut. `scenario` has the edge length of the voxels, which a VDB tells.
+void check_push_step(const Scenario& scenario, const KeyLocations& locations);
 
 }  // namespace reamsim

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "sim/base/error.h"
@@ -25,5 +26,10 @@ std::string recorded_path(const std::string& path);
 
 /// A message as results hold it: the user's home in it is ${HOME}.
 std::string recorded_text(std::string text);
+
+/// The text of a scenario: of a file, or of a pipe (`reamsim run <(command)`). Ends after more than `most_bytes`, so
+/// that a file without an end is seen to be too large. Throws InputError, also for a pipe into which nothing is written
+/// for ten seconds.
+std::string read_scenario_text(const std::string& path, std::size_t most_bytes);
 
 }  // namespace reamsim

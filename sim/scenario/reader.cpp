@@ -7,7 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/base/printable.h"
 #include "sim/base/text.h"
 #include "sim/scenario/key_tree.h"
 #include "sim/scenario/paths.h"

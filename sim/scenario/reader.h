@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/mistake_list.h"
+#include "sim/base/error.h"
 #include "sim/scenario/key_locations.h"
 #include "sim/scenario/key_visitor.h"
 #include "sim/scenario/yaml_tree.h"

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "sim/scenario/yaml_tree.h"
 
@@ -35,5 +37,11 @@ std::string yaml_scalar(std::string_view text);
 
 /// A text as a double-quoted JSON string.
 std::string json_string(std::string_view text);
+
+/// Keys with their values as text: ("motion.plunge.entry_mm", "[0, 0, 1]").
+using ScenarioValues = std::vector<std::pair<std::string, std::string>>;
+
+/// Every value of a scenario that can change a number of the results, in the order of the document.
+ScenarioValues values_of_scenario(const YamlNode& document);
 
 }  // namespace reamsim

@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/base/printable.h"
+#include "sim/base/text.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {

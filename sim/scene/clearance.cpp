@@ -12,14 +12,12 @@
 #include <span>
 #include <tuple>
 
-#include "sim/bone/surface_patch.h"
 #include "sim/bone/voxel_surface.h"
-#include "sim/mesh/mesh_file.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/scenario/passes.h"
-#include "sim/scene/predicted_passes.h"
+#include "sim/scene/scene.h"
 #include "sim/scene/voxel_cuts.h"
-#include "sim/tool/bounded_path.h"
+#include "sim/tool/tool_path.h"
 
 namespace reamsim {
 

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "sim/base/parallel.h"
-#include "sim/scene/predicted_passes.h"
-#include "sim/tool/bounded_path.h"
+#include "sim/scene/scene.h"
 #include "sim/tool/outline.h"
+#include "sim/tool/tool_path.h"
 
 namespace reamsim {
 

@@ -4,14 +4,17 @@
 #include "sim/scene/scene.h"
 
 #include <utility>
+#include <vector>
 
 #include "sim/anatomy/frame_check.h"
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/scenario/passes.h"
-#include "sim/scenario/push_rules.h"
+#include "sim/scenario/parse_steps.h"
 #include "sim/scene/load_bone.h"
-#include "sim/tool/clipped_tool.h"
+#include "sim/scene/swept_bone.h"
+#include "sim/tool/thin_walls.h"
+#include "sim/tool/tool_path.h"
 
 namespace reamsim {
 
@@ -147,6 +150,34 @@ SimulationInput load_scene(const Scenario& scenario, Diagnostics& report, BoneCa
   SimulationInput scene = load_scene(scenario, report, mistakes, bones);
   mistakes.throw_if_any();
   return scene;
+}
+
+namespace {
+
+/// Motion of the tool between two poses of a long motion, voxels.
+constexpr double kPassStep_voxels = 0.5;
+
+FillBricks predicted_after(const SimulationInput& scene, const FillBricks& fill, const Tool& tool,
+                           const Motion& motion) {
+  if (motion.poses.empty()) return fill;
+  BoundedPath path(tool.reach_mm, kPassStep_voxels * scene.bone.voxmap->grid.voxel_mm);
+  path.add(motion.poses);
+  std::vector<ToolPose> poses;
+  for (const PathSample& sample : path.finish()) poses.push_back(sample.pose);
+  const bool whole_voxels = scene.scenario.cutting.erosion != ErosionMode::exact;
+  return predict_swept_bone(*scene.bone.voxmap, fill, tool.profile, poses, whole_voxels).fill;
+}
+
+}  // namespace
+
+void for_each_predicted_pass(const SimulationInput& scene, const VisitPass& visit) {
+  visit(scene.bone.fill, scene.tool, scene.motion);
+  if (scene.later_passes.empty()) return;
+  FillBricks fill = predicted_after(scene, scene.bone.fill, scene.tool, scene.motion);
+  for (const Pass& pass : scene.later_passes) {
+    visit(fill, pass.tool, pass.motion);
+    fill = predicted_after(scene, fill, pass.tool, pass.motion);
+  }
 }
 
 }  // namespace reamsim

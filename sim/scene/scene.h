@@ -4,14 +4,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
-#include "sim/base/diagnostics.h"
-#include "sim/base/mistake_list.h"
+#include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/scenario/picture_frames.h"
-#include "sim/scene/bone_cache.h"
 #include "sim/scene/first_contact.h"
+#include "sim/scene/load_bone.h"
 #include "sim/tool/motion.h"
 #include "sim/tool/tool.h"
 
@@ -54,5 +54,12 @@ SimulationInput load_scene(const Scenario& scenario, Diagnostics& report, Mistak
                            BoneCache* bones = nullptr);
 /// The same; throws for a wrong frame as well.
 SimulationInput load_scene(const Scenario& scenario, Diagnostics& report, BoneCache* bones = nullptr);
+
+/// Called with a pass and the fill of the bone before it.
+using VisitPass = std::function<void(const FillBricks& fill, const Tool& tool, const Motion& motion)>;
+
+/// Visits the present pass and the later ones, with the bone that the passes before are predicted to leave
+/// (swept_bone.h).
+void for_each_predicted_pass(const SimulationInput& scene, const VisitPass& visit);
 
 }  // namespace reamsim

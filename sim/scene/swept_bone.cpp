@@ -11,7 +11,7 @@
 
 #include "kernels/bricks.h"
 #include "sim/base/parallel.h"
-#include "sim/tool/distance_table.h"
+#include "sim/tool/distance_grid.h"
 #include "sim/tool/tool_path.h"
 
 namespace reamsim {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "kernels/bricks.h"
-#include "sim/tool/bounded_path.h"
+#include "sim/tool/tool_path.h"
 
 namespace reamsim {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sim/bone/voxel_surface.h"
-#include "sim/tool/distance_table.h"
+#include "sim/tool/distance_grid.h"
 #include "sim/tool/profile.h"
 #include "sim/tool/tool_path.h"
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "sim/base/csv.h"
+#include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
-#include "sim/scenario/text_file.h"
 
 namespace reamsim {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/mistake_list.h"
+#include "sim/base/error.h"
 #include "sim/study/key_values.h"
 
 namespace reamsim {

@@ -8,7 +8,6 @@
 #include <map>
 
 #include "sim/base/error.h"
-#include "sim/base/mistake_list.h"
 #include "sim/scenario/parse.h"
 #include "sim/study/run_id.h"
 

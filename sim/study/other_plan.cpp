@@ -12,9 +12,9 @@
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/base/printable.h"
+#include "sim/base/text.h"
 #include "sim/scenario/parse.h"
-#include "sim/scenario/scenario_values.h"
+#include "sim/scenario/show.h"
 
 namespace reamsim {
 

@@ -9,7 +9,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/record/force_basis_file.h"
-#include "sim/record/force_rows.h"
+#include "sim/record/force_log.h"
 #include "sim/record/result_json.h"
 #include "sim/record/summary.h"
 

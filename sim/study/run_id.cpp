@@ -3,7 +3,7 @@
 
 #include "sim/study/run_id.h"
 
-#include "sim/record/checksum.h"
+#include "sim/record/manifest.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "sim/record/kept_files.h"
+#include "sim/record/manifest.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {

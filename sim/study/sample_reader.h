@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "sim/base/mistake_list.h"
+#include "sim/base/error.h"
 #include "sim/scenario/yaml_tree.h"
 #include "sim/study/study.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/record/kept_files.h"
+#include "sim/record/manifest.h"
 
 namespace reamsim {
 

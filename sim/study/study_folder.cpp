@@ -13,7 +13,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/base/printable.h"
+#include "sim/base/text.h"
 #include "sim/record/manifest.h"
 #include "sim/record/result_json.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/record/kept_files.h"
+#include "sim/record/manifest.h"
 #include "sim/study/study.h"
 
 namespace reamsim {

@@ -9,7 +9,6 @@
 #include "sim/scenario/paths.h"
 #include "sim/scenario/shipped.h"
 #include "sim/scenario/show.h"
-#include "sim/scenario/text_file.h"
 #include "sim/study/cohort_table.h"
 #include "sim/study/sample_reader.h"
 

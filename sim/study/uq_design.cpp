@@ -10,8 +10,6 @@
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/base/mistake_list.h"
-#include "sim/base/printable.h"
 #include "sim/base/text.h"
 #include "sim/scenario/find_key.h"
 #include "sim/scenario/paths.h"

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "sim/base/csv.h"
-#include "sim/record/force_rows.h"
+#include "sim/record/force_log.h"
 #include "sim/study/sensitivity.h"
 #include "sim/study/summary_numbers.h"
 

@@ -6,11 +6,12 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 
 #include "sim/base/error.h"
 #include "sim/base/parallel.h"
-#include "sim/bone/vdb/mesh_distance.h"
+#include "sim/bone/vdb/grids.h"
 #include "sim/tool/envelope.h"
 
 namespace reamsim {
@@ -235,6 +236,79 @@ void require_room_for_grid(double need_bytes, double have_bytes, double voxel_mm
                                        need_bytes / 1e6, what, have_bytes / 1e6);
   const std::string fit = fmt::format("use voxels of about {:.3g} mm, or tool.spin: envelope", fitting_mm);
   throw InputError({}, "bone.voxel_mm", text, fit);
+}
+
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+double DistanceTable::at(const Vec2& rz) const {
+  const double r = (rz.x() - first.x()) / pitch_mm, z = (rz.y() - first.y()) / pitch_mm;
+  if (r < 0 || z < 0 || z >= count_z - 1 || r >= count_r - 1) return kFar;
+  const auto column = static_cast<std::size_t>(r), row = static_cast<std::size_t>(z);
+  const double u = r - static_cast<double>(column), v = z - static_cast<double>(row);
+  const float* corner = mm.data() + row * static_cast<std::size_t>(count_r) + column;
+  const double low = (1 - u) * double{corner[0]} + u * double{corner[1]};
+  const double high = (1 - u) * double{corner[count_r]} + u * double{corner[count_r + 1]};
+  return (1 - v) * low + v * high;
+}
+
+double DistanceTable::nearest(const Vec2& rz) const {
+  const double r = std::floor((rz.x() - first.x()) / pitch_mm + 0.5),
+               z = std::floor((rz.y() - first.y()) / pitch_mm + 0.5);
+  if (r < 0 || z < 0 || r >= count_r || z >= count_z) return kFar;
+  return double{mm[static_cast<std::size_t>(r) + static_cast<std::size_t>(count_r) * static_cast<std::size_t>(z)]};
+}
+
+DistanceTable make_distance_table(const Profile& profile, const Vec2& first, double pitch_mm, int count_r,
+                                  int count_z) {
+  DistanceTable out{first, pitch_mm, count_r, count_z, {}};
+  out.mm.resize(static_cast<std::size_t>(count_r) * static_cast<std::size_t>(count_z));
+  parallel_items(static_cast<std::size_t>(count_z), [&](std::size_t row) {
+    for (int i = 0; i < count_r; ++i) {
+      const Vec2 rz(first.x() + i * pitch_mm, first.y() + static_cast<double>(row) * pitch_mm);
+      out.mm[row * static_cast<std::size_t>(count_r) + static_cast<std::size_t>(i)] =
+          static_cast<float>(profile.nearest(rz).distance_mm);
+    }
+  });
+  return out;
+}
+
+DistanceTable distance_table_around(const Profile& profile, double pitch_mm, double margin_mm) {
+  const Aabb box = profile.bounds().expanded(margin_mm);
+  return make_distance_table(profile, {0, box.min.z()}, pitch_mm,
+                             static_cast<int>(std::ceil(box.max.x() / pitch_mm)) + 2,
+                             static_cast<int>(std::ceil((box.max.z() - box.min.z()) / pitch_mm)) + 2);
+}
+
+namespace {
+
+/// Whether `axis` separates the triangle (relative to the box's centre) from the box.
+bool separates(const Vec3& axis, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
+  const double pa = axis.dot(a), pb = axis.dot(b), pc = axis.dot(c);
+  const double reach = half.x() * std::abs(axis.x()) + half.y() * std::abs(axis.y()) + half.z() * std::abs(axis.z());
+  return std::min({pa, pb, pc}) > reach || std::max({pa, pb, pc}) < -reach;
+}
+
+/// The three cross products of the box's axes with `edge`.
+bool edge_separates(const Vec3& edge, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
+  return separates({0, -edge.z(), edge.y()}, a, b, c, half) || separates({edge.z(), 0, -edge.x()}, a, b, c, half) ||
+         separates({-edge.y(), edge.x(), 0}, a, b, c, half);
+}
+
+}  // namespace
+
+bool triangle_touches_box(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& center, const Vec3& half) {
+  const Vec3 p = a - center, q = b - center, r = c - center;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::min({p[axis], q[axis], r[axis]}) > half[axis]) return false;
+    if (std::max({p[axis], q[axis], r[axis]}) < -half[axis]) return false;
+  }
+  const Vec3 pq = q - p, qr = r - q, rp = p - r;
+  if (separates(pq.cross(qr), p, q, r, half)) return false;
+  return !edge_separates(pq, p, q, r, half) && !edge_separates(qr, p, q, r, half) && !edge_separates(rp, p, q, r, half);
 }
 
 }  // namespace reamsim

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/geometry.h"
 #include "sim/mesh/triangle_mesh.h"
 #include "sim/tool/profile.h"
 
@@ -58,5 +59,30 @@ DistanceGridPlan plan_distance_grid(const TriangleMesh& mesh, double voxel_mm);
 /// Throws InputError with the voxel size that would fit where `need_bytes` exceed `have_bytes`. `what` names the
 /// memory.
 void require_room_for_grid(double need_bytes, double have_bytes, double voxel_mm, const std::string& what);
+
+/// Signed distances to a tool's surface on a regular grid in (r, z), mm, negative inside: for predictions and lists of
+/// bricks, which tolerate errors of a fraction of the pitch.
+struct DistanceTable {
+  Vec2 first = Vec2::Zero();  ///< (r, z) of the first sample
+  double pitch_mm = 1;
+  int count_r = 0;
+  int count_z = 0;
+  std::vector<float> mm;  ///< r fastest
+
+  /// Interpolated at (r, z); infinite beyond the last samples.
+  [[nodiscard]] double at(const Vec2& rz) const;
+  /// The value of the nearest sample; infinite beyond the samples.
+  [[nodiscard]] double nearest(const Vec2& rz) const;
+};
+
+/// Over the profile's box and `margin_mm` round it.
+DistanceTable distance_table_around(const Profile& profile, double pitch_mm, double margin_mm);
+
+DistanceTable make_distance_table(const Profile& profile, const Vec2& first, double pitch_mm, int count_r, int count_z);
+
+/// Whether the triangle abc shares a point with the closed box about `center` with half edges `half` (any one unit).
+/// Separating axes: the box's three, the triangle's normal, and the nine cross products of edges
+/// (Akenine-Möller 2001, "Fast 3D triangle-box overlap testing").
+bool triangle_touches_box(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& center, const Vec3& half);
 
 }  // namespace reamsim

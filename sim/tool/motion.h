@@ -7,7 +7,7 @@
 #include <iterator>
 #include <optional>
 
-#include "sim/base/diagnostics.h"
+#include "sim/base/error.h"
 #include "sim/scenario/scenario.h"
 #include "sim/tool/pose_sequence.h"
 #include "sim/tool/push_plan.h"

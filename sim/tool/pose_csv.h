@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "sim/tool/key_poses.h"
+#include "sim/tool/key_track.h"
 
 namespace reamsim {
 

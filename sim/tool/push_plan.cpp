@@ -13,7 +13,6 @@
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/tool/key_poses.h"
 #include "sim/tool/key_track.h"
 
 namespace reamsim {

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "sim/base/diagnostics.h"
+#include "sim/base/error.h"
 #include "sim/mesh/triangle_mesh.h"
 #include "sim/scenario/scenario.h"
 #include "sim/tool/distance_grid.h"

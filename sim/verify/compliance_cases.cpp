@@ -9,8 +9,8 @@
 
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/verify/case_parts.h"
-#include "sim/verify/plunge.h"
-#include "sim/verify/push_closed_forms.h"
+#include "sim/verify/closed_forms.h"
+#include "sim/verify/reaming.h"
 
 namespace reamsim::verify {
 

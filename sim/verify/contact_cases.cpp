@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "sim/verify/case_parts.h"
-#include "sim/verify/plunge.h"
+#include "sim/verify/reaming.h"
 
 namespace reamsim::verify {
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "sim/tool/revolve.h"
+#include "sim/tool/profile.h"
 #include "sim/verify/closed_forms.h"
 
 namespace reamsim::verify {

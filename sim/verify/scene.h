@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "sim/bone/sample_phantom.h"
+#include "sim/bone/phantom.h"
 #include "sim/run/simulation.h"
 
 namespace reamsim::verify {

@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/base/mistake_list.h"
-
 namespace reamsim {
 namespace {
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/base/linear_algebra.h"
+#include "sim/base/geometry.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "sim/base/pattern.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 namespace {

@@ -7,9 +7,7 @@
 #include <limits>
 
 #include "sim/base/csv.h"
-#include "sim/base/printable.h"
 #include "sim/base/text.h"
-#include "sim/base/whole_number.h"
 
 namespace reamsim::test {
 namespace {

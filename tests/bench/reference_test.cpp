@@ -13,7 +13,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bench/poses.h"
-#include "sim/engine/common/broad_phase.h"
+#include "sim/engine/common/substep.h"
 #include "sim/engine/make_engine.h"
 
 namespace reamsim {

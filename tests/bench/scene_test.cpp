@@ -8,7 +8,7 @@
 
 #include "sim/bench/paper.h"
 #include "sim/bench/poses.h"
-#include "sim/engine/common/broad_phase.h"
+#include "sim/engine/common/substep.h"
 #include "sim/tool/morton.h"
 
 namespace reamsim::bench {

@@ -7,8 +7,7 @@
 #include <random>
 
 #include "sim/anatomy/find_glenoid.h"
-#include "sim/anatomy/search_faces.h"
-#include "sim/bone/sample_phantom.h"
+#include "sim/bone/phantom.h"
 #include "sim/bone/voxmap/lattice.h"
 #include "sim/scenario/presets.h"
 #include "tests/bone/phantom_truth.h"

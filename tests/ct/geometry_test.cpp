@@ -8,7 +8,6 @@
 
 #include "sim/scan/aligned_image.h"
 #include "sim/scan/ct_import.h"
-#include "sim/scan/resample.h"
 #include "test_images.h"
 
 namespace reamsim::test {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/common/broad_phase.h"
+#include "sim/engine/common/substep.h"
 
 #include <gtest/gtest.h>
 

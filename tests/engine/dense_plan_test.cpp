@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The published memory layouts, and what happens when they do not fit.
-#include "sim/engine/dense/dense_plan.h"
+#include "sim/engine/dense/dense_state.h"
 #include "sim/engine/make_engine.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/engine/dense/dense_state.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::dense_plan_tests {

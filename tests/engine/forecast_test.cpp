@@ -14,7 +14,7 @@
 #include "sim/engine/exact/exact_engine.h"
 #include "sim/engine/exact/fill_pages.h"
 #include "sim/engine/make_engine.h"
-#include "sim/run/memory_plan.h"
+#include "sim/run/cost_estimate.h"
 #include "sim/scene/contact_forecast.h"
 #include "tests/engine/frame_rows.h"
 #include "tests/engine/outcome.h"

@@ -8,7 +8,7 @@
 #include <iostream>
 
 #include "kernels/cut_law.h"
-#include "sim/engine/common/broad_phase.h"
+#include "sim/engine/common/substep.h"
 #include "sim/engine/dense/dense_state.h"
 #include "tests/engine/outcome.h"
 

@@ -7,7 +7,7 @@
 #include <iostream>
 #include <tuple>
 
-#include "sim/tool/leak.h"
+#include "sim/tool/point_shell.h"
 #include "tests/engine/sweep.h"
 
 namespace reamsim::test::leak_tests {

@@ -8,7 +8,7 @@
 
 #include "sim/record/recorder.h"
 #include "sim/run/simulation.h"
-#include "sim/tool/revolve.h"
+#include "sim/tool/profile.h"
 
 namespace reamsim::test {
 

@@ -4,7 +4,7 @@
 // Substep by substep: which voxels each engine touches, and what they give.
 #include <gtest/gtest.h>
 
-#include "sim/engine/common/broad_phase.h"
+#include "sim/engine/common/substep.h"
 #include "sim/engine/make_engine.h"
 #include "tests/engine/outcome.h"
 

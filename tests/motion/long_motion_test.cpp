@@ -12,7 +12,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/tool/bounded_path.h"
+#include "sim/tool/tool_path.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim {

@@ -12,7 +12,7 @@
 #include <numbers>
 
 #include "sim/base/error.h"
-#include "sim/tool/key_poses.h"
+#include "sim/tool/key_track.h"
 
 namespace reamsim {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/record/folder_lock.h"
+#include "sim/record/output_folder.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

@@ -11,7 +11,7 @@
 
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
-#include "sim/record/checksum.h"
+#include "sim/record/manifest.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/recorder.h"
 #include "sim/record/vti.h"

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "render/pictures/scale.h"
+#include "render/pictures/overlay.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

@@ -9,9 +9,9 @@
 #include <functional>
 #include <set>
 
+#include "render/pictures/captions.h"
 #include "render/pictures/depth_field.h"
 #include "render/pictures/figures.h"
-#include "render/pictures/page_layout.h"
 #include "render/render.h"
 #include "render/surface/color_map.h"
 #include "sim/base/error.h"

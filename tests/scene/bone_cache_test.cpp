@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scene/bone_cache.h"
+#include "sim/scene/load_bone.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,6 @@
 #include <new>
 
 #include "sim/mesh/mesh_io.h"
-#include "sim/scene/load_bone.h"
 #include "tests/cli/data_files.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/temp_dir.h"

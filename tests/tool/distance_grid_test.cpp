@@ -7,7 +7,6 @@
 #include <random>
 
 #include "sim/base/error.h"
-#include "sim/tool/clipped_tool.h"
 #include "sim/tool/envelope.h"
 #include "sim/tool/thin_walls.h"
 #include "tests/support/gear_mesh.h"

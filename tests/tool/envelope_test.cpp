@@ -9,8 +9,8 @@
 
 #include "sim/base/error.h"
 #include "sim/tool/envelope.h"
-#include "sim/tool/polyline.h"
-#include "sim/tool/revolve.h"
+#include "sim/tool/outline.h"
+#include "sim/tool/profile.h"
 #include "tests/tool/reamer_files.h"
 
 namespace reamsim::test {

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/tool/leak.h"
 #include "sim/tool/morton.h"
-#include "sim/tool/revolve.h"
+#include "sim/tool/point_shell.h"
+#include "sim/tool/profile.h"
 #include "sim/tool/tool.h"
 #include "tests/support/temp_dir.h"
 #include "tests/tool/reamer_files.h"

@@ -9,10 +9,10 @@
 #include <random>
 
 #include "sim/base/error.h"
+#include "sim/tool/distance_grid.h"
 #include "sim/tool/morton.h"
 #include "sim/tool/point_shell.h"
-#include "sim/tool/revolve.h"
-#include "sim/tool/triangle_box.h"
+#include "sim/tool/profile.h"
 #include "tests/tool/reamer_files.h"
 
 namespace reamsim::test {

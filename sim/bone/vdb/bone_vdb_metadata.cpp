@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "sim/base/error.h"
-#include "sim/base/printable.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 

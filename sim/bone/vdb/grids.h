@@ -6,6 +6,7 @@
 #include <openvdb/openvdb.h>
 
 #include "sim/isolation/child_result.h"
+#include "sim/mesh/triangle_mesh.h"
 
 namespace reamsim {
 
@@ -22,5 +23,27 @@ void put_grid(ResultWriter& out, openvdb::FloatGrid& grid);
 
 /// Throws InputError where the arrays are inconsistent.
 openvdb::FloatGrid::Ptr take_grid(ResultReader& in);
+
+/// The lattice and the band of a sampled distance.
+struct DistanceSampling {
+  Vec3 first_mm = Vec3::Zero();  ///< sample (0,0,0), in the frame of the mesh
+  double spacing_mm = 1;
+  double outer_spacings = 3;  ///< half-width of the band outside; the distance is constant beyond it
+  double inner_spacings = 3;  ///< likewise inside
+  bool exact = false;         ///< without OpenVDB's smoothing of overlapping parts, which also moves edges
+};
+
+/// A mesh in index space: a sample lies at each integer coordinate.
+struct SampledMesh {
+  std::vector<openvdb::Vec3s> points;
+  std::vector<openvdb::Vec3I> triangles;  ///< indices of points
+};
+
+/// Signed distance of a closed mesh, negative inside, in the unit of `transform`, which takes index space to the world.
+/// `outer_spacings`, `inner_spacings`, `exact`: as in DistanceSampling. Throws std::bad_alloc or openvdb::Exception.
+openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::math::Transform& transform,
+                                      double outer_spacings, double inner_spacings, bool exact);
+/// The same in spacings, for a mesh in mm.
+openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling);
 
 }  // namespace reamsim

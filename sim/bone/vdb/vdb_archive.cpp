@@ -17,7 +17,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/base/memory.h"
+#include "sim/base/process.h"
 #include "sim/bone/vdb/grids.h"
 #include "sim/isolation/read_in_child.h"
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -104,5 +105,16 @@ bool partly_filled(const FillBricks& fill);
 std::vector<std::uint8_t> dense_remaining_grades(const BoneView& bone);
 /// The fill of each voxel, air included; grid.size() entries.
 std::vector<std::uint16_t> dense_fill(const BoneView& bone);
+
+/// The stages in which a bone is loaded, and written by `reamsim import`. A CT has all but `distances`, a mesh `read`,
+/// `distances`, `voxels` and `anatomy`, a VDB `read` and `anatomy`, a phantom `voxels` and `anatomy`.
+enum class BoneStage { read, filter, segment, correct_density, distances, voxels, anatomy, write };
+
+/// Called when a stage begins. May be empty.
+using StageSink = std::function<void(BoneStage)>;
+
+inline void begin_stage(const StageSink& sink, BoneStage stage) {
+  if (sink) sink(stage);
+}
 
 }  // namespace reamsim

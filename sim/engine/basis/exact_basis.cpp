@@ -9,8 +9,8 @@
 #include "kernels/reach.h"
 #include "sim/base/parallel.h"
 #include "sim/engine/common/energy_table.h"
-#include "sim/engine/common/teeth_table.h"
-#include "sim/engine/exact/list_bricks.h"
+#include "sim/engine/common/outline_table.h"
+#include "sim/engine/exact/brick_batch_plan.h"
 
 namespace reamsim {
 

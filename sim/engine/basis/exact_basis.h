@@ -11,7 +11,7 @@
 #include "sim/engine/common/outline_table.h"
 #include "sim/engine/exact/brick_batch_plan.h"
 #include "sim/scenario/scenario.h"
-#include "sim/tool/distance_table.h"
+#include "sim/tool/distance_grid.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {

@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "kernels/window.h"
-#include "sim/engine/common/force_basis.h"
+#include "sim/engine/common/engine.h"
 
 namespace reamsim {
 

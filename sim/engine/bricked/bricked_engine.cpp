@@ -9,8 +9,7 @@
 
 #include "sim/engine/bricked/bricked_state.h"
 #include "sim/engine/common/device_batch.h"
-#include "sim/engine/common/kernel_options.h"
-#include "sim/engine/common/read_back.h"
+#include "sim/engine/common/device_bricks.h"
 
 namespace reamsim {
 

@@ -7,7 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "kernels/bricks.h"
 #include "kernels/shared.h"
+#include "sim/bone/vdb/bone_vdb.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/device/opencl.h"
 
 namespace reamsim {
@@ -94,5 +97,12 @@ class DeviceBatch {
   int used_ = 0;
   bool has_removed_ = false;  // the list is that of the last batch
 };
+
+/// Copies every fill of a dense array (an entry per voxel, in the order of VoxelGrid::index) that is not whole into
+/// `fill`. Air is unchanged.
+void copy_fill(const std::vector<std::uint16_t>& dense, const Voxmap& voxmap, FillBricks& fill);
+
+/// Appends the voxels of a block, which were removed in `frame`.
+void append_removed(const RemovedBlock& block, const VoxelGrid& grid, std::int32_t frame, RemovedFrames& removed);
 
 }  // namespace reamsim

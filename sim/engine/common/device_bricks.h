@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/device/opencl.h"
+#include "sim/scenario/scenario.h"
 
 namespace reamsim {
 
@@ -83,5 +85,23 @@ void upload_bricks_of(const cl::Device& device, const BoneView& bone, const Remo
 
 /// Copies the fill of the bricks into `fill`.
 void read_brick_fill(const cl::Device& device, const DeviceBricks& bricks, const Voxmap& voxmap, FillBricks& fill);
+
+/// How the kernels over bricks run; the results do not depend on it.
+struct KernelOptions {
+  KernelShape shape =
+      KernelShape::cpu;  ///< not `automatic`: a work-item that does much, in vectors, or many that do little
+  std::size_t work_group = 1;
+  bool culling = true;  ///< pass over cells that cannot touch; off only to prove that it changes nothing
+};
+
+/// What the tuning leaves open is chosen for the device.
+KernelOptions choose_options(const cl::DeviceInfo& info, const EngineTuning& tuning);
+
+/// Work-items that fill the device with a cut: on a CPU few that take many bricks each, on a GPU many groups.
+std::size_t cut_items(const cl::DeviceInfo& info, const KernelOptions& options);
+
+/// Options that kernels over bricks are compiled with, and those of the cuts.
+std::string kernel_defines(const BrickLayout& layout, KernelShape shape);
+std::string cut_defines(const BrickLayout& layout, KernelShape shape);
 
 }  // namespace reamsim

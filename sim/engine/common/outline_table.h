@@ -7,9 +7,11 @@
 #include <tuple>
 #include <vector>
 
+#include "kernels/distance_grid.h"
 #include "kernels/outline.h"
 #include "sim/device/opencl.h"
 #include "sim/engine/common/nearest_lists.h"
+#include "sim/tool/distance_grid.h"
 #include "sim/tool/outline.h"
 
 namespace reamsim {
@@ -49,6 +51,26 @@ class DeviceOutline {
   cl::Buffer<rs_u16> numbers_;
   cl::Buffer<PieceList> lists_;
   cl::Buffer<OutlineGrid> grid_;
+};
+
+/// The lattice of the distance grid as host and kernels read it.
+DistanceLattice distance_lattice(const DistanceGrid& grid);
+
+/// The distance grid of resolved cutting edges on the device.
+class DeviceTeeth {
+ public:
+  DeviceTeeth() = default;
+  /// `bulge_mm`: largest distance of the tool's outline from its profile (kernels/outline.h). `bone_bytes`: device
+  /// memory of the bone. Throws InputError with the voxel size that would fit where the device has no room for both.
+  DeviceTeeth(const cl::Device& device, const DistanceGrid& grid, double voxel_mm, double bulge_mm,
+              std::size_t bone_bytes);
+  /// Three arguments of a kernel: lattice, slots, samples.
+  [[nodiscard]] auto arguments() const { return std::tie(lattice_, slots_, samples_); }
+
+ private:
+  cl::Buffer<DistanceLattice> lattice_;
+  cl::Buffer<cl_uint> slots_;
+  cl::Buffer<float> samples_;
 };
 
 }  // namespace reamsim

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/dense/dense_engine.h"
+#include "sim/engine/make_engine.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,9 +10,8 @@
 
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/device/opencl.h"
-#include "sim/engine/common/broad_phase.h"
 #include "sim/engine/common/device_batch.h"
-#include "sim/engine/common/read_back.h"
+#include "sim/engine/common/substep.h"
 #include "sim/engine/dense/dense_state.h"
 
 namespace reamsim {

@@ -7,13 +7,12 @@
 #include <optional>
 #include <utility>
 
+#include "sim/engine/common/device_batch.h"
+#include "sim/engine/common/device_bricks.h"
 #include "sim/engine/common/energy_table.h"
-#include "sim/engine/common/kernel_options.h"
 #include "sim/engine/common/outline_table.h"
-#include "sim/engine/common/read_back.h"
-#include "sim/engine/common/teeth_table.h"
+#include "sim/engine/exact/brick_batch_plan.h"
 #include "sim/engine/exact/fill_pages.h"
-#include "sim/engine/exact/list_bricks.h"
 
 namespace reamsim {
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/serial/serial_engine.h"
+#include "sim/engine/make_engine.h"
 
 #include <array>
 #include <functional>
@@ -11,11 +11,10 @@
 #include "kernels/distance_grid.h"
 #include "kernels/window.h"
 #include "sim/base/stopwatch.h"
-#include "sim/engine/common/broad_phase.h"
+#include "sim/engine/common/device_batch.h"
 #include "sim/engine/common/energy_table.h"
 #include "sim/engine/common/outline_table.h"
-#include "sim/engine/common/read_back.h"
-#include "sim/engine/common/teeth_table.h"
+#include "sim/engine/common/substep.h"
 #include "sim/tool/morton.h"
 
 namespace reamsim {

@@ -13,7 +13,6 @@
 #include "sim/engine/common/energy_table.h"
 #include "sim/engine/common/outline_table.h"
 #include "sim/engine/exact/brick_batch_plan.h"
-#include "sim/engine/exact/list_bricks.h"
 #include "tests/bench/reference/bone_memory.h"
 #include "tests/bench/reference/exact_visit.h"
 #include "tests/bench/reference/workers.h"

@@ -8,7 +8,7 @@
 #include <bit>
 
 #include "sim/base/error.h"
-#include "sim/engine/bricked/shell_cells.h"
+#include "sim/engine/bricked/bricked_state.h"
 #include "sim/engine/common/energy_table.h"
 #include "sim/engine/common/outline_table.h"
 #include "tests/bench/reference/bone_memory.h"

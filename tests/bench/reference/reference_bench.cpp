@@ -20,7 +20,7 @@
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/bench/poses.h"
-#include "sim/engine/common/broad_phase.h"
+#include "sim/engine/common/substep.h"
 #include "sim/engine/make_engine.h"
 #include "tests/bench/reference/reference.h"
 #include "tests/bench/reference/sphere_bench.h"

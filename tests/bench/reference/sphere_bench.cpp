@@ -17,8 +17,8 @@
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/bench/sphere_scene.h"
-#include "sim/engine/common/broad_phase.h"
 #include "sim/engine/common/motion_windows.h"
+#include "sim/engine/common/substep.h"
 #include "sim/engine/make_engine.h"
 #include "tests/bench/reference/exact.h"
 

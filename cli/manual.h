@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "cli/command_line.h"
+
+namespace CLI {
+class App;
+}
+
+namespace reamsim {
+
+// What the help of the program and its man page say beside the commands.
+
+/// A term and what it means.
+struct Entry {
+  std::string_view term;
+  std::string_view meaning;
+};
+
+inline constexpr std::string_view kSummary = "simulate glenoid reaming";
+inline constexpr std::string_view kDescription =
+    "reamsim simulates glenoid reaming: it turns a scenario into cutting forces, pictures and an OpenVDB grid.";
+
+inline constexpr std::array<Entry, 5> kExitStatuses{
+    {{"0", "done"},
+     {"1", "the command failed; of verify: a figure exceeds its tolerance; of sweep run: a run failed"},
+     {"2", "the input is wrong; the message says what, where, and what to do"},
+     {"75",
+      "of run, sweep run and uq: interrupted, with a checkpoint; the same command continues, of run with --resume"},
+     {"130", "interrupted"}}};
+
+/// What statuses 1 and 75 mean for one command. No other command ends with 75.
+struct OwnStatus {
+  std::string_view command;
+  Entry entry;
+};
+inline constexpr std::string_view kFailed = "1", kSuspended = "75", kPlainFailure = "the command failed";
+inline constexpr std::array<OwnStatus, 6> kOwnStatuses{
+    {{"run", {"1", "the run failed"}},
+     {"run", {"75", "interrupted, with a checkpoint: the same command with --resume continues"}},
+     {"sweep run", {"1", "the command failed, or a run of the study did"}},
+     {"sweep run", {"75", "interrupted; the same command continues"}},
+     {"uq", {"75", "interrupted; the same command continues"}},
+     {"verify", {"1", "the command failed, or a figure exceeds its tolerance"}}}};
+
+inline constexpr std::array<Entry, 8> kVariables{
+    {{"NO_COLOR", "If set and not empty, messages on a terminal have no colours. Elsewhere they never have."},
+     {"TERM", "With dumb, progress is printed as lines and messages have no colours."},
+     {"POCL_CACHE_DIR", "Folder for compiled OpenCL kernels."},
+     {"XDG_CACHE_HOME",
+      "Without POCL_CACHE_DIR, kernels are in its folder pocl/kcache; without both, in .cache/pocl/kcache of HOME."},
+     {"TMPDIR", "Folder for compiled kernels where none of these can be written; otherwise /tmp."},
+     {"POCL_MAX_PTHREAD_COUNT", "Maximum number of threads of the OpenCL device PoCL."},
+     {"POCL_AFFINITY", "1, the default of reamsim, binds the threads of PoCL to processors; 0 does not."},
+     {"HOME", "Replaces ${HOME} in a scenario, as any variable ${NAME} is replaced there."}}};
+
+inline constexpr std::array<Entry, 5> kExamples{
+    {{"reamsim check my.yaml", "Validates a scenario and estimates time and memory."},
+     {"reamsim run my.yaml -o out/my", "Simulates it. Open out/my/report.html afterwards."},
+     {"reamsim run my.yaml --set bone.voxel_mm=0.3 -o out/fine", "The same with smaller voxels."},
+     {"reamsim render out/my --film", "Makes a film of the finished run."},
+     {"reamsim cite out/my", "Prints what a paper about this run should cite."}}};
+
+/// What a shell can complete for the value of an argument.
+enum class Completed { nothing, choices, commands, scenarios, studies, folders, files, files_and_scenarios };
+
+/// By the name of its value, such as DIR or FILE.csv.
+inline Completed completed_by(const ArgumentText& argument) {
+  if (!argument.choices.empty()) return Completed::choices;
+  const std::string& value = argument.value;
+  if (value == "COMMAND") return Completed::commands;
+  if (value.starts_with("SCENARIO")) return Completed::scenarios;
+  if (value == "STUDY") return Completed::studies;
+  // A bone, which may also be that of a scenario: the description says where a name is taken.
+  if (value == "INPUT" && argument.description.find("shipped") != std::string::npos) {
+    return Completed::files_and_scenarios;
+  }
+  if (value == "DIR") return Completed::folders;
+  const bool file = value.starts_with("FILE") || value == "MESH" || value == "INPUT" || value == "MEASURED.csv";
+  return file ? Completed::files : Completed::nothing;
+}
+
+/// Completes commands, options, their values and files of `root` in bash and in zsh.
+std::string bash_completion(const CLI::App& root);
+std::string zsh_completion(const CLI::App& root);
+
+/// reamsim(1) for man(7): all commands and options of `root`.
+std::string man_page(const CLI::App& root);
+
+}  // namespace reamsim

@@ -1,0 +1,229 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/run/cost_estimate.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "sim/base/error.h"
+#include "sim/base/stopwatch.h"
+#include "sim/bone/voxmap/lattice.h"
+#include "sim/engine/bricked/bricked_engine.h"
+#include "sim/engine/dense/dense_state.h"
+#include "sim/record/force_log.h"
+#include "sim/scenario/picture_frames.h"
+#include "sim/tool/tool_path.h"
+
+namespace reamsim {
+
+namespace {
+
+constexpr int kWindows = 10;
+constexpr std::int64_t kWindowFrames = 64;
+/// Batches of the serial engine are small, because it is slow.
+constexpr int kSerialBatch = 4;
+
+/// Records the times at which batches of frames finish.
+class BatchTimes : public FrameSink {
+ public:
+  void frame(const FrameResult& result, const FrameTimes&) override {
+    frames_ = result.frame;
+    last_s_ = watch_.seconds();
+    if (begins_) ends_.emplace_back(last_s_, 0);
+    ends_.back().second = frames_;
+    begins_ = frames_ == 0;  // frame 0 is a batch of its own
+  }
+  /// The next frame belongs to another batch.
+  void end_batch() { begins_ = true; }
+  void snapshot(std::int64_t, FillBricks&) override {
+    read_s_ = std::max(read_s_, watch_.seconds() - last_s_);
+    last_s_ = watch_.seconds();
+  }
+  void removed(const RemovedFrames&) override {}
+
+  /// That of the fastest batch; the first may include the compilation of kernels.
+  [[nodiscard]] double seconds_per_frame() const {
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < ends_.size(); ++i) {
+      const auto frames = static_cast<double>(ends_[i].second - ends_[i - 1].second);
+      if (frames > 0) best = std::min(best, (ends_[i].first - ends_[i - 1].first) / frames);
+    }
+    return best;
+  }
+  [[nodiscard]] std::int64_t frames() const { return frames_; }
+  /// Longest read-back of the bone for a snapshot.
+  [[nodiscard]] double read_s() const { return read_s_; }
+
+ private:
+  Stopwatch watch_;
+  double last_s_ = 0;
+  double read_s_ = 0;
+  bool begins_ = true;
+  std::int64_t frames_ = 0;
+  std::vector<std::pair<double, std::int64_t>> ends_;  // per batch: time, last frame
+};
+
+/// The middle of a window, and its time per frame.
+struct Timed {
+  double frame;
+  double seconds_per_frame;
+};
+
+/// Integral of the time per frame: linear between the windows, constant before the first and after the last.
+double integrate_s(const std::vector<Timed>& timed, double frames) {
+  double sum = timed.front().frame * timed.front().seconds_per_frame +
+               (frames - timed.back().frame) * timed.back().seconds_per_frame;
+  for (std::size_t i = 1; i < timed.size(); ++i) {
+    sum += 0.5 * (timed[i].frame - timed[i - 1].frame) * (timed[i].seconds_per_frame + timed[i - 1].seconds_per_frame);
+  }
+  return sum;
+}
+
+/// Runs the frames of the scene for at most `most_s` seconds.
+BatchTimes time_window(SimulationInput& scene, Engine& engine, double most_s) {
+  BatchTimes times;
+  Diagnostics discarded;
+  RunControl control;
+  const Stopwatch watch;
+  control.progress = [&](std::int64_t, std::int64_t) { times.end_batch(); };
+  control.stop = [&] { return watch.seconds() > most_s; };
+  try {
+    simulate(scene, engine, times, control, discarded);
+  } catch (const Interrupted&) {
+    // The window has used its time.
+  }
+  return times;
+}
+
+}  // namespace
+
+TimePlan plan_time(SimulationInput& scene, Engine& engine, double budget_s) {
+  const Motion motion = scene.motion;
+  const PoseSequence& poses = motion.poses;
+  std::vector<Pass> later_passes = std::exchange(scene.later_passes, {});
+  scene.motion.first_frame = 0;
+  scene.motion.push.reset();  // its way without resistance is timed
+  const Scenario original = scene.scenario;
+  scene.scenario.render.every_frames = std::numeric_limits<int>::max();  // no snapshots in between
+  if (original.engine.device == "serial") scene.scenario.engine.batch_frames = kSerialBatch;
+  const auto all = static_cast<std::int64_t>(poses.size()) - 1;
+  const std::int64_t window = std::min(all, kWindowFrames);
+  const auto first_of = [&](int i) { return (all - window) * i / (kWindows - 1); };
+  TimePlan plan;
+  std::vector<Timed> timed;
+  double read_s = 0;
+  const Stopwatch watch;
+  for (int i = 0; i < kWindows && window > 0 && watch.seconds() < budget_s; ++i) {
+    const std::int64_t first = first_of(i);
+    if (i > 0 && first == first_of(i - 1)) continue;  // a run shorter than the windows
+    scene.motion.poses = poses.part(static_cast<std::size_t>(first), static_cast<std::size_t>(window) + 1);
+    const BatchTimes times = time_window(scene, engine, budget_s / kWindows);
+    read_s = std::max(read_s, times.read_s());
+    const auto frames = static_cast<double>(times.frames());
+    if (frames == 0) continue;
+    timed.push_back({static_cast<double>(first) + 0.5 * frames, times.seconds_per_frame()});
+    plan.timed_frames += times.frames();
+  }
+  plan.windows = static_cast<int>(timed.size());
+  scene.motion = motion;
+  scene.later_passes = std::move(later_passes);
+  scene.scenario = original;
+  if (timed.empty()) return plan;
+  // A snapshot is read back and written to disk, which takes about as long.
+  const auto in_pass = [&](std::int64_t frame) { return frame >= motion.first_frame && frame <= motion.last_frame(); };
+  const auto snapshots = static_cast<double>(
+      std::ranges::count_if(picture_frames(original.render, scene.last_frame(), scene.contact), in_pass));
+  plan.simulate_s = integrate_s(timed, static_cast<double>(all)) + 2 * snapshots * read_s;
+  return plan;
+}
+
+namespace {
+
+// Measured on a scapula of 0.1 mm voxels (memory_mb.peak_process of its summary).
+
+/// The program and its libraries: a run of a small block peaks at 177 MB with the compiler.
+constexpr double kProgramBytes = 1.2e8;
+/// The kernel compiler, and heap memory retained from loading the bone.
+constexpr double kCompilerBytes = 9e7;
+/// Per brick on the surface, while `surface` of reamed.vdb is computed: leaves of the smoothed occupancy and of the
+/// distances.
+constexpr double kSurfaceBytes = 7'000;
+/// A leaf of a FloatGrid.
+constexpr double kLeafBytes = 2'200;
+/// The serial engine's dense grades and fill, per voxel.
+constexpr double kSerialBytes = 3;
+
+/// A long run thins poses and rows; until then it holds all, and vectors double as they grow.
+double path_bytes(double frames) {
+  return 2 * sizeof(PathSample) * std::min(frames, static_cast<double>(BoundedPath::kMost));
+}
+
+/// The rows of the log, and a copy with the means that the plots show.
+double log_bytes(double frames) {
+  return 2 * sizeof(ForceRow) * std::min(frames, static_cast<double>(LogOptions{}.most_rows));
+}
+
+struct BrickCounts {
+  double partial = 0;  ///< with bone and air
+  double mixed = 0;    ///< with more than one grade, air included
+};
+
+BrickCounts count_bricks(const GradeBricks& grades) {
+  BrickCounts out;
+  grades.for_each_brick([&out](const Vec3i&, const GradeBricks::Brick& brick) {
+    const auto [least, most] = std::minmax_element(brick.begin(), brick.end());
+    out.partial += *least == 0 ? 1 : 0;
+    out.mixed += *least != *most ? 1 : 0;
+  });
+  return out;
+}
+
+/// The surface is computed first, and freed before all grids are written.
+double results_bytes(const BrickCounts& bricks) {
+  const double grids = kLeafBytes * (bricks.mixed + bricks.partial + 1.6 * bricks.partial);
+  return std::max(kSurfaceBytes * bricks.partial, grids);
+}
+
+std::size_t planned_device_bytes(const SimulationInput& scene, const ExactForecast& forecast) {
+  const Scenario& scenario = scene.scenario;
+  const BoneView bone = scene.bone;
+  if (scenario.engine.device == "serial") return 0;
+  const EngineKind engine = engine_of(scenario);
+  if (engine == EngineKind::exact) return exact_engine_bytes(bone, scene.tool, forecast);
+  if (engine == EngineKind::bricked) return bricked_engine_bytes(scenario, bone, scene.tool);
+  return plan_dense(engine, bone, scene.tool, scenario.cutting.erosion == ErosionMode::wear).bytes();
+}
+
+}  // namespace
+
+MemoryPlan plan_memory(const SimulationInput& scene) {
+  const Voxmap& voxmap = *scene.bone.voxmap;
+  const bool exact = scene.scenario.cutting.erosion == ErosionMode::exact;
+  const ExactForecast forecast = exact ? forecast_exact(scene) : ExactForecast{};
+  MemoryPlan plan{.device_bytes = planned_device_bytes(scene, forecast)};
+
+  const double voxels = static_cast<double>(voxmap.grade.count());
+  const double loading = scene.scenario.bone.source == BoneSource::mesh ? kMeshBytesPerVoxel * voxels : 0;
+  const bool serial = scene.scenario.engine.device == "serial";
+  const double engine =
+      serial ? kSerialBytes * static_cast<double>(voxmap.grid.size()) : static_cast<double>(plan.device_bytes);
+  // The fill at the start of the run, and the current one where it differs.
+  const double fill = static_cast<double>(scene.bone.fill.bytes() + sizeof(FillBricks::Brick) * forecast.partial);
+  BrickCounts bricks = count_bricks(voxmap.grade);
+  // The reamed face is part of the surface.
+  bricks.partial += static_cast<double>(forecast.listed);
+  bricks.mixed += static_cast<double>(forecast.listed);
+  const double resident = static_cast<double>(voxmap.grade.bytes()) + fill;
+  const auto frames = static_cast<double>(scene.motion.poses.size());
+  // What is held of the frames uses the memory that the compiler has left.
+  const double held = std::max(serial ? 0 : kCompilerBytes, path_bytes(frames) + log_bytes(frames));
+  // The engine is freed before the results are written.
+  const double most = std::max(loading, resident + held + std::max(engine, results_bytes(bricks)));
+  plan.process_bytes = static_cast<std::size_t>(kProgramBytes + most);
+  return plan;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "sim/engine/exact/exact_engine.h"
+#include "sim/run/simulation.h"
+
+namespace reamsim {
+
+/// Estimate of the run time of the frames, extrapolated from a part of them.
+struct TimePlan {
+  double simulate_s = 0;          ///< all frames of the pass and snapshots, without pictures and results
+  std::int64_t timed_frames = 0;  ///< in the windows
+  int windows = 0;
+};
+
+/// For the present pass. Runs short windows of frames, evenly spread over its motion, on the engine of the run for
+/// about `budget_s` seconds, and interpolates the time per frame linearly. A window begins with the remaining bone of
+/// the previous one, less the bone in its first pose. `engine` has the scene's bone; both are reamed afterwards.
+TimePlan plan_time(SimulationInput& scene, Engine& engine, double budget_s);
+
+/// Estimate of the peak memory of a run until its results and force plots are written, without pictures.
+struct MemoryPlan {
+  std::size_t device_bytes = 0;   ///< 0 for the serial engine
+  std::size_t process_bytes = 0;  ///< within a third of measurements; includes device memory, as for a CPU
+};
+MemoryPlan plan_memory(const SimulationInput& scene);
+
+/// The bricks that an `exact` run will cut, from the path of the tool at steps of about two voxels. Conservative.
+ExactForecast forecast_exact(const SimulationInput& scene);
+
+}  // namespace reamsim
