@@ -4,7 +4,7 @@
 #include <map>
 
 #include "tests/cli/cli_fixture.h"
-#include "tests/ct/test_images.h"
+#include "tests/scan/test_images.h"
 
 namespace reamsim::test {
 namespace {

@@ -13,7 +13,7 @@
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/scene/load_bone.h"
-#include "tests/ct/test_images.h"
+#include "tests/scan/test_images.h"
 #include "tests/support/mesh_shapes.h"
 
 namespace reamsim::test {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Fit of implants of several shapes and poses, against closed forms: within a tenth of a voxel or 1 %.
-#include "tests/metrics/implant_fixture.h"
+#include "tests/anatomy/implant_fixture.h"
 
 namespace reamsim::test {
 namespace {

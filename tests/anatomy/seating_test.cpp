@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "tests/metrics/implant_fixture.h"
+#include "tests/anatomy/implant_fixture.h"
 
 namespace reamsim::test {
 namespace {

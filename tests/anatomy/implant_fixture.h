@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/metrics/reamed_fixture.h"
+#include "tests/anatomy/reamed_fixture.h"
 
 namespace reamsim::test {
 

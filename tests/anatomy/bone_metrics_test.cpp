@@ -8,7 +8,7 @@
 #include "sim/base/statistics.h"
 #include "sim/bone/glenoid_frame.h"
 #include "sim/scene/load_bone.h"
-#include "tests/metrics/reamed_fixture.h"
+#include "tests/anatomy/reamed_fixture.h"
 
 namespace reamsim::test {
 namespace {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Walls and perforations of pegs in bones with closed forms: within a tenth of a voxel.
-#include "tests/metrics/implant_fixture.h"
+#include "tests/anatomy/implant_fixture.h"
 
 namespace reamsim::test {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/metrics/reamed_fixture.h"
+#include "tests/anatomy/reamed_fixture.h"
 
 namespace reamsim::test {
 namespace {
