@@ -3,16 +3,16 @@
 
 #include "cli/environment.h"
 
+#include <fcntl.h>
+#include <poll.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <fcntl.h>
-#include <poll.h>
-#include <sched.h>
 #include <string>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include "cli/commit.h"
 #include "cli/console.h"

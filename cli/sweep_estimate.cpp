@@ -10,8 +10,8 @@
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
-#include "sim/run/simulation.h"
 #include "sim/run/cost_estimate.h"
+#include "sim/run/simulation.h"
 #include "sim/scenario/passes.h"
 #include "sim/scene/clearance.h"
 #include "sim/scene/contact_forecast.h"

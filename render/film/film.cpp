@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "render/film/film.h"
+#include "render/pictures/page_layout.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "render/pictures/canvas.h"
-#include "render/pictures/overlay.h"
 #include "sim/base/text.h"
 
 namespace reamsim {

@@ -3,7 +3,9 @@
 
 #pragma once
 
+#define GL_GLEXT_PROTOTYPES  // for the types of the functions
 #include <GL/glcorearb.h>
+
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -12,8 +14,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#define GL_GLEXT_PROTOTYPES  // for the types of the functions
 
 namespace reamsim {
 

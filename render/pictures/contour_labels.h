@@ -8,7 +8,7 @@
 
 #include "render/gl/camera.h"
 #include "render/gl/pixel_image.h"
-#include "render/pictures/overlay.h"
+#include "render/pictures/page_layout.h"
 
 namespace reamsim {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "render/pictures/overlay.h"
+#include "render/pictures/page_layout.h"
 #include "render/pictures/smoothed_mask.h"
 #include "sim/base/geometry.h"
 

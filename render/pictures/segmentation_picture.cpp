@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "render/pictures/figures.h"
+#include "render/pictures/page_layout.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include <cmath>
 
 #include "render/pictures/canvas.h"
-#include "render/pictures/overlay.h"
 #include "sim/base/parallel.h"
 #include "sim/base/text.h"
 

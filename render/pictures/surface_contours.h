@@ -7,7 +7,7 @@
 
 #include "render/gl/camera.h"
 #include "render/pictures/contour_labels.h"
-#include "render/pictures/overlay.h"
+#include "render/pictures/page_layout.h"
 #include "render/surface/bone_surface.h"
 
 namespace reamsim {

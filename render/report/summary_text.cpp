@@ -12,7 +12,7 @@
 #include "render/report/summary_table.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/record/summary.h"
+#include "sim/record/run_totals.h"
 #include "sim/scenario/choices.h"
 
 namespace reamsim {

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -23,12 +24,23 @@ namespace {
 constexpr std::size_t kBufferBytes = 1 << 16;
 /// Place of a column that is missing.
 constexpr std::size_t kMissing = std::numeric_limits<std::size_t>::max();
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 30;
+/// Lines are limited, so that a binary file is not read into memory.
+constexpr std::size_t kMostLine = 1 << 16;
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  const auto first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
 
 double number(const SourceLocation& where, std::string_view name, std::string_view cell) {
+  const std::string_view digits = cell.starts_with('+') ? cell.substr(1) : cell;
   double value = 0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) {
-    throw InputError(where, std::string(name), "found '" + std::string(cell.substr(0, 40)) + "'",
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) {
+    throw InputError(where, std::string(name), "found '" + printable(cell.substr(0, 40)) + "'",
                      "expected a finite number");
   }
   return value;
@@ -51,11 +63,12 @@ void refuse_other_separator(std::string_view line, const SourceLocation& where) 
 }
 
 std::vector<std::string_view> csv_cells(std::string_view line) {
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   std::vector<std::string_view> cells;
   for (;;) {
     const std::size_t comma = line.find(',');
-    cells.push_back(line.substr(0, comma));
+    std::string_view cell = trimmed(line.substr(0, comma));
+    if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
+    cells.push_back(cell);
     if (comma == std::string_view::npos) return cells;
     line.remove_prefix(comma + 1);
   }
@@ -63,47 +76,80 @@ std::vector<std::string_view> csv_cells(std::string_view line) {
 
 CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
                      std::span<const std::string_view> optional)
-    : path_(path), names_(names.begin(), names.end()), in_(path, std::ios::binary) {
-  std::string header;
-  if (!in_ || !std::getline(in_, header)) throw InputError({path, 0, 0}, "", "cannot be read", expected);
-  header = csv_header(std::move(header), {path, 1, 0});
-  const auto found_names = csv_cells(header);
+    : path_(path), names_(names.begin(), names.end()) {
   names_.insert(names_.end(), optional.begin(), optional.end());
+  open(expected);
+  if (!next_line()) throw InputError({path, 0, 0}, "", "is empty", expected);
+  find_columns(text_, names.size(), expected);
+}
+
+void CsvReader::open(const std::string& expected) {
+  std::error_code failed;
+  const auto status = std::filesystem::status(path_, failed);
+  const auto fail = [&](const char* found) { throw InputError({path_, 0, 0}, "", found, expected); };
+  if (failed || !std::filesystem::exists(status)) fail("cannot be read: no such file");
+  if (std::filesystem::is_directory(status)) fail("cannot be read: it is a folder");
+  if (const auto bytes = std::filesystem::file_size(path_, failed); !failed && bytes > kMostBytes)
+    fail("is larger than 4 GiB");
+  in_.open(path_, std::ios::binary);
+  if (!in_) fail("cannot be read");
+}
+
+void CsvReader::find_columns(std::string_view header, std::size_t required, const std::string& expected) {
+  refuse_other_separator(header, where());
+  const auto found = csv_cells(header);
+  columns_ = found.size();
   for (const std::string_view name : names_) {
-    const auto found = std::find(found_names.begin(), found_names.end(), name);
-    const bool missing = found == found_names.end();
-    if (missing && places_.size() < names.size())
-      throw InputError({path, 1, 0}, std::string(name), "no such column", expected);
-    places_.push_back(missing ? kMissing : static_cast<std::size_t>(found - found_names.begin()));
+    const auto at = std::ranges::find(found, name);
+    const bool missing = at == found.end();
+    if (missing && places_.size() < required) throw InputError(where(), std::string(name), "no such column", expected);
+    if (!missing && std::find(at + 1, found.end(), name) != found.end())
+      throw InputError(where(), std::string(name), "the column is given twice", "give each column once");
+    places_.push_back(missing ? kMissing : static_cast<std::size_t>(at - found.begin()));
+  }
+  for (const std::string_view name : found) {
+    if (std::ranges::find(names_, name) == names_.end()) skipped_.emplace_back(name);
   }
 }
 
-bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty) {
-  std::string line;
+bool CsvReader::next_line() {
+  std::array<char, kMostLine> buffer;
   do {
-    if (!std::getline(in_, line)) {
-      // std::getline() also swallows exceptions of the memory.
-      if (in_.bad())
-        throw RunError(path_ + ": cannot be read to its end; is the disk damaged, or the memory exhausted?");
-      return false;
-    }
+    in_.getline(buffer.data(), buffer.size());
+    // getline() also swallows exceptions of the memory.
+    if (in_.bad()) throw RunError(path_ + ": cannot be read to its end; is the disk damaged, or the memory exhausted?");
+    if (in_.eof() && in_.gcount() == 0) return false;
     ++line_;
-  } while (line.empty());
-  const auto cells = csv_cells(line);
-  if (cells.size() == 1) refuse_other_separator(line, where());
+    byte_ += in_.gcount();
+    if (in_.fail() && !in_.eof())
+      throw InputError(where(), "", "a line of more than " + std::to_string(kMostLine - 1) + " bytes",
+                       "is this a CSV file?");
+    const auto got = static_cast<std::size_t>(in_.gcount());
+    text_.assign(buffer.data(), in_.eof() ? got : got - 1);
+    if (line_ == 1 && text_.starts_with("\xEF\xBB\xBF")) text_.erase(0, 3);
+  } while (trimmed(text_).empty());
+  return true;
+}
+
+void CsvReader::seek(const Place& place) {
+  in_.clear();
+  in_.seekg(place.byte);
+  byte_ = place.byte;
+  line_ = place.line;
+}
+
+bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty) {
+  if (!next_line()) return false;
+  const auto cells = csv_cells(text_);
+  if (cells.size() == 1) refuse_other_separator(text_, where());
+  if (cells.size() != columns_) {
+    throw InputError(where(), "", "found " + std::to_string(cells.size()) + (cells.size() == 1 ? " cell" : " cells"),
+                     "expected " + std::to_string(columns_) + ", as in the header");
+  }
   values.clear();
   for (std::size_t i = 0; i < names_.size(); ++i) {
-    if (places_[i] == kMissing) {
-      values.push_back(std::numeric_limits<double>::quiet_NaN());
-      continue;
-    }
-    if (places_[i] >= cells.size()) {
-      throw InputError(where(), std::string(names_[i]),
-                       "the line ends after " + std::to_string(cells.size()) + " cells",
-                       "expected as many as in the header");
-    }
-    const std::string_view cell = cells[places_[i]];
-    const bool empty = cell.empty() && names_[i] == may_be_empty;
+    const std::string_view cell = places_[i] == kMissing ? std::string_view() : cells[places_[i]];
+    const bool empty = places_[i] == kMissing || (cell.empty() && names_[i] == may_be_empty);
     values.push_back(empty ? std::numeric_limits<double>::quiet_NaN() : number(where(), names_[i], cell));
   }
   return true;

@@ -15,28 +15,49 @@
 
 namespace reamsim {
 
-/// Reads the named columns of a CSV file with a header line, in any order, and skips the others.
+/// Reads the named columns of a CSV file with a header line, in any order, and skips the others. Takes what
+/// spreadsheets write: a byte order mark, CRLF, blank lines, blanks and quotes around cells.
 class CsvReader {
  public:
+  /// A place between rows.
+  struct Place {
+    std::int64_t byte = 0;
+    int line = 0;  ///< read before it
+  };
+
   /// `expected` says what file this should be, for messages. `optional`: columns after the others that may be missing.
-  /// Throws InputError: unreadable, a column missing.
+  /// Throws InputError: unreadable, larger than 4 GiB, empty, a column missing or given twice.
   CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
             std::span<const std::string_view> optional = {});
 
-  /// Reads the next row that is not empty into `values`, in the order of the names; false at the end. An empty cell is
-  /// NaN in the column `may_be_empty`, and so is a column that is missing. Throws InputError with file and line: a cell
-  /// missing or not a finite number.
+  /// Reads the next row that is not blank into `values`, in the order of the names; false at the end. An empty cell is
+  /// NaN in the column `may_be_empty`, and so is a column that is missing. Throws InputError with file and line: fewer
+  /// or more cells than in the header, not a finite number, a line of more than 64 kB.
   bool next(std::vector<double>& values, std::string_view may_be_empty = {});
 
   /// The location of the row read last.
   [[nodiscard]] SourceLocation where() const { return {path_, line_, 0}; }
+  /// Names of the columns that are skipped.
+  [[nodiscard]] const std::vector<std::string>& skipped() const { return skipped_; }
+  [[nodiscard]] Place place() const { return {byte_, line_}; }
+  /// Goes on at a place that place() has returned. Only where the file is a regular one.
+  void seek(const Place& place);
 
  private:
+  void open(const std::string& expected);
+  void find_columns(std::string_view header, std::size_t required, const std::string& expected);
+  /// Reads the next line that is not blank.
+  bool next_line();
+
   std::string path_;
   std::vector<std::string_view> names_;
   std::vector<std::size_t> places_;
+  std::vector<std::string> skipped_;
+  std::size_t columns_ = 0;  ///< of the header
   std::ifstream in_;
-  int line_ = 1;
+  std::string text_;
+  std::int64_t byte_ = 0;  ///< after the line
+  int line_ = 0;
 };
 
 /// The header line of a file, without the byte order mark that spreadsheets write. Throws InputError as
@@ -47,7 +68,7 @@ std::string csv_header(std::string line, const SourceLocation& where);
 /// write them: it has no comma.
 void refuse_other_separator(std::string_view line, const SourceLocation& where);
 
-/// The cells of a line, without quotes; a carriage return at its end is no part of it.
+/// The cells of a line, without blanks and quotes around them.
 std::vector<std::string_view> csv_cells(std::string_view line);
 
 /// A text as a CSV cell, on one line and quoted where necessary (RFC 4180). A spreadsheet would take a text that begins

@@ -12,7 +12,7 @@
 
 #include "sim/base/error.h"
 #include "sim/record/results.h"
-#include "sim/record/summary.h"
+#include "sim/record/run_totals.h"
 #include "sim/tool/pose_sequence.h"
 
 namespace reamsim {

@@ -114,7 +114,6 @@ std::optional<double> first_bone_mm(const BoneView& bone, const Vec3& from_mm, c
   return met && *met <= most_mm ? met : std::nullopt;
 }
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
 /// Distances of neighbouring rays, voxels: of those that bound the travel, and of those that find it.
 constexpr double kCoarse_voxels = 2;
 constexpr double kFine_voxels = 0.125;

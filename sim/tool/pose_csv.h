@@ -3,11 +3,11 @@
 
 #pragma once
 
-#include <cstdint>
 #include <functional>
-#include <memory>
+#include <string>
 #include <vector>
 
+#include "sim/base/csv.h"
 #include "sim/tool/key_track.h"
 
 namespace reamsim {
@@ -19,29 +19,21 @@ namespace reamsim {
 /// zero quaternion.
 class PoseCsv {
  public:
-  /// A place between rows.
-  struct Place {
-    std::int64_t byte = 0;
-    int line = 0;  ///< read before it
-  };
+  using Place = CsvReader::Place;
 
   PoseCsv(const CsvMotionSettings& settings, Diagnostics& report);
-  PoseCsv(PoseCsv&&) noexcept;
-  PoseCsv(const PoseCsv&) = delete;
-  PoseCsv& operator=(const PoseCsv&) = delete;
-  PoseCsv& operator=(PoseCsv&&) = delete;
-  ~PoseCsv();
 
   /// Reads the next row; false at the end. `row_report` gets a warning about a quaternion that is no rotation.
   bool next(KeyPose& pose, Diagnostics& row_report);
-  [[nodiscard]] Place place() const;
+  [[nodiscard]] Place place() const { return rows_.place(); }
   /// Goes on at a place that place() has returned. Only where the file is a regular one.
-  void seek(const Place& place);
-  [[nodiscard]] SourceLocation here() const;
+  void seek(const Place& place) { rows_.seek(place); }
+  [[nodiscard]] SourceLocation where() const { return rows_.where(); }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  CsvReader rows_;
+  std::vector<double> row_;
+  double spin_rpm_;
 };
 
 /// Reads all rows, and calls visit(pose, place before its row). Besides the mistakes of rows, throws InputError where

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "render/gl/camera.h"
+#include "render/pictures/page_layout.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "render/pictures/overlay.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

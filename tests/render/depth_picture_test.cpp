@@ -9,9 +9,9 @@
 #include <functional>
 #include <set>
 
-#include "render/pictures/captions.h"
 #include "render/pictures/depth_field.h"
 #include "render/pictures/figures.h"
+#include "render/pictures/page_layout.h"
 #include "render/render.h"
 #include "render/surface/color_map.h"
 #include "sim/base/error.h"
@@ -230,7 +230,7 @@ TEST_F(DepthPicture, NoneWithoutAMapOrADepth) {
 TEST_F(DepthPicture, DamagedMapsAreInputErrors) {
   expect_complaint("", "cannot be read");
   expect_complaint("x_mm,y_mm,before_z_mm,depth_mm\n", "1: after_z_mm: no such column");
-  expect_complaint(std::string(kHeader) + "0,0,1,1\n", "2: depth_mm: the line ends after 4 cells");
+  expect_complaint(std::string(kHeader) + "0,0,1,1\n", "2: found 4 cells; expected 5");
   expect_complaint(std::string(kHeader) + "0,0,,1,1\n", "2: before_z_mm: found ''");
   expect_complaint(std::string(kHeader) + "0,0,1,nan,1\n", "2: after_z_mm: found 'nan'");
   expect_complaint(std::string(kHeader) + "0,0,1,1,1\n0.000001,1000000,1,1,1\n1e6,0,1,1,0\n",

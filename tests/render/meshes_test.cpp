@@ -17,7 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/pictures/figures.h"
-#include "render/pictures/overlay.h"
+#include "render/pictures/page_layout.h"
 #include "render/surface/color_map.h"
 #include "render/surface/reamed_mesh.h"
 #include "sim/base/error.h"

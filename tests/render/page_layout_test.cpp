@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Labels beside the bone: none covers it, and on a transparent background they are legible on any slide.
-#include "render/pictures/captions.h"
+#include "render/pictures/page_layout.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

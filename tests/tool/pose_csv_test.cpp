@@ -99,27 +99,28 @@ TEST_F(PoseCsv, NamesFileLineAndFault) {
   const auto expect = [&](const std::string& row, const std::string& found) {
     EXPECT_THAT(error_of(with_row(row)), AllOf(HasSubstr("poses.csv:3: "), HasSubstr(found)));
   };
-  expect("1,0,zero,0,1,0,0,0", "y_mm is \"zero\"");
-  expect("1,0,,0,1,0,0,0", "y_mm is \"\"");
-  expect("1,0,1.5mm,0,1,0,0,0", "y_mm is \"1.5mm\"");
-  expect("1,0,0,nan,1,0,0,0", "z_mm is \"nan\"");
-  expect("1,0,0,inf,1,0,0,0", "z_mm is \"inf\"");
-  expect("1,0,0,1e999,1,0,0,0", "z_mm is \"1e999\"");
-  expect("1,0,0,1e7,1,0,0,0", "z_mm is 1e+07; at most 1e+06 mm");
+  expect("1,0,zero,0,1,0,0,0", "y_mm: found 'zero'");
+  expect("1,0,,0,1,0,0,0", "y_mm: found ''");
+  expect("1,0,1.5mm,0,1,0,0,0", "y_mm: found '1.5mm'");
+  expect("1,0,0,nan,1,0,0,0", "z_mm: found 'nan'");
+  expect("1,0,0,inf,1,0,0,0", "z_mm: found 'inf'");
+  expect("1,0,0,1e999,1,0,0,0", "z_mm: found '1e999'");
+  expect("1,0,0,1e7,1,0,0,0", "z_mm: found 1e+07; at most 1e+06 mm");
   expect("-1,0,0,0,1,0,0,0", "time_s is -1 after 0");
   expect("0,0,0,0,1,0,0,0", "times must increase");
   expect("1,0,0,0,0,0,0,0", "the quaternion has length 0");
-  expect("1,0,0,0,1,0,0", "7 fields; the header has 8");
-  expect("1,0,0,0,1,0,0,0,5", "9 fields");
+  expect("1,0,0,0,1,0,0", "found 7 cells; expected 8");
+  expect("1,0,0,0,1,0,0,0,5", "found 9 cells");
   expect("1;0;0;0;1;0;0;0", "semicolons separate the columns; save it with commas");
-  expect("1", "1 fields");
+  expect("1", "found 1 cell;");
 }
 
 TEST_F(PoseCsv, RefusesWrongHeaders) {
-  EXPECT_THAT(error_of("time_s,x_mm,y_mm,qw,qx,qy,qz\n"), AllOf(HasSubstr("poses.csv:1"), HasSubstr("no column z_mm")));
-  EXPECT_THAT(error_of("0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"), HasSubstr("no column time_s"));
-  EXPECT_THAT(error_of(kHeader + ",qx\n"), HasSubstr("column qx stands twice"));
-  EXPECT_THAT(error_of("time_s,x_cm,y_mm,z_mm,qw,qx,qy,qz\n"), HasSubstr("no column x_mm"));
+  EXPECT_THAT(error_of("time_s,x_mm,y_mm,qw,qx,qy,qz\n"),
+              AllOf(HasSubstr("poses.csv:1"), HasSubstr("z_mm: no such column")));
+  EXPECT_THAT(error_of("0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"), HasSubstr("time_s: no such column"));
+  EXPECT_THAT(error_of(kHeader + ",qx\n"), HasSubstr("qx: the column is given twice"));
+  EXPECT_THAT(error_of("time_s,x_cm,y_mm,z_mm,qw,qx,qy,qz\n"), HasSubstr("x_mm: no such column"));
 }
 
 TEST_F(PoseCsv, NamesTheSeparatorThatIsNoComma) {
@@ -135,8 +136,8 @@ TEST_F(PoseCsv, NamesTheSeparatorThatIsNoComma) {
 }
 
 TEST_F(PoseCsv, RefusesFilesThatHoldNoMotion) {
-  EXPECT_THAT(error_of(""), HasSubstr("the file is empty"));
-  EXPECT_THAT(error_of("\r\n\r\n  \n"), HasSubstr("the file is empty"));
+  EXPECT_THAT(error_of(""), HasSubstr("is empty"));
+  EXPECT_THAT(error_of("\r\n\r\n  \n"), HasSubstr("is empty"));
   EXPECT_THAT(error_of(kHeader + "\n"), AllOf(HasSubstr("0 rows"), HasSubstr("at least two")));
   EXPECT_THAT(error_of(kHeader + "\n0,0,0,0,1,0,0,0\n"), HasSubstr("1 rows"));
 }
@@ -147,12 +148,12 @@ TEST_F(PoseCsv, RefusesWhatIsNoFileOrNoText) {
   EXPECT_THAT(error_of(settings), AllOf(HasSubstr("absent.csv"), HasSubstr("no such file")));
   settings.path = dir_.path();
   EXPECT_THAT(error_of(settings), HasSubstr("it is a folder"));
-  EXPECT_THAT(error_of(std::string(100'000, 'x')), HasSubstr("more than 4095 bytes"));
-  EXPECT_THAT(error_of(std::string(1000, '\0')), HasSubstr("no column time_s"));
+  EXPECT_THAT(error_of(std::string(100'000, 'x')), HasSubstr("more than 65535 bytes"));
+  EXPECT_THAT(error_of(std::string(1000, '\0')), HasSubstr("time_s: no such column"));
   const std::string binary = error_of(
       "\x7f"
       "ELF\x01\x02\x03\n\xff\xfe\n");
-  EXPECT_THAT(binary, HasSubstr("no column time_s"));
+  EXPECT_THAT(binary, HasSubstr("time_s: no such column"));
   for (const char c : binary) EXPECT_GE(static_cast<unsigned char>(c), ' ') << "one printable line";
 }
 

@@ -99,6 +99,14 @@ SmoothedBrick smoothed_brick(const BoneView& bone, const Vec3i& brick) {
   return {0, std::move(leaf)};
 }
 
+/// Isotropic, in mm, index (0,0,0) at the centre of voxel (0,0,0).
+openvdb::math::Transform::Ptr index_transform(const VoxelGrid& grid) {
+  auto out = openvdb::math::Transform::createLinearTransform(grid.voxel_mm);
+  const Vec3 first = grid.center_mm({0, 0, 0});
+  out->postTranslate(openvdb::Vec3d(first.x(), first.y(), first.z()));
+  return out;
+}
+
 openvdb::FloatGrid::Ptr smoothed_occupancy(const BoneView& bone) {
   constexpr std::size_t kAtOnce = 1 << 16;
   const std::vector<Vec3i> bricks = bricks_near_bone(bone.voxmap.grade);
@@ -118,14 +126,6 @@ openvdb::FloatGrid::Ptr smoothed_occupancy(const BoneView& bone) {
     }
   }
   return grid;
-}
-
-/// Isotropic, in mm, index (0,0,0) at the centre of voxel (0,0,0).
-openvdb::math::Transform::Ptr index_transform(const VoxelGrid& grid) {
-  auto out = openvdb::math::Transform::createLinearTransform(grid.voxel_mm);
-  const Vec3 first = grid.center_mm({0, 0, 0});
-  out->postTranslate(openvdb::Vec3d(first.x(), first.y(), first.z()));
-  return out;
 }
 
 /// The surface of the bone as a narrow-band level set, mm, negative inside. It is the isosurface 0.5 of the occupancy
