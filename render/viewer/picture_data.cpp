@@ -17,7 +17,7 @@
 #include <new>
 
 #include "render/viewer/page.h"
-#include "render/viewer/page_data.h"
+#include "render/viewer/report_data.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/parallel.h"

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "render/viewer/page.h"
-#include "render/viewer/page_data.h"
 #include "render/viewer/preview_volume.h"
+#include "render/viewer/report_data.h"
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"

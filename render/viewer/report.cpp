@@ -11,7 +11,7 @@
 
 #include "render/plots/plots.h"
 #include "render/viewer/page.h"
-#include "render/viewer/page_data.h"
+#include "render/viewer/report_data.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/record/result_json.h"

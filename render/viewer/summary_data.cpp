@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "render/viewer/page_data.h"
+#include "render/viewer/report_data.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/record/key_results.h"

@@ -10,9 +10,8 @@
 #include <map>
 #include <stdexcept>
 
-#include "render/viewer/mesh_data.h"
 #include "render/viewer/page.h"
-#include "render/viewer/page_data.h"
+#include "render/viewer/report_data.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

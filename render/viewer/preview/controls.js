@@ -3,8 +3,8 @@
 
 // The controls beside the views.
 import { find, fixedText, part } from "../shared/scene.js";
-import { colors } from "./looks.js";
-import { same } from "./vector.js";
+import { colors } from "./model.js";
+import { same } from "./volume.js";
 
 const kTools = [
   ["look", "Nothing: move the cross"], ["center", "Glenoid centre"], ["superior", "Superior of the glenoid"], ["seed", "Seed in the bone"],

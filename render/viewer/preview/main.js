@@ -7,7 +7,7 @@ import { Model } from "./model.js";
 import { ScenarioView } from "./scenario_view.js";
 import { Slice, windowOf } from "./slices.js";
 import { Solid } from "./solid.js";
-import { edited } from "./yaml_edit.js";
+import { edited } from "./scenario_text.js";
 
 function solidOf(model) {
   try {

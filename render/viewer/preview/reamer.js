@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The reamer's envelope of revolution, its poses, and its distance from bone.
-import { add, cross, dot, length, minus, scaled, unit } from "./vector.js";
+import { add, cross, dot, length, minus, scaled, unit } from "./volume.js";
 
 const kCell_mm = 0.25;
 

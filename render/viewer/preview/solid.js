@@ -6,7 +6,7 @@ import {
   ArrowHelper, BufferAttribute, BufferGeometry, Color, FrontSide, Group, LatheGeometry, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry,
   Vector2, Vector3, Vector4, View, boneMaterial, find, toolMaterials, vector,
 } from "../shared/scene.js";
-import { colors, marksOf } from "./looks.js";
+import { colors, marksOf } from "./model.js";
 
 const kSurface = 127.5;
 

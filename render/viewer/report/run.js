@@ -2,8 +2,135 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Reamer, readings, curves and picture at one time of the run.
-import { bytesOf, find, fixedText, part } from "../shared/scene.js";
-import { Plots } from "./plot.js";
+import uPlot from "uplot";
+import { bytesOf, find, fixedText, part, significantText } from "../shared/scene.js";
+
+// The plot: panels over one time axis, with one cursor.
+// Okabe and Ito's colours, as in forces.gp.
+const panels = [
+  { label: "Axial force", unit: "N", column: "axial_force_n", color: "#0072b2", light: "#b5d3e6", mean: "mean_axial_force_n" },
+  { label: "Spin torque", unit: "N·mm", column: "spin_torque_nmm", color: "#d55e00", light: "#f3c9ab", mean: "mean_spin_torque_nmm" },
+  { label: "Removed", unit: "mm³", column: "removed_mm3", color: "#009e73" },
+  { label: "Tool depth", unit: "mm", column: "depth_mm", color: "#8c4f86" },
+  { label: "Feed rate", unit: "mm/s", column: "feed_mm_s", color: "#0072b2" },  // of a push only
+  { label: "Drill power", unit: "W", column: "drill_power_w", color: "#d55e00" },
+];
+
+// Padded axis limits. Single frames far above the mean and a retracted tool are clipped.
+function limits(panel, data) {
+  const values = data[panel.column];
+  const most = (list) => list.reduce((a, b) => Math.max(a, b), -Infinity);
+  let top = most(values);
+  let bottom = Math.min(0, -most(values.map((v) => -v)));
+  if (data[panel.mean]) top = Math.min(top, 4 * most(data[panel.mean]) || top);
+  if (panel.column === "depth_mm" && top > 0) bottom = Math.max(bottom, -0.25 * top);
+  const air = 0.06 * (top - bottom) || 1;
+  return [bottom < 0 ? bottom - air : -air / 2, top + air];
+}
+
+// The time in contact with a margin; null if that is about the whole run, or none.
+function contactRange(data) {
+  const removed = data.removed_mm3, times = data.time_s, last = times.length - 1;
+  const end = removed.findIndex((v) => v >= removed[last]);
+  const begin = removed.findIndex((v) => v > 0) - 1;
+  if (!(removed[last] > 0) || end <= begin) return null;
+  const air = 0.04 * (times[end] - times[Math.max(0, begin)]);
+  const range = { min: Math.max(times[0], times[Math.max(0, begin)] - air), max: Math.min(times[last], times[end] + air) };
+  return range.max - range.min > 0.85 * (times[last] - times[0]) ? null : range;
+}
+
+function optionsOf(panel, data, pictureTimes, onMove) {
+  const line = { stroke: panel.color, width: 2, points: { show: false } };
+  const series = [{}, data[panel.mean] ? { ...line, stroke: panel.light, width: 1 } : line];
+  if (data[panel.mean]) series.push(line);
+  const axis = { stroke: "#333", font: "12px system-ui, sans-serif", grid: { stroke: "#e3e5e8", width: 1 }, ticks: { stroke: "#b9bec5", size: 5 } };
+  return {
+    width: 300, height: 168, legend: { show: false },
+    padding: [14, 8, 0, 0],
+    scales: { x: { time: false }, y: { range: limits(panel, data) } },
+    series,
+    axes: [
+      { ...axis, size: 44, label: "Time, s", labelSize: 18, labelGap: -6, labelFont: "12px system-ui, sans-serif" },
+      { ...axis, size: 58, space: 26, values: (u, splits) => splits.map((v) => significantText(v, 6)) },
+    ],
+    cursor: {
+      y: false, points: { size: 7, fill: panel.color }, drag: { x: true, y: false },
+      sync: { key: "run" },
+      bind: { mouseleave: () => null },  // keeps the cursor
+    },
+    hooks: {
+      setCursor: [(u) => { if (u.cursor.event && u.cursor.idx != null) onMove(u.cursor.idx); }],
+      draw: [(u) => { drawTicks(u, pictureTimes); }],
+    },
+  };
+}
+
+// Short ticks above the panel mark pictures.
+function drawTicks(u, times) {
+  const { ctx, bbox } = u;
+  ctx.save();
+  ctx.fillStyle = "#8a9099";
+  for (const time of times) {
+    const x = u.valToPos(time, "x", true);
+    if (x >= bbox.left && x <= bbox.left + bbox.width) ctx.fillRect(Math.round(x) - 0.5, bbox.top - 6 * devicePixelRatio, devicePixelRatio, 5 * devicePixelRatio);
+  }
+  ctx.restore();
+}
+
+class Plots {
+  constructor(place, data, pictureTimes, onMove) {
+    this.data = data;
+    this.charts = panels.filter((panel) => data[panel.column]).map((panel) => {
+      const means = data[panel.mean] ? `; dark: mean over ${data.mean_travel_mm} mm of travel` : "";
+      const color = panel.color === "#009e73" ? "#00785a" : panel.color === "#d55e00" ? "#b34f00" : panel.color;
+      const title = part("div", { class: "panel-title", style: `color: ${color}` }, `${panel.label}, ${panel.unit}${means}`);
+      const box = part("div", { class: "panel", role: "img", "aria-label": `${panel.label} in ${panel.unit} against time` }, title);
+      place.append(box);
+      const columns = [data.time_s, data[panel.column], ...(data[panel.mean] ? [data[panel.mean]] : [])];
+      return new uPlot(optionsOf(panel, data, pictureTimes, onMove), columns, box);
+    });
+    this.place = place;
+    new ResizeObserver(() => this.resize()).observe(place);
+    this.resize();
+    this.addRanges();
+  }
+
+  // Contact only, or the whole run.
+  addRanges() {
+    const { time_s: times } = this.data;
+    const contact = contactRange(this.data);
+    const whole = { min: times[0], max: times[times.length - 1] };
+    const inputs = document.querySelectorAll("input[name=range]");
+    find("plot-ranges").hidden = contact === null;
+    const show = (name) => {
+      const range = name === "contact" ? contact : whole;
+      for (const chart of this.charts) chart.setScale("x", range);
+      const ends = [range.min, range.max].map((time) => time.toFixed(2));
+      find("plot-range").textContent = `${ends[0]} to ${ends[1]} s of ${whole.max.toFixed(2)} s`;
+    };
+    inputs.forEach((input) => input.addEventListener("change", () => show(input.value)));
+    this.place.addEventListener("dblclick", () => { inputs[1].checked = true; show("whole"); });
+    if (contact !== null) show("contact");
+  }
+
+  resize() {
+    for (const chart of this.charts) {
+      const width = chart.root.parentElement.clientWidth;
+      if (width < 50) continue;
+      if (chart.width !== width) chart.setSize({ width, height: chart.height });
+    }
+    // uPlot applies the new size asynchronously, and the cursor position depends on it.
+    requestAnimationFrame(() => { if (this.row !== undefined) this.moveTo(this.row); });
+  }
+
+  moveTo(row) {
+    this.row = row;
+    for (const chart of this.charts) {
+      const left = chart.valToPos(this.data.time_s[row], "x");
+      if (Math.abs(chart.cursor.left - left) > 0.5 || chart.cursor.idx !== row) chart.setCursor({ left, top: 10 }, false);
+    }
+  }
+}
 
 const names = { oblique: "Oblique", glenoid: "En face", section: "Section", overview: "Overview" };
 

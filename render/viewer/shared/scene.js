@@ -9,7 +9,6 @@ export {
 } from "three";
 export * from "./decode.js";
 export * from "./elements.js";
-export * from "./marks.js";
 export * from "./materials.js";
 export * from "./numbers.js";
 export * from "./view.js";
