@@ -9,7 +9,7 @@
 #include "render/pictures/figures.h"
 #include "render/plots/plots.h"
 #include "render/render.h"
-#include "render/report/report.h"
+#include "render/viewer/report.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/record/layer_mean.h"

@@ -10,7 +10,7 @@
 
 #include "render/study/effects_plot.h"
 #include "render/study/effects_table.h"
-#include "render/study/study_page.h"
+#include "render/viewer/study_page.h"
 #include "sim/base/file.h"
 #include "sim/record/citation.h"
 #include "sim/study/uq_design.h"

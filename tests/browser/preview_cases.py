@@ -62,7 +62,12 @@ def write_scan(path):
 EDITS = [
     # text, changes, the text afterwards
     ("a:\n  b: 1  # one\n  c: 2\n", [[["a", "b"], "3"]], "a:\n  b: 3  # one\n  c: 2\n"),
-    ("a: {b: 1, c: [1, 2]}  # both\nd: 1\n", [[["a", "c"], "[3, 4]"]], "a:  # both\n  b: 1\n  c: [3, 4]\nd: 1\n"),
+    ("a: {b: 1, c: [1, 2]}  # both\nd: 1\n", [[["a", "c"], "[3, 4]"]], "a: {b: 1, c: [3, 4]}  # both\nd: 1\n"),
+    ("a: {}\n", [[["a", "b"], "1"]], "a: {b: 1}\n"),
+    ("a: {b: 1}\n", [[["a", "c", "d"], ["[1, 2]"]]], "a: {b: 1, c: {d: [[1, 2]]}}\n"),
+    ("a: {b: 1, c: 2}\n", [[["a", "b"], None]], "a: {c: 2}\n"),
+    ("a: {b: 1, c: 2}\n", [[["a", "c"], None]], "a: {b: 1}\n"),
+    ("a:\n  g: {\n    x: 1,  # one\n    y: 2\n  }\nb: 1\n", [[["a", "g", "x"], "5"]], "a:\n  g: {\n    x: 5,  # one\n    y: 2\n  }\nb: 1\n"),
     ("a:\n  b: 1\n\n# of d\nd: 1\n", [[["a", "c", "e"], "5"]], "a:\n  b: 1\n  c:\n    e: 5\n\n# of d\nd: 1\n"),
     ("a:\n  l:\n  - [1, 2]\n  - [3, 4]\n  m: 1\n", [[["a", "l"], ["[5, 6]"]]], "a:\n  l:\n    - [5, 6]\n  m: 1\n"),
     ("a:\n  l:\n    - {b: 1}\n    -  b: 1   # x\n       c: 2\n", [[["a", "l", 1, "b"], "9"]], "a:\n  l:\n    - {b: 1}\n    -  b: 9   # x\n       c: 2\n"),
@@ -74,4 +79,13 @@ EDITS = [
     ("v: 2\n", [[["a", "b"], "1"]], "v: 2\na:\n  b: 1\n"),
     ("a:\nv: 2\n", [[["a", "b"], "1"]], "a:\n  b: 1\nv: 2\n"),
     ("v: 2", [[["a"], "1"]], "v: 2\na: 1"),
+    ("a: null  # none\nb: 1\n", [[["a", "b"], "1"]], "a:  # none\n  b: 1\nb: 1\n"),
+    ("a:\n  # of l\n  l:  # list\n    - b: 1\n      c: 2  # last\n# of d\nd: 1\n", [[["a", "l"], [{"b": "3", "c": "4"}]]],
+     "a:\n  # of l\n  l:  # list\n    - b: 3\n      c: 4\n# of d\nd: 1\n"),
+    ("a:\n  n: |\n    text\n\nd: 1\n", [[["a", "b"], "1"]], "a:\n  n: |\n    text\n  b: 1\n\nd: 1\n"),
+    ("a:\n  l:\n    - [1, 2]\n  m: 1\n", [[["a", "l"], None]], "a:\n  m: 1\n"),
+    ("a:\n  b:    # nothing yet\n  c: 1\n", [[["a", "b"], {"x": "1"}]], "a:\n  b:    # nothing yet\n    x: 1\n  c: 1\n"),
+    ("a:\n  b:\n  # of c\n  c: 1\n", [[["a", "b"], "1"]], "a:\n  b: 1\n  # of c\n  c: 1\n"),
+    ("a:\r\n  b: 1  # x\r\nd: 1\r\n", [[["a", "c"], "2"]], "a:\r\n  b: 1  # x\r\n  c: 2\r\nd: 1\r\n"),
+    ("---\n# c\na: 1\n...\n", [[["b"], "2"]], "---\n# c\na: 1\nb: 2\n...\n"),
 ]

@@ -84,15 +84,19 @@ def check_motion(page):
 
 
 def check_without_scripts(page):
-    """The pictures take the place of 3D view and curves."""
+    """Pictures take the place of 3D view and curves, plain tables that of tables."""
     page.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
     try:
         page.driver.refresh()
         shown = {selector: page.find(selector).rect["height"] > 0
-                 for selector in ("#bone-still img", "#run img.print-only", "#bone-interactive", "#timeline", "#run-interactive")}
+                 for selector in ("#bone-still img", "#run img.print-only", "noscript table", "#bone-interactive", "#timeline", "#run-interactive",
+                                   "#tables", "#verification", "#provenance")}
+        plain = page.find("main").text
     finally:
         page.driver.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": False})
-    assert list(shown.values()) == [True, True, False, False, False], shown
+    assert list(shown.values()) == [True] * 3 + [False] * 6, shown
+    for word in ("Bone removed", "Energy balance", "Voxel", "Force law", "SHA-256"):
+        assert word in plain, f"{word} is missing without scripts"
 
 
 def check_paper(page):

@@ -39,7 +39,7 @@ class Page:
     def data(self):
         """What the page holds for its scripts, without the large parts."""
         return json.loads(self.driver.execute_script("""
-          const {plot, bone, tool, pictures} = JSON.parse(document.getElementById('run-data').textContent);
+          const {plot, bone, tool, pictures} = JSON.parse(document.getElementById('page-data').textContent);
           return JSON.stringify({frame: plot.frame, look: bone.look, triangles: tool.passes[0].mesh.triangles, removed: plot.removed_mm3});"""))
 
     def numbers(self, name):
@@ -251,6 +251,38 @@ def check_pictures(page, width):
     assert page.driver.execute_script("return document.activeElement === chosen"), "the focus is lost"
 
 
+NUMBERS = [(0, "0"), (726.6634, "726.7"), (-0.011907, "−0.01191"), (27319.31, "27\u2009319"), (9999.96, "10\u2009000"),
+           (-8.2e-8, "−8.2 × 10⁻⁸"), (3301, "3301"), (0.25, "0.25"), (5.000000000000005, "5"), (28.99556, "29.00")]
+MEASURED = [
+    (0.273417, "mm", "0.27"), (28.99556, "mm", "29.00"), (0.4, "mm", "0.4"),  # a setting stays as it was set
+    (0.0173, "mm", "0.017"),  # small values keep two digits
+    (0.0007026, "mm³", "< 0.01"), (-0.0005953, "°", "0.00"), (0, "mm²", "0"), (-5.2187, "°", "−5.2"), (726.6634, "mm³", "726.7"),
+    (27319.31, "mm³", "27\u2009319"), (908.31, "N·mm", "908"), (0.42, "N·mm", "0.4"), (84.4655, "%", "84.5"), (0.032914, "", "0.0329"),
+    (-1.9e-8, "", "−1.9 × 10⁻⁸"), (12345, "", "12\u2009345"), (8, "", "8")]
+
+
+def check_tables(page, results):
+    """Figures and tables are those of summary.json, with its numbers rounded by their units."""
+    for value, expected in NUMBERS:
+        assert page.driver.execute_script("return report.numberText(arguments[0])", value) == expected, value
+    for value, unit, expected in MEASURED:
+        assert page.driver.execute_script("return report.measuredText(...arguments)", value, unit) == expected, (value, unit)
+    summary = json.loads((results / "summary.json").read_text())
+    shown = page.driver.execute_script("""
+      const rows = (place) => [...document.querySelectorAll(`${place} tr`)].map((row) => [...row.cells].map((cell) => cell.textContent));
+      const figures = [...document.querySelectorAll('.key-figures div')].map((figure) => [...figure.children].map((e) => e.textContent));
+      return {figures, tables: rows('#tables'), provenance: rows('#provenance')};""")
+    assert ["Bone removed", f"{summary['removed_mm3']:.1f} mm³"] in shown["figures"], shown["figures"]
+    assert ["Frames", str(summary["frames"])] in shown["tables"], shown["tables"]
+    assert ["Perforated", "yes" if summary["metrics"]["perforation"]["perforated"] else "no"] in shown["tables"], shown["tables"]
+    assert ["Device", summary["device"]] in shown["provenance"], shown["provenance"]
+    inputs = [[each["role"], pathlib.Path(each["path"]).name, each["sha256"]] for each in summary["inputs"]]
+    assert all(row in shown["provenance"] for row in inputs), shown["provenance"]
+    text = page.find("main").text
+    assert all(warning in text for warning in summary["warnings"]), summary["warnings"]
+    assert "contains no verification of the build" in text
+
+
 def check_numbers(page):
     """No number of a table has digits that mean nothing."""
     long = [cell.text for cell in page.driver.find_elements(By.CSS_SELECTOR, ".tables td:not(.words), .key-figures dd")
@@ -288,6 +320,7 @@ def check_page(browser, path, size):
         check_tool(page, path.parent)
         check_reaming(page)
         check_views(page)
+        check_tables(page, path.parent)
         check_numbers(page)
         report_access.check_motion(page)
     check_labels(page)

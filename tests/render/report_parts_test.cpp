@@ -10,9 +10,8 @@
 #include <map>
 #include <stdexcept>
 
-#include "render/report/markup.h"
-#include "render/report/mesh_data.h"
-#include "render/report/page_data.h"
+#include "render/viewer/page.h"
+#include "render/viewer/report_data.h"
 #include "sim/base/error.h"
 
 namespace reamsim {
@@ -50,50 +49,27 @@ TEST(Markup, WhatIsPutInIsNotLookedAtAgain) {
   EXPECT_THROW(fill_template("{{c}}", {{"a", ""}}), std::logic_error);
 }
 
-TEST(SummaryText, WritesNumbersForPeople) {
-  EXPECT_EQ(number_text(0), "0");
-  EXPECT_EQ(number_text(726.6634), "726.7");
-  EXPECT_EQ(number_text(-0.011907), "−0.01191");
-  EXPECT_EQ(number_text(27319.31), "27\u2009319");
-  EXPECT_EQ(number_text(9999.96), "10\u2009000");
-  EXPECT_EQ(number_text(-8.2e-8), "−8.2 × 10⁻⁸");
-  EXPECT_EQ(number_text(3301, 15), "3301");
-  EXPECT_EQ(number_text(0.25), "0.25");
-  EXPECT_EQ(number_text(5.000000000000005), "5");
-  EXPECT_EQ(number_text(28.99556), "29.00");
+/// A summary with what every run has, and `metrics`.
+nlohmann::ordered_json tables_of(const nlohmann::ordered_json& metrics) {
+  nlohmann::ordered_json summary{
+      {"program", "p"}, {"device", "d"}, {"engine", "e"}, {"erosion", "exact"}, {"law", "l"}};
+  summary["warnings"] = summary["inputs"] = nlohmann::ordered_json::array();
+  summary["metrics"] = metrics;
+  return summary_data(summary, nullptr, "summary.json", "verification.json");
 }
 
-TEST(SummaryText, RoundsByUnit) {
-  EXPECT_EQ(measured_text(0.273417, "mm"), "0.27");
-  EXPECT_EQ(measured_text(28.99556, "mm"), "29.00");
-  EXPECT_EQ(measured_text(0.4, "mm"), "0.4") << "a setting stays as it was set";
-  EXPECT_EQ(measured_text(0.0173, "mm"), "0.017") << "small values keep two digits";
-  EXPECT_EQ(measured_text(0.0007026, "mm³"), "< 0.01");
-  EXPECT_EQ(measured_text(-0.0005953, "°"), "0.00");
-  EXPECT_EQ(measured_text(0, "mm²"), "0");
-  EXPECT_EQ(measured_text(-5.2187, "°"), "−5.2");
-  EXPECT_EQ(measured_text(726.6634, "mm³"), "726.7");
-  EXPECT_EQ(measured_text(27319.31, "mm³"), "27\u2009319");
-  EXPECT_EQ(measured_text(908.31, "N·mm"), "908");
-  EXPECT_EQ(measured_text(0.42, "N·mm"), "0.4");
-  EXPECT_EQ(measured_text(84.4655, "%"), "84.5");
-  EXPECT_EQ(measured_text(0.032914, ""), "0.0329");
-  EXPECT_EQ(measured_text(-1.9e-8, ""), "−1.9 × 10⁻⁸");
-}
-
-TEST(SummaryText, AConventionNeedsItsAngle) {
-  nlohmann::ordered_json summary{{"metrics",
-                                  {{"orientation",
-                                    {{"inclination_convention", "superior tilt positive"},
-                                     {"native_shape", "sphere"},
-                                     {"native_reason", "no rim"}}}}}};
-  const std::string without = summary_tables_html(summary, "summary.json");
-  EXPECT_THAT(without, HasSubstr("Native orientation unknown</th><td>no rim"));
+TEST(SummaryData, AConventionNeedsItsAngle) {
+  nlohmann::ordered_json metrics{{"orientation",
+                                  {{"inclination_convention", "superior tilt positive"},
+                                   {"native_shape", "sphere"},
+                                   {"native_reason", "no rim"}}}};
+  const std::string without = tables_of(metrics)["measurements"].dump();
+  EXPECT_THAT(without, HasSubstr(R"(["Native orientation unknown","no rim",""])"));
   EXPECT_THAT(without, Not(HasSubstr("superior tilt positive")));
-  summary["metrics"]["orientation"]["reamer"]["inclination_deg"] = 0.0007;
-  const std::string with = summary_tables_html(summary, "summary.json");
+  metrics["orientation"]["reamer"]["inclination_deg"] = 0.0007;
+  const std::string with = tables_of(metrics)["measurements"].dump();
   EXPECT_THAT(with, HasSubstr("superior tilt positive"));
-  EXPECT_THAT(with, HasSubstr("<td>&lt; 0.01 <span class=\"unit\">°"));
+  EXPECT_THAT(with, HasSubstr(R"(["Inclination of the reamer",0.0007,"°"])"));
 }
 
 TEST(PictureData, ChoosesEvenlyWithBothEnds) {
@@ -147,24 +123,24 @@ TEST(PlotData, APushHasFeedAndPowerWithTheirExtremes) {
   EXPECT_FALSE(plot_data(log, 0).contains("feed_mm_s"));
 }
 
-TEST(PlanningHtml, IsThereWithAnImplantOnly) {
+TEST(SummaryData, PlanningIsThereWithAnImplantOnly) {
   using nlohmann::ordered_json;
-  EXPECT_EQ(planning_html(ordered_json{{"metrics", {{"seating", nullptr}, {"planning", nullptr}}}}, "s.json"), "");
-  const auto summary = ordered_json::parse(R"({"metrics": {
+  EXPECT_TRUE(tables_of({{"seating", nullptr}, {"planning", nullptr}})["planning"].empty());
+  const ordered_json planning = tables_of(ordered_json::parse(R"({
       "seating": {"seated_percent": 91.27, "overhang_mm2": 0},
       "planning": {"native": {"version_deg": 15.0002, "inclination_deg": 8.0}, "planned": null, "planned_reason": "a <b>",
                    "vault": {"left_mm3": 9876.5}, "pegs": [
                      {"length_mm": 12, "in_bone_mm": 12, "perforated_mm": 0, "least_wall_mm": 2.13},
-                     {"length_mm": 0, "in_bone_mm": 0, "perforated_mm": 0, "least_wall_mm": null}]}}})");
-  const std::string html = planning_html(summary, "s.json");
-  EXPECT_THAT(html, HasSubstr("Backside seated</th><td>91.3"));
-  EXPECT_THAT(html, HasSubstr("Version, native face</th><td>15"));
-  EXPECT_THAT(html, HasSubstr("No planned orientation</th><td>a &lt;b&gt;"));
-  EXPECT_THAT(html, HasSubstr("<tr><th scope=\"row\">1</th><td>12.0</td><td>12.0</td><td>0.0</td><td>2.1</td></tr>"));
-  EXPECT_THAT(html, HasSubstr("<tr><th scope=\"row\">2</th><td>0.0</td><td>0.0</td><td>0.0</td><td>–</td></tr>"));
-  EXPECT_THAT(html, Not(HasSubstr("Version, implant")));
-  EXPECT_THROW(planning_html(ordered_json::parse(R"({"metrics": {"planning": {"pegs": [{"length_mm": "x"}]}}})"), "s"),
-               InputError);
+                     {"length_mm": 0, "in_bone_mm": 0, "perforated_mm": 0, "least_wall_mm": null}]}})"))["planning"];
+  EXPECT_EQ(planning, ordered_json::parse(R"([
+      {"title": "Implant and joint line", "rows": [["Version, native face", 15.0002, "°"],
+                                                   ["Inclination, native face", 8.0, "°"],
+                                                   ["No planned orientation", "a <b>", ""]]},
+      {"title": "Support of the implant", "rows": [["Backside seated", 91.27, "%"], ["Overhang", 0, "mm²"]]},
+      {"title": "Vault", "rows": [["Vault bone under the implant", 9876.5, "mm³"]]},
+      {"title": "Pegs", "columns": ["Peg", "Length, mm", "In bone, mm", "Perforated, mm", "Least wall, mm"],
+       "decimals": [0, 1, 1, 1, 1], "rows": [[1, 12, 12, 0, 2.13], [2, 0, 0, 0, null]]}])"));
+  EXPECT_THROW(tables_of(ordered_json::parse(R"({"planning": {"pegs": [{"length_mm": "x"}]}})")), InputError);
 }
 
 TEST(DensityVolume, AveragesBoneAndCarriesItIntoTheAir) {

@@ -49,7 +49,7 @@ def check_licences_of_pictures(root):
     assert licence["./docs/images/gallery/default_steel.jpg"] == ["Apache-2.0"]
     assert licence["./tests/browser/axe.min.js"] == ["MPL-2.0"]
     assert licence["./tests/repository/cff-1.2.0.schema.json"] == ["CC-BY-4.0"]
-    assert sorted(licence["./render/report/dist/report.js"]) == ["Apache-2.0", "MIT"]
+    assert sorted(licence["./render/viewer/dist/preview.html"]) == ["Apache-2.0", "ISC", "MIT"]
 
 
 def check_packages(root):

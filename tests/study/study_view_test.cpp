@@ -12,7 +12,7 @@
 
 #include "render/study/effects_plot.h"
 #include "render/study/effects_table.h"
-#include "render/study/study_page.h"
+#include "render/viewer/study_page.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "tests/study/run_table_maker.h"
@@ -52,7 +52,7 @@ RunTable grid(int samples, const std::string& tool = "tools/reamer_") {
 
 /// The data in a page.
 nlohmann::json data_of(const std::string& page) {
-  const std::string mark = "id=\"study-data\">";
+  const std::string mark = "id=\"page-data\">";
   const std::size_t from = page.find(mark) + mark.size();
   return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
 }

@@ -1,0 +1,165 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "render/viewer/report_data.h"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sim/bone/voxmap/density.h"
+
+namespace reamsim {
+namespace {
+
+constexpr std::size_t kVertexBytes = BoneSurface::kStride * sizeof(float);  // of a vertex
+
+std::size_t vertex_count(const BoneSurface& surface) {
+  return surface.vertices.size() / BoneSurface::kStride;
+}
+
+/// Appends the triangles of `indices` to `out`, simplified to at most `most`.
+void simplify(const BoneSurface& surface, const std::vector<std::uint32_t>& indices, std::size_t most,
+              std::vector<std::uint32_t>& out) {
+  if (indices.size() <= 3 * most) {
+    out.insert(out.end(), indices.begin(), indices.end());
+    return;
+  }
+  constexpr float kAnyError = 1;  // only the number of triangles limits
+  std::vector<std::uint32_t> kept(indices.size());
+  kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), surface.vertices.data(),
+                               vertex_count(surface), kVertexBytes, 3 * most, kAnyError, meshopt_SimplifyLockBorder,
+                               nullptr));
+  out.insert(out.end(), kept.begin(), kept.end());
+}
+
+/// 0…255 for 0…1.
+std::uint8_t byte_of(float fraction) {
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(fraction, 0.0F, 1.0F)));
+}
+
+/// Maps 0, −1, 1, −2 … to 0, 1, 2, 3 …
+std::uint16_t zigzag(std::uint16_t difference) {
+  return static_cast<std::uint16_t>((difference << 1) ^ (difference & 0x8000 ? 0xFFFF : 0));
+}
+
+/// One float of each vertex.
+std::vector<double> components(const BoneSurface& surface, std::size_t component) {
+  std::vector<double> out;
+  out.reserve(vertex_count(surface));
+  for (std::size_t i = component; i < surface.vertices.size(); i += BoneSurface::kStride) {
+    out.push_back(surface.vertices[i]);
+  }
+  return out;
+}
+
+/// Normal and attributes of a vertex except depth, quantized.
+std::array<std::uint8_t, 6> attribute_bytes(const float* vertex) {
+  std::array<std::uint8_t, 6> out{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out[axis] =
+        static_cast<std::uint8_t>(std::lround(127 * std::clamp(vertex[BoneSurface::kNormal + axis], -1.0F, 1.0F)));
+  }
+  out[3] = byte_of(vertex[BoneSurface::kReamed]);
+  out[4] = byte_of(vertex[BoneSurface::kDensity] / static_cast<float>(DensityMapping::kMaxDensity_g_cm3));
+  out[5] = byte_of(vertex[BoneSurface::kAccessibility]);
+  return out;
+}
+
+void append_attributes(const BoneSurface& surface, std::vector<std::uint8_t>& out) {
+  const std::size_t count = vertex_count(surface);
+  const std::size_t from = out.size();
+  std::array<std::uint8_t, 6> before{};
+  out.resize(from + before.size() * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto now = attribute_bytes(surface.vertices.data() + i * BoneSurface::kStride);
+    for (std::size_t part = 0; part < now.size(); ++part) {
+      out[from + part * count + i] = static_cast<std::uint8_t>(now[part] - before[part]);
+    }
+    before = now;
+  }
+}
+
+void append_indices(const std::vector<std::uint32_t>& indices, std::vector<std::uint8_t>& out) {
+  std::uint32_t next = 0;
+  for (const std::uint32_t index : indices) {
+    std::uint32_t below = next - index;
+    if (below == 0) ++next;
+    for (; below > 127; below >>= 7) out.push_back(static_cast<std::uint8_t>(128 | (below & 127)));
+    out.push_back(static_cast<std::uint8_t>(below));
+  }
+}
+
+}  // namespace
+
+BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget) {
+  std::vector<std::uint32_t> unreamed, reamed;
+  for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
+    bool touches_reamed = false;
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      touches_reamed = touches_reamed ||
+                       surface.vertices[surface.indices[i + corner] * BoneSurface::kStride + BoneSurface::kReamed] > 0;
+    }
+    auto& part = touches_reamed ? reamed : unreamed;
+    part.insert(part.end(), surface.indices.begin() + static_cast<std::ptrdiff_t>(i),
+                surface.indices.begin() + static_cast<std::ptrdiff_t>(i + 3));
+  }
+  BoneSurface out;
+  out.deepest_mm = surface.deepest_mm;
+  simplify(surface, unreamed, budget.unreamed_triangles, out.indices);
+  simplify(surface, reamed, budget.reamed_triangles, out.indices);
+  if (out.indices.empty()) return out;
+  meshopt_optimizeVertexCache(out.indices.data(), out.indices.data(), out.indices.size(), vertex_count(surface));
+  out.vertices.resize(surface.vertices.size());
+  const std::size_t used = meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(),
+                                                       surface.vertices.data(), vertex_count(surface), kVertexBytes);
+  out.vertices.resize(used * BoneSurface::kStride);
+  return out;
+}
+
+bool counts_as_reamed(const float* vertex) {
+  return byte_of(vertex[BoneSurface::kReamed]) > 0;
+}
+
+void append_numbers16(std::span<const double> values, double low, double size, std::vector<std::uint8_t>& out) {
+  std::vector<std::uint8_t> high;
+  std::uint16_t before = 0;
+  for (const double value : values) {
+    const double fraction = (value - low) / std::max(size, 1e-6);
+    const auto now = static_cast<std::uint16_t>(std::lround(65535 * std::clamp(fraction, 0.0, 1.0)));
+    const std::uint16_t code = zigzag(static_cast<std::uint16_t>(now - before));
+    before = now;
+    out.push_back(static_cast<std::uint8_t>(code & 255));
+    high.push_back(static_cast<std::uint8_t>(code >> 8));
+  }
+  out.insert(out.end(), high.begin(), high.end());
+}
+
+std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
+  std::vector<std::uint8_t> out;
+  for (int axis = 0; axis < 3; ++axis) {
+    append_numbers16(components(surface, static_cast<std::size_t>(axis)), box.min()[axis], box.sizes()[axis], out);
+  }
+  append_numbers16(components(surface, BoneSurface::kDepth), 0, depth_max_mm, out);
+  append_attributes(surface, out);
+  append_indices(surface.indices, out);
+  return out;
+}
+
+nlohmann::ordered_json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
+  return {{"vertices", vertex_count(surface)},
+          {"triangles", surface.indices.size() / 3},
+          {"bytes", compressed_base64(mesh_bytes(surface, box, depth_max_mm))}};
+}
+
+Eigen::AlignedBox3f bounds_of(const BoneSurface& surface) {
+  Eigen::AlignedBox3f box;
+  for (std::size_t i = 0; i < surface.vertices.size(); i += BoneSurface::kStride) {
+    box.extend(Eigen::Map<const Eigen::Vector3f>(surface.vertices.data() + i));
+  }
+  return box;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace reamsim {
+
+/// Text escaped for HTML, between tags and in quoted attributes.
+std::string escape_html(std::string_view text);
+
+/// Bytes in base 64 (RFC 4648, padded).
+std::string base64(std::span<const std::uint8_t> bytes);
+
+/// Bytes compressed by zlib (RFC 1950), in base 64.
+std::string compressed_base64(std::span<const std::uint8_t> bytes);
+
+/// JSON escaped for an element `script`: it cannot end the element or open a comment. Invalid UTF-8 is replaced.
+std::string json_for_script(const nlohmann::ordered_json& json);
+
+/// A value rounded to six significant digits, for short JSON.
+double short_number(double value);
+
+using PageTexts = std::map<std::string, std::string>;
+
+/// The pages of dist/, which build.mjs makes.
+namespace embedded {
+extern const char* const report_page;
+extern const char* const preview_page;
+extern const char* const study_page;
+}  // namespace embedded
+
+/// One of these pages as one HTML file that loads nothing: with its title, the name of the program, the data of its
+/// scripts, and the `texts` (HTML) that it has other names for.
+std::string self_contained_page(const char* page, const std::string& title, const std::string& program,
+                                const nlohmann::ordered_json& data, PageTexts texts = {});
+
+/// `page` with each {{name}} replaced, not recursively. Throws std::logic_error when a name has no text, because the
+/// page is part of the program.
+std::string fill_template(std::string_view page, const PageTexts& texts);
+
+}  // namespace reamsim

@@ -1,0 +1,281 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "render/viewer/preview.h"
+
+#include <fmt/core.h>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/viewer/page.h"
+#include "render/viewer/preview_volume.h"
+#include "render/viewer/report_data.h"
+#include "sim/anatomy/find_glenoid.h"
+#include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/bone/bone.h"
+#include "sim/bone/glenoid_frame.h"
+#include "sim/bone/voxmap/lattice.h"
+#include "sim/scenario/passes.h"
+#include "sim/scenario/paths.h"
+#include "sim/scene/load_bone.h"
+#include "sim/tool/motion.h"
+#include "sim/tool/tool.h"
+
+namespace reamsim {
+
+namespace {
+
+/// The bone of a preview.
+struct PreviewBone {
+  SegmentedScan scan;                   ///< of a CT
+  std::optional<Bone> bone;             ///< of another source
+  std::optional<GlenoidFrame> glenoid;  ///< of the scenario, the phantom or the VDB
+  std::optional<LandmarkSettings> landmarks;
+  std::vector<Vec3> rim_mm;
+  BodySide side = BodySide::unknown;
+  std::string frame = "LPS";      ///< of B
+  std::vector<Mistake> mistakes;  ///< those that stop a run
+};
+
+/// The data of the page's script, with a volume of at most `most_voxels` voxels, and the warnings of `report`, which
+/// gets those of tool and motion.
+nlohmann::ordered_json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::int64_t most_voxels,
+                                    Diagnostics& report);
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMaxPoses = 240;
+
+Json optional_json(const std::optional<Vec3>& v) {
+  return v ? point_json(*v) : Json();
+}
+
+Json points_json(const std::vector<Vec3>& points) {
+  Json json = Json::array();
+  for (const Vec3& p : points) json.push_back(point_json(p));
+  return json;
+}
+
+/// Calls `work` and adds the mistakes of an InputError to `mistakes`.
+template <class Work>
+void attempt(std::vector<Mistake>& mistakes, const Work& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    mistakes.insert(mistakes.end(), error.mistakes().begin(), error.mistakes().end());
+  }
+}
+
+Json spheres_json(std::span<const CutSphereSettings> spheres) {
+  Json out = Json::array();
+  for (const CutSphereSettings& sphere : spheres) {
+    out.push_back({{"center_mm", point_json(sphere.center_mm)}, {"radius_mm", sphere.radius_mm}});
+  }
+  return out;
+}
+
+std::string filter_text(const CtSettings& settings) {
+  const std::string name = name_of(settings.filter);
+  if (settings.filter == CtFilter::median)
+    return fmt::format("{}, radius {} voxels", name, settings.median_radius_voxels);
+  if (settings.filter == CtFilter::none) return name;
+  return fmt::format("{}, {} iterations, conductance {:g}", name, settings.anisotropic_iterations,
+                     settings.anisotropic_conductance);
+}
+
+/// `used`: with the cut and the seed of `separate`, which the page uses and does not write.
+Json ct_json(const CtSettings& settings, const CtSettings& used) {
+  Json planes = Json::array();
+  for (const CutPlaneSettings& plane : settings.cut_planes) {
+    planes.push_back({{"point_mm", point_json(plane.point_mm)}, {"normal", point_json(plane.normal)}});
+  }
+  return {{"threshold_hu", settings.threshold_hu},
+          {"closing_mm", settings.closing_mm},
+          {"fill_holes", settings.fill_holes},
+          {"label_map", settings.label_map.has_value()},
+          {"seed_mm", optional_json(settings.seed_mm)},
+          {"cut_spheres", spheres_json(settings.cut_spheres)},
+          {"separated", spheres_json(std::span(used.cut_spheres).subspan(settings.cut_spheres.size()))},
+          {"separated_seed_mm", optional_json(used.seed_mm)},
+          {"cut_planes", planes},
+          {"crop_min_mm", optional_json(settings.crop_min_mm)},
+          {"crop_max_mm", optional_json(settings.crop_max_mm)},
+          {"filter", filter_text(settings)}};
+}
+
+/// `given`: by a point near the face, the landmarks or the face of the scenario; else the bone has it, or nothing.
+Json glenoid_json(const PreviewBone& bone, const GlenoidSettings& given) {
+  Json json{{"given", given.near_mm     ? "near"
+                      : given.landmarks ? "landmarks"
+                      : given.center_mm ? "face"
+                                        : "none"},
+            {"center_mm", Json()},
+            {"normal", Json()},
+            {"superior", Json()},
+            {"landmarks", Json()},
+            {"rim_mm", points_json(bone.rim_mm)},
+            {"rim_given", !given.rim_mm.empty()}};
+  if (bone.glenoid) {
+    const Rigid& frame = bone.glenoid->bone_from_glenoid;
+    json["center_mm"] = point_json(frame.translation());
+    json["normal"] = point_json(frame.linear().col(2));
+    json["superior"] = point_json(frame.linear().col(1));
+  }
+  // As they are written, so that a direction that does not change keeps its digits.
+  if (given.center_mm) json["center_mm"] = point_json(*given.center_mm);
+  if (given.normal) json["normal"] = point_json(given.normal->normalized());
+  if (given.superior) json["superior"] = point_json(given.superior->normalized());
+  if (bone.landmarks) {
+    json["landmarks"] = {{"glenoid_center_mm", point_json(bone.landmarks->glenoid_center_mm)},
+                         {"trigonum_spinae_mm", point_json(bone.landmarks->trigonum_spinae_mm)},
+                         {"inferior_angle_mm", point_json(bone.landmarks->inferior_angle_mm)}};
+  }
+  return json;
+}
+
+/// The envelope of revolution of the tool; null where it cannot be read.
+Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistake>& mistakes, Diagnostics& report) {
+  Json json;
+  attempt(mistakes, [&] {
+    const Tool tool = load_tool(settings, voxel_mm, ShellUse::none, report);
+    Json profile = Json::array();
+    for (const Vec2& p : tool.profile.points) profile.push_back({short_number(p.x()), short_number(p.y())});
+    json = {{"profile", profile}};
+  });
+  return json;
+}
+
+/// The path of the tool in its own frame: `frame`, and for evenly spaced frames `time_s` and `poses` as x, y, z (mm)
+/// and qw, qx, qy, qz. Without poses where it cannot be read. `contact`: of a plunge whose depth counts
+/// from the first contact, which the page finds, its direction and approach; else null.
+Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes, Diagnostics& report) {
+  Json json{
+      {"frame", name_of(settings.frame)}, {"time_s", Json::array()}, {"poses", Json::array()}, {"contact", Json()}};
+  const auto& plunge = settings.plunge;
+  if (plunge && plunge->from == PlungeStart::contact) {
+    json["contact"] = {{"along", point_json(plunge->axis.normalized())}, {"approach_mm", plunge->approach_mm}};
+  }
+  const auto& push = settings.push;
+  if (push && push->from == PlungeStart::contact) {
+    json["contact"] = {{"along", point_json(push->axis.normalized())}, {"approach_mm", push->approach_mm}};
+  }
+  attempt(mistakes, [&] {
+    const Motion motion = build_motion(settings, GlenoidFrame{}, report);
+    for (const std::size_t k : evenly_spaced(motion.poses.size(), kMaxPoses)) {
+      const ToolPose pose = motion.poses[k];
+      const Vec3& p = pose.position_mm;
+      const Quat& q = pose.orientation;
+      json["time_s"].push_back(short_number(static_cast<double>(k) * motion.frame_s()));
+      json["poses"].push_back({short_number(p.x()), short_number(p.y()), short_number(p.z()), short_number(q.w()),
+                               short_number(q.x()), short_number(q.y()), short_number(q.z())});
+    }
+  });
+  return json;
+}
+
+/// The frame of the scenario; a face round `near_mm` is found on the voxels as a run finds it.
+std::optional<GlenoidFrame> glenoid_of_scan(const BoneSettings& settings, const std::optional<FilledVoxmap>& voxels,
+                                            Diagnostics& report) {
+  if (!settings.glenoid.near_mm) return glenoid_frame(settings.glenoid, settings.side);
+  if (!voxels) return std::nullopt;  // the segmentation failed, which is said
+  if (settings.side == BodySide::unknown) return std::nullopt;
+  const FoundGlenoid found = find_glenoid(fit_to_bone(*voxels, kMarginVoxels), settings.glenoid, settings.side);
+  report.note(sentence_of(found));
+  for (const std::string& doubt : doubts_of(found)) report.warn(doubt);
+  return found.frame;
+}
+
+/// Reads the bone. Mistakes that its preview can mend are collected. Throws InputError when it cannot be read.
+PreviewBone load_preview_bone(const Scenario& scenario, Diagnostics& report) {
+  const BoneSettings& settings = scenario.bone;
+  PreviewBone out;
+  out.side = settings.side;
+  if (settings.source == BoneSource::ct) {
+    std::optional<FilledVoxmap> voxels;
+    const BoneSettings with_surface = with_surface_voxels(settings, scenario.cutting);
+    out.scan = segmented_scan(with_surface, report, settings.glenoid.near_mm ? &voxels : nullptr);
+    out.mistakes = out.scan.mistakes;
+    out.landmarks = settings.glenoid.landmarks;
+    out.rim_mm = settings.glenoid.rim_mm;
+    attempt(out.mistakes, [&] { out.glenoid = glenoid_of_scan(settings, voxels, report); });
+    return out;
+  }
+  // A rim that lies beside the bone is what the preview is for: it must not stop it.
+  BoneSettings without_rim = with_surface_voxels(settings, scenario.cutting);
+  without_rim.glenoid.rim_mm.clear();
+  out.bone = load_bone(without_rim, report);
+  out.glenoid = out.bone->glenoid;
+  out.landmarks = out.bone->landmarks;
+  out.rim_mm = settings.glenoid.rim_mm.empty() ? out.bone->rim_mm : settings.glenoid.rim_mm;
+  out.side = out.bone->side;
+  out.frame = out.bone->voxmap->frame;
+  return out;
+}
+
+Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::int64_t most_voxels,
+                  Diagnostics& report) {
+  const Scenario& scenario = request.scenario;
+  const BoneSettings& settings = scenario.bone;
+  std::vector<Mistake> mistakes = bone.mistakes;
+  Json json;
+  json["scenario"] = request.text;
+  json["file_name"] = request.file_name;
+  json["source"] = name_of(settings.source);
+  json["anatomical"] = bone.frame == "LPS" || (bone.frame == "phantom" && bone.side != BodySide::unknown);
+  json["side"] = bone.side == BodySide::unknown ? Json() : Json(name_of(bone.side));
+  json["ct"] = settings.source == BoneSource::ct ? ct_json(settings.ct, bone.scan.settings) : Json();
+  json["glenoid"] = glenoid_json(bone, settings.glenoid);
+  const PassSpec last = passes_of(scenario).back();
+  json["tool"] = tool_json(last.tool, settings.voxel_mm, mistakes, report);
+  json["motion"] = motion_json(last.motion, mistakes, report);
+  json["volume"] =
+      volume_json(bone.bone ? preview_of_voxmap(*bone.bone, most_voxels) : preview_of_scan(bone.scan, most_voxels));
+  json["problems"] = Json::array();
+  for (const Mistake& mistake : mistakes) {
+    // The file's name suffices, and says nothing about the machine.
+    Mistake shown = mistake;
+    shown.where = {std::filesystem::path(mistake.where.file).filename().string(), 0, 0};
+    json["problems"].push_back(recorded_text(shown.line()));
+  }
+  json["warnings"] = Json::array();
+  for (const std::string& warning : report.warnings) json["warnings"].push_back(recorded_text(warning));
+  return json;
+}
+
+}  // namespace
+
+namespace {
+
+constexpr std::size_t kMaxBytes = 14'500'000;
+/// A CT cropped to a shoulder. The page opens within three seconds on two cores (docs/preview.md).
+constexpr std::int64_t kMaxVoxels = 8'000'000;
+constexpr const char* kMark = "<meta name=\"generator\" content=\"reamsim preview";
+
+}  // namespace
+
+std::string preview_page(const PreviewRequest& request, Diagnostics& report) {
+  const PreviewBone bone = load_preview_bone(request.scenario, report);
+  // Noise does not compress, so the number of voxels alone does not bound the size.
+  for (std::int64_t most_voxels = kMaxVoxels;; most_voxels /= 2) {
+    Diagnostics found = report;
+    const std::string page =
+        self_contained_page(embedded::preview_page, request.source, "reamsim preview " REAMSIM_VERSION,
+                            preview_data(request, bone, most_voxels, found));
+    if (page.size() > kMaxBytes && most_voxels > 1) continue;
+    report = std::move(found);
+    return page;
+  }
+}
+
+bool is_preview_page(const std::string& path) {
+  return read_file_start(path, 2048).find(kMark) != std::string::npos;
+}
+
+}  // namespace reamsim

@@ -1,0 +1,213 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Points, voxels on a lattice along the axes of the bone frame, and the surface of a field.
+import { unpacked } from "../shared/scene.js";
+
+// Points and directions as [x, y, z].
+export const add = (a, b, scale = 1) => [a[0] + scale * b[0], a[1] + scale * b[1], a[2] + scale * b[2]];
+export const minus = (a, b) => add(a, b, -1);
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const length = (a) => Math.sqrt(dot(a, a));
+export const scaled = (a, factor) => [factor * a[0], factor * a[1], factor * a[2]];
+export const unit = (a) => scaled(a, 1 / (length(a) || 1));
+export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+export const distance = (a, b) => length(minus(a, b));
+export const same = (a, b) => a === b || JSON.stringify(a) === JSON.stringify(b);
+export const rounded = (a, digits) => a.map((v) => Number(v.toFixed(digits)) + 0);
+
+// Undoes the differences of render/viewer/preview_volume.cpp.
+function summed(base64) {
+  const bytes = unpacked(base64);
+  let value = 0;
+  for (let i = 0; i < bytes.length; ++i) {
+    value = (value + bytes[i]) & 255;
+    bytes[i] = value;
+  }
+  return bytes;
+}
+
+// `origin` is the centre of the first voxel; x varies fastest.
+export class Lattice {
+  constructor(dims, origin, spacing) {
+    Object.assign(this, { dims, origin, spacing });
+    this.steps = [1, dims[0], dims[0] * dims[1]];
+    this.size = dims[0] * dims[1] * dims[2];
+  }
+
+  index(point, axis) { return (point[axis] - this.origin[axis]) / this.spacing[axis]; }
+  nearest(point, axis) { return Math.min(this.dims[axis] - 1, Math.max(0, Math.round(this.index(point, axis)))); }
+  mm(index, axis) { return this.origin[axis] + index * this.spacing[axis]; }
+  low(axis) { return this.mm(-0.5, axis); }
+  high(axis) { return this.mm(this.dims[axis] - 0.5, axis); }
+  center() { return [0, 1, 2].map((axis) => 0.5 * (this.low(axis) + this.high(axis))); }
+  clamped(point) { return point.map((p, axis) => Math.min(this.high(axis), Math.max(this.low(axis), p))); }
+  contains(point) { return point.every((p, axis) => p >= this.low(axis) && p <= this.high(axis)); }
+  at(i, j, k) { return i + this.steps[1] * j + this.steps[2] * k; }
+}
+
+// A byte field on a lattice, `outside` beyond it, interpolated linearly.
+export class Field {
+  constructor(lattice, bytes, outside = 0) { Object.assign(this, { lattice, bytes, outside }); }
+
+  at(point) {
+    const { dims, steps } = this.lattice;
+    const base = [0, 0, 0], part = [0, 0, 0];
+    for (let axis = 0; axis < 3; ++axis) {
+      const place = this.lattice.index(point, axis);
+      if (!(place > -1 && place < dims[axis])) return this.outside;
+      base[axis] = Math.floor(place);
+      part[axis] = place - base[axis];
+    }
+    let sum = 0;
+    for (let corner = 0; corner < 8; ++corner) {
+      let weight = 1, index = 0, inside = true;
+      for (let axis = 0; axis < 3; ++axis) {
+        const up = (corner >> axis) & 1, place = base[axis] + up;
+        weight *= up ? part[axis] : 1 - part[axis];
+        inside &&= place >= 0 && place < dims[axis];
+        index += place * steps[axis];
+      }
+      if (weight > 0) sum += weight * (inside ? this.bytes[index] : this.outside);
+    }
+    return sum;
+  }
+}
+
+// The volume of the page: `values` as bytes, and `bone` (128 at the surface, more inside) or null.
+export function volumeOf(data) {
+  const lattice = new Lattice(data.dims, data.origin_mm, data.spacing_mm);
+  return { lattice, values: summed(data.values), bone: data.bone === null ? null : summed(data.bone), low: data.low, step: data.step, unit: data.unit };
+}
+
+// Means over boxes, so that at most `most` voxels remain; the axis with the finest spacing goes first.
+export function reduced(lattice, bytes, most) {
+  const by = [1, 1, 1];
+  const dims = () => lattice.dims.map((n, axis) => Math.ceil(n / by[axis]));
+  while (dims().reduce((a, b) => a * b) > most) {
+    const spacing = lattice.spacing.map((mm, axis) => mm * by[axis]);
+    ++by[spacing.indexOf(Math.min(...spacing))];
+  }
+  if (by.every((n) => n === 1)) return { lattice, bytes };
+  const spacing = lattice.spacing.map((mm, axis) => mm * by[axis]);
+  const origin = lattice.origin.map((mm, axis) => mm + 0.5 * (spacing[axis] - lattice.spacing[axis]));
+  const coarse = new Lattice(dims(), origin, spacing);
+  const sums = new Uint32Array(coarse.size), counts = new Uint16Array(coarse.size);
+  for (let k = 0, at = 0; k < lattice.dims[2]; ++k) {
+    for (let j = 0; j < lattice.dims[1]; ++j) {
+      const row = coarse.at(0, Math.floor(j / by[1]), Math.floor(k / by[2]));
+      for (let i = 0; i < lattice.dims[0]; ++i, ++at) {
+        const box = row + Math.floor(i / by[0]);
+        sums[box] += bytes[at];
+        ++counts[box];
+      }
+    }
+  }
+  return { lattice: coarse, bytes: Uint8Array.from(sums, (sum, i) => Math.round(sum / counts[i])) };
+}
+
+// The isosurface of a byte field at 128, by surface nets (Gibson 1998, doi:10.1007/BFb0056277): one vertex per cell that
+// the surface crosses, at the mean of the crossings of its edges.
+const kLevel = 127.5;
+const kEdges = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
+
+// Grows to hold any number of values.
+class Values {
+  constructor(Type) { this.Type = Type; this.data = new Type(1 << 16); this.count = 0; }
+  push(a, b, c) {
+    if (this.count + 3 > this.data.length) {
+      const larger = new this.Type(2 * this.data.length);
+      larger.set(this.data);
+      this.data = larger;
+    }
+    this.data[this.count++] = a;
+    this.data[this.count++] = b;
+    this.data[this.count++] = c;
+  }
+  all() { return this.data.slice(0, this.count); }
+}
+
+// With a layer of air on every side, which closes the surface where the lattice ends.
+function padded({ lattice, bytes }) {
+  const [nx, ny, nz] = lattice.dims;
+  const dims = [nx + 2, ny + 2, nz + 2];
+  const out = new Uint8Array(dims[0] * dims[1] * dims[2]);
+  for (let k = 0; k < nz; ++k) {
+    for (let j = 0; j < ny; ++j) {
+      const from = lattice.at(0, j, k);
+      out.set(bytes.subarray(from, from + nx), 1 + dims[0] * (j + 1 + dims[1] * (k + 1)));
+    }
+  }
+  return { dims, out };
+}
+
+// Adds the normals of the triangles, by their area.
+function normalsOf(positions, indices) {
+  const normals = new Float32Array(positions.length);
+  for (let t = 0; t < indices.length; t += 3) {
+    const [a, b, c] = [3 * indices[t], 3 * indices[t + 1], 3 * indices[t + 2]];
+    const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1], uz = positions[b + 2] - positions[a + 2];
+    const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1], vz = positions[c + 2] - positions[a + 2];
+    const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+    for (const v of [a, b, c]) {
+      normals[v] += nx;
+      normals[v + 1] += ny;
+      normals[v + 2] += nz;
+    }
+  }
+  for (let v = 0; v < normals.length; v += 3) {
+    const size = Math.hypot(normals[v], normals[v + 1], normals[v + 2]) || 1;
+    normals[v] /= size;
+    normals[v + 1] /= size;
+    normals[v + 2] /= size;
+  }
+  return normals;
+}
+
+// Positions in mm, outward normals, and triangles that are counter-clockwise seen from outside.
+export function surfaceOf(field) {
+  const { lattice } = field;
+  const { dims: [nx, ny, nz], out: f } = padded(field);
+  const layer = nx * ny;
+  const corner = [0, 1, nx, nx + 1, layer, layer + 1, layer + nx, layer + nx + 1];
+  const positions = new Values(Float32Array), indices = new Values(Uint32Array);
+  const vertex = [new Int32Array(layer), new Int32Array(layer)];  // of the cells of this layer and of the one below
+  const value = new Uint8Array(8);
+  let count = 0;
+  for (let k = 0; k + 1 < nz; ++k) {
+    const now = vertex[k & 1], below = vertex[(k + 1) & 1];
+    for (let j = 0; j + 1 < ny; ++j) {
+      for (let i = 0; i + 1 < nx; ++i) {
+        const at = i + nx * j + layer * k;
+        let mask = 0;
+        for (let c = 0; c < 8; ++c) {
+          value[c] = f[at + corner[c]];
+          if (value[c] > kLevel) mask |= 1 << c;
+        }
+        if (mask === 0 || mask === 255) continue;
+        let x = 0, y = 0, z = 0, crossings = 0;
+        for (const [a, b] of kEdges) {
+          if (((mask >> a) & 1) === ((mask >> b) & 1)) continue;
+          const t = (kLevel - value[a]) / (value[b] - value[a]);
+          x += (a & 1) + t * ((b & 1) - (a & 1));
+          y += ((a >> 1) & 1) + t * (((b >> 1) & 1) - ((a >> 1) & 1));
+          z += (a >> 2) + t * ((b >> 2) - (a >> 2));
+          ++crossings;
+        }
+        positions.push(lattice.mm(i - 1 + x / crossings, 0), lattice.mm(j - 1 + y / crossings, 1), lattice.mm(k - 1 + z / crossings, 2));
+        const cell = i + nx * j;
+        now[cell] = count++;
+        // A face round each of the three edges at the cell's first corner that the surface crosses.
+        const inside = mask & 1;
+        const face = (a, b, c, d) => {
+          if (inside) { indices.push(a, b, c); indices.push(a, c, d); } else { indices.push(a, c, b); indices.push(a, d, c); }
+        };
+        if (j > 0 && k > 0 && ((mask >> 1) & 1) !== inside) face(now[cell], now[cell - nx], below[cell - nx], below[cell]);
+        if (i > 0 && k > 0 && ((mask >> 2) & 1) !== inside) face(now[cell], below[cell], below[cell - 1], now[cell - 1]);
+        if (i > 0 && j > 0 && ((mask >> 4) & 1) !== inside) face(now[cell], now[cell - 1], now[cell - 1 - nx], now[cell - nx]);
+      }
+    }
+  }
+  const triangles = indices.all(), points = positions.all();
+  return { positions: points, normals: normalsOf(points, triangles), indices: triangles };
+}

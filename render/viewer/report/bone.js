@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The 3D view's controls.
+import { Vector3, find, legend, vector, viewMissing } from "../shared/scene.js";
+import { BoneScene } from "./scene.js";
+
+// The section planes: `normal` points towards the viewer of the cut.
+function planesOf(look) {
+  const axis = vector(look.axis);
+  const front = vector(look.front);
+  const side = new Vector3().crossVectors(axis, front).normalize();
+  const upwards = side.dot(vector(look.superior)) < 0 ? side.clone().negate() : side;
+  const known = look.anatomical && look.anterior !== null;
+  return [
+    { name: known ? "seen from anterior" : "seen from the front", normal: front },
+    { name: known ? "seen from superior" : "seen from above", normal: upwards },
+    { name: "perpendicular to the tool axis", normal: axis },
+  ];
+}
+
+function viewsOf(look) {
+  const views = [["Oblique", vector(look.towards_viewer)], [look.anatomical ? "En face" : "Along the axis", vector(look.outward)]];
+  // Turned slightly towards lateral so that the reamed face is visible behind the cut edge.
+  const front = vector(look.front).multiplyScalar(0.96).addScaledVector(vector(look.outward), 0.28).normalize();
+  views.push([look.anterior ? "Anterior" : "Front", front], [look.anatomical ? "Superior" : "Above", vector(look.superior)]);
+  return views;
+}
+
+class BoneView {
+  constructor(bone, tool) {
+    this.bone = bone;
+    this.scene = new BoneScene(find("bone-canvas"), bone, tool);
+    this.planes = planesOf(bone.look);
+    for (const [name, direction] of viewsOf(bone.look)) this.scene.addButton(name, () => this.scene.look(direction));
+    this.addStates();
+    this.addToolLooks(tool);
+    this.addCuts();
+    this.showLegends();
+    this.scene.look(vector(bone.look.towards_viewer));
+  }
+
+  addStates() {
+    const now = document.querySelector("input[name=state][value=now]");
+    now.closest("label").hidden = this.bone.reaming === null;
+    now.checked = this.bone.reaming !== null;
+    if (now.checked) this.scene.show("now");
+    for (const input of document.querySelectorAll("input[name=state]")) {
+      input.addEventListener("change", () => { this.scene.show(input.value); this.showLegends(); this.scene.draw(); });
+    }
+    for (const input of document.querySelectorAll("input[name=surface]")) {
+      input.addEventListener("change", () => {
+        this.scene.uniforms.shows_depth.value = input.value === "depth" ? 1 : 0;
+        this.showLegends();
+        this.scene.draw();
+      });
+    }
+  }
+
+  addToolLooks(tool) {
+    find("tool-looks").hidden = tool === null;
+    if (tool === null) return;
+    for (const input of document.querySelectorAll("input[name=tool]")) {
+      input.checked = input.value === (tool.shown ? tool.look : "hidden");
+      input.addEventListener("change", () => { this.scene.tool.look = input.value; this.scene.draw(); });
+    }
+  }
+
+  moveTo(row, time, touched) {
+    this.scene.moveTo(row, time, touched);
+    this.scene.draw();
+  }
+
+  addCuts() {
+    const select = find("cut-plane");
+    select.append(new Option("off", ""));
+    this.planes.forEach((plane, i) => select.append(new Option(plane.name, i)));
+    select.addEventListener("change", () => { this.choosePlane(); this.faceCut(); });
+    find("cut-offset").addEventListener("input", () => this.moveCut());
+    find("cut-flip").addEventListener("change", () => { this.moveCut(); this.faceCut(); });
+    this.choosePlane();
+  }
+
+  // Out of the bone that a section keeps; null without a section.
+  cutNormal() {
+    const plane = this.planes[find("cut-plane").value];
+    if (plane === undefined) return null;
+    return find("cut-flip").checked ? plane.normal.clone().negate() : plane.normal;
+  }
+
+  // A section is seen from the side that its name says.
+  faceCut() {
+    const normal = this.cutNormal();
+    if (normal !== null) this.scene.look(normal);
+  }
+
+  // The extent of the bone along the normal limits the slider.
+  choosePlane() {
+    const plane = this.planes[find("cut-plane").value];
+    const slider = find("cut-offset");
+    find("cut-settings").hidden = plane === undefined;
+    if (plane !== undefined) {
+      const [low, high] = this.bone.box_mm;
+      const reaches = [];
+      for (let i = 0; i < 8; ++i) {
+        const corner = new Vector3(i & 1 ? high[0] : low[0], i & 2 ? high[1] : low[1], i & 4 ? high[2] : low[2]);
+        reaches.push(corner.sub(vector(this.bone.look.axis_point_mm)).dot(plane.normal));
+      }
+      const most = Math.min(30, Math.max(...reaches)), least = Math.max(-30, Math.min(...reaches));
+      Object.assign(slider, { min: least.toFixed(1), max: most.toFixed(1), value: 0 });
+    }
+    this.moveCut();
+    this.showLegends();
+  }
+
+  moveCut() {
+    const plane = this.planes[find("cut-plane").value];
+    const offset = Number(find("cut-offset").value);
+    find("cut-value").textContent = `${offset.toFixed(1).replace("-", "−")} mm`;
+    find("cut-offset").setAttribute("aria-valuetext", `${offset.toFixed(1)} mm from the tool axis`);
+    if (plane === undefined) {
+      this.scene.cutAlong(null);
+    } else {
+      const point = vector(this.bone.look.axis_point_mm).addScaledVector(plane.normal, offset);
+      this.scene.cutAlong(this.cutNormal(), point);
+    }
+    this.scene.draw();
+  }
+
+  showLegends() {
+    const legends = [];
+    if (this.scene.state !== "before" && this.scene.uniforms.shows_depth.value === 1) legends.push(legend("Reamed depth, mm", this.bone.depth_colors));
+    if (find("cut-plane").value !== "") legends.push(legend("Bone density, g/cm³", this.bone.density_colors));
+    find("bone-legends").replaceChildren(...legends);
+  }
+}
+
+// Without WebGL the first picture remains.
+export function showBone(bone, tool) {
+  find("bone-interactive").hidden = false;
+  try {
+    const view = new BoneView(bone, tool);
+    find("bone-still")?.classList.add("print-only");
+    return view;
+  } catch (error) {
+    find("bone-interactive").replaceChildren(viewMissing(error, "The pictures show the bone."));
+    return undefined;
+  }
+}

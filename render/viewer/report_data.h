@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/pictures/run_view.h"
+#include "render/surface/bone_surface.h"
+#include "render/viewer/page.h"
+
+// The parts of report.html: data of its scripts, and pictures.
+namespace reamsim {
+
+/// The rows of a log that the page shows: of each of at most 1000 groups the first and the extremes of force and
+/// torque, ascending, and the last row. `rows` must not be empty.
+std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows);
+
+/// The curves of the page's plot as columns: `frame`, `time_s`, `depth_mm`, `axial_force_n`, `spin_torque_nmm`,
+/// `removed_mm3` (cumulative); and, if the log has means over some travel, `mean_axial_force_n`, `mean_spin_torque_nmm`
+/// with `mean_travel_mm`. Long logs are decimated to the rows with the extremes of force and torque, so that spikes
+/// remain.
+nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm);
+
+/// The data of the page's 3D view in B and mm: `before` and `after`, surfaces as in mesh_bytes(); `density`, a volume
+/// for sections; colour maps; view target and section planes.
+nlohmann::ordered_json bone_data(const RunData& run, const RenderSettings& settings);
+
+/// The reaming between the two surfaces of bone_data(), at up to 12 of the pictures along the run: at each of `time_s`,
+/// how much bone stood over each reamed vertex of `after` (counts_as_reamed(), in the order of the mesh) along the axis
+/// of the tool, 0…`most_mm`, in the code of mesh_bytes(). null without snapshots or reamed vertices. Throws as
+/// apply_snapshot() does.
+nlohmann::ordered_json reaming_data(const RunData& run, const BoneSurface& after);
+
+/// The reamers in the 3D view: `passes`, each with its `mesh` as in mesh_json() in T over `box_mm`, simplified, and its
+/// first `row` of shown_rows(); `shown` and `look` as the settings say; and `poses`, one for each of shown_rows():
+/// `count`, `box_mm` of their positions in B, and `bytes`, eight numbers each in the code of mesh_bytes(): x, y, z over
+/// that box, the quaternion's x, y, z, w over −1…1, and the spin angle (about −z of T) over a turn. null for a tool
+/// without triangles.
+nlohmann::ordered_json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log,
+                                 const RenderSettings& settings);
+
+/// Densities of the unreamed bone on a coarse lattice, for the colours of sections.
+struct DensityVolume {
+  Vec3i dims = Vec3i::Zero();     ///< cells; x fastest
+  Vec3 origin_mm = Vec3::Zero();  ///< lower corner of cell (0, 0, 0), B
+  double cell_mm = 0;
+  std::vector<std::uint8_t> grades;  ///< see sim/bone/voxmap/density.h
+};
+
+/// Means over the bone in cubes of n³ voxels, with the least n for at most `most_cells` cells. Extrapolated into the
+/// adjacent air, so that interpolation at the surface does not mix bone with air. Throws InputError when there is no
+/// bone.
+DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells);
+
+/// A picture of the page.
+struct PagePicture {
+  std::string name;  ///< stem of its source file
+  int width_px = 0;
+  int height_px = 0;
+  std::string jpeg_base64;
+};
+
+/// Converts PNG files to JPEGs in base 64, at most `most_px` wide. If they exceed `most_bytes` together, all are
+/// reduced until they fit or are an eighth as wide. Throws InputError when one cannot be read.
+std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, int most_px, std::size_t most_bytes);
+
+/// Indices of at most `most` of `count` items, evenly spaced and ascending, with the first and the last.
+std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most);
+
+/// The final pictures of a folder as figures (HTML): those of the cameras, of which `first_camera` has no suffix, the
+/// map of depths, the segmentation.
+std::vector<std::string> figures_html(const std::string& dir, const std::string& first_camera);
+
+/// The pictures during the run: `frames` and `time_s`, and for each camera with a picture of all these frames its
+/// `name`, `width_px`, `height_px` and `jpegs`.
+nlohmann::ordered_json frames_json(const RunData& run, const std::vector<std::string>& cameras);
+
+/// The gnuplot figure, for print (HTML); "" if missing.
+std::string printed_plot_html(const std::string& dir);
+
+/// A text of a result file. Throws InputError, naming `path`, if it is missing.
+std::string text_at(const nlohmann::ordered_json& json, const char* key, const std::string& path);
+
+/// The figures and tables of the page from summary.json and verification.json (null if missing), without missing
+/// values: `warnings`, texts; `key_figures` and `balance`, rows; `planning`, `measurements` and `provenance`, tables;
+/// `verification`: `passed`, `suite`, number of `cases`, `program`, `device`, and which of the last two `differs` from
+/// the run; null if missing. A row is [label, value, unit]. A table has `title` and `rows`; that of a list has
+/// `columns` (titles) as well, and of their numbers the `decimals` (null: texts). Throws InputError, naming the path,
+/// for values that no run and no verification writes.
+nlohmann::ordered_json summary_data(const nlohmann::ordered_json& summary, const nlohmann::ordered_json& verification,
+                                    const std::string& summary_path, const std::string& verification_path);
+
+/// The maximum number of triangles of a mesh on the page.
+struct MeshBudget {
+  std::size_t unreamed_triangles = 110'000;  ///< of the unreamed surface
+  std::size_t reamed_triangles = 90'000;     ///< of the reamed face, which stays finer
+};
+
+/// Simplifies a surface with meshoptimizer (edge collapses by quadric error). The vertices are a subset and no cracks
+/// open: reamed face and rest are simplified separately with locked borders. Vertices are in the order of their first
+/// use.
+BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget);
+
+/// A surface as bytes for the page, little-endian:
+/// x, y, z of the vertices (0…65535 over `box`) and depth (over 0…`depth_max_mm`), 16 bits each, as zigzag differences
+/// to the previous vertex, for each first all low bytes, then all high bytes; then, as 8-bit differences to the
+/// previous vertex, x, y, z of the normal (−127…127), reamed, density (0…255 over 0…2 g/cm³) and ambient accessibility
+/// (0…255 over 0…1); then the triangle indices, each as its distance below the first vertex not yet used, as
+/// variable-length numbers with 7 bits per byte, low bits first.
+std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm);
+
+/// Whether mesh_bytes() writes a vertex as reamed.
+bool counts_as_reamed(const float* vertex);
+
+/// Appends `values` as 16-bit numbers, 0…65535 from `low` to `low` + `size`, in the code of mesh_bytes().
+void append_numbers16(std::span<const double> values, double low, double size, std::vector<std::uint8_t>& out);
+
+/// A surface for the page's JSON: `vertices`, `triangles`, and mesh_bytes() compressed as `bytes`.
+nlohmann::ordered_json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm);
+
+/// x, y, z with six significant digits.
+template <class Vector>
+nlohmann::ordered_json vector_json(const Vector& v) {
+  return {short_number(v.x()), short_number(v.y()), short_number(v.z())};
+}
+/// Lower and upper corner of a box.
+template <class Vector>
+nlohmann::ordered_json box_json(const Vector& low, const Vector& high) {
+  return nlohmann::ordered_json::array({vector_json(low), vector_json(high)});
+}
+
+/// The bounding box of a surface, mm.
+Eigen::AlignedBox3f bounds_of(const BoneSurface& surface);
+
+}  // namespace reamsim

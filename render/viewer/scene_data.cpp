@@ -1,0 +1,330 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The data of the 3D view: bone, reaming, reamer.
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "render/gl/camera.h"
+#include "render/pictures/run_view.h"
+#include "render/surface/color_map.h"
+#include "render/surface/tool_surface.h"
+#include "render/surface/unreamed_surface.h"
+#include "render/viewer/page.h"
+#include "render/viewer/report_data.h"
+#include "sim/base/error.h"
+#include "sim/base/parallel.h"
+#include "sim/record/snapshot.h"
+
+namespace reamsim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::int64_t kMaxDensityCells = 2'500'000;
+
+BoneSurface surface_of(const Voxmap& voxmap, const FillBricks& fill, const UnreamedSurface& unreamed) {
+  return simplified(make_bone_surface(BoneFields(voxmap, fill, unreamed)), MeshBudget());
+}
+
+Json volume_json(const DensityVolume& volume) {
+  return {{"dims", {volume.dims.x(), volume.dims.y(), volume.dims.z()}},
+          {"origin_mm", vector_json(volume.origin_mm)},
+          {"cell_mm", volume.cell_mm},
+          {"bytes", compressed_base64(volume.grades)}};
+}
+
+Json colors_json(const ColorMap& map, const Scale& scale) {
+  Json json{{"stops", Json::array()}, {"max", scale.max}, {"step", scale.step}, {"ticks", Json::array()}};
+  for (const Eigen::Vector3f& stop : map.stops) json["stops"].push_back(vector_json(stop));
+  for (int tick = 0; tick < scale.ticks(); ++tick) json["ticks"].push_back(scale.label(tick));
+  return json;
+}
+
+/// Directions are unit vectors; unknown ones are null.
+Json view_json(const ViewTarget& target) {
+  const Camera oblique = make_camera(CameraView::oblique, target, 1000, 1000);
+  const Camera section = make_camera(CameraView::section, target, 1000, 1000);
+  const Mat3 bone_from_eye = oblique.eye_from_bone.linear().transpose();
+  return {{"focus_mm", vector_json(target.focus_mm)},
+          {"reach_mm", short_number(target.radius_mm)},
+          {"height_mm", short_number(1000 * oblique.mm_per_px)},
+          {"towards_viewer", vector_json(bone_from_eye.col(2))},
+          {"outward", vector_json(target.outward)},
+          {"superior", vector_json(target.superior)},
+          {"anterior", target.anterior ? vector_json(*target.anterior) : Json()},
+          {"anatomical", target.anatomical},
+          {"axis", vector_json(target.bone_from_tool.linear().col(2))},
+          {"axis_point_mm", vector_json(target.bone_from_tool.translation())},
+          {"front", vector_json(-section.cut_plane->head<3>())}};
+}
+
+constexpr int kPadding_cells = 2;  // extrapolated into the air
+
+/// Edge of a cell in voxels, and the lattice of cells.
+int voxels_per_cell(const Vec3i& voxels, std::int64_t most_cells, BrickLattice& cells) {
+  for (int n = 1;; ++n) {
+    cells = {(voxels.array() + n - 1) / n + 2 * kPadding_cells};
+    if (static_cast<std::int64_t>(cells.count()) <= most_cells || cells.dims.maxCoeff() <= 1 + 2 * kPadding_cells) {
+      return n;
+    }
+  }
+}
+
+/// Sets air cells next to bone to the mean of their bone neighbours.
+void extrapolate(const BrickLattice& cells, std::vector<std::uint8_t>& grades) {
+  const std::vector<std::uint8_t> before = grades;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before[i] != 0) continue;
+    int sum = 0, count = 0;
+    for (int side = 0; side < 6; ++side) {
+      const Vec3i near = cells.coord(i) + (side % 2 == 0 ? 1 : -1) * Vec3i::Unit(side / 2);
+      if (!cells.contains(near)) continue;
+      const int grade = before[cells.index(near)];
+      sum += grade;
+      count += grade != 0 ? 1 : 0;
+    }
+    if (count > 0) grades[i] = static_cast<std::uint8_t>((sum + count / 2) / count);
+  }
+}
+
+constexpr std::size_t kMaxStates = 12;
+constexpr double kStep_voxels = 0.5;
+
+/// Fraction of bone in the voxels round a point, interpolated between their centres.
+double bone_at(const Voxmap& voxmap, const FillBricks& fill, const Vec3& point_mm) {
+  const Vec3 place = (point_mm - voxmap.grid.origin_mm) / voxmap.grid.voxel_mm - Vec3::Constant(0.5);
+  const Vec3i low = place.array().floor().cast<int>();
+  const Vec3 part = place - low.cast<double>();
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3i side(corner & 1, corner >> 1 & 1, corner >> 2);
+    const Vec3i voxel = low + side;
+    if (!voxmap.grid.contains(voxel) || voxmap.grade.get(voxel) == 0) continue;
+    double weight = fill.get(voxel);
+    for (int axis = 0; axis < 3; ++axis) weight *= side[axis] == 1 ? part[axis] : 1 - part[axis];
+    sum += weight;
+  }
+  return sum / FillBricks::kWhole;
+}
+
+/// The rays along which bone was removed from the reamed vertices of a surface.
+struct Columns {
+  std::vector<Vec3> feet;
+  std::vector<std::pair<std::size_t, std::size_t>> edges;  ///< of the surface, between these vertices
+  Vec3 axis = Vec3::UnitZ();
+  double length_mm = 0;
+};
+
+Columns columns_over(const BoneSurface& surface, const Vec3& axis, double voxel_mm) {
+  Columns out{.feet = {}, .edges = {}, .axis = axis, .length_mm = 1.5 * surface.deepest_mm + 2 * voxel_mm};
+  constexpr std::size_t kNone = -1;
+  std::vector<std::size_t> slots(surface.vertices.size() / BoneSurface::kStride, kNone);
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const float* vertex = surface.vertices.data() + i * BoneSurface::kStride;
+    if (!counts_as_reamed(vertex)) continue;
+    slots[i] = out.feet.size();
+    out.feet.push_back(Eigen::Map<const Eigen::Vector3f>(vertex).cast<double>());
+  }
+  for (std::size_t i = 0; i < surface.indices.size(); ++i) {
+    // Inner edges belong to two triangles that pass them in opposite directions.
+    const std::size_t from = slots[surface.indices[i]], to = slots[surface.indices[i % 3 == 2 ? i - 2 : i + 1]];
+    if (from != kNone && to != kNone && from < to) out.edges.emplace_back(from, to);
+  }
+  return out;
+}
+
+/// Averages neighbours that differ by less than a voxel: the steps of whole voxels go, the edges of the tool stay.
+std::vector<double> smoothed(std::vector<double> heights_mm, const Columns& columns, double voxel_mm) {
+  constexpr int kRounds = 6;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<double> sums = heights_mm;
+    std::vector<int> counts(sums.size(), 1);
+    for (const auto& [a, b] : columns.edges) {
+      if (std::abs(heights_mm[a] - heights_mm[b]) > voxel_mm) continue;
+      sums[a] += heights_mm[b];
+      sums[b] += heights_mm[a];
+      ++counts[a];
+      ++counts[b];
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i) heights_mm[i] = sums[i] / counts[i];
+  }
+  return heights_mm;
+}
+
+/// Bone in each column, mm.
+std::vector<double> bone_in(const Columns& columns, const Voxmap& voxmap, const FillBricks& fill) {
+  std::vector<double> out(columns.feet.size());
+  const double step_mm = kStep_voxels * voxmap.grid.voxel_mm;
+  parallel_items(out.size(), [&](std::size_t i) {
+    for (double s = -voxmap.grid.voxel_mm; s < columns.length_mm; s += step_mm) {
+      out[i] += step_mm * bone_at(voxmap, fill, columns.feet[i] + s * columns.axis);
+    }
+  });
+  return out;
+}
+
+/// Heights over the final surface, where the columns hold `now_mm` of bone, and in the end `last_mm`.
+std::vector<double> heights(std::vector<double> now_mm, const std::vector<double>& last_mm, const Columns& columns,
+                            double voxel_mm) {
+  for (std::size_t i = 0; i < now_mm.size(); ++i) now_mm[i] -= last_mm[i];
+  return smoothed(std::move(now_mm), columns, voxel_mm);
+}
+
+constexpr std::size_t kMaxToolTriangles = 12'000;
+
+/// The tool with shared vertices, as a surface without attributes: zeros take no room when compressed.
+BoneSurface tool_surface(const TriangleMesh& mesh) {
+  const ToolSurface split = make_tool_surface(mesh);
+  const std::size_t corners = split.indices.size();
+  constexpr std::size_t kBytes = ToolSurface::kStride * sizeof(float);
+  std::vector<std::uint32_t> remap(corners);
+  const std::size_t count =
+      meshopt_generateVertexRemap(remap.data(), nullptr, corners, split.vertices.data(), corners, kBytes);
+  BoneSurface out;
+  out.vertices.resize(count * BoneSurface::kStride);
+  for (std::size_t corner = 0; corner < corners; ++corner) {
+    for (std::size_t part = 0; part < ToolSurface::kStride; ++part) {
+      out.vertices[remap[corner] * BoneSurface::kStride + part] = split.vertices[corner * ToolSurface::kStride + part];
+    }
+  }
+  out.indices = std::move(remap);
+  return out;
+}
+
+/// The poses as bytes: x, y, z over `box`, the quaternion's x, y, z, w over −1…1, and the spin angle over a turn.
+std::vector<std::uint8_t> pose_bytes(const ForceLog& log, const std::vector<std::size_t>& rows, const Aabb& box) {
+  std::vector<std::uint8_t> out;
+  const auto append = [&](double low, double size, const auto& number_of) {
+    std::vector<double> numbers;
+    for (const std::size_t row : rows) numbers.push_back(number_of(log.rows[row].pose));
+    append_numbers16(numbers, low, size, out);
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    append(box.min[axis], box.max[axis] - box.min[axis], [&](const ToolPose& pose) { return pose.position_mm[axis]; });
+  }
+  for (int part = 0; part < 4; ++part) {
+    append(-1, 2, [&](const ToolPose& pose) { return pose.orientation.coeffs()[part]; });
+  }
+  constexpr double kTurn = 2 * std::numbers::pi;
+  append(0, kTurn,
+         [&](const ToolPose& pose) { return pose.spin_angle_rad - kTurn * std::floor(pose.spin_angle_rad / kTurn); });
+  return out;
+}
+
+Json poses_json(const ForceLog& log) {
+  const std::vector<std::size_t> rows = shown_rows(log.rows);
+  Aabb box = Aabb::none();
+  for (const std::size_t row : rows) box.extend(log.rows[row].pose.position_mm);
+  return {{"count", rows.size()},
+          {"box_mm", box_json(box.min, box.max)},
+          {"bytes", compressed_base64(pose_bytes(log, rows, box))}};
+}
+
+/// The first of the shown rows that has the tool of this pass.
+std::size_t first_row(const ForceLog& log, int pass) {
+  const std::vector<std::size_t> rows = shown_rows(log.rows);
+  const auto found = std::ranges::find_if(rows, [&](std::size_t row) { return log.rows[row].pass >= pass; });
+  return static_cast<std::size_t>(found - rows.begin());
+}
+
+Json pass_json(const TriangleMesh& tool, std::size_t row) {
+  const BoneSurface surface = simplified(tool_surface(tool), {.unreamed_triangles = kMaxToolTriangles});
+  const Eigen::AlignedBox3f box = bounds_of(surface);
+  return {{"row", row}, {"box_mm", box_json(box.min(), box.max())}, {"mesh", mesh_json(surface, box, 1)}};
+}
+
+}  // namespace
+
+DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells) {
+  const VoxelBox bone = bone_extent(voxmap);
+  if (bone.empty()) throw InputError({"reamed.vdb", 0, 0}, "density", "contains no bone", "the bone of a run");
+  DensityVolume out;
+  BrickLattice cells;
+  const int n = voxels_per_cell(bone.size(), most_cells, cells);
+  out.dims = cells.dims;
+  out.cell_mm = n * voxmap.grid.voxel_mm;
+  const Vec3i first = bone.first - Vec3i::Constant(n * kPadding_cells);
+  out.origin_mm = voxmap.grid.origin_mm + voxmap.grid.voxel_mm * first.cast<double>();
+  std::vector<std::uint32_t> sums(cells.count());
+  std::vector<std::uint32_t> counts(sums.size());
+  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      const std::uint8_t grade = grades[static_cast<std::size_t>(offset)];
+      if (grade == 0) continue;
+      const std::size_t cell = cells.index((BrickLattice::voxel_at(coord, offset) - first) / n);
+      sums[cell] += grade;
+      ++counts[cell];
+    }
+  });
+  out.grades.resize(sums.size());
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    if (counts[i] > 0) out.grades[i] = static_cast<std::uint8_t>((sums[i] + counts[i] / 2) / counts[i]);
+  }
+  for (int round = 0; round < kPadding_cells; ++round) extrapolate(cells, out.grades);
+  return out;
+}
+
+Json bone_data(const RunData& run, const RenderSettings& settings) {
+  const Voxmap& voxmap = run.voxmap();
+  const UnreamedSurface& unreamed = run.unreamed();
+  const BoneSurface after = surface_of(voxmap, run.last_fill(), unreamed);
+  const BoneSurface before = surface_of(voxmap, unreamed.before(), unreamed);
+  const Scale depth = depth_scale(run, settings.depth_max_mm);
+  const Eigen::AlignedBox3f box = bounds_of(before).merged(bounds_of(after));
+  Json json;
+  json["look"] = view_json(run.target());
+  json["box_mm"] = box_json(box.min(), box.max());
+  json["grade_per_g_cm3"] = DensityMapping::kMaxGrade / DensityMapping::kMaxDensity_g_cm3;
+  json["deepest_mm"] = short_number(after.deepest_mm);
+  json["depth_colors"] = colors_json(depth_colors(), depth);
+  json["density_colors"] = colors_json(density_colors(), scale_up_to(DensityMapping::kMaxDensity_g_cm3));
+  json["before"] = mesh_json(before, box, depth.max);
+  json["after"] = mesh_json(after, box, depth.max);
+  json["reaming"] = reaming_data(run, after);
+  json["density"] = volume_json(density_volume(voxmap, kMaxDensityCells));
+  return json;
+}
+
+Json reaming_data(const RunData& run, const BoneSurface& after) {
+  const std::vector<std::int64_t>& frames = run.inputs().frames;
+  const Voxmap& voxmap = run.voxmap();
+  const Columns columns = columns_over(after, run.target().bone_from_tool.linear().col(2), voxmap.grid.voxel_mm);
+  if (frames.size() < 2 || columns.feet.empty()) return nullptr;
+  const std::vector<double> last_mm = bone_in(columns, voxmap, run.last_fill());
+  FillBricks fill = fill_at(run.inputs(), frames.front());
+  Json times = Json::array();
+  std::vector<std::vector<double>> states;
+  std::size_t applied = 0;
+  for (const std::size_t chosen : evenly_spaced(frames.size(), kMaxStates)) {
+    while (applied < chosen) apply_snapshot(run.dir(), frames[++applied], fill);
+    times.push_back(short_number(run.row_of(frames[chosen]).time_s));
+    states.push_back(heights(bone_in(columns, voxmap, fill), last_mm, columns, voxmap.grid.voxel_mm));
+  }
+  double most_mm = 0;
+  for (const auto& state : states) most_mm = std::max(most_mm, *std::ranges::max_element(state));
+  std::vector<std::uint8_t> bytes;
+  for (const auto& state : states) append_numbers16(state, 0, most_mm, bytes);
+  return {{"time_s", std::move(times)},
+          {"vertices", columns.feet.size()},
+          {"most_mm", most_mm},
+          {"bytes", compressed_base64(bytes)}};
+}
+
+Json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log, const RenderSettings& settings) {
+  Json tools = Json::array();
+  for (std::size_t i = 0; i < passes.size(); ++i) {
+    if (passes[i].tool.triangles.empty()) return nullptr;
+    tools.push_back(pass_json(passes[i].tool, first_row(log, static_cast<int>(i) + 1)));
+  }
+  return {{"shown", settings.tool},
+          {"look", name_of(settings.tool_material)},
+          {"passes", std::move(tools)},
+          {"poses", poses_json(log)}};
+}
+
+}  // namespace reamsim

@@ -1,0 +1,14 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+// What report and preview share; dist/scene.js has it once for both.
+export {
+  AlwaysStencilFunc, ArrowHelper, BackSide, BufferAttribute, BufferGeometry, Color, Data3DTexture, DecrementWrapStencilOp, DoubleSide,
+  FrontSide, GLSL3, Group, IncrementWrapStencilOp, KeepStencilOp, LatheGeometry, LinearFilter, Matrix4, Mesh, MeshBasicMaterial,
+  NotEqualStencilFunc, PlaneGeometry, Quaternion, RedFormat, ShaderMaterial, SphereGeometry, Vector2, Vector3, Vector4,
+} from "three";
+export * from "./decode.js";
+export * from "./elements.js";
+export * from "./materials.js";
+export * from "./numbers.js";
+export * from "./view.js";

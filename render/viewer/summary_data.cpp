@@ -1,0 +1,369 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include "render/viewer/report_data.h"
+#include "sim/base/error.h"
+#include "sim/base/text.h"
+#include "sim/record/run_totals.h"
+#include "sim/scenario/choices.h"
+
+namespace reamsim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A row of a table, with the JSON pointer of its value in summary.json.
+struct Line {
+  const char* pointer = nullptr;
+  const char* label = nullptr;
+  const char* unit = nullptr;
+  const char* only_with = "";  ///< pointer of a value without which the row is left out
+};
+
+struct Table {
+  const char* title;
+  std::span<const Line> lines;
+};
+
+/// A column of a table with a row for each item of a list.
+struct Column {
+  const char* key = nullptr;  ///< in the item
+  const char* title = nullptr;
+  int decimals = 1;  ///< kText: a text, of a path its last part
+};
+constexpr int kText = -1;
+
+struct List {
+  const char* pointer;  ///< of the list in summary.json
+  const char* title;
+  const char* item;  ///< heads the column of the numbers, from 1
+  std::span<const Column> columns;
+};
+
+constexpr std::array kKeyFigures{Line{"/removed_mm3", "Bone removed", "mm³"},
+                                 Line{"/metrics/dense_bone_left/mean_mm", "Remaining dense bone, mean", "mm"},
+                                 Line{"/balance", "Energy balance", ""}};
+
+constexpr std::array kBone{Line{"/bone/bone_before_mm3", "Bone before", "mm³"},
+                           Line{"/bone/bone_after_mm3", "Bone after", "mm³"},
+                           Line{"/metrics/removed/total_mm3", "Removed", "mm³"},
+                           Line{"/metrics/removed/dense_mm3", "Removed, dense", "mm³"},
+                           Line{"/metrics/removed/trabecular_mm3", "Removed, trabecular", "mm³"},
+                           Line{"/bone/voxel_mm", "Voxel", "mm"}};
+constexpr std::array kSegmentation{
+    Line{"/segmentation/method", "Method", ""},
+    Line{"/segmentation/threshold_hu", "Threshold", "HU"},
+    Line{"/segmentation/bone_mm3", "Segmented bone", "mm³"},
+    Line{"/segmentation/below_threshold_fraction", "Fraction below the threshold", ""},
+    Line{"/segmentation/density_lower_bound_fraction",
+         "Fraction of the surface where density is a lower bound (cortex too thin for the scan)", ""},
+    Line{"/segmentation/pieces", "Connected pieces", ""},
+    Line{"/segmentation/kept", "Piece kept", ""},
+    Line{"/segmentation/kept_rank", "Rank of the kept piece by size", ""},
+    Line{"/segmentation/kept_piece_mm3", "Volume of the kept piece before closing", "mm³"},
+    Line{"/segmentation/second_piece_mm3", "Second largest piece", "mm³"},
+    Line{"/segmentation/dropped_mm3", "Dropped", "mm³"},
+    Line{"/segmentation/cut_mm3", "Removed by cuts", "mm³"},
+    Line{"/segmentation/closed_mm3", "Added by closing", "mm³"},
+    Line{"/segmentation/filled_mm3", "Added by filling", "mm³"}};
+constexpr std::array kFace{Line{"/metrics/depth/max_mm", "Depth along the axis, maximum", "mm"},
+                           Line{"/metrics/depth/mean_mm", "Depth, mean", "mm"},
+                           Line{"/metrics/depth/p95_mm", "Depth, 95th percentile", "mm"},
+                           Line{"/metrics/depth/area_mm2", "Reamed area", "mm²"},
+                           Line{"/metrics/face/shape", "Shape of the reamed face", ""},
+                           Line{"/metrics/face/sphere/radius_mm", "Radius of the fitted sphere", "mm"},
+                           Line{"/metrics/face/sphere/residual_rms_mm", "Residual of the sphere, RMS", "mm"},
+                           Line{"/metrics/face/plane/residual_rms_mm", "Residual of the plane, RMS", "mm"}};
+constexpr std::array kOrientation{
+    Line{"/metrics/orientation/native/version_deg", "Version, native face", "°"},
+    Line{"/metrics/orientation/reamed/version_deg", "Version, reamed face", "°"},
+    Line{"/metrics/orientation/retroversion_corrected_deg", "Retroversion corrected", "°"},
+    Line{"/metrics/orientation/native/inclination_deg", "Inclination, native face", "°"},
+    Line{"/metrics/orientation/reamed/inclination_deg", "Inclination, reamed face", "°"},
+    Line{"/metrics/orientation/inclination_corrected_deg", "Inclination corrected", "°"},
+    Line{"/metrics/orientation/native_reason", "Native orientation unknown", ""},
+    Line{"/metrics/orientation/reamed_reason", "Reamed orientation unknown", ""},
+    Line{"/metrics/orientation/native_shape", "Surface fitted to the native face", ""},
+    Line{"/metrics/orientation/reamed_shape", "Surface fitted to the reamed face", ""},
+    Line{"/metrics/joint_line/medialization_mm", "Medialization of the joint line", "mm"},
+    Line{"/metrics/joint_line/medialization_reason", "Medialization unknown", ""},
+    Line{"/metrics/joint_line/reamed_fraction", "Fraction of the face reamed", ""},
+    Line{"/metrics/orientation/reamer/version_deg", "Version of the reamer", "°"},
+    Line{"/metrics/orientation/reamer/inclination_deg", "Inclination of the reamer", "°"},
+    Line{"/metrics/orientation/turned_deg", "Angle between native and reamed axis", "°"},
+    Line{"/metrics/orientation/inclination_convention", "Convention of the inclination", "",
+         "/metrics/orientation/reamer/inclination_deg"}};
+constexpr std::array kRemaining{Line{"/metrics/dense_bone_left/mean_mm", "Dense bone, mean", "mm"},
+                                Line{"/metrics/dense_bone_left/p05_mm", "Dense bone, 5th percentile", "mm"},
+                                Line{"/metrics/dense_bone_left/least_mm", "Dense bone, least", "mm"},
+                                Line{"/metrics/dense_bone_left/exposed_percent", "Face without dense bone", "%"},
+                                Line{"/metrics/perforation/perforated", "Perforated", ""},
+                                Line{"/metrics/perforation/holes", "Holes", ""},
+                                Line{"/metrics/perforation/area_mm2", "Area of the perforations", "mm²"}};
+constexpr std::array kLoads{
+    Line{"/forces/peak_layer_axial_force_n", "Axial force, peak over a voxel of travel", "N"},
+    Line{"/forces/peak_axial_force_n", "Axial force, peak of a single frame", "N"},
+    Line{"/forces/mean_axial_force_n", "Axial force, mean", "N"},
+    Line{"/forces/peak_layer_spin_torque_nmm", "Spin torque, peak over a voxel of travel", "N·mm"},
+    Line{"/forces/peak_spin_torque_nmm", "Spin torque, peak of a single frame", "N·mm"},
+    Line{"/forces/mean_spin_torque_nmm", "Spin torque, mean", "N·mm"},
+    Line{"/forces/rms_force_n", "Force magnitude, RMS", "N"},
+    Line{"/forces/rms_torque_nmm", "Torque magnitude, RMS", "N·mm"}};
+constexpr std::array kEnergy{
+    Line{"/work_mj", "Work done by the tool", "mJ"}, Line{"/energy_mj", "Cutting energy", "mJ"},
+    Line{"/friction_energy_mj", "Friction energy", "mJ"}, Line{"/floor_energy_mj", "Speed-floor energy", "mJ"},
+    Line{"/balance", "Energy balance, fraction of the cutting energy", ""}};
+constexpr std::array kMotion{Line{"/simulated_s", "Simulated time", "s"},
+                             Line{"/reaming_s", "Time in contact", "s"},
+                             Line{"/max_depth_mm", "Tool depth, since first contact", "mm"},
+                             Line{"/frames", "Frames", ""},
+                             Line{"/contact_frames", "Frames in contact", ""},
+                             Line{"/first_contact_frame", "First frame in contact", ""}};
+
+constexpr std::array kPush{Line{"/push/mean_feed_mm_s", "Feed rate from first contact on, mean", "mm/s"},
+                           Line{"/push/peak_feed_mm_s", "Feed rate in contact, peak", "mm/s"},
+                           Line{"/push/hand_work_mj", "Work of the hand", "mJ"},
+                           Line{"/push/drill_work_mj", "Work of the drive", "mJ"},
+                           Line{"/push/peak_hand_power_w", "Power of the hand, peak", "W"},
+                           Line{"/push/peak_drill_power_w", "Power of the drive, peak", "W"},
+                           Line{"/push/overshoot_mm", "Travel in 0.2 s after breakthrough", "mm"}};
+constexpr std::array kDeflection{
+    Line{"/deflection/peak_mm", "Deflection of the springs, peak", "mm"},
+    Line{"/deflection/peak_lateral_mm", "Across the axis, peak", "mm"},
+    Line{"/deflection/lateral_at_depth_mm", "Across the axis, at the greatest depth", "mm"}};
+constexpr std::array kEventColumns{Column{"event", "Event", kText}, Column{"time_s", "Time, s", 3},
+                                   Column{"depth_mm", "Tool depth, mm", 2}, Column{"frame", "Frame", 0}};
+constexpr List kEvents{"/push/events", "Events", "No.", kEventColumns};
+
+constexpr std::array kPassColumns{
+    Column{"tool", "Reamer", kText}, Column{"removed_mm3", "Removed, mm³"}, Column{"max_depth_mm", "Tool depth, mm", 2},
+    Column{"peak_axial_force_n", "Peak axial force, N"}, Column{"peak_spin_torque_nmm", "Peak spin torque, N·mm", 0}};
+constexpr List kPasses{"/passes", "Passes", "Pass", kPassColumns};
+constexpr std::array kClearance{Line{"/clearance/least_mm", "Least clearance of the holder", "mm"},
+                                Line{"/clearance/part", "Part of the holder", ""},
+                                Line{"/clearance/obstacle", "Nearest surface", ""},
+                                Line{"/clearance/frame", "Frame", ""},
+                                Line{"/clearance/time_s", "Time", "s"},
+                                Line{"/clearance/limit_mm", "Limit", "mm"},
+                                Line{"/clearance/first_frame_below", "First frame below the limit", ""},
+                                Line{"/clearance/last_frame_below", "Last frame below the limit", ""}};
+
+constexpr std::array kMeasurements{Table{"Bone", kBone},
+                                   Table{"Segmentation", kSegmentation},
+                                   Table{"Reamed face", kFace},
+                                   Table{"Orientation", kOrientation},
+                                   Table{"Remaining bone under the face", kRemaining},
+                                   Table{"Force and torque", kLoads},
+                                   Table{"Energy", kEnergy},
+                                   Table{"Motion", kMotion},
+                                   Table{"Push", kPush},
+                                   Table{"Deflection", kDeflection},
+                                   Table{"Clearance", kClearance}};
+
+constexpr std::array kImplant{Line{"/metrics/planning/native/version_deg", "Version, native face", "°"},
+                              Line{"/metrics/planning/planned/version_deg", "Version, implant", "°"},
+                              Line{"/metrics/planning/retroversion_corrected_deg", "Retroversion corrected", "°"},
+                              Line{"/metrics/planning/native/inclination_deg", "Inclination, native face", "°"},
+                              Line{"/metrics/planning/planned/inclination_deg", "Inclination, implant", "°"},
+                              Line{"/metrics/planning/inclination_corrected_deg", "Inclination corrected", "°"},
+                              Line{"/metrics/planning/corrected_frame", "Frame of the corrections", ""},
+                              Line{"/metrics/planning/medialization_mm", "Medialization of the joint line", "mm"},
+                              Line{"/metrics/planning/native_reason", "No native orientation", ""},
+                              Line{"/metrics/planning/planned_reason", "No planned orientation", ""},
+                              Line{"/metrics/planning/corrected_reason", "No correction", ""},
+                              Line{"/metrics/planning/medialization_reason", "No medialization", ""}};
+constexpr std::array kSupport{Line{"/metrics/seating/seated_percent", "Backside seated", "%"},
+                              Line{"/metrics/seating/mean_gap_mm", "Gap under the implant, mean", "mm"},
+                              Line{"/metrics/seating/max_gap_mm", "Gap under the implant, maximum", "mm"},
+                              Line{"/metrics/seating/footprint_mm2", "Footprint", "mm²"},
+                              Line{"/metrics/seating/overhang_mm2", "Overhang", "mm²"},
+                              Line{"/metrics/seating/overhang_percent", "Overhang, of the footprint", "%"},
+                              Line{"/metrics/seating/dense_percent", "Dense fraction of the supporting bone", "%"}};
+constexpr std::array kVault{Line{"/metrics/planning/vault/left_mm3", "Vault bone under the implant", "mm³"},
+                            Line{"/metrics/planning/vault/left_percent", "of the vault before reaming", "%"},
+                            Line{"/metrics/planning/vault/axis_depth_mm", "Depth on the axis of the implant", "mm"},
+                            Line{"/metrics/planning/vault/mean_depth_mm", "Depth, mean", "mm"}};
+
+constexpr std::array kPegColumns{Column{"length_mm", "Length, mm"}, Column{"in_bone_mm", "In bone, mm"},
+                                 Column{"perforated_mm", "Perforated, mm"}, Column{"least_wall_mm", "Least wall, mm"}};
+constexpr List kPegs{"/metrics/planning/pegs", "Pegs", "Peg", kPegColumns};
+constexpr std::array kPlanning{Table{"Implant and joint line", kImplant}, Table{"Support of the implant", kSupport},
+                               Table{"Vault", kVault}};
+constexpr std::array kProvenance{Line{"/program", "Program", ""}, Line{"/device", "Device", ""},
+                                 Line{"/engine", "Engine", ""}, Line{"/erosion", "Erosion", ""},
+                                 Line{"/law", "Force law", ""}};
+
+std::string last_part(const std::string& path) {
+  return path.substr(path.rfind('/') + 1);
+}
+
+/// A result file, whose values must have the types that a run or a verification writes.
+class Results {
+ public:
+  Results(const Json& json, std::string path) : json_(json), path_(std::move(path)) {}
+
+  [[nodiscard]] InputError wrong(const std::string& key, const std::string& expected) const {
+    return {{path_, 0, 0}, key, "found another type", "expected " + expected};
+  }
+
+  /// The value at a pointer; null if missing.
+  [[nodiscard]] Json at(const char* pointer) const {
+    const Json::json_pointer at(pointer);
+    return json_.contains(at) ? json_.at(at) : Json();
+  }
+  [[nodiscard]] std::string text(const char* key) const { return text_at(json_, key, path_); }
+  [[nodiscard]] const Json& list(const char* key, const char* expected) const {
+    if (!json_.contains(key) || !json_.at(key).is_array()) throw wrong(key, expected);
+    return json_.at(key);
+  }
+  [[nodiscard]] std::optional<double> number(const char* pointer) const {
+    const Json value = at(pointer);
+    if (value.is_null()) return std::nullopt;
+    if (!value.is_number()) throw wrong(pointer, "a number");
+    return value.get<double>();
+  }
+
+  /// The rows of the values that are there.
+  [[nodiscard]] Json rows(std::span<const Line> lines) const {
+    Json out = Json::array();
+    for (const Line& line : lines) {
+      if (*line.only_with != '\0' && at(line.only_with).is_null()) continue;
+      Json value = at(line.pointer);
+      if (value.is_null()) continue;
+      if (value.is_structured()) throw wrong(line.pointer, "a number");
+      out.push_back(Json::array({line.label, std::move(value), line.unit}));
+    }
+    return out;
+  }
+
+  /// The tables that have a row.
+  [[nodiscard]] Json tables(std::span<const Table> tables, std::span<const List> lists) const {
+    Json out = Json::array();
+    for (const Table& table : tables) {
+      if (Json rows = this->rows(table.lines); !rows.empty()) out.push_back({{"title", table.title}, {"rows", rows}});
+    }
+    for (const List& list : lists) {
+      const Json items = at(list.pointer);
+      if (!items.is_null() && !items.empty()) out.push_back(this->items(list, items));
+    }
+    return out;
+  }
+
+ private:
+  /// A row for each item, numbered as in the scenario.
+  [[nodiscard]] Json items(const List& list, const Json& items) const {
+    Json out{{"title", list.title},
+             {"columns", Json::array({list.item})},
+             {"decimals", Json::array({0})},
+             {"rows", Json::array()}};
+    for (const Column& column : list.columns) {
+      out["columns"].push_back(column.title);
+      out["decimals"].push_back(column.decimals == kText ? Json() : Json(column.decimals));
+    }
+    for (const Json& item : items) {
+      Json row = Json::array({out["rows"].size() + 1});
+      for (const Column& column : list.columns) row.push_back(cell(item, list, column));
+      out["rows"].push_back(std::move(row));
+    }
+    return out;
+  }
+
+  [[nodiscard]] Json cell(const Json& item, const List& list, const Column& column) const {
+    if (!item.is_object() || !item.contains(column.key) || item.at(column.key).is_null()) return nullptr;
+    const Json& value = item.at(column.key);
+    const bool is_text = column.decimals == kText;
+    if (!(is_text ? value.is_string() : value.is_number())) {
+      throw wrong(std::string(list.pointer) + "/" + column.key, is_text ? "a text" : "a number");
+    }
+    return is_text ? Json(last_part(value.get<std::string>())) : value;
+  }
+
+  const Json& json_;
+  std::string path_;
+};
+
+/// The headline figures, as in pictures and plots, then others.
+Json key_figures(const Results& results) {
+  KeyResults run{.means = from_name<ErosionMode>(results.text("erosion")) != ErosionMode::exact};
+  // Earlier versions wrote these numbers without the section "headline".
+  const auto force = run.means ? "/forces/peak_layer_axial_force_n" : "/forces/peak_axial_force_n";
+  const auto torque = run.means ? "/forces/peak_layer_spin_torque_nmm" : "/forces/peak_spin_torque_nmm";
+  const auto first_of = [&](const char* pointer, const char* earlier) {
+    const auto number = results.number(pointer);
+    return number ? number : results.number(earlier);
+  };
+  Json out = Json::array();
+  if (const auto depth = first_of("/headline/depth_mm", "/max_depth_mm")) {
+    run.tool_depth_mm = *depth;
+    out.push_back(Json::array({KeyResults::kDepthName, run.depth_text(), "mm"}));
+  }
+  if (const auto peak = first_of("/headline/peak_axial_force_n", force)) {
+    run.peak_axial_force_n = *peak;
+    out.push_back(Json::array({run.force_name(), run.force_text(), "N"}));
+  }
+  if (const auto peak = first_of("/headline/peak_spin_torque_nmm", torque)) {
+    run.peak_spin_torque_nmm = *peak;
+    out.push_back(Json::array({run.torque_name(), run.torque_text(), "N·mm"}));
+  }
+  for (Json& row : results.rows(kKeyFigures)) out.push_back(std::move(row));
+  return out;
+}
+
+Json warnings(const Results& results) {
+  const Json& out = results.list("warnings", "a list");
+  for (const Json& warning : out) {
+    if (!warning.is_string()) throw results.wrong("warnings", "a list of texts");
+  }
+  return out;
+}
+
+Json provenance(const Results& results, const std::string& path) {
+  for (const Line& line : kProvenance) (void)results.text(line.pointer + 1);
+  Json inputs{{"title", "Inputs"}, {"columns", Json::array({"Key", "File", "SHA-256"})}, {"rows", Json::array()}};
+  for (const Json& input : results.list("inputs", "a list of files")) {
+    inputs["rows"].push_back(Json::array(
+        {text_at(input, "role", path), last_part(text_at(input, "path", path)), text_at(input, "sha256", path)}));
+  }
+  Json settings{{"title", "Program and settings"}, {"rows", results.rows(kProvenance)}};
+  return Json::array({std::move(settings), std::move(inputs)});
+}
+
+Json verification_data(const Results& results, const Json& verification, const std::string& path) {
+  if (verification.is_null()) return nullptr;
+  const Results verified(verification, path);
+  const Json passed = verified.at("/passed"), cases = verified.at("/cases");
+  if (!passed.is_boolean() || !cases.is_array())
+    throw verified.wrong("passed", "the verification.json of reamsim verify");
+  Json out{{"passed", passed}, {"suite", verified.text("suite")}, {"cases", cases.size()}};
+  out["differs"] = Json::array();
+  for (const char* key : {"program", "device"}) {
+    out[key] = verified.text(key);
+    if (out[key] != results.text(key)) out["differs"].push_back(key);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string text_at(const Json& json, const char* key, const std::string& path) {
+  if (!json.contains(key) || !json.at(key).is_string()) throw Results(json, path).wrong(key, "a text");
+  return json.at(key).get<std::string>();
+}
+
+Json summary_data(const Json& summary, const Json& verification, const std::string& summary_path,
+                  const std::string& verification_path) {
+  const Results results(summary, summary_path);
+  return {{"warnings", warnings(results)},
+          {"key_figures", key_figures(results)},
+          {"planning", results.tables(kPlanning, std::array{kPegs})},
+          {"measurements", results.tables(kMeasurements, std::array{kEvents, kPasses})},
+          {"balance", results.rows(std::array{Line{"/balance", "", ""}})},
+          {"verification", verification_data(results, verification, verification_path)},
+          {"provenance", provenance(results, summary_path)}};
+}
+
+}  // namespace reamsim
