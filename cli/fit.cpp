@@ -3,21 +3,21 @@
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
-#include <cmath>
+#include <array>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "sim/base/csv.h"
+#include "cli/lab.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/record/force_log.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/result_json.h"
-#include "sim/study/fit_forces.h"
-#include "sim/study/reforce.h"
+#include "sim/scenario/find_key.h"
+#include "sim/scenario/presets.h"
+#include "sim/study/measured_forces.h"
 
 namespace reamsim {
 
@@ -36,109 +36,36 @@ struct FitCommandOptions {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<FrameTime> frames_of(const std::string& dir) {
-  const std::vector<std::string_view> columns = csv_cells(kForceColumns);
-  CsvReader log(dir + "/forces.csv", columns, "the log of a run");
-  std::vector<FrameTime> out;
-  for (std::vector<double> row; log.next(row);) {
-    const FrameResult result = result_of(row, log.where());
-    out.push_back({result.time_s, result.frame, result.pose.orientation * Vec3::UnitZ()});
+/// Of the constants of a fit, by name ("u": of a class), the scenario's key and what it accepts; and the least energy
+/// of bone that the project assumes.
+Json limits() {
+  static constexpr std::array<std::pair<const char*, const char*>, 6> kKeys{
+      {{"u0", "cutting.specific_energy_j_mm3"},
+       {"u", "cutting.specific_energy_table.0.energy_j_mm3"},
+       {"p", "cutting.density_exponent"},
+       {"k_n", "cutting.normal_ratio"},
+       {"K_t", "cutting.edge_force.tangential_n_mm"},
+       {"K_n", "cutting.edge_force.normal_n_mm"}}};
+  Json keys;
+  for (const auto& [name, key] : kKeys) {
+    const Range& range = find_key(key, {}).info.range;
+    keys[name] = {{"key", key}, {"min", range.min}, {"max", range.max}, {"text", range_text(range)}};
   }
+  CuttingSettings low;
+  low.preset = EnergyPreset::literature_low;
+  apply_preset({}, low);
+  return {{"keys", keys},
+          {"least_energy",
+           {{"specific_energy_j_mm3", low.specific_energy_j_mm3},
+            {"reference_density_g_cm3", low.reference_density_g_cm3},
+            {"density_exponent", low.density_exponent}}}};
+}
+
+/// NaN becomes null.
+Json json_of(const MeasuredForces& measured) {
+  Json out = Json::object();
+  for (std::size_t i = 0; i < measured.channels.size(); ++i) out[column_of(measured.channels[i])] = measured.values[i];
   return out;
-}
-
-std::string unit_of(const std::string& constant) {
-  if (constant.starts_with("u")) return "J/mm3";
-  return constant.starts_with("K") ? "N/mm" : "";
-}
-
-void print_constants(const ForceFit& fit, FitModel model, const Console& console) {
-  std::vector<std::vector<std::string>> rows{{"constant", "value", "standard error", "unit", ""}};
-  for (std::size_t i = 0; i < fit.constants.size(); ++i) {
-    const FittedConstant& c = fit.constants[i];
-    std::string note = c.fitted ? (c.at_bound ? "at its bound" : "") : "not fitted: that of the run";
-    if (model == FitModel::classes && i < fit.classes.size())
-      note += fmt::format("{:.3f} to {:.3f} g/cm3", fit.classes[i].least_g_cm3, fit.classes[i].most_g_cm3);
-    rows.push_back({c.name, fmt::format("{:.6g}", c.value),
-                    std::isnan(c.standard_error) ? "-" : fmt::format("{:.2g}", c.standard_error), unit_of(c.name),
-                    note});
-  }
-  for (const std::string& line : align_columns(rows)) console.say(line);
-}
-
-void print_residuals(const ForceFit& fit, const Console& console) {
-  std::vector<std::vector<std::string>> rows{{"column", "samples", "RMS measured", "RMS residual", "R2"}};
-  for (const ChannelResidual& r : fit.residuals) {
-    rows.push_back({column_of(r.channel), std::to_string(r.samples), fmt::format("{:.4g}", r.rms_measured),
-                    fmt::format("{:.3g}", r.rms), fmt::format("{:.5f}", r.r_squared)});
-  }
-  for (const std::string& line : align_columns(rows)) console.say(line);
-}
-
-Json json_of(const ForceFit& fit, const FitCommandOptions& options) {
-  Json json;
-  json["program"] = "reamsim " REAMSIM_VERSION;
-  json["model"] = options.model;
-  std::vector<std::string> free;
-  for (const FittedConstant& c : fit.constants) {
-    json["constants"].push_back({{"name", c.name},
-                                 {"value", c.value},
-                                 {"standard_error", std::isnan(c.standard_error) ? Json() : Json(c.standard_error)},
-                                 {"unit", unit_of(c.name)},
-                                 {"fitted", c.fitted},
-                                 {"at_bound", c.at_bound}});
-    if (c.fitted && !c.at_bound) free.push_back(c.name);
-  }
-  json["covariance_of"] = free;
-  for (Eigen::Index i = 0; i < fit.covariance.rows(); ++i) {
-    const Eigen::VectorXd row = fit.covariance.row(i).transpose();
-    json["covariance"].push_back(std::vector<double>(row.begin(), row.end()));
-  }
-  for (const DensityClass& c : fit.classes) {
-    json["classes"].push_back({{"least_g_cm3", c.least_g_cm3},
-                               {"most_g_cm3", c.most_g_cm3},
-                               {"mean_g_cm3", c.mean_g_cm3},
-                               {"removed_mm3", c.volume_mm3}});
-  }
-  for (const ChannelResidual& r : fit.residuals) {
-    json["residuals"].push_back({{"column", column_of(r.channel)},
-                                 {"samples", r.samples},
-                                 {"rms_measured", r.rms_measured},
-                                 {"rms", r.rms},
-                                 {"r_squared", r.r_squared}});
-  }
-  json["statements"] = fit.statements;
-  json["warnings"] = fit.warnings;
-  return json;
-}
-
-/// Measured, fitted and residual of every column, at the measured times that are times of frames or lie between two.
-void write_residuals(const std::string& path, const BasisRun& run, const std::vector<FrameTime>& frames,
-                     const MeasuredForces& measured, const ForceFit& fit) {
-  std::string header = "time_s";
-  for (const ForceChannel channel : measured.channels)
-    header += "," + column_of(channel) + ",fitted_" + column_of(channel) + ",residual_" + column_of(channel);
-  CsvWriter out(path, header);
-  const auto fitted = [&](ForceChannel channel, const FrameTime& frame) {
-    const FrameForces forces = run.basis.forces(frame.frame, fit.force);
-    return channel_value(channel, forces.force_n, forces.torque_nmm, frame.tool_z);
-  };
-  for (std::size_t i = 0; i < measured.time_s.size(); ++i) {
-    const double time = measured.time_s[i];
-    const auto after = std::ranges::lower_bound(frames, time - 1e-9, {}, &FrameTime::time_s);
-    if (after == frames.end() || (after == frames.begin() && after->time_s > time + 1e-9)) continue;
-    const FrameTime& before = after == frames.begin() ? *after : *(after - 1);
-    const double step = after->time_s - before.time_s;
-    const double t = step > 0 ? std::min(1.0, (time - before.time_s) / step) : 1;
-    std::vector<double> row{time};
-    for (std::size_t c = 0; c < measured.channels.size(); ++c) {
-      const ForceChannel channel = measured.channels[c];
-      const double value = (1 - t) * fitted(channel, before) + t * fitted(channel, *after);
-      row.insert(row.end(), {measured.values[c][i], value, measured.values[c][i] - value});
-    }
-    out.row(row);
-  }
-  out.close();
 }
 
 bool is_fit(const std::string& path) {
@@ -174,17 +101,17 @@ void fit_command(const FitCommandOptions& options, const Console& console) {
     require_replaceable_file(options.residuals, "--residuals", options.overwrite, is_residuals, inputs);
   const BasisRun run = open_basis_run(options.dir);
   const MeasuredForces measured = read_measured_forces(options.measured);
-  const std::vector<FrameTime> frames = frames_of(options.dir);
-  const FitModel model = options.model == "law" ? FitModel::law : FitModel::classes;
-  const ForceFit fit =
-      fit_forces(run.basis, frames, run.law.cutting, measured,
-                 {.model = model, .class_edges_g_cm3 = options.edges, .fit_normal_ratio = !options.fixed_normal_ratio});
-  if (!options.output.empty()) write_file(options.output, json_of(fit, options).dump(2) + "\n");
-  if (!options.residuals.empty()) write_residuals(options.residuals, run, frames, measured, fit);
-  print_constants(fit, model, console);
-  print_residuals(fit, console);
-  for (const std::string& statement : fit.statements) console.say(statement);
-  for (const std::string& warning : fit.warnings) console.warn(warning);
+  require_readable_log(options.dir);
+  say_answer(call_lab("fit", {options.dir, options.measured, options.output, options.residuals},
+                      {{"program", "reamsim " REAMSIM_VERSION},
+                       {"law", law_json(run.law)},
+                       {"time_s", measured.time_s},
+                       {"measured", json_of(measured)},
+                       {"model", options.model},
+                       {"class_edges_g_cm3", options.edges},
+                       {"fit_normal_ratio", !options.fixed_normal_ratio},
+                       {"limits", limits()}}),
+             console);
   if (!options.output.empty()) console.say("constants: " + options.output);
   if (!options.residuals.empty()) console.say("measured and fitted values: " + options.residuals);
 }

@@ -49,7 +49,7 @@ inline constexpr std::array<OwnStatus, 6> kOwnStatuses{
      {"uq", {"75", "interrupted; the same command continues"}},
      {"verify", {"1", "the command failed, or a figure exceeds its tolerance"}}}};
 
-inline constexpr std::array<Entry, 8> kVariables{
+inline constexpr std::array<Entry, 9> kVariables{
     {{"NO_COLOR", "If set and not empty, messages on a terminal have no colours. Elsewhere they never have."},
      {"TERM", "With dumb, progress is printed as lines and messages have no colours."},
      {"POCL_CACHE_DIR", "Folder for compiled OpenCL kernels."},
@@ -58,6 +58,8 @@ inline constexpr std::array<Entry, 8> kVariables{
      {"TMPDIR", "Folder for compiled kernels where none of these can be written; otherwise /tmp."},
      {"POCL_MAX_PTHREAD_COUNT", "Maximum number of threads of the OpenCL device PoCL."},
      {"POCL_AFFINITY", "1, the default of reamsim, binds the threads of PoCL to processors; 0 does not."},
+     {"REAMSIM_PYTHON",
+      "The Python that computes the statistics of fit, uq and sweep; otherwise /usr/bin/python3, or python3 of PATH."},
      {"HOME", "Replaces ${HOME} in a scenario, as any variable ${NAME} is replaced there."}}};
 
 inline constexpr std::array<Entry, 5> kExamples{

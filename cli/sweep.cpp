@@ -10,6 +10,7 @@
 
 #include "cli/commands.h"
 #include "cli/input_kind.h"
+#include "cli/lab.h"
 #include "cli/sweep.h"
 #include "cli/sweep_estimate.h"
 #include "cli/sweep_workers.h"
@@ -246,6 +247,7 @@ class StudyRun {
 
   void run() {
     const std::vector<std::size_t> runs = runs_to_do(sweep_, folder_, shard_);
+    if (options_.shard.empty()) require_lab();
     console_.say(fmt::format("{}: {} runs in the study, {} to simulate -> {}", sweep_.study.name, sweep_.runs.size(),
                              runs.size(), folder_.path()));
     say_lines_of(same_runs(sweep_.runs), console_);

@@ -6,37 +6,77 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
-#include "render/study/effects_plot.h"
-#include "render/study/effects_table.h"
+#include "cli/lab.h"
 #include "render/viewer/study_page.h"
 #include "sim/base/file.h"
+#include "sim/base/text.h"
 #include "sim/record/citation.h"
+#include "sim/scenario/show.h"
+#include "sim/study/column_names.h"
 #include "sim/study/uq_design.h"
-#include "sim/study/uq_outputs.h"
 
 namespace reamsim {
 
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
-/// Characters of a line on the terminal.
 /// Warnings of runs on the terminal, at most.
 constexpr std::size_t kMostWarnings = 3;
 
 /// Figures of runs that the study no longer has would contradict its table.
 void remove_effects(const std::string& dir) {
   std::error_code ignored;
-  for (const char* ending : {"csv", "gp", "png", "svg", "pdf"}) fs::remove(dir + "/effects." + ending, ignored);
+  for (const char* ending : {"csv", "gp", "py", "png", "svg", "pdf"}) fs::remove(dir + "/effects." + ending, ignored);
 }
 
-std::string effects_line(const std::string& dir, const MainEffects& effects) {
-  const std::size_t all = effects.parameters.size(), shown = std::min(all, kMostParametersOfFigure);
-  const std::string part =
-      shown < all ? fmt::format(" ({} of {} parameters, those that explain most)", shown, all) : std::string();
-  return "main effects: " + dir + "/effects.png" + part;
+/// All numbers of a parameter, or null where a cell is none.
+Json numbers_of(const RunTable& table, std::size_t parameter) {
+  Json out = Json::array();
+  for (const CollectedRun& run : table.runs) {
+    const auto number = parse_number(run.cells[parameter]);
+    if (!number || !std::isfinite(*number)) return nullptr;
+    out.push_back(*number);
+  }
+  return out;
+}
+
+/// The table of a study for the statistics: all parameters, and headline_results().
+Json table_json(const RunTable& table) {
+  Json out{{"all", table.all}, {"width", kTerminalWidth}};
+  for (const char* list : {"numbers", "states", "parameters", "results"}) out[list] = Json::array();
+  for (const CollectedRun& run : table.runs) {
+    out["numbers"].push_back(run.number);
+    out["states"].push_back(name_of(run.state));
+  }
+  const std::vector<ColumnName> names = column_names(table.parameters);
+  for (std::size_t p = 0; p < names.size(); ++p) {
+    Json cells = Json::array(), shown = Json::array();
+    for (const CollectedRun& run : table.runs) {
+      cells.push_back(printable(run.cells[p]));
+      shown.push_back(printable(shown_cell(run.cells[p])));
+    }
+    out["parameters"].push_back({{"key", printable(names[p].key)},
+                                 {"title", printable(names[p].title())},
+                                 {"cells", cells},
+                                 {"shown", shown},
+                                 {"numbers", numbers_of(table, p)}});
+  }
+  for (const ColumnName& name : headline_results()) {
+    const auto found = std::ranges::find(table.results, name.key);
+    if (found == table.results.end()) continue;
+    const auto place = static_cast<std::size_t>(found - table.results.begin());
+    Json numbers = Json::array();
+    for (const CollectedRun& run : table.runs) {
+      numbers.push_back(run.numbers.empty() ? Json() : Json(run.numbers[place]));
+    }
+    out["results"].push_back({{"key", name.key}, {"title", name.title()}, {"unit", name.unit}, {"numbers", numbers}});
+  }
+  return out;
 }
 
 /// Without the results that follow from the constants of the force law.
@@ -72,22 +112,20 @@ void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const C
   // Effects on forces without the sampled constants would contradict those of the analysis.
   const bool base_law = has_forces_of_base_law(sweep.study, folder.path());
   if (base_law) collected.table = without_forces(std::move(collected.table));
-  const MainEffects effects = main_effects(collected.table);
-  if (effects.empty()) {
-    remove_effects(folder.path());
-  } else {
-    write_main_effects(folder.path(), effects);
-  }
+  const Json answer = call_lab("effects", {folder.path()}, table_json(collected.table));
+  const Json &effects = answer["effects"], &table = answer["table"];
+  if (effects.is_null()) remove_effects(folder.path());
   write_citation(folder.path(), cite_results(folder.path()));
   replace_file(folder.path() + "/sweep.html", study_page(sweep.study.name, collected.table));
-  const std::vector<std::string> table = study_table(collected.table, effects, kTerminalWidth);
-  for (const std::string& line : table) console.say(line);
+  for (const Json& line : table) console.say(line.get<std::string>());
   if (!table.empty()) console.say("");
   console.say(counts_text(collected.counts));
   console.say(
       "table: " + folder.path() + "/runs.csv" +
       (base_law ? " (its forces and energies are those of the base's force law, without the sampled constants)" : ""));
-  if (!effects.empty()) console.say(effects_line(folder.path(), effects));
+  if (!effects.is_null()) {
+    console.say("main effects: " + folder.path() + "/effects.png" + effects.get<std::string>());
+  }
   console.say("page: " + folder.path() + "/sweep.html");
   warn_of_runs(collected.warnings,
                fmt::format("{} of {} finished runs have warnings; the column message of runs.csv has all of them",

@@ -4,21 +4,21 @@
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
 #include "cli/input_kind.h"
+#include "cli/lab.h"
 #include "cli/sweep.h"
-#include "render/plots/uq_plot.h"
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/statistics.h"
 #include "sim/record/citation.h"
+#include "sim/scenario/show.h"
 #include "sim/study/study_folder.h"
-#include "sim/study/uq_outputs.h"
+#include "sim/study/summary_numbers.h"
+#include "sim/study/uq_design.h"
 
 namespace reamsim {
 
@@ -35,74 +35,72 @@ struct UqOptions {
   int jobs = 1;
 };
 
-std::vector<double> column_of(const Eigen::MatrixXd& samples, Eigen::Index output) {
-  const Eigen::VectorXd values = samples.col(output);
-  return {values.begin(), values.end()};
+/// The points of a design for the statistics: by point its run, its place in the unit cube, the constants there.
+Json points_json(const UqDesign& design) {
+  Json out = Json::array();
+  for (const Eigen::VectorXd& point : design.points()) {
+    std::vector<double> row{static_cast<double>(design.run_of(point))};
+    row.insert(row.end(), point.begin(), point.end());
+    for (const auto& [key, value] : design.constants(point)) row.push_back(value);
+    out.push_back(std::move(row));
+  }
+  return out;
 }
 
-/// uq.csv: quantiles of force and torque in every interval of time.
-void write_bands(const std::string& dir, const UqResults& results) {
-  CsvWriter out(dir + "/uq.csv",
-                "time_s,axial_force_n_p05,axial_force_n_p50,axial_force_n_p95,spin_torque_nmm_p05,spin_torque_nmm_p50,"
-                "spin_torque_nmm_p95");
-  for (std::size_t i = 0; i < results.time_s.size(); ++i) {
-    std::vector<double> axial, torque;
-    for (const ForceHistory& history : results.histories) {
-      axial.push_back(history.axial_force_n[i]);
-      torque.push_back(history.spin_torque_nmm[i]);
+/// Of each run the force law at its first point, with the sampled constants, and that of the run itself. Throws
+/// InputError where the force basis of a run is damaged or does not hold for them.
+Json laws_json(const UqDesign& design, const std::vector<std::string>& run_dirs) {
+  Json out = Json::array();
+  if (!design.needs_basis()) return out;
+  std::vector<std::vector<std::string>> constants(run_dirs.size());
+  for (const Eigen::VectorXd& point : design.points()) {
+    std::vector<std::string>& of_run = constants[design.run_of(point)];
+    if (!of_run.empty()) continue;
+    for (const auto& [key, value] : design.constants(point)) of_run.push_back(key + "=" + number_text(value));
+  }
+  for (std::size_t i = 0; i < run_dirs.size(); ++i) {
+    const BasisRun run = open_basis_run(run_dirs[i]);
+    out.push_back({{"law", law_json(changed_law(run, constants[i]))}, {"of_run", law_json(run.law)}});
+  }
+  return out;
+}
+
+/// Of each run the numbers of its summary that do not depend on the force law.
+Json numbers_json(const std::vector<std::string>& run_dirs) {
+  Json out = Json::array();
+  for (const std::string& dir : run_dirs) {
+    Json of_run = Json::object();
+    for (const auto& [name, value] : summary_numbers(dir)) {
+      if (!depends_on_law(name)) of_run[name] = value;
     }
-    out.row({results.time_s[i], quantile(axial, 0.05), quantile(axial, 0.5), quantile(axial, 0.95),
-             quantile(torque, 0.05), quantile(torque, 0.5), quantile(torque, 0.95)});
+    out.push_back(std::move(of_run));
   }
-  out.close();
+  return out;
 }
 
-/// uq.json: by output its quantiles, and by input the indices.
-void write_indices(const std::string& dir, const UqResults& results, std::size_t runs) {
-  Json json;
-  json["program"] = "reamsim " REAMSIM_VERSION;
-  json["runs"] = runs;
-  json["samples"] = results.samples.rows();
-  for (std::size_t i = 0; i < results.outputs.size(); ++i) {
-    const std::vector<double> values = column_of(results.samples, static_cast<Eigen::Index>(i));
-    Json& output = json["outputs"][results.outputs[i]];
-    output["p05"] = quantile(values, 0.05);
-    output["p50"] = quantile(values, 0.5);
-    output["p95"] = quantile(values, 0.95);
-    output["dominant"] = results.dominant[i];
-    for (std::size_t d = 0; d < results.inputs.size(); ++d) {
-      const auto at = static_cast<Eigen::Index>(d);
-      output["inputs"][results.inputs[d]] = {{"first_order", results.first[i][at]},
-                                             {"first_order_error", results.first_error[i][at]},
-                                             {"total", results.total[i][at]},
-                                             {"total_error", results.total_error[i][at]},
-                                             {"mean_in_lowest_fifth", results.low[i][at]},
-                                             {"mean_in_highest_fifth", results.high[i][at]}};
-    }
+/// Bands and indices of the finished runs in `dir`.
+void evaluate(const UqDesign& design, const SweepRuns& done, const StudyFolder& folder, const Console& console) {
+  Json inputs = Json::array(), constants = Json::array(), ids = Json::array();
+  for (const UncertainInput& input : design.inputs()) {
+    inputs.push_back(input.name);
+    if (input.constant) constants.push_back(input.name);
   }
-  replace_file(dir + "/uq.json", json.dump(2) + "\n");
-}
-
-TornadoPlot tornado(const UqResults& results, std::size_t output) {
-  TornadoPlot plot{.rows = {}, .mean = results.samples.col(static_cast<Eigen::Index>(output)).mean()};
-  for (std::size_t d = 0; d < results.inputs.size(); ++d) {
-    const auto at = static_cast<Eigen::Index>(d);
-    plot.rows.push_back({results.inputs[d], results.low[output][at], results.high[output][at]});
+  std::vector<std::string> run_dirs;
+  for (const IdentifiedRun& run : done.runs) {
+    ids.push_back(run.id);
+    run_dirs.push_back(folder.run_dir(run.id));
+    require_readable_log(run_dirs.back());
   }
-  return plot;
-}
-
-void print_results(const Console& console, const UqResults& results) {
-  constexpr std::array kUnits{"N", "N mm", "mJ"};
-  for (std::size_t i = 0; i < kUnits.size(); ++i) {
-    const std::vector<double> values = column_of(results.samples, static_cast<Eigen::Index>(i));
-    console.say(fmt::format("{}: {:.4g} {} (5 to 95 %: {:.4g} to {:.4g}); {}", results.outputs[i],
-                            quantile(values, 0.5), kUnits[i], quantile(values, 0.05), quantile(values, 0.95),
-                            results.dominant[i]));
-  }
-  console.say(
-      "±: 95 % sampling error of an index as of independent samples (those of sobol scatter less), by which it may "
-      "exceed 100 %; a larger sample.n lowers it");
+  say_answer(call_lab("uq", {folder.path()},
+                      {{"program", "reamsim " REAMSIM_VERSION},
+                       {"inputs", inputs},
+                       {"constants", constants},
+                       {"n", design.a().rows()},
+                       {"points", points_json(design)},
+                       {"runs", ids},
+                       {"laws", laws_json(design, run_dirs)},
+                       {"numbers", numbers_json(run_dirs)}}),
+             console);
 }
 
 void uq_command(const UqOptions& options, const Console& console) {
@@ -111,6 +109,7 @@ void uq_command(const UqOptions& options, const Console& console) {
   const std::string dir = options.output.empty() ? "out/" + study.name : options.output;
   keep_results_of_sweep(dir);
   design.require_valid_runs();
+  require_lab();
   const std::string marked = StudyFolder(study, dir).path();
   const SweepOptions runs{.file = design.write_runs(marked), .output = marked, .overrides = {}};
   console.say(fmt::format("{}: {} uncertain inputs, {} evaluations of {} runs", study.name, design.inputs().size(),
@@ -121,14 +120,8 @@ void uq_command(const UqOptions& options, const Console& console) {
   }
   const SweepRuns done = simulate_study(runs, options.jobs, console);
   const StudyFolder folder = StudyFolder::open(done.study, marked);
-  std::vector<std::string> dirs;
-  for (const IdentifiedRun& run : done.runs) dirs.push_back(folder.run_dir(run.id));
-  const UqResults results = evaluate_uq(design, dirs);
-  write_bands(marked, results);
-  write_indices(marked, results, dirs.size());
-  write_uq_plot(marked, tornado(results, 0), tornado(results, 1));
+  evaluate(design, done, folder, console);
   write_citation(marked, cite_results(marked));
-  print_results(console, results);
   console.say("bands and indices: " + marked + "/uq.csv, uq.json, uq.png");
 }
 

@@ -30,7 +30,7 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_NAME} built using CMake")
 set(same_version "(= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 
 # What the program opens or starts at run time, beside the libraries that it is linked with: an OpenCL device, off-screen OpenGL,
-# gnuplot, a font. See setup.sh for the same of a build.
+# gnuplot, a font, Python for the statistics. See setup.sh for the same of a build.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME reamsim)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
@@ -42,7 +42,7 @@ else()
   set(offscreen_opengl ${egl})
 endif()
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS
-  "pocl-opencl-icd | opencl-icd, ${offscreen_opengl}, gnuplot-nox | gnuplot, fonts-dejavu-core")
+  "pocl-opencl-icd | opencl-icd, ${offscreen_opengl}, gnuplot-nox | gnuplot, fonts-dejavu-core, python3, python3-numpy, python3-scipy, python3-matplotlib, python3-yaml")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "ffmpeg, python3-reamsim")
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "simulator of glenoid reaming
 reamsim removes bone from a CT scan, a surface mesh or a generated phantom
@@ -69,7 +69,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-reamsim)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${python_versions}, python3-numpy, python3-yaml, reamsim ${same_version}")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib, python3-scipy")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-pandas, python3-openvdb")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
   ${CMAKE_CURRENT_LIST_DIR}/postinst ${CMAKE_CURRENT_LIST_DIR}/prerm)

@@ -116,18 +116,6 @@ std::vector<ColumnName> column_names(const std::vector<std::string>& keys) {
   return out;
 }
 
-std::pair<std::string, std::string> two_lines(const std::string& title) {
-  std::size_t best = std::string::npos;
-  const auto distance = [&](std::size_t at) {
-    return std::abs(static_cast<double>(at) - 0.5 * static_cast<double>(title.size()));
-  };
-  for (std::size_t at = title.find(' '); at != std::string::npos; at = title.find(' ', at + 1)) {
-    if (best == std::string::npos || distance(at) < distance(best)) best = at;
-  }
-  if (best == std::string::npos) return {"", title};
-  return {title.substr(0, best), title.substr(best + 1)};
-}
-
 std::string shown_cell(const std::string& cell) {
   if (cell.empty()) return "as in the base";
   if (const auto number = parse_number(cell)) return fmt::format("{:.4g}", *number);

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace reamsim {
@@ -26,9 +25,6 @@ std::vector<ColumnName> column_names(const std::vector<std::string>& keys);
 /// The results that figures and tables of a study show, in this order: force, torque, volume, depth, energy, and
 /// planning numbers.
 const std::vector<ColumnName>& headline_results();
-
-/// A title on two lines of about the same length; the first is "" where it is one word.
-std::pair<std::string, std::string> two_lines(const std::string& title);
 
 /// A cell as tables and figures show it: a path is its file name without extension, a number has four digits.
 std::string shown_cell(const std::string& cell);

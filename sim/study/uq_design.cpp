@@ -90,6 +90,14 @@ void require_samples_alone(const Study& study) {
 
 }  // namespace
 
+bool depends_on_law(const std::string& name) {
+  static constexpr std::string_view kSections[] = {"headline.", "forces.", "force_law.", "passes."};
+  static constexpr std::string_view kNumbers[] = {"work_mj", "energy_mj", "floor_energy_mj", "friction_energy_mj",
+                                                  "balance"};
+  return std::ranges::any_of(kSections, [&](std::string_view section) { return name.starts_with(section); }) ||
+         std::ranges::find(kNumbers, name) != std::end(kNumbers);
+}
+
 bool holds_uq_runs(const std::string& dir) {
   return read_file_start(runs_file(dir), kRunsMark.size()) == kRunsMark;
 }
@@ -196,13 +204,12 @@ std::size_t UqDesign::run_of(const Eigen::VectorXd& point) const {
   return run_places_.at(run_part(point));
 }
 
-std::vector<std::string> UqDesign::constants(const Eigen::VectorXd& point) const {
-  std::vector<std::string> out;
+std::vector<std::pair<std::string, double>> UqDesign::constants(const Eigen::VectorXd& point) const {
+  std::vector<std::pair<std::string, double>> out;
   for (std::size_t d = 0; d < inputs_.size(); ++d) {
     if (!inputs_[d].constant) continue;
     const SampledKey& sampled = study_.sample->of[inputs_[d].key];
-    const double value = sample_number(sampled.distribution, point[static_cast<Eigen::Index>(d)]);
-    out.push_back(sampled.key + "=" + number_text(value));
+    out.emplace_back(sampled.key, sample_number(sampled.distribution, point[static_cast<Eigen::Index>(d)]));
   }
   return out;
 }

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/study/study_plan.h"
@@ -24,6 +25,9 @@ bool holds_uq_runs(const std::string& dir);
 /// Whether it does, and their forces are those of the base's force law: sampled constants of the law have no runs.
 bool has_forces_of_base_law(const Study& runs, const std::string& dir);
 
+/// Whether a result of a study's table, such as "forces.peak_force_n", follows from the constants of the force law.
+bool depends_on_law(const std::string& name);
+
 /// The points at which the outputs of a study are needed for bands and sensitivity indices, and the runs that they
 /// need.
 class UqDesign {
@@ -41,8 +45,8 @@ class UqDesign {
   [[nodiscard]] std::size_t runs() const { return run_points_.size(); }
   /// The run of a point. Its number in the study of runs is one more.
   [[nodiscard]] std::size_t run_of(const Eigen::VectorXd& point) const;
-  /// The constants at a point, "key=value".
-  [[nodiscard]] std::vector<std::string> constants(const Eigen::VectorXd& point) const;
+  /// The constants at a point, by their keys.
+  [[nodiscard]] std::vector<std::pair<std::string, double>> constants(const Eigen::VectorXd& point) const;
   /// Whether forces come from the force basis of the runs: some inputs are constants. Otherwise from their forces.csv.
   [[nodiscard]] bool needs_basis() const;
   /// Throws InputError where a scenario refuses a run: such a run would fail after the others are simulated, and no

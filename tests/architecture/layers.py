@@ -48,7 +48,6 @@ LAYERS = [
     ("render/plots", ["render_plots"]),
     ("render", ["render"]),
     ("render/viewer", ["render_viewer"]),
-    ("render/study", ["render_study"]),
     ("cli", ["reamsim"]),
     ("python/native", []),
 ]

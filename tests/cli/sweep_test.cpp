@@ -29,7 +29,7 @@ TEST_F(Sweep, OneCommandSimulatesAndCollects) {
   ASSERT_EQ(table.size(), 9U);
   EXPECT_THAT(table[0], HasSubstr("run,id,status,message,motion.plunge.depth_mm,cutting.specific_energy_j_mm3,"));
   EXPECT_THAT(table[0], HasSubstr(",removed_mm3,"));
-  for (const char* file : {"effects.csv", "effects.png", "effects.svg", "effects.pdf", "effects.gp", "sweep.html"}) {
+  for (const char* file : {"effects.csv", "effects.png", "effects.svg", "effects.pdf", "effects.py", "sweep.html"}) {
     EXPECT_TRUE(exists(std::string("out/") + file)) << file;
   }
   EXPECT_THAT(result.out, HasSubstr("page: " + path("out") + "/sweep.html"));

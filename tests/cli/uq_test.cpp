@@ -50,7 +50,7 @@ TEST_F(Uq, ConstantsOfTheLawNeedOneRun) {
   const std::vector<std::string> bands = lines("uq/uq.csv");
   EXPECT_THAT(bands[0], HasSubstr("time_s,axial_force_n_p05"));
   EXPECT_GT(bands.size(), 20U);
-  for (const char* file : {"uq/uq.png", "uq/uq.svg", "uq/uq.pdf", "uq/uq.gp"}) EXPECT_TRUE(exists(file)) << file;
+  for (const char* file : {"uq/uq.png", "uq/uq.svg", "uq/uq.pdf", "uq/uq.py"}) EXPECT_TRUE(exists(file)) << file;
 }
 
 TEST_F(Uq, OtherInputsNeedRuns) {

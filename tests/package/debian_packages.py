@@ -17,7 +17,7 @@ VERSION = re.search(r"project\(reamsim VERSION (\S+)", (ROOT / "CMakeLists.txt")
 PLACES = {
     "reamsim": ["usr/bin/reamsim", "usr/share/reamsim/assets/reamer_convex.stl", "usr/share/reamsim/assets/scenario.schema.json",
                 "usr/share/reamsim/trajectories/default.yaml", "usr/share/reamsim/trajectories/studies/reamers.yaml",
-                "usr/share/doc/reamsim/docs/keys.md", "usr/share/doc/reamsim/docs/examples/library/impedance.cpp"],
+                "usr/share/reamsim/python/src/reamsim/lab/fit.py", "usr/share/doc/reamsim/docs/keys.md", "usr/share/doc/reamsim/docs/examples/library/impedance.cpp"],
     "libreamsim-dev": ["usr/include/reamsim/simulation.h", r"usr/lib/[^/]+-linux-gnu/reamsim/libsim_api\.a",
                        r"usr/lib/[^/]+-linux-gnu/cmake/reamsim/reamsimConfig\.cmake", r"usr/lib/[^/]+-linux-gnu/pkgconfig/reamsim\.pc"],
     "python3-reamsim": [r"usr/lib/python3/dist-packages/reamsim/__init__\.py",
@@ -27,7 +27,7 @@ PLACES = {
 OFFSCREEN = "libosmesa6" if subprocess.run("ldconfig -p | grep -q libOSMesa", shell=True).returncode == 0 else "libegl1"
 NEEDS = {
     "reamsim": ["libc6", "libopenvdb", "libinsighttoolkit5", "pocl-opencl-icd | opencl-icd", "gnuplot-nox | gnuplot",
-                "fonts-dejavu-core", OFFSCREEN],
+                "fonts-dejavu-core", "python3-scipy", "python3-matplotlib", OFFSCREEN],
     "libreamsim-dev": ["libopenvdb-dev", "libinsighttoolkit5-dev", "libseccomp-dev", "pkgconf | pkg-config"],
     "python3-reamsim": ["python3-numpy", "python3-yaml", f"reamsim (= {VERSION})", "python3 (<< 3."],
 }

@@ -1,0 +1,182 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Main effects of a study: what a parameter alone changes of a result (docs/study-files.md)."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy
+
+MOST_NUMERIC_LEVELS = 8  # more values of a number are grouped by intervals
+MOST_LEVELS = 40  # more levels of a text do not fit an axis
+MOST_INTERVALS, LEAST_VALUES_OF_INTERVAL = 8, 8
+# A result whose values differ by less than this fraction of them does not vary: it is rounding. Nor does an angle that
+# differs by less than this, °: the fits of faces have errors of some hundredths.
+LEAST_VARIATION, LEAST_VARIATION_DEG = 1e-9, 0.1
+
+
+@dataclasses.dataclass(frozen=True)
+class Column:
+    """A column of a study by run.
+
+    Attributes:
+        key: of runs.csv.
+        title: what people read, with the unit.
+        cells: texts of a parameter.
+        shown: as tables and figures show them.
+        numbers: values of a result (NaN: missing), or of a parameter all of whose cells are numbers; otherwise None.
+        unit: of a result.
+    """
+
+    key: str
+    title: str
+    cells: Sequence[str] = ()
+    shown: Sequence[str] = ()
+    numbers: numpy.ndarray | None = None
+    unit: str = ""
+
+    def of(self, runs: Sequence[int]) -> Column:
+        """The same of some runs."""
+        def some(values: Sequence[str]) -> list[str]:
+            return [values[run] for run in runs] if len(values) else []
+
+        return dataclasses.replace(self, cells=some(self.cells), shown=some(self.shown),
+                                   numbers=None if self.numbers is None else self.numbers[list(runs)])
+
+
+@dataclasses.dataclass
+class Parameter:
+    """A parameter that varies. `levels`: names of the groups, empty for intervals. `x`: by run, the value of a number,
+    otherwise the number of the level from 1. `group`: by run. `also`: keys that vary together with it."""
+
+    column: Column
+    numeric: bool
+    levels: list[str]
+    x: numpy.ndarray
+    group: numpy.ndarray
+    also: list[str] = dataclasses.field(default_factory=list)
+
+
+@dataclasses.dataclass(frozen=True)
+class Group:
+    """The runs with one level, or with values in one interval. `x`: mean of the parameter; `sd`: standard deviation of
+    the result over all else that varies, 0 for one run."""
+
+    level: int
+    x: float
+    least: float
+    most: float
+    runs: int
+    mean: float
+    sd: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Effect:
+    """What a parameter alone changes of a result. `explained`: fraction of the variance that the means of the groups
+    explain (the correlation ratio); of intervals corrected for what random groups would explain (Kelley 1935)."""
+
+    groups: list[Group]
+    explained: float
+
+
+@dataclasses.dataclass
+class MainEffects:
+    """`effects[parameter][result]`. Parameters descend by the mean of the fractions that they explain."""
+
+    parameters: list[Parameter]
+    results: list[Column]
+    effects: list[list[Effect]]
+
+    def __bool__(self) -> bool:
+        return bool(self.parameters and self.results)
+
+
+def main_effects(parameters: Sequence[Column], results: Sequence[Column]) -> MainEffects:
+    """The effects of all parameters with two or more values.
+
+    A number with more than eight values is grouped by intervals with equally many of them. Texts with more than forty
+    values, and texts that differ in every run, are no parameters; nor is a vector whose tilts or shifts are. Of parameters
+    that group the runs in the same way, the first stands for all.
+    """
+    varied: list[Parameter] = []
+    keys = [column.key for column in parameters]
+    for column in parameters:
+        has_parts = any(key.startswith((f"{column.key}.tilt_", f"{column.key}.shift_")) for key in keys)
+        parameter = None if has_parts else _grouped(column)
+        if parameter is None:
+            continue
+        same = next((other for other in varied if _group_alike(other, parameter)), None)
+        if same is None:
+            varied.append(parameter)
+        else:
+            same.also.append(column.key)
+    of_results = [column for column in results if _varies(column)]
+    pairs = [(parameter, [_effect(parameter, column.numbers) for column in of_results]) for parameter in varied]
+    pairs.sort(key=lambda pair: -sum(effect.explained for effect in pair[1]))
+    return MainEffects([pair[0] for pair in pairs], of_results, [pair[1] for pair in pairs])
+
+
+def _grouped(column: Column) -> Parameter | None:
+    if column.numbers is not None:
+        values, group = numpy.unique(column.numbers, return_inverse=True)
+        if len(values) < 2:
+            return None
+        if len(values) <= MOST_NUMERIC_LEVELS:
+            places = [int(numpy.argmax(group == level)) for level in range(len(values))]
+            return Parameter(column, True, [column.shown[place] for place in places], column.numbers, group)
+        intervals = min(max(len(values) // LEAST_VALUES_OF_INTERVAL, 2), MOST_INTERVALS)
+        return Parameter(column, True, [], column.numbers, group * intervals // len(values))
+    places = {cell: place for place, cell in enumerate(dict.fromkeys(column.cells))}  # in the order of the plan
+    differs_in_every_run = len(places) == len(column.cells) > 2
+    if not 2 <= len(places) <= MOST_LEVELS or differs_in_every_run:
+        return None
+    group = numpy.array([places[cell] for cell in column.cells])
+    levels = _shortened([column.shown[column.cells.index(cell)] for cell in places])
+    return Parameter(column, False, levels, group + 1.0, group)
+
+
+def _shortened(levels: list[str]) -> list[str]:
+    """Without what all begin with, up to the last separator in it: "reamer_flat" is "flat"."""
+    same = 0
+    while all(same < len(level) and level[same] == levels[0][same] for level in levels):
+        same += 1
+    begin = 1 + max(levels[0].rfind(separator, 0, same) for separator in "_- ")
+    return levels if any(len(level) == begin for level in levels) else [level[begin:] for level in levels]
+
+
+def _group_alike(a: Parameter, b: Parameter) -> bool:
+    """Whether both group the runs in the same way, whatever the numbers of the groups."""
+    if not a.levels or len(a.levels) != len(b.levels):
+        return False
+    return len(set(zip(a.group.tolist(), b.group.tolist()))) == len(a.levels)
+
+
+def _varies(column: Column) -> bool:
+    values = column.numbers[~numpy.isnan(column.numbers)]
+    if not len(values):
+        return False
+    least = LEAST_VARIATION_DEG if column.unit == "°" else LEAST_VARIATION * max(abs(values.max()), abs(values.min()))
+    return bool(values.max() - values.min() > least)
+
+
+def _effect(parameter: Parameter, y: numpy.ndarray) -> Effect:
+    known = ~numpy.isnan(y)
+    x, group, y = parameter.x[known], parameter.group[known], y[known]
+    groups, within = [], 0.0
+    for level in numpy.unique(group):
+        chosen = group == level
+        of_x, of_y = x[chosen], y[chosen]
+        squares = float(((of_y - of_y.mean()) ** 2).sum())
+        within += squares
+        sd = (squares / (len(of_y) - 1)) ** 0.5 if len(of_y) > 1 else 0.0
+        groups.append(Group(int(level), float(of_x.mean()), float(of_x.min()), float(of_x.max()), len(of_y),
+                            float(of_y.mean()), sd))
+    total = float(((y - y.mean()) ** 2).sum())
+    if not total > 0:
+        return Effect(groups, 0.0)
+    correction = (len(y) - 1) / (len(y) - len(groups)) if not parameter.levels and len(y) > len(groups) else 1
+    return Effect(groups, min(max(1 - within / total * correction, 0.0), 1.0))

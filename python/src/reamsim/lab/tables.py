@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: the reamsim authors
+# SPDX-License-Identifier: Apache-2.0
+
+"""Text of tables and files, as the program writes it."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import pathlib
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+
+def number_text(value: float) -> str:
+    """The fewest digits that read back to the same value; an integer without exponent and fraction; "" of NaN."""
+    if math.isnan(value):
+        return ""
+    return str(int(value)) if value == int(value) and abs(value) <= 2 ** 53 else repr(float(value))
+
+
+def csv_text(text: str) -> str:
+    """A text as a CSV cell (RFC 4180). A spreadsheet would take a text that begins with =, +, - or @ for a formula, so an
+    apostrophe precedes it."""
+    text = "'" + text if text[:1] in tuple("=+-@") else text
+    return '"' + text.replace('"', '""') + '"' if "," in text or '"' in text else text
+
+
+def write_csv(path: str | os.PathLike[str], header: Sequence[str], rows: Iterable[Sequence[float | str]]) -> None:
+    """A CSV file of numbers and texts."""
+    lines = [",".join(header)]
+    lines += [",".join(csv_text(cell) if isinstance(cell, str) else number_text(cell) for cell in row) for row in rows]
+    replace_file(path, "\n".join(lines) + "\n")
+
+
+def json_text(value: Any) -> str:
+    """JSON with two spaces of indentation; NaN is null."""
+    def finite(part: Any) -> Any:
+        if isinstance(part, dict):
+            return {key: finite(each) for key, each in part.items()}
+        if isinstance(part, (list, tuple)):
+            return [finite(each) for each in part]
+        return None if isinstance(part, float) and math.isnan(part) else part
+
+    return json.dumps(finite(value), indent=2, ensure_ascii=False) + "\n"
+
+
+def replace_file(path: str | os.PathLike[str], text: str) -> None:
+    """Writes a file, which has either the old or the new content.
+
+    Raises:
+        OSError: with the name of the file.
+    """
+    unfinished = pathlib.Path(f"{os.fspath(path)}.tmp")
+    try:
+        with open(unfinished, "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(unfinished, path)
+    except OSError as error:
+        unfinished.unlink(missing_ok=True)
+        raise OSError(error.errno, error.strerror, os.fspath(path)) from error
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """The lines of a table of text: the first column left-aligned, the others right-aligned. No row has more cells than
+    the first."""
+    widths = [max(len(row[i]) if i < len(row) else 0 for row in rows) for i in range(len(rows[0]))]
+    return ["  ".join([row[0].ljust(widths[0])] + [cell.rjust(width) for cell, width in zip(row[1:], widths[1:])])
+            for row in rows]
