@@ -18,7 +18,7 @@ namespace {
 enum Column { kTime, kX, kY, kZ, kQw, kQx, kQy, kQz, kSpin };
 constexpr std::array<std::string_view, kSpin> kNames{"time_s", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz"};
 constexpr std::array<std::string_view, 1> kOptionalNames{"spin_rpm"};
-constexpr const char* kExpectedFile = "the header must name time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm";
+constexpr const char* kPoseColumns = "the header must name time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm";
 constexpr std::size_t kMaxRows = 10'000'000;
 constexpr double kFarthest_mm = 1e6;
 constexpr double kFastest_rpm = 1e6;
@@ -54,7 +54,7 @@ class RowWarnings {
 }  // namespace
 
 PoseCsv::PoseCsv(const CsvMotionSettings& settings, Diagnostics& report)
-    : rows_(settings.path, kNames, kExpectedFile, kOptionalNames), spin_rpm_(settings.spin_rpm) {
+    : rows_(settings.path, kNames, kPoseColumns, kOptionalNames), spin_rpm_(settings.spin_rpm) {
   std::string ignored;
   for (const std::string& name : rows_.skipped()) ignored += (ignored.empty() ? "\"" : ", \"") + printable(name) + '"';
   if (!ignored.empty()) report.note(rows_.where().text() + ": ignored columns: " + ignored.substr(0, 200));

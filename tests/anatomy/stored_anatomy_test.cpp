@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bone_fixture.h"
+#include "tests/bone/bone_fixture.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/vdb/bone_vdb_metadata.h"
 #include "sim/scene/load_bone.h"
