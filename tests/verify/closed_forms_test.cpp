@@ -14,17 +14,17 @@
 namespace reamsim::verify {
 namespace {
 
-constexpr SteadyPlunge kExample{29, 15, 1.25, 250, 0.2, 1.8};
+constexpr SteadyPlunge kBall{29, 15, 1.25, 250, 0.2, 1.8};
 
 TEST(Forms, TheDesignsExample) {
-  EXPECT_NEAR(kExample.torque_nmm(), 804.4, 0.05);
-  EXPECT_NEAR(kExample.axial_force_n(), 47.1, 0.05);
-  EXPECT_NEAR(kExample.full_contact_mm(), 4.18, 0.005);
+  EXPECT_NEAR(kBall.torque_nmm(), 804.4, 0.05);
+  EXPECT_NEAR(kBall.axial_force_n(), 47.1, 0.05);
+  EXPECT_NEAR(kBall.full_contact_mm(), 4.18, 0.005);
 }
 
 TEST(Forms, TheWorkOfSpinAndFeedIsTheCutsEnergy) {
   for (const double feed : {0.2, 2.0}) {
-    SteadyPlunge plunge = kExample;
+    SteadyPlunge plunge = kBall;
     plunge.feed_mm_s = feed;
     const PlungeLoads loads = plunge.full_loads();
     const double power = loads.torque_nmm * angular_speed(plunge.rpm) + loads.axial_force_n * feed;
@@ -33,7 +33,7 @@ TEST(Forms, TheWorkOfSpinAndFeedIsTheCutsEnergy) {
 }
 
 TEST(Forms, TheFullIntegralTendsToTheClosedForms) {
-  SteadyPlunge slow = kExample;
+  SteadyPlunge slow = kBall;
   slow.feed_mm_s = 1e-4;
   EXPECT_NEAR(slow.full_loads().torque_nmm / slow.torque_nmm(), 1, 1e-6);
   EXPECT_NEAR(slow.full_loads().axial_force_n / slow.axial_force_n(), 1, 1e-6);
@@ -42,20 +42,20 @@ TEST(Forms, TheFullIntegralTendsToTheClosedForms) {
 }
 
 TEST(Forms, TorqueOverThrustHasNoDensityInIt) {
-  EXPECT_NEAR(kExample.ratio_mm(), 17.12, 0.005);
+  EXPECT_NEAR(kBall.ratio_mm(), 17.12, 0.005);
   for (const double density : {0.3, 1.0, 1.8}) {
-    SteadyPlunge slow = kExample;
+    SteadyPlunge slow = kBall;
     slow.density_g_cm3 = density;
     slow.feed_mm_s = 1e-4;
     const PlungeLoads loads = slow.full_loads();
-    EXPECT_NEAR(loads.torque_nmm / loads.axial_force_n / kExample.ratio_mm(), 1, 1e-4) << density;
+    EXPECT_NEAR(loads.torque_nmm / loads.axial_force_n / kBall.ratio_mm(), 1, 1e-4) << density;
   }
 }
 
 TEST(Forms, HalfAFaceByElements) {
   // The law, element by element over the half with x > 0: F = −F_t·v̂ − k_n·F_t·n⊥ at its place.
   constexpr int kRings = 400, kSectors = 400;
-  SteadyPlunge plunge = kExample;
+  SteadyPlunge plunge = kBall;
   plunge.feed_mm_s = 0.5;
   const double omega = angular_speed(plunge.rpm), u = specific_energy(plunge.density_g_cm3);
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
@@ -82,7 +82,7 @@ TEST(Forms, HalfAFaceByElements) {
 }
 
 TEST(Forms, TheHalfFacesIntegralTendsToItsClosedForms) {
-  SteadyPlunge slow = kExample;
+  SteadyPlunge slow = kBall;
   slow.feed_mm_s = 1e-4;
   const HalfFaceLoads half = slow.half_face(), full = slow.full_half_face();
   EXPECT_NEAR(full.torque_nmm / half.torque_nmm, 1, 1e-4);
@@ -116,7 +116,7 @@ TEST(Forms, TheToolsAreTakenAsTheirCurves) {
   EXPECT_NEAR(head.arcs[0].begin.x(), 1.25, 1e-12);
   EXPECT_NEAR(head.arcs[0].begin.y(), 29 - std::sqrt(29 * 29 - 1.25 * 1.25), 1e-12);
   EXPECT_NEAR(head.arcs[0].end.x(), 15, 1e-12);
-  EXPECT_NEAR(head.arcs[0].end.y(), kExample.full_contact_mm(), 1e-12);
+  EXPECT_NEAR(head.arcs[0].end.y(), kBall.full_contact_mm(), 1e-12);
 }
 
 }  // namespace
