@@ -27,6 +27,17 @@ std::string json_for_script(const nlohmann::ordered_json& json);
 /// A value rounded to six significant digits, for short JSON.
 double short_number(double value);
 
+/// x, y, z with six significant digits.
+template <class Vector>
+nlohmann::ordered_json vector_json(const Vector& v) {
+  return {short_number(v.x()), short_number(v.y()), short_number(v.z())};
+}
+/// Lower and upper corner of a box.
+template <class Vector>
+nlohmann::ordered_json box_json(const Vector& low, const Vector& high) {
+  return nlohmann::ordered_json::array({vector_json(low), vector_json(high)});
+}
+
 using PageTexts = std::map<std::string, std::string>;
 
 /// The pages of dist/, which build.mjs makes.

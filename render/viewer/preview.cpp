@@ -54,12 +54,12 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMaxPoses = 240;
 
 Json optional_json(const std::optional<Vec3>& v) {
-  return v ? point_json(*v) : Json();
+  return v ? vector_json(*v) : Json();
 }
 
 Json points_json(const std::vector<Vec3>& points) {
   Json json = Json::array();
-  for (const Vec3& p : points) json.push_back(point_json(p));
+  for (const Vec3& p : points) json.push_back(vector_json(p));
   return json;
 }
 
@@ -76,7 +76,7 @@ void attempt(std::vector<Mistake>& mistakes, const Work& work) {
 Json spheres_json(std::span<const CutSphereSettings> spheres) {
   Json out = Json::array();
   for (const CutSphereSettings& sphere : spheres) {
-    out.push_back({{"center_mm", point_json(sphere.center_mm)}, {"radius_mm", sphere.radius_mm}});
+    out.push_back({{"center_mm", vector_json(sphere.center_mm)}, {"radius_mm", sphere.radius_mm}});
   }
   return out;
 }
@@ -94,7 +94,7 @@ std::string filter_text(const CtSettings& settings) {
 Json ct_json(const CtSettings& settings, const CtSettings& used) {
   Json planes = Json::array();
   for (const CutPlaneSettings& plane : settings.cut_planes) {
-    planes.push_back({{"point_mm", point_json(plane.point_mm)}, {"normal", point_json(plane.normal)}});
+    planes.push_back({{"point_mm", vector_json(plane.point_mm)}, {"normal", vector_json(plane.normal)}});
   }
   return {{"threshold_hu", settings.threshold_hu},
           {"closing_mm", settings.closing_mm},
@@ -124,18 +124,18 @@ Json glenoid_json(const PreviewBone& bone, const GlenoidSettings& given) {
             {"rim_given", !given.rim_mm.empty()}};
   if (bone.glenoid) {
     const Rigid& frame = bone.glenoid->bone_from_glenoid;
-    json["center_mm"] = point_json(frame.translation());
-    json["normal"] = point_json(frame.linear().col(2));
-    json["superior"] = point_json(frame.linear().col(1));
+    json["center_mm"] = vector_json(frame.translation());
+    json["normal"] = vector_json(frame.linear().col(2));
+    json["superior"] = vector_json(frame.linear().col(1));
   }
   // As they are written, so that a direction that does not change keeps its digits.
-  if (given.center_mm) json["center_mm"] = point_json(*given.center_mm);
-  if (given.normal) json["normal"] = point_json(given.normal->normalized());
-  if (given.superior) json["superior"] = point_json(given.superior->normalized());
+  if (given.center_mm) json["center_mm"] = vector_json(*given.center_mm);
+  if (given.normal) json["normal"] = vector_json(given.normal->normalized());
+  if (given.superior) json["superior"] = vector_json(given.superior->normalized());
   if (bone.landmarks) {
-    json["landmarks"] = {{"glenoid_center_mm", point_json(bone.landmarks->glenoid_center_mm)},
-                         {"trigonum_spinae_mm", point_json(bone.landmarks->trigonum_spinae_mm)},
-                         {"inferior_angle_mm", point_json(bone.landmarks->inferior_angle_mm)}};
+    json["landmarks"] = {{"glenoid_center_mm", vector_json(bone.landmarks->glenoid_center_mm)},
+                         {"trigonum_spinae_mm", vector_json(bone.landmarks->trigonum_spinae_mm)},
+                         {"inferior_angle_mm", vector_json(bone.landmarks->inferior_angle_mm)}};
   }
   return json;
 }
@@ -160,11 +160,11 @@ Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes,
       {"frame", name_of(settings.frame)}, {"time_s", Json::array()}, {"poses", Json::array()}, {"contact", Json()}};
   const auto& plunge = settings.plunge;
   if (plunge && plunge->from == PlungeStart::contact) {
-    json["contact"] = {{"along", point_json(plunge->axis.normalized())}, {"approach_mm", plunge->approach_mm}};
+    json["contact"] = {{"along", vector_json(plunge->axis.normalized())}, {"approach_mm", plunge->approach_mm}};
   }
   const auto& push = settings.push;
   if (push && push->from == PlungeStart::contact) {
-    json["contact"] = {{"along", point_json(push->axis.normalized())}, {"approach_mm", push->approach_mm}};
+    json["contact"] = {{"along", vector_json(push->axis.normalized())}, {"approach_mm", push->approach_mm}};
   }
   attempt(mistakes, [&] {
     const Motion motion = build_motion(settings, GlenoidFrame{}, report);

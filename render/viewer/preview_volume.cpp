@@ -69,10 +69,6 @@ std::string packed(const std::vector<float>& values, const ByteOf& byte_of) {
 
 }  // namespace
 
-Json point_json(const Vec3& p) {
-  return {short_number(p.x()), short_number(p.y()), short_number(p.z())};
-}
-
 PreviewVolume preview_of_scan(const SegmentedScan& scan, std::int64_t most_voxels) {
   const ct::Lattice& lattice = scan.hu.lattice;
   const Vec3i by = reduction(lattice, most_voxels);
@@ -111,8 +107,8 @@ Json volume_json(const PreviewVolume& volume) {
   const double low = hu ? kLow_hu : 0, step = hu ? kStep_hu : DensityMapping::kGradeStep_g_cm3;
   const Vec3i& dims = volume.lattice.dims;
   Json json{{"dims", {dims.x(), dims.y(), dims.z()}},
-            {"origin_mm", point_json(volume.lattice.origin_mm)},
-            {"spacing_mm", point_json(volume.lattice.spacing_mm)},
+            {"origin_mm", vector_json(volume.lattice.origin_mm)},
+            {"spacing_mm", vector_json(volume.lattice.spacing_mm)},
             {"unit", volume.unit},
             {"low", low},
             {"step", step},

@@ -33,7 +33,4 @@ PreviewVolume preview_of_voxmap(const BoneView& bone, std::int64_t most_voxels);
 /// null. Bytes are differences to the previous voxel, which compress better.
 nlohmann::ordered_json volume_json(const PreviewVolume& volume);
 
-/// A point in mm or a direction, with six significant digits.
-nlohmann::ordered_json point_json(const Vec3& p);
-
 }  // namespace reamsim

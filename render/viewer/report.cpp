@@ -55,10 +55,12 @@ std::string plain_html(const Json& summary) {
   std::string out = plain_table("Key figures", {{"rows", summary["key_figures"]}});
   for (const Json& warning : summary["warnings"]) out += "<p>Warning: " + plain_text(warning) + "</p>\n";
   for (const char* part : {"planning", "measurements", "provenance"}) {
-    for (const Json& table : summary[part]) out += plain_table(table["title"], table);
+    for (const Json& table : summary[part]) out += plain_table(table["title"].get<std::string>(), table);
   }
   if (summary["verification"].is_null()) return out;
-  return out + "<p>Verification of the build: " + (summary["verification"]["passed"] ? "passed" : "FAILED") + "</p>\n";
+  return out +
+         "<p>Verification of the build: " + (summary["verification"]["passed"].get<bool>() ? "passed" : "FAILED") +
+         "</p>\n";
 }
 
 /// The data of the page's scripts.

@@ -125,17 +125,6 @@ void append_numbers16(std::span<const double> values, double low, double size, s
 /// A surface for the page's JSON: `vertices`, `triangles`, and mesh_bytes() compressed as `bytes`.
 nlohmann::ordered_json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm);
 
-/// x, y, z with six significant digits.
-template <class Vector>
-nlohmann::ordered_json vector_json(const Vector& v) {
-  return {short_number(v.x()), short_number(v.y()), short_number(v.z())};
-}
-/// Lower and upper corner of a box.
-template <class Vector>
-nlohmann::ordered_json box_json(const Vector& low, const Vector& high) {
-  return nlohmann::ordered_json::array({vector_json(low), vector_json(high)});
-}
-
 /// The bounding box of a surface, mm.
 Eigen::AlignedBox3f bounds_of(const BoneSurface& surface);
 

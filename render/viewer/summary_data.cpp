@@ -30,18 +30,18 @@ struct Table {
 };
 
 /// A column of a table with a row for each item of a list.
-struct Column {
+struct ListColumn {
   const char* key = nullptr;  ///< in the item
   const char* title = nullptr;
   int decimals = 1;  ///< kText: a text, of a path its last part
 };
 constexpr int kText = -1;
 
-struct List {
+struct ListTable {
   const char* pointer;  ///< of the list in summary.json
   const char* title;
   const char* item;  ///< heads the column of the numbers, from 1
-  std::span<const Column> columns;
+  std::span<const ListColumn> columns;
 };
 
 constexpr std::array kKeyFigures{Line{"/removed_mm3", "Bone removed", "mm³"},
@@ -135,14 +135,15 @@ constexpr std::array kDeflection{
     Line{"/deflection/peak_mm", "Deflection of the springs, peak", "mm"},
     Line{"/deflection/peak_lateral_mm", "Across the axis, peak", "mm"},
     Line{"/deflection/lateral_at_depth_mm", "Across the axis, at the greatest depth", "mm"}};
-constexpr std::array kEventColumns{Column{"event", "Event", kText}, Column{"time_s", "Time, s", 3},
-                                   Column{"depth_mm", "Tool depth, mm", 2}, Column{"frame", "Frame", 0}};
-constexpr List kEvents{"/push/events", "Events", "No.", kEventColumns};
+constexpr std::array kEventColumns{ListColumn{"event", "Event", kText}, ListColumn{"time_s", "Time, s", 3},
+                                   ListColumn{"depth_mm", "Tool depth, mm", 2}, ListColumn{"frame", "Frame", 0}};
+constexpr ListTable kEvents{"/push/events", "Events", "No.", kEventColumns};
 
-constexpr std::array kPassColumns{
-    Column{"tool", "Reamer", kText}, Column{"removed_mm3", "Removed, mm³"}, Column{"max_depth_mm", "Tool depth, mm", 2},
-    Column{"peak_axial_force_n", "Peak axial force, N"}, Column{"peak_spin_torque_nmm", "Peak spin torque, N·mm", 0}};
-constexpr List kPasses{"/passes", "Passes", "Pass", kPassColumns};
+constexpr std::array kPassColumns{ListColumn{"tool", "Reamer", kText}, ListColumn{"removed_mm3", "Removed, mm³"},
+                                  ListColumn{"max_depth_mm", "Tool depth, mm", 2},
+                                  ListColumn{"peak_axial_force_n", "Peak axial force, N"},
+                                  ListColumn{"peak_spin_torque_nmm", "Peak spin torque, N·mm", 0}};
+constexpr ListTable kPasses{"/passes", "Passes", "Pass", kPassColumns};
 constexpr std::array kClearance{Line{"/clearance/least_mm", "Least clearance of the holder", "mm"},
                                 Line{"/clearance/part", "Part of the holder", ""},
                                 Line{"/clearance/obstacle", "Nearest surface", ""},
@@ -188,9 +189,10 @@ constexpr std::array kVault{Line{"/metrics/planning/vault/left_mm3", "Vault bone
                             Line{"/metrics/planning/vault/axis_depth_mm", "Depth on the axis of the implant", "mm"},
                             Line{"/metrics/planning/vault/mean_depth_mm", "Depth, mean", "mm"}};
 
-constexpr std::array kPegColumns{Column{"length_mm", "Length, mm"}, Column{"in_bone_mm", "In bone, mm"},
-                                 Column{"perforated_mm", "Perforated, mm"}, Column{"least_wall_mm", "Least wall, mm"}};
-constexpr List kPegs{"/metrics/planning/pegs", "Pegs", "Peg", kPegColumns};
+constexpr std::array kPegColumns{ListColumn{"length_mm", "Length, mm"}, ListColumn{"in_bone_mm", "In bone, mm"},
+                                 ListColumn{"perforated_mm", "Perforated, mm"},
+                                 ListColumn{"least_wall_mm", "Least wall, mm"}};
+constexpr ListTable kPegs{"/metrics/planning/pegs", "Pegs", "Peg", kPegColumns};
 constexpr std::array kPlanning{Table{"Implant and joint line", kImplant}, Table{"Support of the implant", kSupport},
                                Table{"Vault", kVault}};
 constexpr std::array kProvenance{Line{"/program", "Program", ""}, Line{"/device", "Device", ""},
@@ -241,12 +243,12 @@ class Results {
   }
 
   /// The tables that have a row.
-  [[nodiscard]] Json tables(std::span<const Table> tables, std::span<const List> lists) const {
+  [[nodiscard]] Json tables(std::span<const Table> tables, std::span<const ListTable> lists) const {
     Json out = Json::array();
     for (const Table& table : tables) {
       if (Json rows = this->rows(table.lines); !rows.empty()) out.push_back({{"title", table.title}, {"rows", rows}});
     }
-    for (const List& list : lists) {
+    for (const ListTable& list : lists) {
       const Json items = at(list.pointer);
       if (!items.is_null() && !items.empty()) out.push_back(this->items(list, items));
     }
@@ -255,24 +257,24 @@ class Results {
 
  private:
   /// A row for each item, numbered as in the scenario.
-  [[nodiscard]] Json items(const List& list, const Json& items) const {
+  [[nodiscard]] Json items(const ListTable& list, const Json& items) const {
     Json out{{"title", list.title},
              {"columns", Json::array({list.item})},
              {"decimals", Json::array({0})},
              {"rows", Json::array()}};
-    for (const Column& column : list.columns) {
+    for (const ListColumn& column : list.columns) {
       out["columns"].push_back(column.title);
       out["decimals"].push_back(column.decimals == kText ? Json() : Json(column.decimals));
     }
     for (const Json& item : items) {
       Json row = Json::array({out["rows"].size() + 1});
-      for (const Column& column : list.columns) row.push_back(cell(item, list, column));
+      for (const ListColumn& column : list.columns) row.push_back(cell(item, list, column));
       out["rows"].push_back(std::move(row));
     }
     return out;
   }
 
-  [[nodiscard]] Json cell(const Json& item, const List& list, const Column& column) const {
+  [[nodiscard]] Json cell(const Json& item, const ListTable& list, const ListColumn& column) const {
     if (!item.is_object() || !item.contains(column.key) || item.at(column.key).is_null()) return nullptr;
     const Json& value = item.at(column.key);
     const bool is_text = column.decimals == kText;
