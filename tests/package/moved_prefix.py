@@ -69,6 +69,16 @@ def check_names(installed):
     assert "frames" in installed.call("check", "several_passes", "--set", "bone.voxel_mm=1")
 
 
+def check_statistics(installed):
+    """They are computed by the program's own copy of the Python package."""
+    (installed.work / "u.yaml").write_text(
+        "version: 1\nbase: half_space\nset: {bone.voxel_mm: 1, motion.plunge.feed_mm_s: 5, motion.frame_rate_hz: 50, "
+        "engine.device: serial}\nsample: {n: 4, of: {cutting.normal_ratio: {uniform: [0.4, 0.6]}}}\n")
+    assert "cutting.normal_ratio (" in installed.call("uq", "u.yaml", "-o", "uq", PYTHONPATH="/nowhere")
+    assert (installed.work / "uq/uq.png").stat().st_size > 1000
+    assert not list(installed.prefix.rglob("__pycache__")), "a run writes nothing into the prefix"
+
+
 def check_python(installed):
     (package,) = installed.prefix.glob("lib/python3*/dist-packages")
     said = installed.call("-c", PYTHON, program="/usr/bin/python3", PYTHONPATH=str(package)).splitlines()
@@ -82,5 +92,6 @@ with tempfile.TemporaryDirectory() as temporary:
     place = Installed(pathlib.Path(temporary).resolve())
     size = check_run(place)
     check_names(place)
+    check_statistics(place)
     check_python(place)
 print(f"forces.csv of {size} bytes from a moved prefix and from the build")

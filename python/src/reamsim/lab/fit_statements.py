@@ -6,6 +6,7 @@ than forces.csv, which standard errors do not show."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -65,7 +66,9 @@ def _refused_constants(fit: ForceFit, keys: Mapping[str, Any], columns: str) -> 
     out = []
     for constant in fit.constants:
         key = keys.get(constant.name, keys["u"])
-        if constant.fitted and not constant.at_bound and not key["min"] <= constant.value <= key["max"]:
+        least = -math.inf if key["min"] is None else key["min"]  # JSON has no infinity
+        most = math.inf if key["max"] is None else key["max"]
+        if constant.fitted and not constant.at_bound and not least <= constant.value <= most:
             out.append(f"{constant.name} is {constant.value:.6g}, and {key['key']} accepts {key['text']}: a scenario would "
                        f"refuse it; check the unit of every measured column ({columns})")
     return out

@@ -30,8 +30,8 @@ def draw_bands(axes, time_s, data, title, color, last):
     axes.plot(time_s, data["p50"], color=color, linewidth=1.2, label="median")
     axes.set_xlim(0, time_s[-1])
     axes.set_ylabel(title)
-    few_tics(axes.yaxis)
-    few_tics(axes.xaxis, 6)
+    few_tics(axes.yaxis, 6)
+    few_tics(axes.xaxis, 8)
     if last:
         axes.set_xlabel("Time (s)")
     else:
@@ -49,7 +49,9 @@ def draw_tornado(axes, data, title, color):
     axes.set_yticks(range(len(rows)), [on_lines(name, 34) for name, _, _ in rows], linespacing=1.0)
     axes.tick_params(axis="y", length=0, labelsize=min(7.5, 7.5 * 5 / max(len(rows), 1)))
     axes.set_xlabel(title)
-    few_tics(axes.xaxis)
+    axes.use_sticky_edges = False  # air beside the bars
+    axes.margins(x=0.06)
+    few_tics(axes.xaxis, 5)
 
 
 def on_lines(name, most):
