@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <memory>
 
+#include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/console.h"
-#include "cli/input_kind.h"
 #include "cli/outputs.h"
 #include "render/pictures/figures.h"
 #include "render/render.h"

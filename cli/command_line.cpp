@@ -5,15 +5,17 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <charconv>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <sstream>
 #include <tuple>
 #include <utility>
 
 #include "cli/commands.h"
-#include "cli/input_kind.h"
 #include "cli/manual.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
@@ -301,6 +303,23 @@ Scenario ScenarioOptions::parse() const {
   Scenario scenario = parse_scenario(file, all);
   scenario.engine.tuning = tuning_of_environment();
   return scenario;
+}
+
+std::string lower_extension(const std::string& path) {
+  std::string text = std::filesystem::path(path).extension().string();
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+BoneSource source_by_name(const std::string& path) {
+  constexpr std::array kMeshes{".stl", ".obj", ".ply", ".vtp", ".vtk"};
+  const std::string kind = lower_extension(path);
+  if (kind == ".vdb") return BoneSource::vdb;
+  return std::ranges::find(kMeshes, kind) != kMeshes.end() ? BoneSource::mesh : BoneSource::ct;
+}
+
+void take_shipped_names(CLI::Option& option, ShippedKind kind) {
+  option.transform([kind](const std::string& argument) { return shipped_or_path(argument, kind); }, "");
 }
 
 }  // namespace reamsim

@@ -6,10 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "sim/scenario/choices.h"
+#include "sim/scenario/shipped.h"
+
 namespace CLI {
 class App;
 class Option;
 }  // namespace CLI
+}
 
 namespace reamsim {
 
@@ -49,5 +53,15 @@ std::string help_of(const ListedCommand& command);
 /// Sets the form of the help of `app` and of the commands below it; it ends with the exit statuses that each can
 /// return, and where to read on. `name`: as of ListedCommand.
 void set_help(CLI::App& app, const std::string& name = "");
+
+/// The extension of a file name in small letters, with its dot: ".yaml"; "" without one.
+std::string lower_extension(const std::string& path);
+
+/// The source of a bone by the name of its file: vdb, mesh or ct. VTK's surfaces count as meshes, which gives a helpful
+/// error message.
+BoneSource source_by_name(const std::string& path);
+
+/// Lets an option of the command line take names as shipped_or_path().
+void take_shipped_names(CLI::Option& option, ShippedKind kind);
 
 }  // namespace reamsim

@@ -6,7 +6,7 @@
 #include <fmt/core.h>
 #include <filesystem>
 
-#include "cli/input_kind.h"
+#include "cli/command_line.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/bone/mesh_unit.h"

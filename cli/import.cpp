@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "cli/command_line.h"
 #include "cli/commands.h"
-#include "cli/input_kind.h"
 #include "sim/anatomy/frame_check.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"

@@ -10,9 +10,9 @@
 #include <optional>
 #include <vector>
 
+#include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/first_scenario.h"
-#include "cli/input_kind.h"
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"

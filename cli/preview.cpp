@@ -11,9 +11,9 @@
 #include <memory>
 #include <optional>
 
+#include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/first_scenario.h"
-#include "cli/input_kind.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"

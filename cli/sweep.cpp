@@ -8,15 +8,15 @@
 #include <algorithm>
 #include <memory>
 
+#include "cli/command_line.h"
 #include "cli/commands.h"
-#include "cli/input_kind.h"
 #include "cli/lab.h"
 #include "cli/sweep.h"
 #include "cli/sweep_estimate.h"
 #include "cli/sweep_workers.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/study/other_plan.h"
+#include "sim/study/study_folder.h"
 
 namespace reamsim {
 

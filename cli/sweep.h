@@ -8,7 +8,7 @@
 
 #include "cli/console.h"
 #include "sim/study/collect.h"
-#include "sim/study/identify.h"
+#include "sim/study/study_plan.h"
 
 namespace CLI {
 class App;

@@ -22,7 +22,6 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/record/output_folder.h"
-#include "sim/study/run_id.h"
 #include "sim/study/study_folder.h"
 
 namespace reamsim {

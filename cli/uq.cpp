@@ -6,8 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "cli/command_line.h"
 #include "cli/commands.h"
-#include "cli/input_kind.h"
 #include "cli/lab.h"
 #include "cli/sweep.h"
 #include "sim/base/csv.h"
@@ -16,8 +16,8 @@
 #include "sim/base/statistics.h"
 #include "sim/record/citation.h"
 #include "sim/scenario/show.h"
+#include "sim/study/collect.h"
 #include "sim/study/study_folder.h"
-#include "sim/study/summary_numbers.h"
 #include "sim/study/uq_design.h"
 
 namespace reamsim {

@@ -10,7 +10,7 @@
 #include "render/film/film.h"
 #include "render/pictures/composites.h"
 #include "render/pictures/renderer.h"
-#include "sim/bone/voxmap/lattice.h"
+#include "sim/bone/voxmap/voxel_grid.h"
 #include "sim/scenario/picture_frames.h"
 
 namespace reamsim {

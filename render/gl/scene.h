@@ -17,7 +17,7 @@
 #include "render/gl/pixel_image.h"
 #include "render/gl/tile_bounds.h"
 #include "render/surface/bone_surface.h"
-#include "render/surface/tool_surface.h"
+#include "render/surface/surface_smoothing.h"
 #include "sim/scenario/choices.h"
 
 namespace reamsim {

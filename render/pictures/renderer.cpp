@@ -4,16 +4,201 @@
 #include "render/pictures/renderer.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
+#include <vector>
 
+#include "render/gl/camera.h"
 #include "render/gl/context.h"
 #include "render/gl/scene.h"
-#include "render/pictures/surface_contours.h"
+#include "render/pictures/contour_labels.h"
+#include "render/pictures/contour_lines.h"
+#include "render/pictures/page_layout.h"
+#include "render/surface/bone_surface.h"
 #include "render/surface/bone_tiles.h"
 #include "sim/record/snapshot.h"
 
 namespace reamsim {
+
 namespace {
+
+/// A contour line on the reamed face, in B, mm.
+struct FaceContour {
+  double value_mm = 0;
+  std::vector<Vec3> points_mm;  ///< closed
+};
+
+constexpr float kReamedFrom = 0.5F;      // certainty of removal
+constexpr int kBorder = 3;               // columns around the reamed face
+constexpr double kMaxColumns = 4e6;      // against a huge face with small voxels
+constexpr double kClear_voxels = 2;      // bone this near the face does not hide a line
+constexpr double kCutMargin_mm = 0.8;    // nearer to the cut a line has no number
+constexpr std::size_t kHeightReach = 4;  // points of a line over which its height is smoothed, to each side
+constexpr int kHeightRounds = 2;
+constexpr double kMaxHiding_mm = 60;  // bone farther in front of the face is not looked for
+
+/// A vertex in the map, mm, with its depth and the certainty of its removal.
+struct MapVertex {
+  Vec3 place;
+  double depth_mm;
+  double reamed;
+};
+
+/// The face on a raster: the depth and height of its highest point in each column.
+struct FaceRaster {
+  RasterField depth_mm;
+  RasterField height_mm;
+  std::vector<std::uint8_t> reamed;
+};
+
+MapVertex vertex_of(const BoneSurface& tile, std::uint32_t index, const Rigid& map_from_bone) {
+  const float* v = tile.vertices.data() + std::size_t{index} * BoneSurface::kStride;
+  const Vec3 bone = Eigen::Map<const Eigen::Vector3f>{v}.cast<double>();
+  return {map_from_bone * bone, v[BoneSurface::kDepth], v[BoneSurface::kReamed]};
+}
+
+/// Calls visit(three vertices) for each triangle with a reamed corner.
+template <class Visit>
+void for_each_reamed_triangle(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone, const Visit& visit) {
+  for (const BoneSurface& tile : tiles) {
+    const auto reamed = [&](std::size_t i) {
+      return tile.vertices[tile.indices[i] * BoneSurface::kStride + BoneSurface::kReamed] > kReamedFrom;
+    };
+    for (std::size_t i = 0; i + 2 < tile.indices.size(); i += 3) {
+      if (!reamed(i) && !reamed(i + 1) && !reamed(i + 2)) continue;
+      visit(std::array{vertex_of(tile, tile.indices[i], map_from_bone),
+                       vertex_of(tile, tile.indices[i + 1], map_from_bone),
+                       vertex_of(tile, tile.indices[i + 2], map_from_bone)});
+    }
+  }
+}
+
+/// Enters the columns below a triangle where it is the highest so far.
+void rasterize(const std::array<MapVertex, 3>& t, FaceRaster& face) {
+  const Vec2 a = t[0].place.head<2>(), b = t[1].place.head<2>(), c = t[2].place.head<2>();
+  const double twice_area = (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
+  if (twice_area <= 1e-12) return;  // seen from below
+  const RasterField& raster = face.depth_mm;
+  const Vec2 low = (a.cwiseMin(b).cwiseMin(c) - raster.corner_mm) / raster.spacing_mm;
+  const Vec2 high = (a.cwiseMax(b).cwiseMax(c) - raster.corner_mm) / raster.spacing_mm;
+  for (int j = static_cast<int>(std::ceil(low.y())); j <= static_cast<int>(std::floor(high.y())); ++j) {
+    for (int i = static_cast<int>(std::ceil(low.x())); i <= static_cast<int>(std::floor(high.x())); ++i) {
+      const Vec2 p = raster.place_mm(i, j);
+      const double wb = ((p - a).x() * (c - a).y() - (p - a).y() * (c - a).x()) / twice_area;
+      const double wc = ((b - a).x() * (p - a).y() - (b - a).y() * (p - a).x()) / twice_area;
+      const double wa = 1 - wb - wc;
+      if (std::min({wa, wb, wc}) < -1e-9) continue;
+      const std::size_t n = raster.raster.index(i, j);
+      const double height = wa * t[0].place.z() + wb * t[1].place.z() + wc * t[2].place.z();
+      if (height <= face.height_mm.values[n]) continue;
+      face.height_mm.values[n] = height;
+      face.depth_mm.values[n] = wa * t[0].depth_mm + wb * t[1].depth_mm + wc * t[2].depth_mm;
+      face.reamed[n] = wa * t[0].reamed + wb * t[1].reamed + wc * t[2].reamed > double{kReamedFrom} ? 1 : 0;
+    }
+  }
+}
+
+FaceRaster rasterized(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone, double spacing_mm) {
+  Eigen::AlignedBox2d bounds;
+  for_each_reamed_triangle(tiles, map_from_bone, [&](const std::array<MapVertex, 3>& triangle) {
+    for (const MapVertex& v : triangle) bounds.extend(Vec2(v.place.head<2>()));
+  });
+  FaceRaster out;
+  if (bounds.isEmpty()) return out;
+  const double spacing = std::max(spacing_mm, std::sqrt(bounds.volume() / kMaxColumns));
+  RasterField& field = out.depth_mm;
+  field.spacing_mm = spacing;
+  field.corner_mm = bounds.min() - Vec2::Constant(kBorder * spacing);
+  const Vec2 size = bounds.sizes() / spacing;
+  field.raster = {static_cast<int>(std::ceil(size.x())) + 2 * kBorder + 1,
+                  static_cast<int>(std::ceil(size.y())) + 2 * kBorder + 1};
+  field.values.assign(field.raster.count(), 0);
+  out.height_mm = field;
+  out.height_mm.values.assign(field.raster.count(), -std::numeric_limits<double>::infinity());
+  out.reamed.assign(field.raster.count(), 0);
+  for_each_reamed_triangle(tiles, map_from_bone,
+                           [&](const std::array<MapVertex, 3>& triangle) { rasterize(triangle, out); });
+  return out;
+}
+
+/// Unit vector from a point in B towards the viewer.
+Vec3 towards_viewer(const Camera& camera, const Vec3& point_mm) {
+  const Mat3 bone_from_eye = camera.eye_from_bone.linear().transpose();
+  if (!camera.eye_mm) return bone_from_eye.col(2);
+  return (camera.eye_from_bone.inverse() * Vec3(0, 0, *camera.eye_mm) - point_mm).normalized();
+}
+
+/// Points into the kept half; 0 without a cut.
+Vec3 cut_normal(const Camera& camera) {
+  return camera.cut_plane ? Vec3(camera.cut_plane->head<3>().normalized()) : Vec3(Vec3::Zero());
+}
+
+bool is_visible(const Vec3& point_mm, const Camera& camera, const BoneFields& bone) {
+  const auto kept = [&](const Vec3& p) { return !camera.cut_plane || camera.cut_plane->dot(p.homogeneous()) >= 0; };
+  if (!kept(point_mm - kCutMargin_mm * cut_normal(camera))) return false;
+  const VoxelGrid& grid = bone.voxmap.grid;
+  const Vec3 way = towards_viewer(camera, point_mm);
+  std::vector<Vec3> points;
+  for (double mm = kClear_voxels * grid.voxel_mm; mm < kMaxHiding_mm; mm += grid.voxel_mm) {
+    const Vec3 p = point_mm + mm * way;
+    if (!kept(p)) break;
+    points.emplace_back((p - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5));
+  }
+  const std::vector<float> fields = bone.solid.at(points);
+  return std::ranges::none_of(fields, [](float field) { return field < 0; });
+}
+
+/// Smooths the heights of a closed line. On a steep wall those of neighbouring columns differ by many voxels.
+void smooth_heights(std::vector<Vec3>& line) {
+  const std::size_t count = line.size();
+  if (count <= 2 * kHeightReach) return;
+  for (int round = 0; round < kHeightRounds; ++round) {
+    std::vector<double> heights(count, 0);
+    for (std::size_t n = 0; n < count; ++n) {
+      for (std::size_t k = 0; k <= 2 * kHeightReach; ++k)
+        heights[n] += line[(n + count + k - kHeightReach) % count].z();
+    }
+    for (std::size_t n = 0; n < count; ++n) line[n].z() = heights[n] / (2 * kHeightReach + 1);
+  }
+}
+
+/// The contours of the depth of a reamed surface at the ticks of a legend, by the same rules as those of the depth map:
+/// the depth of the vertices is sampled on a raster across the axis +z of the map, from above, smoothed, and its lines
+/// are laid on the face. `map_from_bone`: rigid; `spacing_mm` of the raster.
+std::vector<FaceContour> face_contours(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone,
+                                       double spacing_mm, const Scale& scale) {
+  const FaceRaster face = rasterized(tiles, map_from_bone, spacing_mm);
+  std::vector<FaceContour> out;
+  if (std::ranges::count(face.reamed, std::uint8_t{1}) == 0) return out;
+  std::vector<std::uint8_t> reached;
+  const RasterField height = local_fit(face.height_mm, face.reamed, reached);
+  const Rigid bone_from_map = map_from_bone.inverse();
+  for (const ContourLine& line : depth_contours(signed_depth(face.depth_mm, face.reamed), scale)) {
+    FaceContour& contour = out.emplace_back(FaceContour{line.value, {}});
+    for (const Vec2& p : line.points_mm) {
+      const double z = height.at(p);
+      if (std::isfinite(z)) contour.points_mm.emplace_back(p.x(), p.y(), z);
+    }
+    smooth_heights(contour.points_mm);
+    for (Vec3& p : contour.points_mm) p = bone_from_map * p;
+  }
+  return out;
+}
+
+/// The contours as a camera sees them. `bone`: what may hide them.
+std::vector<SeenContour> seen_contours(const std::vector<FaceContour>& contours, const Camera& camera,
+                                       const BoneFields& bone, const Scale& scale) {
+  std::vector<SeenContour> out;
+  for (const FaceContour& contour : contours) {
+    SeenContour& seen = out.emplace_back(contour_style(contour.value_mm, scale));
+    for (const Vec3& p : contour.points_mm) {
+      seen.points_px.push_back(camera.pixel(p));
+      seen.visible.push_back(is_visible(p, camera, bone));
+    }
+  }
+  return out;
+}
 
 std::vector<ToolSurface> tool_surfaces(const RunInputs& run) {
   std::vector<ToolSurface> out;

@@ -4,9 +4,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "sim/mesh/triangle_mesh.h"
 
 namespace reamsim {
 
@@ -50,5 +53,19 @@ std::vector<float> mean_value_weights(const Neighbours& neighbours, const std::v
 /// times `edge_weights` from mean_value_weights(). Values whose weights are all 0 stay.
 void smooth_values(const Neighbours& neighbours, const std::vector<float>& edge_weights,
                    const std::vector<float>& weights, std::vector<float>& values, int rounds);
+
+/// The tool as a triangle mesh for OpenGL.
+struct ToolSurface {
+  /// Floats per vertex: position in T (mm), outward normal.
+  static constexpr std::array kAttributeSizes{3, 3};
+  static constexpr std::size_t kStride = 6;
+
+  std::vector<float> vertices;
+  std::vector<std::uint32_t> indices;
+};
+
+/// Each corner gets the mean normal of the adjacent triangles within the crease angle: turned faces are shaded
+/// smoothly, and cutting edges stay sharp.
+ToolSurface make_tool_surface(const TriangleMesh& mesh);
 
 }  // namespace reamsim

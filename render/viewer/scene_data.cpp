@@ -12,7 +12,7 @@
 #include "render/gl/camera.h"
 #include "render/pictures/run_view.h"
 #include "render/surface/color_map.h"
-#include "render/surface/tool_surface.h"
+#include "render/surface/surface_smoothing.h"
 #include "render/surface/unreamed_surface.h"
 #include "render/viewer/page.h"
 #include "render/viewer/report_data.h"

@@ -17,7 +17,7 @@
 #include "render/viewer/page.h"
 #include "sim/base/text.h"
 #include "sim/scenario/show.h"
-#include "sim/study/column_names.h"
+#include "sim/study/run_table.h"
 
 namespace reamsim {
 namespace {

@@ -12,7 +12,7 @@
 #include "sim/anatomy/fit_face.h"
 #include "sim/anatomy/frame_check.h"
 #include "sim/base/error.h"
-#include "sim/bone/glenoid_frame.h"
+#include "sim/bone/bone.h"
 
 namespace reamsim {
 

@@ -18,7 +18,6 @@
 #include "sim/bone/vdb/grids.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/density.h"
-#include "sim/bone/voxmap/lattice.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/bone/voxmap/sparse_bricks.h"
 #include "sim/bone/voxmap/voxel_grid.h"

@@ -9,8 +9,8 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/cube_fraction.h"
-#include "sim/bone/voxmap/lattice.h"
 #include "sim/bone/voxmap/sample_voxels.h"
+#include "sim/bone/voxmap/voxel_grid.h"
 
 namespace reamsim {
 

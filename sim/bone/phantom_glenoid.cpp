@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/bone/glenoid_frame.h"
+#include "sim/bone/bone.h"
 #include "sim/bone/phantom.h"
 
 #include <fmt/core.h>
@@ -13,7 +13,7 @@
 #include "sim/bone/implicit.h"
 #include "sim/bone/value_noise.h"
 #include "sim/bone/voxmap/cube_fraction.h"
-#include "sim/bone/voxmap/lattice.h"
+#include "sim/bone/voxmap/voxel_grid.h"
 
 namespace reamsim {
 

@@ -6,8 +6,6 @@
 #include <utility>
 
 #include "sim/base/error.h"
-#include "sim/engine/bricked/bricked_engine.h"
-#include "sim/engine/exact/exact_engine.h"
 
 namespace reamsim {
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/record/references.h"
+#include "sim/record/citation.h"
 
 #include <algorithm>
 #include <array>

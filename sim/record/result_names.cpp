@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/record/result_names.h"
+#include "sim/record/output_folder.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -9,7 +9,7 @@
 #include <iterator>
 
 #include "sim/base/file.h"
-#include "sim/tool/push_plan.h"
+#include "sim/tool/pose_sequence.h"
 
 namespace reamsim {
 

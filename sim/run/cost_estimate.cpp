@@ -10,9 +10,9 @@
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
-#include "sim/bone/voxmap/lattice.h"
-#include "sim/engine/bricked/bricked_engine.h"
+#include "sim/bone/voxmap/voxel_grid.h"
 #include "sim/engine/dense/dense_state.h"
+#include "sim/engine/make_engine.h"
 #include "sim/record/force_log.h"
 #include "sim/scenario/picture_frames.h"
 #include "sim/tool/tool_path.h"

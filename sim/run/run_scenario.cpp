@@ -11,7 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/process.h"
 #include "sim/base/stopwatch.h"
-#include "sim/bone/glenoid_frame.h"
+#include "sim/bone/bone.h"
 #include "sim/record/citation.h"
 #include "sim/record/layer_mean.h"
 #include "sim/record/metrics_file.h"

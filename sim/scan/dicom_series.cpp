@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/dicom_series.h"
+#include "sim/scan/dicom_files.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -12,7 +12,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/scan/dicom_files.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {

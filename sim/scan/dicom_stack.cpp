@@ -12,8 +12,7 @@
 
 #include "sim/base/error.h"
 #include "sim/scan/dicom_files.h"
-#include "sim/scan/dicom_series.h"
-#include "sim/scan/image_file.h"
+#include "sim/scan/image_io.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {

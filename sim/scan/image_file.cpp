@@ -12,7 +12,6 @@
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"
-#include "sim/scan/image_file.h"
 #include "sim/scan/image_io.h"
 #include "sim/scan/scan_transfer.h"
 

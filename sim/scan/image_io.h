@@ -4,9 +4,10 @@
 #pragma once
 
 #include <itkImageIOBase.h>
-
+#include <memory>
 #include <string>
 
+#include "sim/scan/scan.h"
 #include "sim/scan/scan_transfer.h"
 
 namespace reamsim::ct {
@@ -36,5 +37,9 @@ std::string pixel_type_of(const itk::ImageIOBase& io);
 /// Writes the values in `box`, of one layer, to `out`. Throws InputError: truncated, damaged.
 void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std::string& path, const std::string& key,
                  float* out);
+
+/// Opens a folder of DICOM slices (dicom_stack.cpp). Throws InputError: no DICOM, slices that do not form a volume.
+std::unique_ptr<ScanSource> open_dicom_folder(const std::string& path, const std::string& key,
+                                              const DicomChoice& choice, Diagnostics& report);
 
 }  // namespace reamsim::ct

@@ -10,9 +10,9 @@
 
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
-#include "sim/bone/glenoid_frame.h"
+#include "sim/bone/bone.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/voxmap/lattice.h"
+#include "sim/bone/voxmap/voxel_grid.h"
 #include "sim/scan/ct_import.h"
 #include "sim/scenario/parse.h"
 

@@ -8,9 +8,9 @@
 
 #include "sim/anatomy/frame_check.h"
 #include "sim/base/error.h"
-#include "sim/bone/voxmap/lattice.h"
-#include "sim/scenario/passes.h"
+#include "sim/bone/voxmap/voxel_grid.h"
 #include "sim/scenario/parse_steps.h"
+#include "sim/scenario/passes.h"
 #include "sim/scene/load_bone.h"
 #include "sim/scene/swept_bone.h"
 #include "sim/tool/thin_walls.h"

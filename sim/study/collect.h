@@ -5,11 +5,12 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "sim/study/identify.h"
 #include "sim/study/run_table.h"
 #include "sim/study/study_folder.h"
+#include "sim/study/study_plan.h"
 
 namespace reamsim {
 
@@ -68,5 +69,18 @@ struct CollectedStudy {
 /// RunError.
 CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
                             std::size_t most_in_table = kMostRunsOfTable);
+
+/// What the tables of a study take from summary.json.
+struct RunSummary {
+  /// Every number, with nested names joined by dots, but times and memory, which differ from run to run.
+  std::vector<std::pair<std::string, double>> numbers;
+  std::vector<std::string> warnings;
+};
+
+/// Reads the summary.json in a folder. Empty where the file is missing or damaged.
+RunSummary read_run_summary(const std::string& run_dir);
+
+/// Its numbers alone.
+std::vector<std::pair<std::string, double>> summary_numbers(const std::string& run_dir);
 
 }  // namespace reamsim

@@ -3,13 +3,16 @@
 
 #pragma once
 
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "sim/record/manifest.h"
+#include "sim/scenario/scenario.h"
 #include "sim/study/study.h"
+#include "sim/study/study_plan.h"
 
 namespace reamsim {
 
@@ -52,5 +55,35 @@ class StudyFolder {
   std::string dir_;
   KeptFiles keep_;
 };
+
+/// Checksums of input files, each computed once.
+class Checksums {
+ public:
+  /// As sha256_of().
+  const std::string& of(const std::string& path);
+
+ private:
+  std::map<std::string, std::string> known_;
+};
+
+/// The name of a run's folder in a study: 16 hex digits of the SHA-256 of the version of the program and the resolved
+/// scenario, in which the checksums of input files stand for their paths. The name of the scenario does not count; of
+/// the output section only force_basis does, and the render section only where pictures are kept. Throws InputError
+/// when an input cannot be read.
+std::string run_id(const Scenario& scenario, const KeptFiles& keep, Checksums& checksums);
+
+/// Finished runs in the folder of a study that are none of this plan.
+struct OtherRuns {
+  int count = 0;
+  std::vector<std::string> differences;  ///< "bone.voxel_mm is 1 there and 0.5 in this plan", at most three
+};
+
+/// Finds them, and compares one with the run of the plan that is most like it. Of what identifies
+/// a run, version, contents of input files, and the sections output and render are not compared.
+OtherRuns find_other_runs(const Study& study, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
+                          const StudyFolder& folder);
+
+/// A line for the user; "" where there are none.
+std::string sentence_of(const OtherRuns& others, const std::string& dir);
 
 }  // namespace reamsim

@@ -14,9 +14,8 @@
 #include "sim/scenario/find_key.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
-#include "sim/study/distribution.h"
-#include "sim/study/identify.h"
-#include "sim/study/unit_points.h"
+#include "sim/study/sampling.h"
+#include "sim/study/study_plan.h"
 
 namespace reamsim {
 

@@ -10,7 +10,6 @@
 #include "sim/base/error.h"
 #include "sim/scenario/scenario.h"
 #include "sim/tool/pose_sequence.h"
-#include "sim/tool/push_plan.h"
 
 namespace reamsim {
 

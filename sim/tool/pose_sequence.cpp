@@ -3,7 +3,17 @@
 
 #include "sim/tool/pose_sequence.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
 #include <utility>
+
+#include "sim/base/csv.h"
+#include "sim/base/error.h"
+#include "sim/base/text.h"
+#include "sim/tool/key_track.h"
 
 namespace reamsim {
 
@@ -48,6 +58,93 @@ std::vector<ToolPose> PoseSequence::all() const {
   out.reserve(size_);
   for (const ToolPose& pose : *this) out.push_back(pose);
   return out;
+}
+
+namespace {
+
+constexpr const char* kExpectedFile = "a CSV of the thrust with the columns time_s and thrust_n";
+constexpr std::size_t kMostRows = 1'000'000;
+constexpr double kMostThrust_n = 10'000;
+
+ThrustProfile profile_of(const PushSettings& settings) {
+  return settings.profile.empty() ? ThrustProfile(settings.thrust_n) : ThrustProfile(settings.profile);
+}
+
+/// The poses of unresisted_poses().
+class UnresistedPoses final : public PoseSource {
+ public:
+  UnresistedPoses(std::shared_ptr<const PushPlan> plan, double frame_s) : plan_(std::move(plan)), frame_s_(frame_s) {}
+
+  [[nodiscard]] std::size_t size() const override {
+    const double feed_mm = plan_->settings().max_feed_mm_s * frame_s_;
+    const double frames = std::ceil(plan_->last_travel_mm() / feed_mm - 1e-9);
+    return static_cast<std::size_t>(std::min(frames, static_cast<double>(plan_->last_frame()))) + 1;
+  }
+  [[nodiscard]] ToolPose pose(std::size_t k) const override {
+    const double time_s = static_cast<double>(k) * frame_s_;
+    return plan_->pose(std::min(time_s * plan_->settings().max_feed_mm_s, plan_->last_travel_mm()), time_s);
+  }
+
+ private:
+  std::shared_ptr<const PushPlan> plan_;
+  double frame_s_;
+};
+
+}  // namespace
+
+ThrustProfile::ThrustProfile(const std::string& path) {
+  constexpr std::array<std::string_view, 2> kNames{"time_s", "thrust_n"};
+  CsvReader csv(path, kNames, kExpectedFile);
+  for (std::vector<double> row; csv.next(row);) {
+    if (!times_s_.empty() && row[0] <= times_s_.back()) {
+      throw InputError(csv.where(), "time_s", "found " + rounded_text(row[0]),
+                       "a time later than that of the previous row, " + rounded_text(times_s_.back()) + " s");
+    }
+    if (row[1] < 0 || row[1] > kMostThrust_n) {
+      throw InputError(csv.where(), "thrust_n", "found " + rounded_text(row[1]),
+                       "a thrust from 0 to " + rounded_text(kMostThrust_n) + " N");
+    }
+    if (times_s_.size() == kMostRows) throw InputError(csv.where(), "", "has more than a million rows", "fewer rows");
+    times_s_.push_back(row[0]);
+    thrusts_n_.push_back(row[1]);
+  }
+  if (times_s_.empty()) throw InputError({path, 0, 0}, "", "has no rows", kExpectedFile);
+}
+
+double ThrustProfile::at(double time_s) const {
+  const auto after = std::ranges::upper_bound(times_s_, time_s);
+  if (after == times_s_.begin()) return thrusts_n_.front();
+  if (after == times_s_.end()) return thrusts_n_.back();
+  const auto i = static_cast<std::size_t>(after - times_s_.begin());
+  const double part = (time_s - times_s_[i - 1]) / (times_s_[i] - times_s_[i - 1]);
+  return thrusts_n_[i - 1] + part * (thrusts_n_[i] - thrusts_n_[i - 1]);
+}
+
+double ThrustProfile::most_n() const {
+  return *std::ranges::max_element(thrusts_n_);
+}
+
+PushPlan::PushPlan(const PushSettings& settings, double frame_rate_hz, const std::optional<Rigid>& bone_from_poses)
+    : settings_(settings), thrust_(profile_of(settings)) {
+  const Rigid to_bone = bone_from_poses.value_or(Rigid::Identity());
+  const Vec3 axis = settings.axis.normalized();
+  start_mm_ = to_bone * (settings.entry_mm - settings.approach_mm * axis);
+  axis_ = to_bone.linear() * axis;
+  orientation_ = Quat(to_bone.linear()) * orientation_from_axis(-axis);
+  last_frame_ = static_cast<std::int64_t>(std::ceil(settings.time_s * frame_rate_hz - 1e-6));
+  last_travel_mm_ = settings.until == PushEnd::depth ? settings.approach_mm + settings.depth_mm
+                                                     : settings.time_s * settings.max_feed_mm_s;
+}
+
+ToolPose PushPlan::pose(double travel_mm, double time_s) const {
+  return {.position_mm = start_mm_ + travel_mm * axis_,
+          .orientation = orientation_,
+          .spin_angle_rad = spin_rad(settings_.spin_rpm, settings_.spin_rpm, time_s),
+          .spin_rpm = settings_.spin_rpm};
+}
+
+PoseSequence unresisted_poses(std::shared_ptr<const PushPlan> plan, double frame_rate_hz) {
+  return PoseSequence(std::make_shared<const UnresistedPoses>(std::move(plan), 1 / frame_rate_hz));
 }
 
 }  // namespace reamsim

@@ -6,7 +6,6 @@
 #include <random>
 
 #include "sim/verify/closed_forms.h"
-#include "sim/verify/convergence.h"
 #include "sim/verify/reaming.h"
 
 namespace reamsim::verify {

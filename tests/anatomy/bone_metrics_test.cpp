@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "sim/base/statistics.h"
-#include "sim/bone/glenoid_frame.h"
+#include "sim/bone/bone.h"
 #include "sim/scene/load_bone.h"
 #include "tests/anatomy/reamed_fixture.h"
 

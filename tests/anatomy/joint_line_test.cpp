@@ -9,7 +9,6 @@
 #include <tuple>
 
 #include "sim/bone/bone.h"
-#include "sim/bone/glenoid_frame.h"
 #include "sim/scenario/presets.h"
 #include "sim/scene/load_bone.h"
 #include "tests/anatomy/reamed_fixture.h"

@@ -5,10 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/bone/bone_fixture.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/vdb/bone_vdb_metadata.h"
 #include "sim/scene/load_bone.h"
+#include "tests/bone/bone_fixture.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

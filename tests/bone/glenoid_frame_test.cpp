@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "bone_fixture.h"
-#include "sim/bone/glenoid_frame.h"
+#include "sim/bone/bone.h"
 
 namespace reamsim::test {
 namespace {

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "sim/base/error.h"
-#include "sim/engine/bricked/bricked_engine.h"
 #include "sim/engine/bricked/bricked_state.h"
+#include "sim/engine/make_engine.h"
 #include "sim/tool/morton.h"
 #include "tests/engine/outcome.h"
 

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "kernels/power.h"
-#include "sim/engine/common/energy_table.h"
+#include "sim/engine/common/tables.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::force_law_tests {

@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "kernels/clip.h"
-#include "sim/engine/common/outline_table.h"
+#include "sim/engine/common/tables.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::outline_tests {

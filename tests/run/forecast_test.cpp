@@ -11,7 +11,6 @@
 #include <sstream>
 
 #include "sim/base/error.h"
-#include "sim/engine/exact/exact_engine.h"
 #include "sim/engine/exact/fill_pages.h"
 #include "sim/engine/make_engine.h"
 #include "sim/run/cost_estimate.h"

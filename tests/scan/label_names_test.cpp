@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/label_names.h"
+#include "sim/scan/label_map.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "sim/study/force_model.h"
+#include "sim/study/reforce.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test {

@@ -1,14 +1,12 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/study/column_names.h"
+#include "sim/study/run_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
-#include "sim/study/run_table.h"
 
 namespace reamsim::test {
 namespace {

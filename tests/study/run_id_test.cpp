@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/study/run_id.h"
+#include "sim/study/study_folder.h"
 
 #include "sim/scenario/parse.h"
 #include "tests/study/study_fixture.h"

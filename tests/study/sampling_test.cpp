@@ -8,8 +8,7 @@
 #include <numbers>
 #include <set>
 
-#include "sim/study/distribution.h"
-#include "sim/study/unit_points.h"
+#include "sim/study/sampling.h"
 
 namespace reamsim::test {
 namespace {

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <string>
 
-#include "sim/study/identify.h"
+#include "sim/study/study_plan.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

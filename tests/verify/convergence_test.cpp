@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Order and grid convergence index against series whose order and limit are known.
-#include "sim/verify/convergence.h"
+#include "sim/verify/closed_forms.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,6 @@
 #include "sim/base/parallel.h"
 #include "sim/base/process.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/vdb/bone_vdb_metadata.h"
 #include "sim/bone/vdb/grids.h"
 #include "sim/bone/vdb/narrow_band.h"
 #include "sim/bone/vdb/vdb_archive.h"

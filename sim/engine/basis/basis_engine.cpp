@@ -11,8 +11,7 @@
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/engine/basis/exact_basis.h"
-#include "sim/engine/basis/visit_basis.h"
-#include "sim/engine/common/outline_table.h"
+#include "sim/engine/common/tables.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {

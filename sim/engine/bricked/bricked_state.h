@@ -7,8 +7,7 @@
 
 #include "kernels/bricks.h"
 #include "sim/engine/common/device_bricks.h"
-#include "sim/engine/common/energy_table.h"
-#include "sim/engine/common/outline_table.h"
+#include "sim/engine/common/tables.h"
 #include "sim/scenario/choices.h"
 #include "sim/tool/point_shell.h"
 #include "sim/tool/tool.h"

@@ -12,8 +12,7 @@
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/device/opencl.h"
 #include "sim/engine/common/device_batch.h"
-#include "sim/engine/common/energy_table.h"
-#include "sim/engine/common/outline_table.h"
+#include "sim/engine/common/tables.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/exact/exact_engine.h"
+#include "sim/engine/make_engine.h"
 
 #include <algorithm>
 #include <optional>
@@ -9,8 +9,7 @@
 
 #include "sim/engine/common/device_batch.h"
 #include "sim/engine/common/device_bricks.h"
-#include "sim/engine/common/energy_table.h"
-#include "sim/engine/common/outline_table.h"
+#include "sim/engine/common/tables.h"
 #include "sim/engine/exact/brick_batch_plan.h"
 #include "sim/engine/exact/fill_pages.h"
 

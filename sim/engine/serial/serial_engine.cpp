@@ -12,9 +12,8 @@
 #include "kernels/window.h"
 #include "sim/base/stopwatch.h"
 #include "sim/engine/common/device_batch.h"
-#include "sim/engine/common/energy_table.h"
-#include "sim/engine/common/outline_table.h"
 #include "sim/engine/common/substep.h"
+#include "sim/engine/common/tables.h"
 #include "sim/tool/morton.h"
 
 namespace reamsim {

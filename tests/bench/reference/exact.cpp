@@ -10,8 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
-#include "sim/engine/common/energy_table.h"
-#include "sim/engine/common/outline_table.h"
+#include "sim/engine/common/tables.h"
 #include "sim/engine/exact/brick_batch_plan.h"
 #include "tests/bench/reference/bone_memory.h"
 #include "tests/bench/reference/exact_visit.h"

@@ -9,8 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/engine/bricked/bricked_state.h"
-#include "sim/engine/common/energy_table.h"
-#include "sim/engine/common/outline_table.h"
+#include "sim/engine/common/tables.h"
 #include "tests/bench/reference/bone_memory.h"
 #include "tests/bench/reference/frame.h"
 #include "tests/bench/reference/workers.h"

@@ -11,6 +11,7 @@
 #include "kernels/outline.h"
 #include "sim/device/opencl.h"
 #include "sim/engine/common/nearest_lists.h"
+#include "sim/scenario/scenario.h"
 #include "sim/tool/distance_grid.h"
 #include "sim/tool/outline.h"
 
@@ -72,5 +73,17 @@ class DeviceTeeth {
   cl::Buffer<cl_uint> slots_;
   cl::Buffer<float> samples_;
 };
+
+/// Energy to cut a whole voxel of bone of that density, mJ: u₀·(ρ/ρ_ref)^p, or interpolated in the scenario's table,
+/// constant beyond its ends. Without the size effect.
+double cutting_energy_mj(const CuttingSettings& cutting, double density_g_cm3, double voxel_mm);
+
+/// Density (g/cm³) and cutting energy (mJ) of a whole voxel, by grade.
+struct EnergyTable {
+  std::array<double, 256> energy_mj{};
+  std::array<double, 256> density_g_cm3{};
+};
+
+EnergyTable make_energy_table(const CuttingSettings& cutting, double voxel_mm);
 
 }  // namespace reamsim
