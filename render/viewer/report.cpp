@@ -34,7 +34,8 @@ Json read_json(const std::string& path, const std::string& expected) {
 std::string plain_text(const Json& value) {
   if (value.is_null()) return "–";
   if (value.is_string()) return escape_html(value.get<std::string>());
-  return value.is_number_float() ? fmt::format("{:.4g}", value.get<double>()) : value.dump();
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  return value.is_number_float() ? fmt::format("{:.6g}", value.get<double>()) : value.dump();
 }
 
 std::string plain_row(const Json& cells) {
