@@ -60,14 +60,14 @@ def test_a_failure_is_one_line(study):
 
 def test_an_interruption_ends_the_statistics(study):
     waits = script(study / "python", f'case "$*" in *check) exec {sys.executable} "$@";; esac\necho $$ > pid; exec sleep 60\n')
-    program = subprocess.Popen([reamsim.find_program(), "uq", "uq.yaml", "-o", "out"], cwd=study, stderr=subprocess.PIPE,
-                               stdout=subprocess.DEVNULL, env={**os.environ, "REAMSIM_PYTHON": waits})
     pid = study / "pid"
-    while not (pid.exists() and pid.read_text()):
-        assert program.poll() is None, program.stderr.read()
-        time.sleep(0.05)
-    program.send_signal(signal.SIGTERM)
-    assert program.wait(20) == 130
+    with subprocess.Popen([reamsim.find_program(), "uq", "uq.yaml", "-o", "out"], cwd=study, stderr=subprocess.PIPE,
+                          stdout=subprocess.DEVNULL, env={**os.environ, "REAMSIM_PYTHON": waits}) as program:
+        while not (pid.exists() and pid.read_text()):
+            assert program.poll() is None, program.stderr.read()
+            time.sleep(0.05)
+        program.send_signal(signal.SIGTERM)
+        assert program.wait(20) == 130
     with pytest.raises(ProcessLookupError):
         os.kill(int(pid.read_text()), 0)
 

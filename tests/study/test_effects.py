@@ -141,7 +141,8 @@ def test_figure_of_many_parameters_has_those_that_explain_most():
     found = main_effects([parameter(f"number {p}", x[p]) for p in range(12)],
                          [result("removed_mm3", (x * numpy.arange(12)[:, None]).sum(axis=0))])
     data = effects_files.figure_data(found)
-    assert {one["title"] for one in data["parameters"]} == {f"number {p}" for p in range(6, 12)}
+    titles = [one["title"] for one in data["parameters"]]
+    assert len(titles) == 6 and {"number 11", "number 10", "number 9", "number 8"} < set(titles) and "number 1" not in titles
     assert len(data["results"][0]["y"]) == 300
 
 

@@ -291,7 +291,8 @@ class _Fit:
         values, vectors = numpy.linalg.eigh(scale[:, None] * information * scale)
         vectors = scale[:, None] * vectors
         variance = self.problem.squares(self._coefficients()) / max(1, self.problem.samples - len(free))
-        return variance * ((vectors / numpy.maximum(values, _SINGULAR)) @ vectors.T)
+        with numpy.errstate(over="ignore", invalid="ignore"):  # infinite where a constant changes nothing
+            return variance * ((vectors / numpy.maximum(values, _SINGULAR)) @ vectors.T)
 
     def _of_grades(self, c: numpy.ndarray) -> Coefficients:
         p, n = numpy.zeros((GRADES, 1)), numpy.zeros((GRADES, 1))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import pathlib
 import re
 from types import ModuleType
 from typing import Any
@@ -39,4 +40,5 @@ def draw_with_script(figure: ModuleType, data: dict[str, Any], folder: str, name
                       for module in (figure_style, figure))
     replace_file(f"{folder}/{name}.py", _HEAD.format(name=name) + "import json\nimport pathlib\n" + style + drawing +
                  _TAIL.format(data=json.dumps(data)))  # JSON never has three quotes in a row
+    pathlib.Path(folder, f"{name}.gp").unlink(missing_ok=True)  # of an older version, with its data
     figure.draw(data, folder)
