@@ -44,8 +44,6 @@ SweepRuns simulate_study(const SweepOptions& options, int jobs, const Console& c
 /// The option --jobs.
 void add_jobs(CLI::App& command, int& jobs);
 
-class Console;
-
 /// Each adds one command below `reamsim sweep`.
 void add_sweep_plan(CLI::App& sweep, Console& console);
 void add_sweep_run(CLI::App& sweep, Console& console);
@@ -53,8 +51,6 @@ void add_sweep_status(CLI::App& sweep, Console& console);
 void add_sweep_collect(CLI::App& sweep, Console& console);
 void add_sweep_submit(CLI::App& sweep, Console& console);
 void add_sweep_worker(CLI::App& sweep);
-
-struct SweepOptions;
 
 // `sweep run`, `sweep collect` and `uq` write tables and pages of the same names into the folder of a study. Where one
 // replaced those of the other, the rest of the folder would contradict them.

@@ -130,7 +130,7 @@ def main():
         said = sums(release)
         if options.tests:
             said += tests(release, options.tests)
-        print(f"\n{name}: {release.log}", *said, sep="\n  ", flush=True)
+        print(f"\n{name}: {release.log}", *said, table([release.row]), sep="\n  ", flush=True)
         rows.append(release.row)
         ok = ok and not re.search("FAILED|did not run", " ".join(release.row.values()))
     print("\n" + table(rows))
