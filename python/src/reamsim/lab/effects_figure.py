@@ -58,7 +58,8 @@ class Figure:
         elif is_named(parameter):
             slanted = self.is_slanted(parameter)
             places = {group[3]: group[0] for groups in parameter["groups"] for group in groups}
-            axes.set_xticks(list(places.values()), [cut(parameter["levels"][level]) for level in places],
+            names = [cut(parameter["levels"][level]) for level in places]
+            axes.set_xticks(list(places.values()), names if slanted else self.legible(axes, list(places.values()), names),
                             rotation=40 if slanted else 0, ha="right" if slanted else "center",
                             rotation_mode="anchor" if slanted else None)
         if not last:
@@ -68,6 +69,16 @@ class Figure:
         if last:
             middle = LEFT + (p + 0.5) * self.step - 1.2
             self.figure.text(middle / self.wide, 6 / self.tall, self.title(parameter), ha="center", va="center")
+
+    def legible(self, axes, places, names):
+        """Without names that would overlap the one before: levels of a number may be near to each other."""
+        low, high = axes.get_xlim()
+        out, end = [], float("-inf")
+        for x, name in sorted(zip(places, names)):
+            middle, half = (x - low) / (high - low) * (self.step - 2.5), 0.5 * CHARACTER * len(name)
+            out.append(name if middle - half > end else "")
+            end = middle + half + 0.5 if out[-1] else end
+        return [dict(zip(sorted(places), out))[x] for x in places]
 
     def title(self, parameter):
         title = parameter["title"] + ("" if parameter["numeric"] or is_named(parameter) else ", by number")

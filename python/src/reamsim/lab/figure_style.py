@@ -29,7 +29,7 @@ def panel(figure, left, top, width, height):
 
 def few_tics(axis, most=4):
     """At most so many intervals between tics, with plain numbers."""
-    axis.set_major_locator(matplotlib.ticker.MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
+    axis.set_major_locator(matplotlib.ticker.MaxNLocator(most, steps=[1, 2, 5, 10]))
     axis.set_major_formatter(matplotlib.ticker.StrMethodFormatter("{x:.6g}"))
 
 
