@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Main effects of the runs that are shown: as sim/study/main_effects.cpp computes them.
+// Main effects of the runs that are shown: as python/src/reamsim/lab/effects.py computes them.
 import { find, part, svgPart } from "../shared/elements.js";
 import { significantText, stepsOf } from "../shared/numbers.js";
 
