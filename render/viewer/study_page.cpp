@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A number with more values than this is no list of levels (as in main_effects()).
+/// A number with more values than this is no list of levels (as in reamsim.lab.effects).
 constexpr std::size_t kMostNumericLevels = 8;
 
 /// Numbers of 32 bits as four planes of bytes, least significant first, which compress better than whole numbers.

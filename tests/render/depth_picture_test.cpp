@@ -228,7 +228,7 @@ TEST_F(DepthPicture, NoneWithoutAMapOrADepth) {
 }
 
 TEST_F(DepthPicture, DamagedMapsAreInputErrors) {
-  expect_complaint("", "cannot be read");
+  expect_complaint("", "is empty");
   expect_complaint("x_mm,y_mm,before_z_mm,depth_mm\n", "1: after_z_mm: no such column");
   expect_complaint(std::string(kHeader) + "0,0,1,1\n", "2: found 4 cells; expected 5");
   expect_complaint(std::string(kHeader) + "0,0,,1,1\n", "2: before_z_mm: found ''");

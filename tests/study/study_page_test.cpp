@@ -44,7 +44,7 @@ RunTable grid(int samples, const std::string& tool = "tools/reamer_") {
 
 /// The data in a page.
 nlohmann::json data_of(const std::string& page) {
-  const std::string mark = "id=\"study-data\">";
+  const std::string mark = "id=\"page-data\">";
   const std::size_t from = page.find(mark) + mark.size();
   return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
 }
