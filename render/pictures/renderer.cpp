@@ -21,13 +21,13 @@
 
 namespace reamsim {
 
-namespace {
-
 /// A contour line on the reamed face, in B, mm.
 struct FaceContour {
   double value_mm = 0;
   std::vector<Vec3> points_mm;  ///< closed
 };
+
+namespace {
 
 constexpr float kReamedFrom = 0.5F;      // certainty of removal
 constexpr int kBorder = 3;               // columns around the reamed face

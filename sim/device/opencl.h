@@ -3,7 +3,9 @@
 
 #pragma once
 
+#define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
@@ -14,8 +16,6 @@
 #include <tuple>
 #include <utility>
 #include <vector>
-
-#define CL_TARGET_OPENCL_VERSION 120
 
 namespace reamsim::cl {
 

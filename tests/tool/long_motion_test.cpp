@@ -20,11 +20,11 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr unsigned kSeed = 21;
+constexpr unsigned kMotionSeed = 21;
 
 /// A recorded motion at irregular times around 1 ms.
 void write_rows(const std::string& path, int rows) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kMotionSeed);
   std::uniform_real_distribution<double> noise(-1, 1);
   std::ofstream csv(path);
   csv << "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,spin_rpm\n";
@@ -59,16 +59,16 @@ class LongCsv : public ::testing::Test {
 };
 
 TEST_F(LongCsv, StreamedPosesAreThoseInMemory) {
-  RecordProperty("seed", kSeed);
+  RecordProperty("seed", kMotionSeed);
   const Motion stored = motion_of("stored.csv", kStored);
   const Motion streamed = motion_of("streamed.csv", kStored + 20'000);
   ASSERT_GT(streamed.poses.size(), stored.poses.size());
   const std::size_t compared = stored.poses.size() - 2;  // the next row follows
   for (std::size_t k = 0; k < compared; ++k) ASSERT_TRUE(same(stored.poses[k], streamed.poses[k])) << k;
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kMotionSeed);
   for (int i = 0; i < 300; ++i) {
     const std::size_t k = random() % compared;
-    ASSERT_TRUE(same(stored.poses[k], streamed.poses[k])) << k << ", seed " << kSeed;
+    ASSERT_TRUE(same(stored.poses[k], streamed.poses[k])) << k << ", seed " << kMotionSeed;
   }
 }
 
