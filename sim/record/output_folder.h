@@ -34,7 +34,7 @@ void list_results(const std::string& dir, ResultKind kind, const std::set<std::s
 std::set<std::string> open_results(const std::string& dir, ResultKind kind);
 
 /// Removes from `dir` what a command of this kind wrote, then `dir` itself if it is empty. Returns whether
-/// `dir` is gone.
+/// `dir` was removed.
 bool remove_results(const std::string& dir, ResultKind kind);
 
 /// Another process has reserved a results folder.

@@ -173,7 +173,7 @@ RimSpread spread_of(const std::vector<Vec3>& rim_mm) {
   return out;
 }
 
-/// The first point, counted from 1, to which the way round the middle goes back or stands still; 0 when none does.
+/// Number of the first point, from 1, whose angle about the centre does not increase; 0 if all are in order.
 std::size_t first_out_of_order(const std::vector<Vec3>& rim_mm, const RimSpread& spread) {
   std::vector<double> steps;
   double turned = 0;

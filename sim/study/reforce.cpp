@@ -74,10 +74,6 @@ std::array<double, 256> ForceBasis::volume_mm3() const {
   return out;
 }
 
-bool ForceBasis::has_edge() const {
-  return std::ranges::any_of(rows_, [](const BasisRow& row) { return row.grade == 0; });
-}
-
 namespace {
 
 DensityMapping mapping_of(const DensitySettings& density) {

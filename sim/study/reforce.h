@@ -60,8 +60,6 @@ class ForceBasis {
   [[nodiscard]] FrameForces forces(std::int64_t frame, const ForceConstants& constants) const;
   /// Removed volume by grade over all frames, mm³; with a size effect, weighted by its factor.
   [[nodiscard]] std::array<double, 256> volume_mm3() const;
-  /// Whether it has parts of an edge force.
-  [[nodiscard]] bool has_edge() const;
 
  private:
   std::vector<BasisRow> rows_;

@@ -58,7 +58,7 @@ RANK = {name: rank for rank, (folder, libraries) in enumerate(LAYERS) for name i
 ENGINES = re.compile(r"sim[_/](engine|run|bench|verify)")
 FORBIDDEN = [
     (re.compile(r"render"), ENGINES),
-    (re.compile(r"sim[_/]engine"), re.compile(r"sim[_/](record|scene|anatomy|scan)")),
+    (re.compile(r"sim[_/]engine"), re.compile(r"sim[_/](record|scene|anatomy|scan)|sim/bone/vdb")),  # the tool links VDB for distances
     (re.compile(r"(sim|render)(?![_/](bench|verify))"), re.compile(r"sim[_/](bench|verify)")),
     (re.compile(r"sim"), re.compile(r"render|cli")),
     (re.compile(r"python"), re.compile(r"(?!sim/api|python)")),

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "sim/base/parallel.h"
-#include "sim/bone/vdb/bone_vdb.h"
 #include "sim/engine/basis/exact_basis.h"
 #include "sim/engine/common/tables.h"
 #include "sim/tool/tool.h"

@@ -9,7 +9,6 @@
 
 #include "kernels/bricks.h"
 #include "kernels/shared.h"
-#include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/device/opencl.h"
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "kernels/bricks.h"
-#include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/device/opencl.h"
 #include "sim/scenario/scenario.h"

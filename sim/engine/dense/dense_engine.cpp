@@ -8,7 +8,6 @@
 #include <functional>
 #include <vector>
 
-#include "sim/bone/vdb/bone_vdb.h"
 #include "sim/device/opencl.h"
 #include "sim/engine/common/device_batch.h"
 #include "sim/engine/common/substep.h"
