@@ -153,10 +153,8 @@ ForceLog Outputs::log_with_means() const {
 
 void Outputs::make_figures(Diagnostics& report) const {
   const std::string& dir = run_.dir();
-  if (options_.force_plots) {
-    write_force_plots(dir, log_with_means());
-    if (options_.finished) write_depth_picture(run_, options_.pictures.settings.depth_max_mm);
-  }
+  if (options_.force_plots) write_force_plots(dir, log_with_means());
+  if (options_.all_plots && options_.finished) write_depth_picture(run_, options_.pictures.settings.depth_max_mm);
   if (options_.meshes && options_.finished) write_meshes(run_, options_.pictures.settings.depth_max_mm, report);
   if (!options_.all_plots) return;
   write_depth_and_energy_plots(dir, log_with_means());

@@ -14,8 +14,8 @@ namespace reamsim {
 struct OutputOptions {
   PictureOptions pictures{};
   bool render = true;       ///< make those pictures
-  bool force_plots = true;  ///< the forces against time, and the depth map
-  bool all_plots = true;    ///< forces over depth, energy, density of the removed bone
+  bool force_plots = true;  ///< the forces against time
+  bool all_plots = true;    ///< depth map, forces over depth, energy, density of the removed bone
   bool torque_spectrum = true;
   bool meshes = true;
   bool report = true;

@@ -21,15 +21,10 @@ struct RunOptions {
   bool resume = false;
 };
 
-std::string output_dir(const RunOptions& options, const Scenario& scenario) {
-  if (!options.output.empty()) return options.output;
-  return scenario.output.dir.empty() ? "out/" + scenario.name : scenario.output.dir;
-}
-
 void run_command(const RunOptions& options, const Console& console) {
   RunRequest request;
   request.scenario = options.scenario.parse();
-  request.dir = output_dir(options, request.scenario);
+  request.dir = options.output.empty() ? results_dir(request.scenario) : options.output;
   request.overwrite = options.overwrite;
   request.resume = options.resume;
   require_film_program(request.scenario.render);

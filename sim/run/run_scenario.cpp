@@ -315,6 +315,10 @@ void say_where_to_look(const std::string& dir, RunMonitor& monitor) {
 
 }  // namespace
 
+std::string results_dir(const Scenario& scenario) {
+  return scenario.output.dir.empty() ? "out/" + scenario.name : scenario.output.dir;
+}
+
 std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources& resources, RunMonitor& monitor,
                                          PictureSink* pictures) {
   const Scenario& scenario = request.scenario;

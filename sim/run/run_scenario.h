@@ -89,6 +89,9 @@ class RunMonitor {
   [[nodiscard]] virtual std::shared_ptr<void> on_forced_end(std::function<InterruptedRun()> /*end*/) { return nullptr; }
 };
 
+/// The results folder of a scenario for which none is named: its output.dir, else out/NAME.
+std::string results_dir(const Scenario& scenario);
+
 /// Loads, simulates, writes and draws: the way to run a scenario for command line, library and studies. Without
 /// `pictures` the folder has none. Throws InputError, RunError, Interrupted, and Suspended where a checkpoint is left;
 /// the message says what remains. Returns the frame after which an interrupted run was continued.

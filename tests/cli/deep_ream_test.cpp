@@ -19,7 +19,7 @@ TEST_F(CliTest, AReamThroughTheVaultOfARealShoulderStaysWithinTwoGigabytes) {
        .interrupt_when = {}});
   expect_done(result);
   EXPECT_LT(result.peak_mb, 2000);
-  EXPECT_TRUE(exists("out/depth_map.png"));
+  EXPECT_TRUE(exists("out/depth_map.csv"));
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ import dicom_folder
 import documented
 
 SMALL = {"width_px": 160, "height_px": 120}
-COARSE_MM = 1  # voxels of the scenarios, of which other tests run those that ship
+COARSE_MM, COARSE_HZ = 1, 200  # voxels and frames of the scenarios, of which other tests run those that ship
 # What a page prints is compared with a run as it ships, or as init wrote it, without pictures.
 PLAIN = "--overwrite --set render.enabled=false --set output.meshes=false --set output.vti=false"
 
@@ -125,6 +125,7 @@ class Place:
             scenario["render"] = {**(scenario.get("render") or {}), **SMALL}
             if "voxel_mm" in scenario["bone"]:
                 scenario["bone"]["voxel_mm"] = COARSE_MM
+            scenario["motion"].setdefault("frame_rate_hz", COARSE_HZ)
             self.write(f"trajectories/{path.name}", scenario)
 
     def add_users_scan(self):

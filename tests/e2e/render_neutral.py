@@ -11,11 +11,10 @@ import tempfile
 import grids
 
 WAYS = {
-    "small": {"width_px": 64, "height_px": 64},
-    "upright": {"width_px": 333, "height_px": 777, "cameras": "[overview]", "supersampling": 2},
-    "many": {"width_px": 96, "height_px": 64, "every_frames": 7, "cameras": "[section]"},
-    "one_picture": {"width_px": 1280, "height_px": 720, "every_frames": 100000, "background": "transparent"},
-    "film": {"width_px": 320, "height_px": 200, "film": "webp", "turntable_pictures": 3, "tool": "false"},
+    "upright": {"width_px": 333, "height_px": 777, "cameras": "[overview]", "supersampling": 2, "every_frames": 100000,
+                "background": "transparent", "report": "false"},
+    "many": {"width_px": 96, "height_px": 64, "every_frames": 7, "cameras": "[section]", "report": "false"},
+    "film": {"width_px": 160, "height_px": 100, "film": "webp", "turntable_pictures": 3, "tool": "false"},
 }
 
 

@@ -60,6 +60,11 @@ motion:
     }
   }
 
+  [[nodiscard]] static std::string text_of(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
   test::TempDir dir_;
 };
 
@@ -253,6 +258,37 @@ TEST_F(Library, MistakesAreTyped) {
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("motion.plunge.feed_mm_s"));
   }
+}
+
+TEST_F(Library, RunsAScenarioIntoAFolder) {
+  const std::string dir = dir_.path() + "/results";
+  std::int64_t last = 0, all = 0;
+  RunOptions options{.set = {"motion.plunge.dwell_s=0"}, .dir = dir, .overwrite = false, .resume = false};
+  options.progress = [&](std::int64_t done, std::int64_t total) { last = done, all = total; };
+  EXPECT_EQ(run_scenario(scenario(), options).dir, dir);
+  EXPECT_GT(all, 0);
+  EXPECT_EQ(last, all);
+  for (const char* name : {"forces.csv", "summary.json", "reamed.vdb", "scenario.yaml", "manifest.json"})
+    EXPECT_TRUE(std::filesystem::exists(dir + "/" + name)) << name;
+  EXPECT_FALSE(std::filesystem::exists(dir + "/reamed.png"));
+  EXPECT_THROW(run_scenario(scenario(), options), BadInput) << "the folder exists";
+  options.overwrite = true;
+  options.set = {"motion.plunge.depth_mm=-1"};
+  EXPECT_THROW(run_scenario(scenario(), options), BadInput);
+}
+
+TEST_F(Library, AStoppedRunGoesOnAndEndsTheSame) {
+  const std::string whole = dir_.path() + "/whole", cut = dir_.path() + "/cut";
+  run_scenario(scenario(), {.set = {}, .dir = whole});
+  RunOptions options{.set = {"engine.batch_frames=10"}, .dir = cut, .overwrite = false, .resume = false};
+  int calls = 0;
+  options.stop = [&calls] { return ++calls > 3; };
+  EXPECT_THROW(run_scenario(scenario(), options), Stopped);
+  EXPECT_FALSE(std::filesystem::exists(cut));
+  options.stop = nullptr;
+  options.resume = true;
+  run_scenario(scenario(), options);
+  EXPECT_EQ(text_of(cut + "/forces.csv"), text_of(whole + "/forces.csv"));
 }
 
 }  // namespace

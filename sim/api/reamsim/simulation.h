@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-/// The simulator as a library: the caller gives the pose of the tool frame by frame, and gets the force.
+/// The simulator as a library. Simulation: the caller gives the pose of the tool frame by frame, and gets the force.
+/// run_scenario(): a whole scenario into a results folder, as `reamsim run` does it.
 ///
 /// Frames and units are those of docs/scenario.md: mm, s, N, N·mm, mJ; B is the bone's frame, T the tool's without its
 /// spin. Every error is a reamsim::Error; no other exception leaves the library. A Simulation may be used by one thread
@@ -23,7 +24,7 @@
 namespace reamsim {
 
 /// Changes with every change of this header that a program could notice.
-inline constexpr int kLibraryVersion = 2;
+inline constexpr int kLibraryVersion = 3;
 
 /// The base of every exception that leaves the library.
 class Error : public std::runtime_error {
@@ -35,6 +36,11 @@ class BadInput : public Error {
 };
 /// The device, the memory or a file failed.
 class RunFailure : public Error {
+  using Error::Error;
+};
+
+/// The caller ended a run. The message says what is kept, and whether RunOptions::resume continues it.
+class Stopped : public Error {
   using Error::Error;
 };
 
@@ -147,6 +153,29 @@ class Simulation {
   struct Core;
   std::unique_ptr<Core> core_;
 };
+
+/// How run_scenario() runs a scenario.
+struct RunOptions {
+  std::vector<std::string> set{};  ///< overrides as of `reamsim run --set`
+  std::string dir{};               ///< the results folder; "": output.dir of the scenario, else out/NAME
+  bool overwrite = false;          ///< results of an older run in the folder are replaced once this one succeeds
+  bool resume = false;             ///< an interrupted run in the folder is continued from its checkpoint
+  /// Finished frames of all. Called several times a second, on the thread that runs.
+  std::function<void(std::int64_t done, std::int64_t total)> progress{};
+  /// Called several times a second; where it returns true, the run ends, with a checkpoint: Stopped.
+  std::function<bool()> stop{};
+};
+
+/// What run_scenario() leaves.
+struct RunResults {
+  std::string dir;                    ///< the results folder
+  std::vector<std::string> warnings;  ///< as of `reamsim run`, one text per warning
+};
+
+/// Runs a scenario into a results folder: the files of `reamsim run` to the byte, but for pictures, plots, meshes and
+/// the report, which `reamsim render DIR` makes. `scenario`: as for Simulation. Throws BadInput; RunFailure; Stopped.
+/// On an error the folder is left as `reamsim run` leaves it (docs/results.md).
+RunResults run_scenario(const std::string& scenario, const RunOptions& options = {});
 
 }  // namespace reamsim
 
