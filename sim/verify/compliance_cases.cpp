@@ -9,15 +9,12 @@
 
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/verify/case_parts.h"
-#include "sim/verify/closed_forms.h"
-#include "sim/verify/reaming.h"
 
 namespace reamsim::verify {
 
 namespace {
 
 constexpr double kLimit = 5e-3, kTimeLimit = 0.02;
-const char* const kLimitReason = "limit set by this project";
 constexpr double kRigid_n_mm = ComplianceSettings::kRigid_n_mm;
 
 Vec3 mean_deflection_mm(std::span<const FrameResult> rows) {
@@ -73,8 +70,7 @@ SimulationInput ball_on_edge(double feed_mm_s, double depth_mm, double rate_hz) 
 
 }  // namespace
 
-CaseFindings compliance_steady_case(const Setting& setting) {
-  CaseFindings out;
+void compliance_steady_case(const Setting& setting, Report& out) {
   out.title = "Deflection along the axis";
   out.scene =
       "cannulated reamer (R 29, a 15, r₀ 1.25 mm, 250 rpm, 0.2 mm/s) in full contact in ρ 1.8 g/cm³, on a spring along "
@@ -84,8 +80,7 @@ CaseFindings compliance_steady_case(const Setting& setting) {
   for (const double k : {1000.0, 4000.0}) {
     const Vec3 found =
         steady_deflection_mm({.plunge = kExample, .voxel_mm = voxel_mm}, {{kRigid_n_mm, kRigid_n_mm, k}, 0}, setting);
-    out.checks.push_back(relative_check(fmt::format("d at {:g} N/mm", k), "mm", kExample.axial_force_n() / k, found.z(),
-                                        kLimit, kLimitReason));
+    out.relative(fmt::format("d at {:g} N/mm", k), "mm", kExample.axial_force_n() / k, found.z(), kLimit);
   }
   constexpr double kStiffness_n_mm = 4000;
   const double resistance = linear_resistance(kExample);
@@ -93,16 +88,13 @@ CaseFindings compliance_steady_case(const Setting& setting) {
     const double tau = (resistance + damping) / kStiffness_n_mm;
     const Reamed reamed = approach_of(kStiffness_n_mm, damping, 2.2 * tau, setting);
     const auto frame = [&](double taus) { return static_cast<std::size_t>(std::lround(1e3 * taus * tau)); };
-    out.checks.push_back(
-        relative_check(fmt::format("τ with c = {:g} N·s/mm", damping), "ms", 1e3 * tau,
-                       1e3 * time_constant_s(reamed, kExample.axial_force_n() / kStiffness_n_mm, frame(0.2), frame(2)),
-                       kTimeLimit, kLimitReason));
+    out.relative(fmt::format("τ with c = {:g} N·s/mm", damping), "ms", 1e3 * tau,
+                 1e3 * time_constant_s(reamed, kExample.axial_force_n() / kStiffness_n_mm, frame(0.2), frame(2)),
+                 kTimeLimit);
   }
-  return out;
 }
 
-CaseFindings compliance_half_case(const Setting& setting) {
-  CaseFindings out;
+void compliance_half_case(const Setting& setting, Report& out) {
   out.title = "Deflection from bone under half of the face";
   out.scene = "the same reamer, and a flat one, with bone on the side of e only, on springs along x and y of 5000 N/mm";
   out.form = "k·d·t = 2u·(v_f/ω)·(a − r₀), k·d·e = −k_n·u·(v_f/ω)·(a² − r₀²)/R, t = z × e";
@@ -116,16 +108,13 @@ CaseFindings compliance_half_case(const Setting& setting) {
                              {{kStiffness_n_mm, kStiffness_n_mm, kRigid_n_mm}, 0}, setting);
     const HalfFaceLoads loads = plunge.half_face();
     const std::string name = plunge.radius_mm ? ", convex" : ", flat";
-    out.checks.push_back(relative_check("d·t" + name, "µm", 1e3 * loads.along_t_n / kStiffness_n_mm, 1e3 * d.dot(t),
-                                        0.01, kLimitReason));
-    out.checks.push_back({"d·e" + name, "µm", Measure::absolute, 1e3 * loads.along_e_n / kStiffness_n_mm,
-                          1e3 * d.dot(e), 0.01 * 1e3 * loads.along_t_n / kStiffness_n_mm, "1 % of d·t"});
+    out.relative("d·t" + name, "µm", 1e3 * loads.along_t_n / kStiffness_n_mm, 1e3 * d.dot(t), 0.01);
+    out.absolute("d·e" + name, "µm", 1e3 * loads.along_e_n / kStiffness_n_mm, 1e3 * d.dot(e),
+                 0.01 * 1e3 * loads.along_t_n / kStiffness_n_mm, "1 % of d·t");
   }
-  return out;
 }
 
-CaseFindings compliance_stiff_case(const Setting& setting) {
-  CaseFindings out;
+void compliance_stiff_case(const Setting& setting, Report& out) {
   out.title = "Stiff springs";
   out.scene =
       "ball (R 5 mm, 250 rpm) fed 0.5 mm down at 1 mm/s on the edge of a block of two layers, on three equal springs";
@@ -143,19 +132,16 @@ CaseFindings compliance_stiff_case(const Setting& setting) {
   std::vector<double> differences;
   for (const double k : {4000.0, 16000.0, 64000.0}) {
     differences.push_back((force(k) - rigid).norm());
-    out.checks.push_back(
-        {fmt::format("difference at {:g} N/mm", k), "N", Measure::reported, 0, differences.back(), 0, ""});
+    out.reported(fmt::format("difference at {:g} N/mm", k), "N", differences.back());
   }
-  out.checks.push_back({"force of the rigid tool", "N", Measure::reported, 0, rigid.norm(), 0, ""});
+  out.reported("force of the rigid tool", "N", rigid.norm());
   for (std::size_t i = 1; i < differences.size(); ++i) {
-    out.checks.push_back({fmt::format("order in 1/k, step {}", i), "", Measure::absolute, 1,
-                          std::log(differences[i - 1] / differences[i]) / std::log(kFactor), 0.15, kLimitReason});
+    out.absolute(fmt::format("order in 1/k, step {}", i), "", 1,
+                 std::log(differences[i - 1] / differences[i]) / std::log(kFactor), 0.15);
   }
-  return out;
 }
 
-CaseFindings compliance_energy_case(const Setting& setting) {
-  CaseFindings out;
+void compliance_energy_case(const Setting& setting, Report& out) {
   out.title = "Energy of a tool on springs";
   out.scene = "the ball of compliance_stiff fed 1 mm down, on springs of 30, 60 and 100 N/mm with 0.5 N·s/mm";
   out.form = "work of the feed + work of the drive + E_floor = E_cut + spring + damping energy + ½Σk·Δd²";
@@ -168,19 +154,15 @@ CaseFindings compliance_energy_case(const Setting& setting) {
     cut += row.energy_mj;
   }
   const SpringState& s = reamed.springs;
-  const auto report = [&](const char* name, double mj) {
-    out.checks.push_back({name, "mJ", Measure::reported, 0, mj, 0, ""});
-  };
+  const auto report = [&](const char* name, double mj) { out.reported(name, "mJ", mj); };
   report("work of the feed", s.carriage_mj);
   report("work of the drive", s.drill_mj);
   report("spring energy at the end", s.spring_mj);
   report("damping energy", s.damping_mj);
   report("½Σk·Δd²", s.lost_mj);
-  out.checks.push_back(relative_check("both sides", "mJ", cut + s.spring_mj + s.damping_mj + s.lost_mj,
-                                      s.carriage_mj + s.drill_mj + floor, 1e-4, kLimitReason));
-  out.checks.push_back({"½Σk·Δd² over the spring energy", "", Measure::at_most, 0.02, s.lost_mj / s.spring_mj, 0,
-                        "it vanishes with the frame"});
-  return out;
+  out.relative("both sides", "mJ", cut + s.spring_mj + s.damping_mj + s.lost_mj, s.carriage_mj + s.drill_mj + floor,
+               1e-4);
+  out.at_most("½Σk·Δd² over the spring energy", "", 0.02, s.lost_mj / s.spring_mj, "it vanishes with the frame");
 }
 
 }  // namespace reamsim::verify

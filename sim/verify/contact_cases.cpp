@@ -7,14 +7,12 @@
 #include <numbers>
 
 #include "sim/verify/case_parts.h"
-#include "sim/verify/reaming.h"
 
 namespace reamsim::verify {
 
 namespace {
 
 constexpr double kForceLimit = 5e-3;  // of a steady plunge at 0.25 mm
-const char* const kContactLimitReason = "limit set by this project";
 
 std::vector<SteadyPlunge> ratio_plunges(bool quick) {
   std::vector<SteadyPlunge> out = {kExample, example_with(&SteadyPlunge::density_g_cm3, 0.4),
@@ -66,25 +64,22 @@ constexpr HalfLoad kHalfLoads[] = {
     {"M·e", "N·mm", &HalfFaceLoads::about_e_nmm},   {"M·t", "N·mm", &HalfFaceLoads::about_t_nmm}};
 
 /// The loads of one half face against the closed forms.
-std::vector<Check> half_checks(const PlungeRun& run, const Setting& setting) {
+void check_half(const PlungeRun& run, const Setting& setting, Report& out) {
   const std::string where = text_of(run.plunge) + fmt::format(", e at {:g}°", *run.half_toward_deg);
   setting.progress("half face, " + where);
   const HalfFaceLoads expected = run.plunge.half_face(), found = measured_half(run, setting);
-  std::vector<Check> out;
   for (const HalfLoad& load : kHalfLoads) {
     const double form = expected.*load.member;
     const std::string quantity = std::string(load.name) + ", " + where;
     if (form != 0) {
-      out.push_back(relative_check(quantity, load.unit, form, found.*load.member, kForceLimit, kContactLimitReason));
+      out.relative(quantity, load.unit, form, found.*load.member, kForceLimit);
     } else {
       // A flat face has no such load: a fraction of the load across it.
       const bool force = load.member == &HalfFaceLoads::along_e_n;
       const double scale = force ? expected.along_t_n : expected.about_t_nmm;
-      out.push_back({quantity, load.unit, Measure::absolute, 0, found.*load.member, kForceLimit * std::abs(scale),
-                     kContactLimitReason});
+      out.absolute(quantity, load.unit, 0, found.*load.member, kForceLimit * std::abs(scale));
     }
   }
-  return out;
 }
 
 /// The lateral force as refinements over the voxel size, against the law's integral.
@@ -107,29 +102,24 @@ std::vector<Refinement> half_refinements(const Setting& setting) {
 
 }  // namespace
 
-CaseFindings ratio_case(const Setting& setting) {
-  CaseFindings out;
+void ratio_case(const Setting& setting, Report& out) {
   out.title = "Ratio of torque to axial force is independent of the bone";
   out.scene = "the reamers of the steady plunge in full contact, in bone of several densities; 0.25 mm voxels";
   out.form = "T/F_z = (a² − r₀²)/(2·k_n·[C(a) − C(r₀)] + 2·(v_f/ω)·ln(a/r₀)); without its last term while v_f ≪ ω·r₀";
   for (const SteadyPlunge& plunge : ratio_plunges(setting.quick)) {
     setting.progress("ratio, " + with_density(plunge));
     const double found = measured_ratio_mm({.plunge = plunge}, setting);
-    out.checks.push_back(relative_check("T/F_z, " + with_density(plunge), "mm",
-                                        plunge.torque_nmm() / plunge.axial_force_n(), found, kForceLimit,
-                                        kContactLimitReason));
-    out.checks.push_back({"T/F_z in the limit of slow feed, " + with_density(plunge), "mm", Measure::reported,
-                          plunge.ratio_mm(), found, 0, "beside it"});
+    out.relative("T/F_z, " + with_density(plunge), "mm", plunge.torque_nmm() / plunge.axial_force_n(), found,
+                 kForceLimit);
+    out.add(Measure::reported, "T/F_z in the limit of slow feed, " + with_density(plunge), "mm", plunge.ratio_mm(),
+            found, 0, "beside it");
   }
   const double tilted = measured_ratio_mm({.plunge = kExample, .tilt_deg = 17}, setting);
-  out.checks.push_back(relative_check("T/F_z, axis tilted by 17°", "mm",
-                                      kExample.torque_nmm() / kExample.axial_force_n(), tilted, kForceLimit,
-                                      kContactLimitReason));
-  return out;
+  out.relative("T/F_z, axis tilted by 17°", "mm", kExample.torque_nmm() / kExample.axial_force_n(), tilted,
+               kForceLimit);
 }
 
-CaseFindings half_face_case(const Setting& setting) {
-  CaseFindings out;
+void half_face_case(const Setting& setting, Report& out) {
   out.title = "Bone under half of the face";
   out.scene =
       "the steady plunge beside a wall: bone only on one side of a plane through the axis, the side to which e points; "
@@ -147,10 +137,7 @@ CaseFindings half_face_case(const Setting& setting) {
     runs.push_back({.plunge = example_with(&SteadyPlunge::bore_mm, 4), .half_toward_deg = 25});
     runs.push_back({.plunge = example_with(&SteadyPlunge::radius_mm, 20), .half_toward_deg = 25});
   }
-  for (const PlungeRun& run : runs) {
-    for (Check& check : half_checks(run, setting)) out.checks.push_back(std::move(check));
-  }
-  return out;
+  for (const PlungeRun& run : runs) check_half(run, setting, out);
 }
 
 }  // namespace reamsim::verify

@@ -14,8 +14,9 @@ namespace {
 CaseFindings timed(const Case& chosen, const Setting& setting) {
   if (setting.stop()) throw Interrupted();
   const Stopwatch watch;
-  CaseFindings out = chosen.run(setting);
+  Report out;
   out.id = chosen.id;
+  chosen.run(setting, out);
   out.seconds = watch.seconds();
   return out;
 }
