@@ -3,10 +3,9 @@
 
 /* Zheng et al. as the paper rebuilt it (§4.3.1), for `reamsim bench` only: points of three floats, voxels of a float HU
  * and a collision flag. A work-item per point descends from the whole grid to its voxel, one octant per level. The
- * forces of all points, including those outside the bone, are stored and then summed by a parallel reduction. */
+ * forces of all points, including those outside the bone, are stored and then summed by a parallel reduction. AIR_HU,
+ * the HU of density 0, stands for air. */
 #include "published.h"
-
-#define AIR_HU -1000.0f
 
 /* steps[8·level + octant]: increment of the voxel's index for that octant. forces: x, y, z and 1 for a point that
  * touches, zeros for others. */

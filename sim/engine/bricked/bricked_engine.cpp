@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/common/engines.h"
+#include "sim/engine/make_engine.h"
 
 #include <algorithm>
 #include <cstring>
@@ -20,41 +20,32 @@ extern const char* const kernel_cut_bricked;
 
 namespace {
 
-/// A stage of `bricked` with its arguments and its number of work-items.
-struct BrickedStage {
-  cl::SlotKernel kernel;
-  std::size_t items;
-
-  void enqueue(int slot) { kernel.run(slot, items); }
-};
-
 /// Cells of shell points against bricks of voxels; see kernels/detect_bricked.cl.
-BrickedStage make_detect_bricked(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
-                                 const KernelOptions& options) {
+cl::SlotKernel make_detect_bricked(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
+                                   const KernelOptions& options) {
   const std::string defines = kernel_defines(state.bone.layout, options.shape);
-  BrickedStage out{{device, device.build("detect_bricked.cl", embedded::kernel_detect_bricked, defines),
-                    "detect_bricked", options.work_group},
-                   options.shape == KernelShape::cpu ? state.runs.count() : state.cells.count() * options.work_group};
-  out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.cells, static_cast<cl_uint>(state.cells.count()),
-                      state.runs, cl_uint{kRunCells}, state.offsets, state.bone.slot_of_brick, state.bone.occupancy,
-                      state.listed, state.touched_list, batch.contact_count(), batch.sums(), state.bone.dims,
-                      cl_int{options.culling ? 1 : 0}, batch.removed_room(), batch.removed_count(),
-                      batch.removed_before(), state.outline.arguments(), state.bone.pool_arguments());
+  cl::SlotKernel out(device, device.build("detect_bricked.cl", embedded::kernel_detect_bricked, defines),
+                     "detect_bricked", options.work_group,
+                     options.shape == KernelShape::cpu ? state.runs.count() : state.cells.count() * options.work_group);
+  out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.cells, static_cast<cl_uint>(state.cells.count()),
+               state.runs, cl_uint{kRunCells}, state.offsets, state.bone.slot_of_brick, state.bone.occupancy,
+               state.listed, state.touched_list, batch.contact_count(), batch.sums(), state.bone.dims,
+               cl_int{options.culling ? 1 : 0}, batch.removed_room(), batch.removed_count(), batch.removed_before(),
+               state.outline.arguments(), state.bone.pool_arguments());
   return out;
 }
 
 /// `remove` and `wear` over the list of touched bricks; see kernels/cut_bricked.cl.
-BrickedStage make_cut_bricked(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
-                              const KernelOptions& options) {
+cl::SlotKernel make_cut_bricked(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
+                                const KernelOptions& options) {
   const std::string defines = cut_defines(state.bone.layout, options.shape);
-  BrickedStage out{{device, device.build("cut_bricked.cl", embedded::kernel_cut_bricked, defines), "cut_bricked",
-                    options.work_group},
-                   cut_items(device.info(), options)};
-  out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.bone.lattice_of_slot, state.listed,
-                      state.bone.occupancy, state.touched_list, batch.contact_count(), batch.sums(), batch.removed(),
-                      batch.removed_count(), batch.removed_room(), batch.removed_before(), state.energy_of_grade,
-                      state.units_of_grade, state.density_of_grade, state.bits_of_byte, state.bone.dims,
-                      state.outline.arguments(), state.bone.pool_arguments());
+  cl::SlotKernel out(device, device.build("cut_bricked.cl", embedded::kernel_cut_bricked, defines), "cut_bricked",
+                     options.work_group, cut_items(device.info(), options));
+  out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.bone.lattice_of_slot, state.listed, state.bone.occupancy,
+               state.touched_list, batch.contact_count(), batch.sums(), batch.removed(), batch.removed_count(),
+               batch.removed_room(), batch.removed_before(), state.energy_of_grade, state.units_of_grade,
+               state.density_of_grade, state.bits_of_byte, state.bone.dims, state.outline.arguments(),
+               state.bone.pool_arguments());
   return out;
 }
 
@@ -88,15 +79,15 @@ class BrickedEngine final : public Engine {
 
   void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> /*window*/) override {
     const int slot = batch_.begin(args);
-    detect_.enqueue(slot);
-    cut_.enqueue(slot);
+    detect_.run(slot);
+    cut_.run(slot);
   }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
   Batch collect() override {
     removed_.clear();
     for (int slot = batch_.first_waiting(); slot >= 0; slot = batch_.first_waiting()) resume(slot);
-    return {.sums = batch_.collect(), .times = stage_times(detect_.kernel.take_seconds(), cut_.kernel.take_seconds())};
+    return {.sums = batch_.collect(), .times = stage_times(detect_.take_seconds(), cut_.take_seconds())};
   }
 
   RemovedFrames take_removed() override {
@@ -119,10 +110,10 @@ class BrickedEngine final : public Engine {
   /// Cuts the substep that waited for room in the list of removed voxels, and runs those after it.
   void resume(int slot) {
     append(batch_.make_room(slot));
-    cut_.enqueue(slot);
+    cut_.run(slot);
     for (int later = slot + 1; later < batch_.used(); ++later) {
-      detect_.enqueue(later);
-      cut_.enqueue(later);
+      detect_.run(later);
+      cut_.run(later);
     }
   }
 
@@ -139,8 +130,7 @@ class BrickedEngine final : public Engine {
   VoxelGrid grid_;
   BrickedState state_;
   DeviceBatch batch_;
-  BrickedStage detect_;
-  BrickedStage cut_;
+  cl::SlotKernel detect_, cut_;
   RemovedFrames removed_;  // of the batch, as far as they have been read
 };
 

@@ -27,11 +27,6 @@ constexpr int kSide = RS_BRICK_SIDE;
 constexpr int kManyPools = 16;
 constexpr std::size_t kFillBytes = sizeof(rs_u16) * RS_BRICK_VOXELS;
 
-std::size_t superbrick_count(const Vec3i& bricks) {
-  const Vec3i n = (bricks.array() + 3) / 4;
-  return static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
-}
-
 /// Writes a brick in the device's layout. Returns whether it has bone.
 bool write_brick(const BoneView& bone, const Vec3i& coord, const GradeBricks::Brick& grades, bool with_fill,
                  cl_uchar* bytes) {
@@ -55,10 +50,8 @@ bool write_brick(const BoneView& bone, const Vec3i& coord, const GradeBricks::Br
 }
 
 /// Sets the bit of a brick with bone, in the layout of kernels/brick_report.h.
-void set_occupied(const Vec3i& brick, const Vec3i& superbricks, std::vector<cl_uint>& occupancy) {
-  const Vec3i s = brick / 4;
-  const auto word = static_cast<std::size_t>(
-      2 * (s.x() + std::int64_t{superbricks.x()} * (s.y() + std::int64_t{superbricks.y()} * s.z())));
+void set_occupied(const Vec3i& brick, const BrickLattice& superbricks, std::vector<cl_uint>& occupancy) {
+  const std::size_t word = 2 * superbricks.index(brick / 4);
   const auto bit = static_cast<unsigned>((brick.x() & 3) | (brick.y() & 3) << 2 | (brick.z() & 3) << 4);
   occupancy[word + (bit >> 5)] |= 1U << (bit & 31U);
 }
@@ -78,7 +71,7 @@ BrickLayout plan_layout(const BoneView& bone, FillStore fill, std::size_t larges
 std::size_t bytes_of(const BrickLayout& layout, const BoneView& bone) {
   const std::size_t bricks = BrickLattice::over(bone.voxmap.grid.dims).count();
   return layout.bricks * (layout.brick_bytes + sizeof(cl_uint)) + bricks * sizeof(cl_int) +
-         8 * superbrick_count(bone.voxmap.grade.brick_dims());
+         8 * superbricks_of(bone.voxmap.grade.brick_dims()).count();
 }
 
 [[noreturn]] void does_not_fit(const cl::Device& device, const BoneView& bone, std::size_t need, std::size_t have) {
@@ -147,13 +140,12 @@ DeviceBricks make_device_bricks(const cl::Device& device, const BoneView& bone, 
     out.pools.emplace_back(device, count * out.layout.brick_bytes, "the bone's bricks");
     if (per_pool == 0) break;
   }
-  out.occupancy = {device, 2 * superbrick_count(bricks), "the bricks' occupancy"};
+  out.occupancy = {device, 2 * superbricks_of(bricks).count(), "the bricks' occupancy"};
   upload_bone(device, bone, out);
   return out;
 }
 
 void upload_bone(const cl::Device& device, const BoneView& bone, DeviceBricks& out) {
-  const Vec3i bricks = bone.voxmap.grade.brick_dims();
   const bool same = bone.voxmap.grid.dims == out.grid.dims && bone.voxmap.grade.stored_bricks() == out.layout.bricks &&
                     (out.layout.fill != FillStore::none || !partly_filled(bone.fill));
   if (!same) throw RunError("this is not the bone for which the engine was created");
@@ -161,7 +153,7 @@ void upload_bone(const cl::Device& device, const BoneView& bone, DeviceBricks& o
   const std::size_t bytes = out.layout.brick_bytes;
   std::vector<cl_uchar> chunk(kChunk * bytes);
   std::vector<cl_uint> occupancy(out.occupancy.count(), 0);
-  const Vec3i superbricks = (bricks.array() + 3) / 4;
+  const BrickLattice superbricks = superbricks_of(bone.voxmap.grade.brick_dims());
   std::size_t slot = 0, first = 0;
   const auto flush = [&] {
     if (slot > first) {
@@ -193,7 +185,7 @@ void upload_bricks_of(const cl::Device& device, const BoneView& bone, const Remo
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
 
   const std::size_t bytes = out.layout.brick_bytes;
-  const Vec3i superbricks = (lattice.dims.array() + 3) / 4;
+  const BrickLattice superbricks = superbricks_of(lattice.dims);
   std::vector<cl_int> slots(out.slot_of_brick.count());
   std::vector<cl_uint> occupancy(out.occupancy.count());
   out.slot_of_brick.read(device, slots.data(), slots.size());

@@ -50,13 +50,17 @@ struct DeviceBricks {
   [[nodiscard]] std::size_t bytes() const;
 };
 
+/// The lattice of superbricks of 4×4×4 bricks.
+inline BrickLattice superbricks_of(const Vec3i& bricks) {
+  return {(bricks.array() + 3) / 4};
+}
+
 /// Calls visit(brick coordinates, grades) for every stored brick in the order of the slots: superbrick by superbrick
 /// (4×4×4 bricks), x fastest. The bricks that a surface meets then lie in few pages of memory.
 template <class Visit>
 void for_each_slot(const GradeBricks& grades, const Visit& visit) {
   constexpr int kSide = 4;
-  const Vec3i bricks = grades.brick_dims();
-  const BrickLattice superbricks{(bricks.array() + (kSide - 1)) / kSide};
+  const BrickLattice superbricks = superbricks_of(grades.brick_dims());
   for (std::size_t s = 0; s < superbricks.count(); ++s) {
     const Vec3i first = kSide * superbricks.coord(s);
     for (int bit = 0; bit < kSide * kSide * kSide; ++bit) {
