@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,7 +19,7 @@ struct Spread {
   double max = 0;
   int samples = 0;
 };
-Spread spread_of(std::vector<double> values);
+Spread spread_of(const std::vector<double>& values);
 
 /// Program, sizes and case of a measurement. `voxmap` and `shell`: cells along an edge. `implicit` has no shell; its
 /// rows have the largest.
@@ -42,46 +43,6 @@ struct CaseRow {
 struct Skipped {
   Place at;
   std::string reason;
-};
-
-struct MemoryRow {
-  std::string engine;
-  int voxmap = 0, shell = 0;
-  double voxmap_mb = 0, shell_mb = 0;  ///< 10⁶ bytes
-};
-
-/// Medians over the frames of a severe case, µs, as in the paper's Table 2. `read`: the rest of the total: launches,
-/// waiting and reading of results.
-struct PhaseRow {
-  Place at;
-  double obb = 0, voi = 0, upload = 0, kernel = 0, read = 0, total = 0;
-};
-
-/// A depth at which the VOI is `fraction` of the tool's box.
-struct VoiRow {
-  Label who;
-  double fraction = 0;
-  double contacts = 0;  ///< points
-  Spread with_ms, without_ms;
-};
-
-/// Frames enqueued `batch` at a time; time per frame.
-struct BatchRow {
-  Place at;
-  int batch = 1;
-  Spread ms = {};
-};
-
-/// Variation of a racing program's results over repetitions of a severe frame.
-struct ScatterRow {
-  Place at;
-  int repetitions = 0;
-  double points = 0;                  ///< touching points: the count if every point found its voxel unchanged
-  std::optional<double> voxels = {};  ///< their voxels: the count if only the first point of a voxel did
-  Spread contacts = {};               ///< counted
-  double force_spread = 0;            ///< standard deviation of the force's magnitude over its mean
-  double component_spread = 0;        ///< largest standard deviation of a component over the mean magnitude
-  double contacts_spread = 0;         ///< standard deviation over mean
 };
 
 /// More of the plunged sphere with `exact`.
@@ -115,13 +76,19 @@ struct MachinePeaks {
   double gb_s = 0;
 };
 
-/// Touching points at a pose, with the largest voxmap and shell.
-struct PoseCount {
-  std::string contact;
-  int pose = 0;
-  std::int64_t points = 0;
-  double wanted = 0;
-};
+/// Operations of exact erosion for a voxel that loses bone in a frame of a window, a fused multiply-add as two: 36 for
+/// its loss (rs_window_outside() with two pieces and rs_clip_loss()) and 32 for force, torque and energies
+/// (kernels/cut_window.h).
+inline constexpr double kExactOperations = 68;
+/// Memory that it needs, bytes: fill read and written, and grade read, once in a window of 64 frames.
+inline constexpr double kExactBytes = 5.0 / 64;
+
+/// Rows as the benchmark's JSON has them (docs/columns.md).
+using Json = nlohmann::ordered_json;
+/// The keys of a place.
+Json row_at(const Place& at);
+/// The keys median_ms, min_ms and max_ms.
+Json spread_ms(const Spread& ms);
 
 struct Findings {
   std::string device;
@@ -129,14 +96,19 @@ struct Findings {
   unsigned compute_units = 0;
   int repetitions = 0;
   std::vector<std::pair<int, std::size_t>> shell_points;  ///< (cells along an edge, points)
-  std::vector<PoseCount> poses;
+  Json poses = Json::array();  ///< touching points at each pose, with the largest voxmap and shell
   std::vector<CaseRow> cases;
   std::vector<Skipped> skipped;
-  std::vector<MemoryRow> memory;
-  std::vector<PhaseRow> phases;
-  std::vector<VoiRow> voi;
-  std::vector<BatchRow> batches;
-  std::vector<ScatterRow> scatter;
+  Json memory = Json::array();  ///< 10⁶ bytes
+  /// Medians over the frames of a severe case, as in the paper's Table 2. `read_us`: the rest of the total: launches,
+  /// waiting and reading of results.
+  Json phases = Json::array();
+  Json voi = Json::array();      ///< by depths at which the VOI is `fraction` of the tool's box
+  Json batches = Json::array();  ///< frames enqueued `batch` at a time; time per frame
+  /// Variation of a racing program's results over repetitions of a severe frame. `points` touch: the count if every
+  /// point found its voxel unchanged; `voxels`: if only the first point of a voxel did. Spreads are standard deviations
+  /// over means; `component_spread`: the largest of a force's component over the mean magnitude.
+  Json scatter = Json::array();
   std::vector<SphereRow> spheres;
   std::optional<MachinePeaks> peaks;
   double seconds = 0;

@@ -41,10 +41,9 @@ Plan quick_plan();
 /// The plunged sphere with `erosion: exact` alone; half a minute.
 Plan sphere_plan();
 
-/// Progress messages and the request to stop.
+/// Progress, and the request to stop.
 struct BenchControl {
-  std::function<void(const std::string&)> progress = [](const std::string&) {};
-  /// Called with progress(): the fraction of the usual time that lies behind.
+  /// Called at the beginning of a step, with the fraction of the usual time that lies behind.
   std::function<void(double, const std::string&)> part = [](double, const std::string&) {};
   std::function<bool()> stop = [] { return false; };
 };
@@ -55,7 +54,7 @@ void check_plan(const Plan& plan);
 /// Interrupted. Programs that the device cannot hold are in Findings::skipped.
 Findings run_bench(const Plan& plan, const BenchControl& control);
 
-/// Depths of the approaches for a voxmap and a shell, as text for poses.cpp.
+/// Depths of the approaches for a voxmap and a shell, as text for scene.cpp.
 std::string find_depths(int voxmap, int shell);
 
 }  // namespace reamsim::bench
