@@ -149,19 +149,14 @@ class ExactBasis {
     std::vector<Vec3i> out;
     if (plan.superbricks.empty()) return out;
     const Vec3i first = 4 * plan.superbricks.first;
-    const Vec3i end = (4 * (plan.superbricks.last + Vec3i::Ones())).cwiseMin(lattice_.dims);
+    const Vec3i last = (4 * plan.superbricks.last + Vec3i::Constant(3)).cwiseMin(lattice_.dims - Vec3i::Ones());
     const float reach = RS_BRICK_RADIUS * args.voxel_mm + plan.shift_mm + slack_mm_;
-    Vec3i at;
-    for (at.z() = first.z(); at.z() < end.z(); ++at.z()) {
-      for (at.y() = first.y(); at.y() < end.y(); ++at.y()) {
-        for (at.x() = first.x(); at.x() < end.x(); ++at.x()) {
-          if (grades_->brick(at) == nullptr) continue;
-          float middle[3];
-          rs_box_middle(&args, 8 * at.x(), 8 * at.y(), 8 * at.z(), 8, middle);
-          if (rs_near_surface(&coarse_, table_.mm.data(), middle, reach) != 0) out.push_back(at);
-        }
-      }
-    }
+    for_each_voxel(first, last, [&](const Vec3i& at) {
+      if (grades_->brick(at) == nullptr) return;
+      float middle[3];
+      rs_box_middle(&args, 8 * at.x(), 8 * at.y(), 8 * at.z(), 8, middle);
+      if (rs_near_surface(&coarse_, table_.mm.data(), middle, reach) != 0) out.push_back(at);
+    });
     return out;
   }
 

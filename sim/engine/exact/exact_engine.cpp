@@ -12,7 +12,6 @@
 #include "sim/engine/common/device_bricks.h"
 #include "sim/engine/common/tables.h"
 #include "sim/engine/exact/brick_batch_plan.h"
-#include "sim/engine/exact/fill_pages.h"
 
 namespace reamsim {
 
@@ -141,10 +140,6 @@ constexpr std::size_t kMaxRecords = 8'000'000;
 /// The batch has no list of removed voxels, because every visit has one.
 constexpr DeviceBatch::RemovedList kNoList{.words = 1, .room = 1, .per_substep = 1, .in_total = 1};
 
-std::size_t page_table_bytes(const BoneView& bone) {
-  return sizeof(cl_int) * bone.voxmap.grade.stored_bricks();
-}
-
 std::optional<DeviceTeeth> make_teeth(const cl::Device& device, const Tool& tool, const BoneView& bone,
                                       double bulge_mm) {
   if (!tool.teeth) return std::nullopt;
@@ -160,7 +155,8 @@ class ExactEngine final : public Engine {
         extent_(bone_extent(bone.voxmap)),
         outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)),
         tool_box_(tool.clip_bounds().expanded(outline_.bulge_mm)),
-        bricks_(make_device_bricks(device_, bone, FillStore::pages, page_table_bytes(bone))),
+        bricks_(
+            make_device_bricks(device_, bone, FillStore::pages, sizeof(cl_int) * bone.voxmap.grade.stored_bricks())),
         fill_(make_fill_pages(device_, bone)),
         batch_(device_, kNoList),
         teeth_(make_teeth(device_, tool, bone, outline_.bulge_mm)),
