@@ -17,7 +17,6 @@
 #include "render/plots/bench_plot.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/bench/measure.h"
 #include "sim/bench/paper.h"
 #include "sim/bench/suite.h"
 #include "sim/record/citation.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/bench/findings.h"
+#include "sim/bench/suite.h"
 
 namespace reamsim::bench {
 

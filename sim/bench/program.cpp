@@ -20,6 +20,7 @@ namespace reamsim {
 namespace embedded {
 extern const char* const kernel_published_direct;
 extern const char* const kernel_published_octree;
+extern const char* const kernel_restore_voxels;
 }  // namespace embedded
 
 namespace bench {
@@ -92,10 +93,9 @@ class PublishedProgram : public Program {
   [[nodiscard]] const Label& label() const override { return label_; }
 
  protected:
-  /// `has_voi`: points outside the VOI are culled, else the boxes alone are tested. `record_words`: 32-bit words that
-  /// the kernel `published_touched` writes per point.
+  /// `has_voi`: points outside the VOI are culled, else the boxes alone are tested.
   PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const BenchSetup& setup, const char* source,
-                   const std::string& options, bool has_voi, std::size_t record_words)
+                   const std::string& options, bool has_voi)
       : setup_(setup),
         device_(info),
         program_(device_.build("published_" + engine + ".cl", source, options)),
@@ -104,8 +104,8 @@ class PublishedProgram : public Program {
         label_{engine, "published"},
         has_voi_(has_voi),
         touched_kernel_(program_, "published_touched"),
-        restore_kernel_(program_, "published_restore"),
-        touched_(device_, record_words * points_, "the touched voxels"),
+        restore_kernel_(device_.build("restore_voxels.cl", embedded::kernel_restore_voxels), "restore_bytes"),
+        touched_(device_, points_, "the touched voxels"),
         touched_count_(device_, 1, "their number") {}
 
   /// Sets the arguments of the kernels that record and restore: the shell, what they test, and what they restore.
@@ -129,9 +129,9 @@ class PublishedProgram : public Program {
 
  private:
   void write_frame(const Substep& frame, const std::optional<Aabb>& voi, bool blocking) {
-    PublishedFrame args = published_frame(frame, voi, *setup_.tool, setup_.voxmap->grid);
-    args.count_contacts = count_contacts_ ? 1 : 0;
-    frame_.write(device_, &args, 1, 0, blocking);
+    host_frame_ = published_frame(frame, voi, *setup_.tool, setup_.voxmap->grid);
+    host_frame_.count_contacts = count_contacts_ ? 1 : 0;
+    frame_.write(device_, &host_frame_, 1, 0, blocking);
   }
 
   void run_one(const Substep& frame, bool use_voi, BatchSample& sample) {
@@ -152,10 +152,11 @@ class PublishedProgram : public Program {
     for (const double s : cl::take_seconds(events)) sample.kernel_s += s;
   }
 
+  PublishedFrame host_frame_{};  ///< lives until the non-blocking write is done
   Label label_;
   bool has_voi_;
   cl::Kernel touched_kernel_, restore_kernel_;
-  cl::Buffer<cl_uint> touched_;
+  cl::Buffer<cl_uint2> touched_;  ///< (voxel, value)
   cl::Buffer<cl_uint> touched_count_;
   cl_uint recorded_ = 0;
   bool prepared_ = false;  ///< the changes of the next frame are recorded
@@ -165,7 +166,7 @@ class PublishedProgram : public Program {
 class PublishedDirect final : public PublishedProgram {
  public:
   PublishedDirect(const cl::DeviceInfo& info, const BenchSetup& setup, bool count)
-      : PublishedProgram("direct", info, setup, embedded::kernel_published_direct, "", true, 2),
+      : PublishedProgram("direct", info, setup, embedded::kernel_published_direct, "", true),
         kernel_(program_, "published_direct"),
         codes_(device_, points_, "the point shell"),
         bone_(device_, static_cast<std::size_t>(setup.voxmap->grid.size()), "the voxmap") {
@@ -219,7 +220,7 @@ class PublishedOctree final : public PublishedProgram {
  public:
   PublishedOctree(const cl::DeviceInfo& info, const BenchSetup& setup)
       : PublishedProgram("octree", info, setup, embedded::kernel_published_octree,
-                         fmt::format("-DAIR_HU={:.9e}f", kScale.of_air), false, 1),
+                         fmt::format("-DAIR_HU={:.8e}f", static_cast<float>(kScale.of_air)), false),
         detect_(program_, "published_octree"),
         reduce_(program_, "published_reduce"),
         voxels_(static_cast<std::size_t>(setup.voxmap->grid.size())),

@@ -28,16 +28,6 @@ VoxelGrid grid_of(int side) {
   return {Vec3i::Constant(side), kBoxMm / side, kBoxCornerMm};
 }
 
-/// Calls visit(coord) for begin ≤ coord < end, x fastest.
-template <class Visit>
-void for_each_coord(const Vec3i& begin, const Vec3i& end, const Visit& visit) {
-  for (int z = begin.z(); z < end.z(); ++z) {
-    for (int y = begin.y(); y < end.y(); ++y) {
-      for (int x = begin.x(); x < end.x(); ++x) visit(Vec3i(x, y, z));
-    }
-  }
-}
-
 FilledVoxmap sample(int side) {
   BoneSettings settings;
   settings.source = BoneSource::phantom;
@@ -46,15 +36,10 @@ FilledVoxmap sample(int side) {
 }
 
 Aabb tight_box(const Voxmap& voxmap) {
-  Vec3i low = voxmap.grid.dims, high = Vec3i::Constant(-1);
-  for_each_coord(Vec3i::Zero(), voxmap.grid.dims, [&](const Vec3i& voxel) {
-    if (voxmap.grade.get(voxel) == 0) return;
-    low = low.cwiseMin(voxel);
-    high = high.cwiseMax(voxel);
-  });
+  const VoxelBox bone = bone_extent(voxmap);
   const VoxelGrid& grid = voxmap.grid;
-  return {grid.origin_mm + grid.voxel_mm * low.cast<double>(),
-          grid.origin_mm + grid.voxel_mm * (high + Vec3i::Ones()).cast<double>()};
+  return {grid.origin_mm + grid.voxel_mm * bone.first.cast<double>(),
+          grid.origin_mm + grid.voxel_mm * (bone.last + Vec3i::Ones()).cast<double>()};
 }
 
 /// The two coarse voxels about the centre of a fine one, with integer weights whose sum is 2·factor.
@@ -101,8 +86,7 @@ class Refinement {
     const Vec3i low = BrickLattice::brick_of(clamped(first / factor_ - Vec3i::Ones()));
     const Vec3i high = BrickLattice::brick_of(clamped((first + Vec3i::Constant(kSide)) / factor_ + Vec3i::Ones()));
     bool all_air = true;
-    for_each_coord(low, high + Vec3i::Ones(),
-                   [&](const Vec3i& brick) { all_air = all_air && coarse_.grade.brick(brick) == nullptr; });
+    for_each_voxel(low, high, [&](const Vec3i& brick) { all_air = all_air && coarse_.grade.brick(brick) == nullptr; });
     return all_air;
   }
 
@@ -154,7 +138,7 @@ FilledVoxmap refine(const Voxmap& coarse, int side) {
 /// Mean grade of the bone among factor³ voxels, air where less than half of them are bone.
 std::uint8_t merged(const Voxmap& fine, const Vec3i& first, int factor) {
   int bone = 0, grade = 0;
-  for_each_coord(Vec3i::Zero(), Vec3i::Constant(factor), [&](const Vec3i& offset) {
+  for_each_voxel(Vec3i::Constant(factor), [&](const Vec3i& offset) {
     const int g = fine.grade.get(first + offset);
     bone += g != 0;
     grade += g;
@@ -165,7 +149,7 @@ std::uint8_t merged(const Voxmap& fine, const Vec3i& first, int factor) {
 FilledVoxmap merge(const Voxmap& fine, int side) {
   FilledVoxmap coarse(grid_of(side));
   const int factor = fine.grid.dims.x() / side;
-  for_each_coord(Vec3i::Zero(), coarse.grid.dims, [&](const Vec3i& voxel) {
+  for_each_voxel(coarse.grid.dims, [&](const Vec3i& voxel) {
     if (const std::uint8_t grade = merged(fine, factor * voxel, factor); grade != 0) coarse.grade.set(voxel, grade);
   });
   return coarse;

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "sim/base/text.h"
-#include "sim/bench/findings.h"
 #include "sim/bench/paper.h"
+#include "sim/bench/suite.h"
 
 namespace reamsim::bench {
 
