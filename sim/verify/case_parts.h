@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cmath>
 #include <random>
 
 #include "sim/verify/closed_forms.h"
@@ -31,7 +32,9 @@ inline Level level_of(double step, const std::vector<Sample>& samples, double no
     errors.push_back(sample.found / sample.expected - 1);
     level.found += nominal * sample.found / sample.expected / static_cast<double>(samples.size());
   }
-  level.error = samples.size() == 1 ? errors.front() : rms(errors);
+  double squares = 0;
+  for (const double error : errors) squares += error * error;
+  level.error = samples.size() == 1 ? errors.front() : std::sqrt(squares / static_cast<double>(samples.size()));
   return level;
 }
 
@@ -39,6 +42,11 @@ inline Level level_of(double step, const std::vector<Sample>& samples, double no
 inline void add_level(Refinement& refinement, double step, double found) {
   const double expected = *refinement.expected;
   refinement.levels.push_back(level_of(step, {{expected, found}}, expected));
+}
+
+/// Adds the levels of one run to several refinements.
+inline void add_levels(std::span<Refinement> refinements, double step, std::initializer_list<double> found) {
+  for (std::size_t i = 0; i < refinements.size(); ++i) add_level(refinements[i], step, found.begin()[i]);
 }
 
 /// Four voxel sizes, coarsest first, mm.

@@ -5,9 +5,7 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/verify/case_parts.h"
 
 namespace reamsim::verify {
@@ -45,23 +43,12 @@ Reamed approach_of(double stiffness_n_mm, double damping_n_s_mm, double time_s, 
   return ream(std::move(scene), setting);
 }
 
-/// The time constant of the approach to the steady deflection, from those at two frames.
-double time_constant_s(const Reamed& reamed, double steady_mm, std::size_t a, std::size_t b) {
-  const auto missing = [&](std::size_t k) { return 1 - reamed.rows[k].deflection_mm->z() / steady_mm; };
-  return (reamed.rows[b].time_s - reamed.rows[a].time_s) / std::log(missing(a) / missing(b));
-}
-
 /// A ball fed down on the edge of a block, whose other half is air, through a dense layer.
 SimulationInput ball_on_edge(double feed_mm_s, double depth_mm, double rate_hz) {
   constexpr double kRadius_mm = 5, kVoxel_mm = 0.25, kLayer_mm = 0.6, kEdge_mm = 0.05;
-  const Vec3 inward = Vec3(1, 0.3, 0).normalized();
-  const auto behind = [=](const Vec3& p) { return -p.dot(inward); };
-  const auto density = [=](const Vec3& p) { return p.z() > -kLayer_mm ? 1.8 : 0.4; };
-  const FilledVoxmap bone = sample_phantom(
-      block_grid({9, 9, 3}, kVoxel_mm), {}, [=](const Vec3& p) { return behind(p) < 0 ? density(p) : kAir; },
-      [=](const Vec3& p) {
-        return PartialVoxel{fraction_inside(behind, p, kVoxel_mm), density(p)};
-      });
+  const FilledVoxmap bone = half_block(
+      {9, 9, 3}, kVoxel_mm, [](const Vec3& p) { return p.z() > -kLayer_mm ? 1.8 : 0.4; }, Vec3::Zero(),
+      Vec3(1, 0.3, 0).normalized());
   const double above = 0.1;
   const int frames = static_cast<int>(std::lround((depth_mm + above) / feed_mm_s * rate_hz));
   const Motion motion = path(rate_hz, {0.03, 0.05, above}, {{{0.03, 0.05, -depth_mm}, frames, 250}});
@@ -87,10 +74,12 @@ void compliance_steady_case(const Setting& setting, Report& out) {
   for (const double damping : {0.0, 200.0}) {
     const double tau = (resistance + damping) / kStiffness_n_mm;
     const Reamed reamed = approach_of(kStiffness_n_mm, damping, 2.2 * tau, setting);
+    const auto missing = [&](const FrameResult& row) {
+      return 1 - row.deflection_mm->z() * kStiffness_n_mm / kExample.axial_force_n();
+    };
     const auto frame = [&](double taus) { return static_cast<std::size_t>(std::lround(1e3 * taus * tau)); };
     out.relative(fmt::format("τ with c = {:g} N·s/mm", damping), "ms", 1e3 * tau,
-                 1e3 * time_constant_s(reamed, kExample.axial_force_n() / kStiffness_n_mm, frame(0.2), frame(2)),
-                 kTimeLimit);
+                 1e3 * time_constant_s(reamed, frame(0.2), frame(2), missing), kTimeLimit);
   }
 }
 
@@ -99,10 +88,8 @@ void compliance_half_case(const Setting& setting, Report& out) {
   out.scene = "the same reamer, and a flat one, with bone on the side of e only, on springs along x and y of 5000 N/mm";
   out.form = "k·d·t = 2u·(v_f/ω)·(a − r₀), k·d·e = −k_n·u·(v_f/ω)·(a² − r₀²)/R, t = z × e";
   constexpr double kStiffness_n_mm = 5000, kToward_deg = 25;
-  const double angle = kToward_deg * std::numbers::pi / 180;
-  const Vec3 e(std::cos(angle), std::sin(angle), 0), t = Vec3::UnitZ().cross(e);
-  const SteadyPlunge flat = example_with(&SteadyPlunge::radius_mm, std::nullopt);
-  for (const SteadyPlunge& plunge : {kExample, flat}) {
+  const Vec3 e = toward(kToward_deg), t = Vec3::UnitZ().cross(e);
+  for (const SteadyPlunge& plunge : {kExample, kFlatExample}) {
     const Vec3 d =
         steady_deflection_mm({.plunge = plunge, .voxel_mm = setting.quick ? 0.5 : 0.25, .half_toward_deg = kToward_deg},
                              {{kStiffness_n_mm, kStiffness_n_mm, kRigid_n_mm}, 0}, setting);
@@ -148,11 +135,7 @@ void compliance_energy_case(const Setting& setting, Report& out) {
   SimulationInput scene = ball_on_edge(1, 1, 500);
   scene.scenario.motion.compliance = {{30, 60, 100}, 0.5};
   const Reamed reamed = ream(std::move(scene), setting);
-  double floor = 0, cut = 0;
-  for (const FrameResult& row : reamed.after(0)) {
-    floor += row.floor_energy_mj;
-    cut += row.energy_mj;
-  }
+  const double floor = reamed.sum(&FrameResult::floor_energy_mj), cut = reamed.sum(&FrameResult::energy_mj);
   const SpringState& s = reamed.springs;
   const auto report = [&](const char* name, double mj) { out.reported(name, "mJ", mj); };
   report("work of the feed", s.carriage_mj);

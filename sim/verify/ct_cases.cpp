@@ -58,13 +58,9 @@ class SlabScan final : public ct::ScanSource {
   [[nodiscard]] ct::Scan read(const ct::IndexBox& box) const override {
     ct::Scan out{ct::part_of(geometry_, box), {}};
     out.value.reserve(static_cast<std::size_t>(box.voxels()));
-    for (int k = 0; k < box.size.z(); ++k) {
-      for (int j = 0; j < box.size.y(); ++j) {
-        for (int i = 0; i < box.size.x(); ++i) {
-          out.value.push_back(static_cast<float>(mean_hu(out.geometry.point_mm(Vec3(i, j, k)))));
-        }
-      }
-    }
+    for_each_voxel(box.size, [&](const Vec3i& index) {
+      out.value.push_back(static_cast<float>(mean_hu(out.geometry.point_mm(index.cast<double>()))));
+    });
     return out;
   }
 

@@ -24,8 +24,8 @@ std::vector<Refinement> steady_refinements(const SteadyPlunge& plunge, const Set
   for (const double voxel_mm : four_voxels(setting.quick ? 0.25 : 0.125)) {
     const MeanLoads mean =
         mean_loads(steady_rows({.plunge = plunge, .voxel_mm = voxel_mm, .frames = kFrames}, setting));
-    const double found[] = {mean.spin_torque_nmm, mean.axial_force_n, mean.removed_mm3 / voxel_mm * plunge.feed_mm_s};
-    for (std::size_t i = 0; i < refinements.size(); ++i) add_level(refinements[i], voxel_mm, found[i]);
+    add_levels(refinements, voxel_mm,
+               {mean.spin_torque_nmm, mean.axial_force_n, mean.removed_mm3 / voxel_mm * plunge.feed_mm_s});
   }
   for (Refinement& refinement : refinements) finish(refinement);
   return refinements;
@@ -49,7 +49,7 @@ std::vector<SteadyPlunge> variations(bool quick) {
     vary(&SteadyPlunge::density_g_cm3, {0.4, 0.8, 1.2});
   }
   vary(&SteadyPlunge::radius_mm, {20, 40});
-  out.push_back(example_with(&SteadyPlunge::radius_mm, std::nullopt));
+  out.push_back(kFlatExample);
   return out;
 }
 
@@ -69,7 +69,6 @@ void steady_case(const Setting& setting, Report& out) {
                  refinement.levels.back().found, kFormLimit);
   }
   for (const SteadyPlunge& plunge : variations(setting.quick)) {
-    setting.progress("steady plunge, " + text_of(plunge));
     const MeanLoads mean = mean_loads(steady_rows({.plunge = plunge}, setting));
     out.relative("torque, " + text_of(plunge), "N·mm", plunge.torque_nmm(), mean.spin_torque_nmm, kFormLimit);
     out.relative("axial force, " + text_of(plunge), "N", plunge.axial_force_n(), mean.axial_force_n, kFormLimit);
@@ -81,21 +80,19 @@ void ripple_case(const Setting& setting, Report& out) {
   out.title = "Ripple of a steady plunge";
   out.scene = "the same reamer at 0.25 mm voxels, 0.2 mm/s and 1 kHz, frame by frame over one voxel of feed";
   out.form = "0: standard deviation of the torque over its mean";
-  const SteadyPlunge flat = example_with(&SteadyPlunge::radius_mm, std::nullopt);
   const int frames = static_cast<int>(std::lround(kVoxel_mm / kExample.feed_mm_s * kRate_hz));
   const auto ripple = [&](const SteadyPlunge& plunge, ErosionMode erosion, double tilt_deg) {
-    setting.progress("ripple, " + text_of(plunge) + ", " + name_of(erosion));
     return torque_ripple(steady_rows(
         {.plunge = plunge, .voxel_mm = kVoxel_mm, .frames = frames, .erosion = erosion, .tilt_deg = tilt_deg},
         setting));
   };
   out.at_most("convex, axis tilted by 17°, exact", "", kRippleLimit, ripple(kExample, ErosionMode::exact, 17));
   out.at_most("convex along the lattice, exact", "", kRippleLimit, ripple(kExample, ErosionMode::exact, 0));
-  out.reported("flat along the lattice, exact", "", ripple(flat, ErosionMode::exact, 0),
+  out.reported("flat along the lattice, exact", "", ripple(kFlatExample, ErosionMode::exact, 0),
                "0.2 µm per frame is 52 of the 65535 steps of a voxel, and all voxels round together");
   out.reported("convex along the lattice, remove", "", ripple(kExample, ErosionMode::remove, 0), "beside it");
   if (!setting.quick) {
-    out.reported("flat along the lattice, remove", "", ripple(flat, ErosionMode::remove, 0), "beside it");
+    out.reported("flat along the lattice, remove", "", ripple(kFlatExample, ErosionMode::remove, 0), "beside it");
   }
 }
 
@@ -206,12 +203,9 @@ void energy_case(const Setting& setting, Report& out) {
   const Tool tool = make_tool(convex_profile(12, 5, 1, 8, 0.05));
   const Reamed reamed =
       ream(scene_of(block({22, 20, 6}, kVoxel_mm, layered_density), tool, every_kind_of_motion()), setting);
-  double work = 0, floor = 0, cut = 0;
-  for (std::size_t k = 1; k < reamed.rows.size(); ++k) {
-    work += work_mj(reamed.rows[k - 1].pose, reamed.rows[k]);
-    floor += reamed.rows[k].floor_energy_mj;
-    cut += reamed.rows[k].energy_mj;
-  }
+  double work = 0;
+  for (std::size_t k = 1; k < reamed.rows.size(); ++k) work += work_mj(reamed.rows[k - 1].pose, reamed.rows[k]);
+  const double floor = reamed.sum(&FrameResult::floor_energy_mj), cut = reamed.sum(&FrameResult::energy_mj);
   const RemovedBone removed = removed_from(reamed.bone);
   const std::string bar = "limit set by this project for every run";
   out.reported("left side: work of the tool", "mJ", work);

@@ -32,7 +32,7 @@ struct Push {
 
 SimulationInput scene_of_push(const Push& push) {
   PushSettings settings = push.settings;
-  settings.entry_mm = {0.12 * push.voxel_mm, 0.21 * push.voxel_mm, -push.begin_mm};
+  settings.entry_mm = entry_mm(push.voxel_mm) - Vec3(0, 0, push.begin_mm);
   const Vec3 size(push.width_mm, push.width_mm, push.block_mm);
   SimulationInput scene = scene_of(block(size, push.voxel_mm, push.density), make_tool(push.head), {});
   auto plan = std::make_shared<const PushPlan>(settings, push.rate_hz, std::nullopt);
@@ -94,9 +94,8 @@ void push_steady_case(const Setting& setting, Report& out) {
     out.relative(fmt::format("feed at {:g} N", thrust_n), "mm/s", quadratic_feed(kExample, thrust_n), found,
                  kPushLimit);
   }
-  const SteadyPlunge flat = example_with(&SteadyPlunge::radius_mm, std::nullopt);
   constexpr double kLayer_mm = 1.5, kVoxel_mm = 0.5, kThrust_n = 50;
-  Push push{.head = head_of(flat), .voxel_mm = kVoxel_mm, .rate_hz = 100, .begin_mm = 0.3, .block_mm = 4};
+  Push push{.head = head_of(kFlatExample), .voxel_mm = kVoxel_mm, .rate_hz = 100, .begin_mm = 0.3, .block_mm = 4};
   push.density = [](const Vec3& p) { return p.z() > -kLayer_mm ? 1.8 : 0.4; };
   push.settings.approach_mm = 0;
   push.settings.thrust_n = kThrust_n;
@@ -104,15 +103,15 @@ void push_steady_case(const Setting& setting, Report& out) {
   push.settings.depth_mm = 2.5;
   const Reamed reamed = pushed(push, setting);
   const auto feed_in = [&](double density) {
-    SteadyPlunge layer = flat;
+    SteadyPlunge layer = kFlatExample;
     layer.density_g_cm3 = density;
     return balanced_feed_of(layer, kThrust_n);
   };
   out.relative("feed in the upper layer, flat head", "mm/s", feed_in(1.8), mean_feed(reamed, 0.6, 1.1), kPushLimit);
   out.relative("feed in the lower layer, flat head", "mm/s", feed_in(0.4), mean_feed(reamed, 1.8, 2.3), kPushLimit);
-  SteadyPlunge soft = flat;
+  SteadyPlunge soft = kFlatExample;
   soft.density_g_cm3 = 0.4;
-  out.relative("ratio of the linear parts", "", 20.25, linear_resistance(flat) / linear_resistance(soft), 1e-9,
+  out.relative("ratio of the linear parts", "", 20.25, linear_resistance(kFlatExample) / linear_resistance(soft), 1e-9,
                "(1.8/0.4)²");
 }
 
@@ -161,12 +160,6 @@ Push heavy(double thrust_n, double rate_hz, double time_s) {
   return push;
 }
 
-/// The time constant of the approach to the steady feed, from the velocities at two times.
-double speed_time_constant_s(const Reamed& reamed, double steady_mm_s, std::size_t a, std::size_t b) {
-  const auto missing = [&](std::size_t k) { return 1 - reamed.rows[k].push->velocity_mm_s / steady_mm_s; };
-  return (reamed.rows[b].time_s - reamed.rows[a].time_s) / std::log(missing(a) / missing(b));
-}
-
 }  // namespace
 
 void push_mass_case(const Setting& setting, Report& out) {
@@ -178,8 +171,10 @@ void push_mass_case(const Setting& setting, Report& out) {
   constexpr double kSmall_n = 0.2;
   const Reamed slow = pushed(heavy(kSmall_n, 1000, 0.06), setting);
   const double steady = quadratic_feed(soft, kSmall_n);
-  out.relative("τ from the velocities at 5 and 30 ms", "ms", 10 / linear_resistance(soft),
-               1e3 * speed_time_constant_s(slow, steady, 5, 30), 0.02);
+  out.relative(
+      "τ from the velocities at 5 and 30 ms", "ms", 10 / linear_resistance(soft),
+      1e3 * time_constant_s(slow, 5, 30, [&](const FrameResult& row) { return 1 - row.push->velocity_mm_s / steady; }),
+      0.02);
   constexpr double kThrust_n = 2;
   Refinement travel{"travel in 32 ms under 2 N", "mm", "frame, s", travel_of_mass_mm(soft, kThrust_n, 10, 0.032)};
   for (const double frame_s : {8e-3, 4e-3, 2e-3, 1e-3}) {
@@ -193,11 +188,10 @@ void push_stall_case(const Setting& setting, Report& out) {
   out.title = "Stall below the edge force";
   out.scene = "flat cannulated head in contact (a 15, r₀ 1.25 mm, 250 rpm), one cutting edge of 1 N/mm normal force";
   out.form = "no feed below F_edge = K_n·(a − r₀); above, the feed of F − F_edge";
-  const SteadyPlunge flat = example_with(&SteadyPlunge::radius_mm, std::nullopt);
   constexpr double kMore_n = 100;
-  const double edge_n = flat.outer_mm - flat.bore_mm;
+  const double edge_n = kFlatExample.outer_mm - kFlatExample.bore_mm;
   const auto run = [&](double thrust_n) {
-    Push push{.head = head_of(flat), .voxel_mm = 0.5, .rate_hz = 100, .begin_mm = 0.3, .block_mm = 3};
+    Push push{.head = head_of(kFlatExample), .voxel_mm = 0.5, .rate_hz = 100, .begin_mm = 0.3, .block_mm = 3};
     push.edge = EdgeForceSettings{.tangential_n_mm = 1e-6, .normal_n_mm = 1};
     push.settings.approach_mm = 0;
     push.settings.thrust_n = thrust_n;
@@ -209,7 +203,7 @@ void push_stall_case(const Setting& setting, Report& out) {
   out.absolute("travel below the edge force", "mm", 0, depth_of(below.rows.back()) - depth_of(below.rows.front()),
                1e-12, "the bone holds the thrust");
   out.at_most("the stall ends the push", "s", 0.2, below.rows.back().time_s, "0.1 s");
-  out.relative("feed 100 N above it", "mm/s", balanced_feed_of(flat, kMore_n), mean_feed(above, 0.35, 0.85),
+  out.relative("feed 100 N above it", "mm/s", balanced_feed_of(kFlatExample, kMore_n), mean_feed(above, 0.35, 0.85),
                kPushLimit);
 }
 
@@ -228,11 +222,7 @@ void push_energy_case(const Setting& setting, Report& out) {
   push.settings.mass_kg = 0.5;
   push.settings.damping_n_s_mm = 0.5;
   const Reamed reamed = pushed(push, setting);
-  double floor = 0, cut = 0;
-  for (const FrameResult& row : reamed.after(0)) {
-    floor += row.floor_energy_mj;
-    cut += row.energy_mj;
-  }
+  const double floor = reamed.sum(&FrameResult::floor_energy_mj), cut = reamed.sum(&FrameResult::energy_mj);
   const FeedState& feed = reamed.feed;
   const double given = feed.hand_mj + feed.drill_mj + floor;
   const double taken = cut + feed.kinetic_mj + feed.damping_mj + feed.lost_mj;

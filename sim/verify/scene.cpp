@@ -74,6 +74,16 @@ FilledVoxmap block(const Vec3& size_mm, double voxel_mm, const DensityField& fie
   return sample_phantom(block_grid(size_mm, voxel_mm), {}, field);
 }
 
+FilledVoxmap half_block(const Vec3& size_mm, double voxel_mm, const DensityField& field, const Vec3& point_mm,
+                        const Vec3& inward) {
+  const auto behind = [=](const Vec3& p) { return (point_mm - p).dot(inward); };
+  return sample_phantom(
+      block_grid(size_mm, voxel_mm), {}, [&](const Vec3& p) { return behind(p) < 0 ? field(p) : kAir; },
+      [&](const Vec3& center) {
+        return PartialVoxel{fraction_inside(behind, center, voxel_mm), field(center)};
+      });
+}
+
 FilledVoxmap block(const Vec3& size_mm, double voxel_mm, double density_g_cm3) {
   return block(size_mm, voxel_mm, [=](const Vec3&) { return density_g_cm3; });
 }
@@ -133,12 +143,6 @@ class Rows final : public FrameSink {
 
 }  // namespace
 
-double Reamed::removed_mm3() const {
-  double sum = 0;
-  for (const FrameResult& row : rows) sum += row.removed_mm3;
-  return sum;
-}
-
 Reamed ream(SimulationInput scene, const Setting& setting) {
   scene.scenario.engine.device = setting.device;
   const auto engine = setting.engine(scene.scenario, scene.bone, scene.tool);
@@ -174,10 +178,19 @@ double torque_ripple(std::span<const FrameResult> rows) {
   return std::sqrt(squares / static_cast<double>(rows.size())) / mean;
 }
 
-double rms(std::span<const double> values) {
-  double squares = 0;
-  for (const double value : values) squares += value * value;
-  return std::sqrt(squares / static_cast<double>(values.size()));
+double time_constant_s(const Reamed& reamed, std::size_t a, std::size_t b,
+                       const std::function<double(const FrameResult&)>& missing) {
+  const FrameResult &first = reamed.rows[a], &last = reamed.rows[b];
+  return (last.time_s - first.time_s) / std::log(missing(first) / missing(last));
+}
+
+Vec3 entry_mm(double voxel_mm) {
+  return {0.12 * voxel_mm, 0.21 * voxel_mm, 0};
+}
+
+Vec3 toward(double degrees) {
+  const double angle = degrees * std::numbers::pi / 180;
+  return {std::cos(angle), std::sin(angle), 0};
 }
 
 namespace {
@@ -186,28 +199,12 @@ constexpr double kPlungeClear_mm = 0.1;
 constexpr double kEdge_mm = 0.1;
 constexpr double kPlungeHead_mm = 8;  // height of a head
 
-/// The part of a block of `size_mm` in front of the plane through `point_mm` with the normal `inward`.
-FilledVoxmap half_block(const Vec3& size_mm, double voxel_mm, double density_g_cm3, const Vec3& point_mm,
-                        const Vec3& inward) {
-  const VoxelGrid grid = block_grid(size_mm, voxel_mm);
-  const auto behind = [=](const Vec3& p) { return (point_mm - p).dot(inward); };
-  return sample_phantom(
-      grid, {}, [=](const Vec3& p) { return behind(p) < 0 ? density_g_cm3 : kAir; },
-      [=](const Vec3& center) {
-        return PartialVoxel{fraction_inside(behind, center, voxel_mm), density_g_cm3};
-      });
-}
-
-/// Offset from the lattice by fractions of a voxel, so that nothing is regular.
-Vec3 entry_mm(double voxel_mm) {
-  return {0.12 * voxel_mm, 0.21 * voxel_mm, 0};
-}
-
 FilledVoxmap bone_of(const PlungeRun& run, const Vec3& size_mm) {
   const double density = run.plunge.density_g_cm3;
   if (!run.half_toward_deg) return block(size_mm, run.voxel_mm, density);
-  const double angle = *run.half_toward_deg * std::numbers::pi / 180;
-  return half_block(size_mm, run.voxel_mm, density, entry_mm(run.voxel_mm), {std::cos(angle), std::sin(angle), 0});
+  return half_block(
+      size_mm, run.voxel_mm, [=](const Vec3&) { return density; }, entry_mm(run.voxel_mm),
+      toward(*run.half_toward_deg));
 }
 
 }  // namespace

@@ -40,6 +40,9 @@ Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm = 
 VoxelGrid block_grid(const Vec3& size_mm, double voxel_mm);
 /// A block on this lattice with the density `field` (g/cm³) at the centres of the voxels.
 FilledVoxmap block(const Vec3& size_mm, double voxel_mm, const DensityField& field);
+/// The part of the block in front of the plane through `point_mm` with the normal `inward`.
+FilledVoxmap half_block(const Vec3& size_mm, double voxel_mm, const DensityField& field, const Vec3& point_mm,
+                        const Vec3& inward);
 /// A block of uniform density.
 FilledVoxmap block(const Vec3& size_mm, double voxel_mm, double density_g_cm3);
 
@@ -75,7 +78,6 @@ struct Setting {
   std::string device = "auto";
   /// Tests of the suite put an engine with a wrong constant here.
   EngineMaker engine = make_engine;
-  std::function<void(const std::string&)> progress = [](const std::string&) {};
   /// Called before each case of the suite, with the fraction of the expected time that lies behind, and at the end.
   std::function<void(double, const std::string&)> part = [](double, const std::string&) {};
   std::function<bool()> stop = [] { return false; };
@@ -88,7 +90,13 @@ struct Reamed {
   FeedState feed = {};            ///< under thrust
   SpringState springs = {};       ///< after a run of a tool on springs
 
-  [[nodiscard]] double removed_mm3() const;
+  /// Sum over the rows.
+  [[nodiscard]] double sum(double FrameResult::*member) const {
+    double out = 0;
+    for (const FrameResult& row : rows) out += row.*member;
+    return out;
+  }
+  [[nodiscard]] double removed_mm3() const { return sum(&FrameResult::removed_mm3); }
   /// Rows of the frames after `frame`.
   [[nodiscard]] std::span<const FrameResult> after(std::size_t frame) const {
     return std::span(rows).subspan(frame + 1);
@@ -109,11 +117,19 @@ struct MeanLoads {
 MeanLoads mean_loads(std::span<const FrameResult> rows);
 /// Standard deviation of the rows' spin torque over its mean.
 double torque_ripple(std::span<const FrameResult> rows);
-/// Root mean square.
-double rms(std::span<const double> values);
+/// The time constant of what decays exponentially, from its values missing(row) at two frames.
+double time_constant_s(const Reamed& reamed, std::size_t a, std::size_t b,
+                       const std::function<double(const FrameResult&)>& missing);
+/// A place in the face of a block, off the lattice by fractions of a voxel, so that nothing is regular.
+Vec3 entry_mm(double voxel_mm);
+/// A direction in the plane z = 0, from +x towards +y.
+Vec3 toward(double degrees);
 
 /// The example of docs/physics.md, 6.
 inline constexpr SteadyPlunge kExample{29, 15, 1.25, 250, 0.2, 1.8};
+
+/// The example with a flat face.
+inline constexpr SteadyPlunge kFlatExample{std::nullopt, 15, 1.25, 250, 0.2, 1.8};
 
 /// The example with one factor changed.
 template <class Value>

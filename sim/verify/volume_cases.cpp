@@ -102,7 +102,6 @@ void tilted_cap_case(const Setting& setting, Report& out) {
   Refinement refinement = volume_refinement(cap_mm3(kRadius_mm, kDepth_mm));
   double at_limit = std::numeric_limits<double>::quiet_NaN();
   for (const double voxel_mm : four_voxels(kFinestVoxel_mm)) {
-    setting.progress("cap under tilt, " + std::to_string(voxel_mm) + " mm");
     refinement.levels.push_back(tilted_level(tool, voxel_mm, tilts, ErosionMode::exact, setting));
     if (voxel_mm == kLimitVoxel_mm) at_limit = *refinement.levels.back().error;
   }
