@@ -17,7 +17,6 @@
 #include "render/plots/bench_plot.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/bench/measure.h"
 #include "sim/bench/paper.h"
 #include "sim/bench/suite.h"
 #include "sim/record/citation.h"
@@ -90,10 +89,6 @@ void require_writable(const std::string& path, bool overwrite) {
   if (!existed) std::filesystem::remove(path);
 }
 
-std::string program_of(const bench::Label& label) {
-  return label.engine + (label.variant == "published" ? ", published" : "");
-}
-
 /// Severe contact as curves over the shell, a panel per voxmap; engines without a shell are level lines. The programs
 /// that the paper measured also get its figures.
 void add_severe(const bench::Findings& findings, BenchPlot& plot) {
@@ -105,14 +100,15 @@ void add_severe(const bench::Findings& findings, BenchPlot& plot) {
       if (!no_shell && shell != row.at.shell) continue;
       const auto paper = bench::paper_ms(row.at.who.engine, row.at.voxmap, shell);
       plot.severe.push_back(
-          {program_of(row.at.who), row.at.voxmap, shell, row.ms.median, measured_there ? paper : std::nullopt});
+          {name_of(row.at.who), row.at.voxmap, shell, row.ms.median, measured_there ? paper : std::nullopt});
     }
   }
 }
 
 void add_voi(const bench::Findings& findings, BenchPlot& plot) {
-  for (const bench::VoiRow& row : findings.voi) {
-    plot.voi.push_back({program_of(row.who), 100 * row.fraction, row.with_ms.median, row.without_ms.median});
+  for (const bench::Json& row : findings.voi) {
+    plot.voi.push_back({name_of(bench::Label{row["engine"], row["variant"]}), 100 * row["fraction"].get<double>(),
+                        row["with_ms"], row["without_ms"]});
   }
 }
 
@@ -207,7 +203,7 @@ void add_bench_command(CLI::App& app, Console& console) {
       ->excludes(exact)
       ->excludes(latency);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors")->excludes(latency);
-  // For developers who change the scene: recomputes the depths in sim/bench/poses.cpp.
+  // For developers who change the scene: recomputes the depths in sim/bench/scene.cpp.
   command->add_flag("--find-depths", options->find_depths)->group("");
   command->callback([options, &console] { bench_command(*options, console); });
 }

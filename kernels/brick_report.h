@@ -6,7 +6,6 @@
 #define REAMSIM_KERNELS_BRICK_REPORT_H
 
 #include "cut_law.h"
-#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
 /* Work-items collect this many records before they append them, because all share the counter of the list. */
 #define RS_COLLECTED 32
@@ -85,18 +84,6 @@ void add_law(const LaneSums* law, SubstepSums* sums) {
   }
   sums->floor_energy += add_lanes(law->floor_energy);
   sums->energy += add_lanes(law->energy);
-}
-
-/* Adds the sums of a work-item to those of its substep. */
-void add_substep_sums(__global SubstepSums* total, const SubstepSums* part) {
-  for (int c = 0; c < 3; ++c) {
-    if (part->force[c] != 0) atom_add(&total->force[c], part->force[c]);
-    if (part->torque[c] != 0) atom_add(&total->torque[c], part->torque[c]);
-  }
-  atom_add(&total->energy, part->energy);
-  if (part->floor_energy != 0) atom_add(&total->floor_energy, part->floor_energy);
-  atom_add(&total->removed, part->removed);
-  atom_add(&total->contacts, part->contacts);
 }
 
 void add_brick_sums(__global SubstepSums* total, const LaneSums* law, const long energy, const long removed,

@@ -168,6 +168,22 @@ RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, const rs_real* n, co
   rs_add_force(sums, found.force, p);
 }
 
+#ifdef __OPENCL_C_VERSION__
+#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
+
+/* Adds the sums of a work-item to those of its substep. */
+RS_INLINE void add_substep_sums(__global SubstepSums* total, const SubstepSums* part) {
+  for (int c = 0; c < 3; ++c) {
+    if (part->force[c] != 0) atom_add(&total->force[c], part->force[c]);
+    if (part->torque[c] != 0) atom_add(&total->torque[c], part->torque[c]);
+  }
+  atom_add(&total->energy, part->energy);
+  if (part->floor_energy != 0) atom_add(&total->floor_energy, part->floor_energy);
+  atom_add(&total->removed, part->removed);
+  atom_add(&total->contacts, part->contacts);
+}
+#endif
+
 #if !defined(RS_LANES)
 RS_INLINE void rs_add_lanes(SubstepSums* sums, const LaneSums* lanes) {
   for (int i = 0; i < 3; ++i) {
@@ -214,8 +230,6 @@ RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, const OutlineView*
 }
 
 #ifdef __OPENCL_C_VERSION__
-#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
-
 /* Adds the forces of points to the sums of their substep. */
 RS_INLINE void rs_add_point_sums(__global SubstepSums* total, const LaneSums* points) {
   for (int c = 0; c < 3; ++c) {

@@ -5,7 +5,7 @@
  * list, whose length only the device knows. */
 #include "cut_law.h"
 
-/* The layout of a voxel (VoxelLayout of sim/engine/dense/dense_plan.h). By default an 8-bit grade, 0 = air or removed,
+/* The layout of a voxel (VoxelLayout of sim/engine/dense/dense_state.h). By default an 8-bit grade, 0 = air or removed,
  * and a claim bit; REAMSIM_FLAGGED_HU: a float HU, which converts back to the grade exactly, and a collision flag of a
  * byte; REAMSIM_BARE_GRADE: an 8-bit grade and no claim. A voxel is listed once, so that one work-item writes its flag;
  * bits share a word. */
@@ -26,17 +26,6 @@ typedef uint Claim;
 #define RELEASE_CLAIM(e) atomic_and(&claims[(e) >> 5], ~(1u << ((e)&31u)))
 #endif
 #endif
-
-void add_sums(__global SubstepSums* total, const SubstepSums* part) {
-  for (int c = 0; c < 3; ++c) {
-    atom_add(&total->force[c], part->force[c]);
-    atom_add(&total->torque[c], part->torque[c]);
-  }
-  atom_add(&total->energy, part->energy);
-  atom_add(&total->floor_energy, part->floor_energy);
-  atom_add(&total->removed, part->removed);
-  atom_add(&total->contacts, part->contacts);
-}
 
 /* energy_of_grade[256]: mJ for a whole voxel; density_of_grade[256]: g/cm3; fill: 16 bits per voxel, or one dummy entry
  * when every voxel is whole (has_fill = 0); removed: (voxel, frame); hu_of_air, hu_per_grade: for
@@ -75,5 +64,5 @@ __kernel void cut_voxels(const uint substep, __global const SubstepArgs* args, _
     RELEASE_CLAIM(e);
   }
   rs_add_lanes(&part, &law);
-  if (part.contacts != 0) add_sums(&sums[substep], &part);
+  if (part.contacts != 0) add_substep_sums(&sums[substep], &part);
 }

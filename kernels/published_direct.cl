@@ -52,8 +52,3 @@ __kernel void published_touched(__global const uint* codes, const uint point_cou
   if (e == UINT_MAX || bone[e] == 0) return;
   touched[atomic_inc(touched_count)] = (uint2)(e, bone[e]);
 }
-
-__kernel void published_restore(__global const uint2* touched, const uint count, __global uchar* bone) {
-  const uint i = get_global_id(0);
-  if (i < count) bone[touched[i].x] = (uchar)touched[i].y;
-}

@@ -3,10 +3,9 @@
 
 /* Zheng et al. as the paper rebuilt it (§4.3.1), for `reamsim bench` only: points of three floats, voxels of a float HU
  * and a collision flag. A work-item per point descends from the whole grid to its voxel, one octant per level. The
- * forces of all points, including those outside the bone, are stored and then summed by a parallel reduction. */
+ * forces of all points, including those outside the bone, are stored and then summed by a parallel reduction. AIR_HU,
+ * the HU of density 0, stands for air. */
 #include "published.h"
-
-#define AIR_HU -1000.0f
 
 /* steps[8·level + octant]: increment of the voxel's index for that octant. forces: x, y, z and 1 for a point that
  * touches, zeros for others. */
@@ -63,9 +62,9 @@ __kernel void published_reduce(__global const float4* in, const uint count, __gl
   if (item == 0) out[get_group_id(0)] = local_sums[0];
 }
 
-/* The voxels whose flag published_octree would set, to clear it again; once per point. */
+/* The voxels whose flag published_octree would set, to clear it again: (voxel, 0), once per point. */
 __kernel void published_touched(__global const float* points, const uint point_count, __global const PublishedFrame* f,
-                                __global const float* hu, __global uint* touched, __global uint* touched_count) {
+                                __global const float* hu, __global uint2* touched, __global uint* touched_count) {
   const uint point = get_global_id(0);
   if (point >= point_count) return;
   uint e = 0;
@@ -76,10 +75,5 @@ __kernel void published_touched(__global const float* points, const uint point_c
     if (d < 0 || d >= f->side) return;
     e = e * f->side + (uint)d;
   }
-  if (hu[e] > AIR_HU) touched[atomic_inc(touched_count)] = e;
-}
-
-__kernel void published_restore(__global const uint* touched, const uint count, __global uchar* collided) {
-  const uint i = get_global_id(0);
-  if (i < count) collided[touched[i]] = 0;
+  if (hu[e] > AIR_HU) touched[atomic_inc(touched_count)] = (uint2)(e, 0);
 }

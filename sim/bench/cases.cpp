@@ -1,13 +1,175 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include <algorithm>
-
-#include "sim/base/error.h"
-#include "sim/base/stopwatch.h"
 #include "sim/bench/measure.h"
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "sim/base/error.h"
+#include "sim/base/statistics.h"
+#include "sim/base/stopwatch.h"
+
 namespace reamsim::bench {
+
+Spread spread_of(const std::vector<double>& values) {
+  if (values.empty()) return {};
+  const auto [least, most] = std::ranges::minmax(values);
+  return {quantile(values, 0.5), least, most, static_cast<int>(values.size())};
+}
+
+const CaseRow* Findings::find(const Label& who, int voxmap, int shell, const std::string& contact) const {
+  const auto row = std::find_if(cases.begin(), cases.end(), [&](const CaseRow& r) {
+    return r.at.who.engine == who.engine && r.at.who.variant == who.variant && r.at.voxmap == voxmap &&
+           r.at.shell == shell && r.at.contact == contact;
+  });
+  return row == cases.end() ? nullptr : &*row;
+}
+
+void set_ratio(const Findings& findings, CaseRow& row) {
+  const CaseRow* direct = findings.find({"direct", "published"}, row.at.voxmap, row.at.shell, row.at.contact);
+  if (direct != nullptr && row.ms.median > 0) row.ratio_to_direct = direct->ms.median / row.ms.median;
+}
+
+namespace {
+
+double volume(const Aabb& box) {
+  return (box.max - box.min).prod();
+}
+
+/// Fraction of the tool's box that is VOI at a pose.
+double voi_fraction(const BenchSetup& setup, const ToolPose& pose) {
+  const auto voi = broad_phase(setup.tool_box, setup.bone_box, pose.bone_from_tool().inverse());
+  return voi ? volume(*voi) / volume(setup.tool_box) : 0;
+}
+
+/// The depth of the first approach at which the VOI is `fraction` of the tool's box.
+double depth_of_fraction(const BenchSetup& setup, double fraction) {
+  double low = -20, high = 30;  // mm: clear of the bone's box, wholly in it
+  for (int i = 0; i < 50; ++i) {
+    const double middle = (low + high) / 2;
+    (voi_fraction(setup, pose_at(kApproaches[0], middle)) < fraction ? low : high) = middle;
+  }
+  return high;
+}
+
+/// Programs that cull points outside the VOI.
+std::vector<Program*> with_voi(const ProgramSet& set) {
+  std::vector<Program*> out;
+  for (Program* program : pointers_to(set)) {
+    const std::string& engine = program->label().engine;
+    if (engine == "bricked" || engine == "direct") out.push_back(program);
+  }
+  return out;
+}
+
+double deviation(const std::vector<double>& values) {
+  const double middle = mean(values);
+  double sum = 0;
+  for (const double v : values) sum += (v - middle) * (v - middle);
+  return values.size() > 1 ? std::sqrt(sum / static_cast<double>(values.size() - 1)) : 0;
+}
+
+/// Adds the spreads of the samples to a row.
+void add_scatter(const std::vector<BatchSample>& samples, Json& row) {
+  std::vector<double> contacts, magnitude;
+  std::array<std::vector<double>, 3> components;
+  for (const BatchSample& sample : samples) {
+    contacts.push_back(static_cast<double>(sample.contacts));
+    magnitude.push_back(sample.force.norm());
+    for (int i = 0; i < 3; ++i) components[static_cast<std::size_t>(i)].push_back(sample.force[i]);
+  }
+  const Spread counted = spread_of(contacts);
+  const double force = mean(magnitude), count = mean(contacts);
+  const bool any = force > 0 && count > 0;
+  double component_spread = 0;
+  for (const auto& component : components)
+    component_spread = std::max(component_spread, any ? deviation(component) / force : 0);
+  row.update({{"contacts_median", counted.median},
+              {"contacts_min", counted.min},
+              {"contacts_max", counted.max},
+              {"contacts_spread", any ? deviation(contacts) / count : 0},
+              {"force_spread", any ? deviation(magnitude) / force : 0},
+              {"component_spread", component_spread}});
+}
+
+}  // namespace
+
+void measure_voi(const ProgramSet& set) {
+  const auto programs = with_voi(set);
+  for (int tenth = 1; tenth <= 10; ++tenth) {
+    const double fraction = std::min(0.1 * tenth, 0.9999);
+    const Substep frame = substep_at(pose_at(kApproaches[0], depth_of_fraction(set.setup, fraction)));
+    const auto with = run_alternately(programs, {frame}, set.plan.repetitions, true, set.control);
+    const auto without = run_alternately(programs, {frame}, set.plan.repetitions, false, set.control);
+    const auto touching = count_touching(*set.setup.voxmap, *set.setup.tool, frame);
+    for (std::size_t i = 0; i < programs.size(); ++i) {
+      const Spread with_ms = spread_over(with[i], &BatchSample::total_s);
+      const Spread without_ms = spread_over(without[i], &BatchSample::total_s);
+      set.findings.voi.push_back({{"engine", programs[i]->label().engine},
+                                  {"variant", programs[i]->label().variant},
+                                  {"fraction", 0.1 * tenth},
+                                  {"contacts", static_cast<double>(touching)},
+                                  {"with_ms", with_ms.median},
+                                  {"with_min_ms", with_ms.min},
+                                  {"with_max_ms", with_ms.max},
+                                  {"without_ms", without_ms.median},
+                                  {"without_min_ms", without_ms.min},
+                                  {"without_max_ms", without_ms.max}});
+    }
+  }
+}
+
+void measure_batches(const ProgramSet& set) {
+  const auto poses = substeps_of(Contact::none);  // nothing is removed, so that a batch may repeat them
+  for (const int batch : {1, 8, 64}) {
+    std::vector<Substep> frames;
+    for (int k = 0; k < batch; ++k) frames.push_back(poses[static_cast<std::size_t>(k) % poses.size()]);
+    for (Program* program : pointers_to(set)) {
+      if (program->label().variant != "deterministic" || program->label().engine == "implicit") continue;
+      std::vector<double> ms;
+      for (int repetition = -1; repetition < set.plan.repetitions; ++repetition) {
+        if (set.control.stop()) throw Interrupted();
+        const BatchSample sample = program->run(frames, true);
+        if (repetition >= 0) ms.push_back(1e3 * sample.total_s / batch);
+      }
+      program->restore();
+      Json row = row_at(set.place(*program, "none"));
+      row["batch"] = batch;
+      row.update(spread_ms(spread_of(ms)));
+      set.findings.batches.push_back(row);
+    }
+  }
+}
+
+void measure_scatter(const ProgramSet& set) {
+  constexpr int kRepetitions = 20;
+  const Substep frame = substeps_of(Contact::severe)[1];
+  const auto touching = static_cast<double>(count_touching(*set.setup.voxmap, *set.setup.tool, frame));
+  Json voxels;  // null without such a program
+  std::unique_ptr<Program> counting;
+  std::vector<Program*> racing;
+  if (std::ranges::count(set.plan.engines, "direct") > 0) {
+    counting = make_published_direct(cl::choose_device(set.plan.device), set.setup, true);
+    racing.push_back(counting.get());
+  }
+  for (Program* program : pointers_to(set)) {
+    const Label& label = program->label();
+    if (label.variant == "published" && label.engine == "octree") racing.push_back(program);
+    if (label.variant == "deterministic" && label.engine != "implicit" && voxels.is_null()) {
+      voxels = static_cast<double>(program->run({&frame, 1}, true).voxels);
+      program->restore();
+    }
+  }
+  const auto samples = run_alternately(racing, {frame}, kRepetitions, true, set.control);
+  for (std::size_t i = 0; i < racing.size(); ++i) {
+    Json row = row_at(set.place(*racing[i], "severe"));
+    row.update({{"repetitions", samples[i].size()}, {"points", touching}, {"voxels", voxels}});
+    add_scatter(samples[i], row);
+    set.findings.scatter.push_back(row);
+  }
+}
 
 namespace {
 
@@ -30,26 +192,23 @@ double microseconds(Step step) {
   return done >= 0 ? us : 0;
 }
 
-PhaseRow phases_of(const ProgramSet& set, const Program& program, const std::vector<BatchSample>& samples) {
+Json phases_of(const ProgramSet& set, const Program& program, const std::vector<BatchSample>& samples) {
   const BenchSetup& setup = set.setup;
   const Rigid tool_from_bone = substeps_of(Contact::severe).front().pose.bone_from_tool().inverse();
-  PhaseRow row{.at = set.place(program, "severe")};
-  row.obb = microseconds([&] { return boxes_overlap(setup.tool_box, setup.bone_box, tool_from_bone); });
-  row.voi =
+  const double obb = microseconds([&] { return boxes_overlap(setup.tool_box, setup.bone_box, tool_from_bone); });
+  const double voi =
       microseconds([&] { return volume_of_interest(setup.tool_box, setup.bone_box, tool_from_bone).has_value(); });
-  row.upload = spread_over(samples, &BatchSample::upload_s, 1e6).median;
-  row.kernel = spread_over(samples, &BatchSample::kernel_s, 1e6).median;
-  row.total = spread_over(samples, &BatchSample::total_s, 1e6).median;
-  row.read = std::max(0.0, row.total - row.obb - row.voi - row.upload - row.kernel);
+  const double upload = spread_over(samples, &BatchSample::upload_s, 1e6).median;
+  const double kernel = spread_over(samples, &BatchSample::kernel_s, 1e6).median;
+  const double total = spread_over(samples, &BatchSample::total_s, 1e6).median;
+  Json row = row_at(set.place(program, "severe"));
+  row.update({{"obb_us", obb},
+              {"voi_us", voi},
+              {"upload_us", upload},
+              {"kernel_us", kernel},
+              {"read_us", std::max(0.0, total - obb - voi - upload - kernel)},
+              {"total_us", total}});
   return row;
-}
-
-void set_ratios(Findings& findings) {
-  for (CaseRow& row : findings.cases) {
-    if (row.at.contact == "plunge") continue;  // measure_plunge() compares frame by frame
-    const CaseRow* direct = findings.find({"direct", "published"}, row.at.voxmap, row.at.shell, row.at.contact);
-    if (direct != nullptr && row.ms.median > 0) row.ratio_to_direct = direct->ms.median / row.ms.median;
-  }
 }
 
 /// The plunge of a program: mean times of its batches of frames.
@@ -80,11 +239,11 @@ struct PlungeRun {
   }
 };
 
-std::vector<Substep> plunge_frames(const Plan& plan, const ProgramSet& set) {
+std::vector<Substep> plunge_frames(const ProgramSet& set) {
   const Approach& approach = kApproaches[0];
   const double step_mm = 0.25 * set.setup.voxmap->grid.voxel_mm;
   std::vector<Substep> frames;
-  for (int k = 1; k <= plan.plunge_frames; ++k) {
+  for (int k = 1; k <= set.plan.plunge_frames; ++k) {
     frames.push_back(substep_at(pose_at(approach, approach.depth_mm[1] + step_mm * k)));
   }
   return frames;
@@ -108,11 +267,10 @@ CaseRow plunge_row(const ProgramSet& set, const PlungeRun& run, const std::vecto
 
 }  // namespace
 
-void measure_case(const Plan& plan, const ProgramSet& set, Contact contact, const BenchControl& control,
-                  Findings& findings) {
+void measure_case(const ProgramSet& set, Contact contact) {
   const auto frames = substeps_of(contact);
   const auto programs = pointers_to(set);
-  const auto samples = run_alternately(programs, frames, plan.repetitions, true, control);
+  const auto samples = run_alternately(programs, frames, set.plan.repetitions, true, set.control);
   const double touching = mean_touching(set, frames);
   for (std::size_t i = 0; i < programs.size(); ++i) {
     CaseRow row{.at = set.place(*programs[i], name_of(contact))};
@@ -120,32 +278,39 @@ void measure_case(const Plan& plan, const ProgramSet& set, Contact contact, cons
     row.contacts = points ? touching : spread_over(samples[i], &BatchSample::voxels, 1).median;
     row.ms = spread_over(samples[i], &BatchSample::total_s);
     row.kernel_ms = spread_over(samples[i], &BatchSample::kernel_s).median;
-    findings.cases.push_back(row);
-    if (contact == Contact::severe) findings.phases.push_back(phases_of(set, *programs[i], samples[i]));
+    set.findings.cases.push_back(row);
+    if (contact == Contact::severe) set.findings.phases.push_back(phases_of(set, *programs[i], samples[i]));
   }
-  set_ratios(findings);
+  for (CaseRow& row : set.findings.cases) {
+    if (row.at.contact != "plunge") set_ratio(set.findings, row);  // measure_plunge() compares frame by frame
+  }
 }
 
-void measure_memory(const ProgramSet& set, Findings& findings) {
+void add_memory(const std::string& engine, const SizePair& size, const StructureBytes& bytes, Findings& findings) {
+  const Json row{{"engine", engine},
+                 {"voxmap", size.voxmap},
+                 {"shell", size.shell},
+                 {"voxmap_mb", static_cast<double>(bytes.voxmap) / 1e6},
+                 {"shell_mb", static_cast<double>(bytes.shell) / 1e6}};
+  const bool known = std::ranges::any_of(findings.memory, [&](const Json& other) {
+    return other["engine"] == engine && other["voxmap"] == size.voxmap && other["shell"] == size.shell;
+  });
+  if (!known) findings.memory.push_back(row);
+}
+
+void measure_memory(const ProgramSet& set) {
   for (const auto& program : set.programs) {
-    const std::string& engine = program->label().engine;
-    const bool known = std::any_of(findings.memory.begin(), findings.memory.end(), [&](const MemoryRow& row) {
-      return row.engine == engine && row.voxmap == set.voxmap && row.shell == set.shell;
-    });
-    if (known) continue;
-    const StructureBytes bytes = program->bytes();
-    findings.memory.push_back({engine, set.voxmap, set.shell, static_cast<double>(bytes.voxmap) / 1e6,
-                               static_cast<double>(bytes.shell) / 1e6});
+    add_memory(program->label().engine, set.size, program->bytes(), set.findings);
   }
 }
 
-void measure_plunge(const Plan& plan, const ProgramSet& set, const BenchControl& control, Findings& findings) {
+void measure_plunge(const ProgramSet& set) {
   constexpr std::size_t kBatch = 64;  // as `reamsim run` by default
-  const std::vector<Substep> frames = plunge_frames(plan, set);
+  const std::vector<Substep> frames = plunge_frames(set);
   std::vector<PlungeRun> runs;
   for (Program* program : pointers_to(set)) runs.push_back({.program = program, .chunks = {}});
   for (std::size_t first = 0; first < frames.size(); first += kBatch) {
-    if (control.stop()) throw Interrupted();
+    if (set.control.stop()) throw Interrupted();
     const std::span<const Substep> chunk(&frames[first], std::min(kBatch, frames.size() - first));
     for (PlungeRun& run : runs) {
       if (run.continues()) run.run(chunk);
@@ -155,11 +320,13 @@ void measure_plunge(const Plan& plan, const ProgramSet& set, const BenchControl&
       std::find_if(runs.begin(), runs.end(), [](const PlungeRun& r) { return r.is_published_direct(); });
   for (const PlungeRun& run : runs) {
     run.program->restore();
-    findings.cases.push_back(plunge_row(set, run, direct == runs.end() ? std::vector<BatchSample>{} : direct->chunks));
+    set.findings.cases.push_back(
+        plunge_row(set, run, direct == runs.end() ? std::vector<BatchSample>{} : direct->chunks));
     if (run.frames == frames.size()) continue;
-    findings.skipped.push_back({findings.cases.back().at,
-                                "stopped after " + std::to_string(run.frames) + " of " + std::to_string(frames.size()) +
-                                    " frames, which took 20 s; its ratio is over these frames"});
+    set.findings.skipped.push_back(
+        {set.findings.cases.back().at, "stopped after " + std::to_string(run.frames) + " of " +
+                                           std::to_string(frames.size()) +
+                                           " frames, which took 20 s; its ratio is over these frames"});
   }
 }
 

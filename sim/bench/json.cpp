@@ -1,79 +1,38 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include <nlohmann/json.hpp>
-
-#include "sim/bench/findings.h"
-#include "sim/bench/peaks.h"
+#include "sim/bench/suite.h"
 
 namespace reamsim::bench {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json or_null(const std::optional<double>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-Json place_json(const Place& at, bool with_case) {
-  Json out{{"engine", at.who.engine}, {"variant", at.who.variant}, {"voxmap", at.voxmap}, {"shell", at.shell}};
-  if (with_case) out["case"] = at.contact;
-  return out;
-}
-
-void add_spread(Json& out, const Spread& ms) {
-  out["median_ms"] = ms.median;
-  out["min_ms"] = ms.min;
-  out["max_ms"] = ms.max;
-}
-
 Json case_json(const CaseRow& row) {
-  Json out = place_json(row.at, true);
+  Json out = row_at(row.at);
   out["contacts"] = or_null(row.contacts);
-  add_spread(out, row.ms);
+  out.update(spread_ms(row.ms));
   out["kernel_ms"] = row.kernel_ms;
   out["ratio_to_direct"] = or_null(row.ratio_to_direct);
   out["samples"] = row.ms.samples;
   return out;
 }
 
-Json phase_json(const PhaseRow& row) {
-  Json out = place_json(row.at, true);
-  out.update({{"obb_us", row.obb},
-              {"voi_us", row.voi},
-              {"upload_us", row.upload},
-              {"kernel_us", row.kernel},
-              {"read_us", row.read},
-              {"total_us", row.total}});
+Json sphere_json(const SphereRow& row) {
+  Json out{{"engine", row.engine}, {"erosion", name_of(row.erosion)}, {"voxel_mm", row.voxel_mm}};
+  out.update(spread_ms(row.ms));
+  out["times_real_time"] = row.times_real_time();
+  const ExactFrames exact = row.exact.value_or(ExactFrames{});
+  out["kernel_ms"] = row.exact ? Json(exact.kernel_ms) : Json(nullptr);
+  out["one_core_ms"] = exact.one_core_ms ? Json(exact.one_core_ms->median) : Json(nullptr);
+  out["one_core_kernel_ms"] = or_null(exact.one_core_kernel_ms);
+  out["voxels"] = row.exact ? Json(exact.voxels) : Json(nullptr);
+  out["removed_mm3"] = row.removed_mm3;
+  out["volume_error"] = row.volume_error;
   return out;
-}
-
-Json scatter_json(const ScatterRow& row) {
-  Json out = place_json(row.at, true);
-  out.update({{"repetitions", row.repetitions},
-              {"points", row.points},
-              {"voxels", or_null(row.voxels)},
-              {"contacts_median", row.contacts.median},
-              {"contacts_min", row.contacts.min},
-              {"contacts_max", row.contacts.max},
-              {"contacts_spread", row.contacts_spread},
-              {"force_spread", row.force_spread},
-              {"component_spread", row.component_spread}});
-  return out;
-}
-
-Json voi_json(const VoiRow& row) {
-  return {{"engine", row.who.engine},
-          {"variant", row.who.variant},
-          {"fraction", row.fraction},
-          {"contacts", row.contacts},
-          {"with_ms", row.with_ms.median},
-          {"with_min_ms", row.with_ms.min},
-          {"with_max_ms", row.with_ms.max},
-          {"without_ms", row.without_ms.median},
-          {"without_min_ms", row.without_ms.min},
-          {"without_max_ms", row.without_ms.max}};
 }
 
 /// One object per row; an empty list stays a list.
@@ -86,6 +45,18 @@ Json list(const std::vector<Row>& rows, Make make) {
 
 }  // namespace
 
+Json row_at(const Place& at) {
+  return {{"engine", at.who.engine},
+          {"variant", at.who.variant},
+          {"voxmap", at.voxmap},
+          {"shell", at.shell},
+          {"case", at.contact}};
+}
+
+Json spread_ms(const Spread& ms) {
+  return {{"median_ms", ms.median}, {"min_ms", ms.min}, {"max_ms", ms.max}};
+}
+
 std::string json_of(const Findings& findings) {
   Json out;
   out["program"] = "reamsim " REAMSIM_VERSION;
@@ -95,35 +66,12 @@ std::string json_of(const Findings& findings) {
   out["repetitions"] = findings.repetitions;
   out["seconds"] = findings.seconds;
   out["results"] = list(findings.cases, case_json);
-  out["memory"] = list(findings.memory, [](const MemoryRow& row) {
-    return Json{{"engine", row.engine},
-                {"voxmap", row.voxmap},
-                {"shell", row.shell},
-                {"voxmap_mb", row.voxmap_mb},
-                {"shell_mb", row.shell_mb}};
-  });
-  out["phases"] = list(findings.phases, phase_json);
-  out["voi"] = list(findings.voi, voi_json);
-  out["batches"] = list(findings.batches, [](const BatchRow& row) {
-    Json json = place_json(row.at, true);
-    json["batch"] = row.batch;
-    add_spread(json, row.ms);
-    return json;
-  });
-  out["scatter"] = list(findings.scatter, scatter_json);
-  out["spheres"] = list(findings.spheres, [](const SphereRow& row) {
-    Json json{{"engine", row.engine}, {"erosion", name_of(row.erosion)}, {"voxel_mm", row.voxel_mm}};
-    add_spread(json, row.ms);
-    json["times_real_time"] = row.times_real_time();
-    const ExactFrames exact = row.exact.value_or(ExactFrames{});
-    json["kernel_ms"] = or_null(row.exact ? std::optional(exact.kernel_ms) : std::nullopt);
-    json["one_core_ms"] = or_null(exact.one_core_ms ? std::optional(exact.one_core_ms->median) : std::nullopt);
-    json["one_core_kernel_ms"] = or_null(exact.one_core_kernel_ms);
-    json["voxels"] = or_null(row.exact ? std::optional(exact.voxels) : std::nullopt);
-    json["removed_mm3"] = row.removed_mm3;
-    json["volume_error"] = row.volume_error;
-    return json;
-  });
+  out["memory"] = findings.memory;
+  out["phases"] = findings.phases;
+  out["voi"] = findings.voi;
+  out["batches"] = findings.batches;
+  out["scatter"] = findings.scatter;
+  out["spheres"] = list(findings.spheres, sphere_json);
   out["peaks"] = nullptr;
   if (const auto& peaks = findings.peaks) {
     out["peaks"] = {{"gops", peaks->gops},
@@ -131,14 +79,12 @@ std::string json_of(const Findings& findings) {
                     {"operations_per_voxel", kExactOperations},
                     {"bytes_per_voxel", kExactBytes}};
   }
-  out["poses"] = list(findings.poses, [](const PoseCount& row) {
-    return Json{{"case", row.contact}, {"pose", row.pose}, {"points", row.points}, {"wanted", row.wanted}};
-  });
+  out["poses"] = findings.poses;
   out["shells"] = list(findings.shell_points, [](const auto& row) {
     return Json{{"shell", row.first}, {"points", row.second}};
   });
   out["skipped"] = list(findings.skipped, [](const Skipped& row) {
-    Json json = place_json(row.at, true);
+    Json json = row_at(row.at);
     json["reason"] = row.reason;
     return json;
   });

@@ -4,6 +4,7 @@
 #include "sim/bench/measure.h"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 #include <vector>
 
@@ -11,12 +12,17 @@
 #include "sim/base/statistics.h"
 #include "sim/base/stopwatch.h"
 
-namespace reamsim::bench {
+namespace reamsim {
+namespace embedded {
+extern const char* const kernel_peaks;
+}
+
+namespace bench {
 
 namespace {
 
 /// The programs that touch voxels with a shell or the tool's surface, fastest engine first. `exact` needs the motion
-/// before a frame (whole_frames.h).
+/// before a frame (whole_frames.cpp).
 const Label kPrograms[] = {{"bricked", "deterministic"}, {"direct", "deterministic"}, {"direct", "published"},
                            {"octree", "deterministic"},  {"octree", "published"},     {"implicit", "deterministic"}};
 
@@ -51,17 +57,14 @@ void measure_or_skip(const Place& at, std::vector<Skipped>& skipped, const std::
   }
 }
 
-ProgramSet make_programs(const Plan& plan, const BenchSetup& setup, const SizePair& size, bool whole,
-                         std::vector<Skipped>& skipped) {
-  ProgramSet set{setup, size.voxmap, size.shell, {}};
-  const cl::DeviceInfo device = cl::choose_device(plan.device);
+void make_programs(ProgramSet& set, bool whole) {
+  const cl::DeviceInfo device = cl::choose_device(set.plan.device);
   for (const Label& label : kPrograms) {
-    if (std::ranges::count(plan.engines, label.engine) == 0) continue;
+    if (std::ranges::count(set.plan.engines, label.engine) == 0) continue;
     if (!whole && label.engine == "implicit") continue;  // has no shell
-    measure_or_skip({label, size.voxmap, size.shell, "all"}, skipped,
-                    [&] { set.programs.push_back(make_program(label, device, plan, setup)); });
+    measure_or_skip({label, set.size.voxmap, set.size.shell, "all"}, set.findings.skipped,
+                    [&] { set.programs.push_back(make_program(label, device, set.plan, set.setup)); });
   }
-  return set;
 }
 
 std::vector<Program*> pointers_to(const ProgramSet& set) {
@@ -136,4 +139,40 @@ Latency frame_latency(SimulationInput& scene, Engine& engine, std::int64_t most,
           .most_ms = *std::ranges::max_element(ms)};
 }
 
-}  // namespace reamsim::bench
+namespace {
+
+constexpr int kRepetitions = 5;
+
+/// The shortest time of a kernel, s.
+double shortest(const cl::Kernel& kernel, const cl::Device& device, std::size_t items) {
+  double best = INFINITY;
+  for (int i = 0; i < kRepetitions; ++i) {
+    std::vector<cl::Event> events;
+    events.push_back(kernel.launch(device, items, 1));
+    device.finish();
+    best = std::min(best, cl::take_seconds(events).front());
+  }
+  return best;
+}
+
+}  // namespace
+
+MachinePeaks measure_peaks(const cl::DeviceInfo& info) {
+  constexpr std::size_t kVector = 16 * sizeof(cl_float), kItems = 4096, kVectors = 512;
+  constexpr cl_int kRounds = 4096;
+  constexpr double kOperations = 256;  // of a round
+  const cl::Device device(info);
+  const cl::Program program = device.build("peaks.cl", embedded::kernel_peaks);
+  const cl::Buffer<cl_uchar> from(device, kItems * kVectors * kVector, "memory to copy");
+  const cl::Buffer<cl_uchar> to(device, from.count(), "a copy of memory");
+  cl::Kernel multiply_add(program, "fused_multiply_adds"), copy(program, "copy_memory");
+  multiply_add.set_from(0, to, kRounds);
+  copy.set_from(0, from, to, static_cast<cl_int>(kVectors));
+  MachinePeaks out;
+  out.gops = 1e-9 * kOperations * kRounds * kItems / shortest(multiply_add, device, kItems);
+  out.gb_s = 1e-9 * 2 * static_cast<double>(from.count()) / shortest(copy, device, kItems);
+  return out;
+}
+
+}  // namespace bench
+}  // namespace reamsim

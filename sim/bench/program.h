@@ -27,6 +27,9 @@ struct Label {
   std::string engine;   ///< bricked | direct | octree | implicit
   std::string variant;  ///< deterministic: that of `reamsim run` | published: the paper's racing pass
 };
+inline std::string name_of(const Label& who) {
+  return who.engine + (who.variant == "published" ? ", published" : "");
+}
 
 /// Times and results of a batch of frames; seconds of wall time unless stated otherwise.
 struct BatchSample {

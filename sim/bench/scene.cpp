@@ -5,11 +5,16 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <cmath>
 #include <numbers>
 
 #include "sim/base/error.h"
+#include "sim/base/parallel.h"
+#include "sim/bench/paper.h"
 #include "sim/bone/phantom.h"
 #include "sim/bone/voxmap/sample_voxels.h"
+#include "sim/tool/morton.h"
 #include "sim/tool/profile.h"
 
 namespace reamsim::bench {
@@ -23,16 +28,6 @@ VoxelGrid grid_of(int side) {
   return {Vec3i::Constant(side), kBoxMm / side, kBoxCornerMm};
 }
 
-/// Calls visit(coord) for begin ≤ coord < end, x fastest.
-template <class Visit>
-void for_each_coord(const Vec3i& begin, const Vec3i& end, const Visit& visit) {
-  for (int z = begin.z(); z < end.z(); ++z) {
-    for (int y = begin.y(); y < end.y(); ++y) {
-      for (int x = begin.x(); x < end.x(); ++x) visit(Vec3i(x, y, z));
-    }
-  }
-}
-
 FilledVoxmap sample(int side) {
   BoneSettings settings;
   settings.source = BoneSource::phantom;
@@ -41,30 +36,22 @@ FilledVoxmap sample(int side) {
 }
 
 Aabb tight_box(const Voxmap& voxmap) {
-  Vec3i low = voxmap.grid.dims, high = Vec3i::Constant(-1);
-  for_each_coord(Vec3i::Zero(), voxmap.grid.dims, [&](const Vec3i& voxel) {
-    if (voxmap.grade.get(voxel) == 0) return;
-    low = low.cwiseMin(voxel);
-    high = high.cwiseMax(voxel);
-  });
+  const VoxelBox bone = bone_extent(voxmap);
   const VoxelGrid& grid = voxmap.grid;
-  return {grid.origin_mm + grid.voxel_mm * low.cast<double>(),
-          grid.origin_mm + grid.voxel_mm * (high + Vec3i::Ones()).cast<double>()};
+  return {grid.origin_mm + grid.voxel_mm * bone.first.cast<double>(),
+          grid.origin_mm + grid.voxel_mm * (bone.last + Vec3i::Ones()).cast<double>()};
 }
 
 /// The two coarse voxels about the centre of a fine one, with integer weights whose sum is 2·factor.
 struct Between {
-  int low, high;
-  int weight_low, weight_high;
+  std::array<int, 2> at{}, weight{};
 
   Between(int fine, int factor, int coarse_side) {
     const int position = 2 * fine + 1 - factor;  // in units of 1/(2·factor) coarse voxel from the first centre
     const int unit = 2 * factor;
     const int floor = position >= 0 ? position / unit : -1;
-    weight_high = position - floor * unit;
-    weight_low = unit - weight_high;
-    low = std::clamp(floor, 0, coarse_side - 1);
-    high = std::clamp(floor + 1, 0, coarse_side - 1);
+    weight = {unit - (position - floor * unit), position - floor * unit};
+    at = {std::clamp(floor, 0, coarse_side - 1), std::clamp(floor + 1, 0, coarse_side - 1)};
   }
 };
 
@@ -99,27 +86,26 @@ class Refinement {
     const Vec3i low = BrickLattice::brick_of(clamped(first / factor_ - Vec3i::Ones()));
     const Vec3i high = BrickLattice::brick_of(clamped((first + Vec3i::Constant(kSide)) / factor_ + Vec3i::Ones()));
     bool all_air = true;
-    for_each_coord(low, high + Vec3i::Ones(),
-                   [&](const Vec3i& brick) { all_air = all_air && coarse_.grade.brick(brick) == nullptr; });
+    for_each_voxel(low, high, [&](const Vec3i& brick) { all_air = all_air && coarse_.grade.brick(brick) == nullptr; });
     return all_air;
   }
 
   bool row(const Vec3i& first, int y, int z, std::uint8_t* out) const {
     const Between by(first.y() + y, factor_, side_), bz(first.z() + z, factor_, side_);
-    const int x_low = Between(first.x(), factor_, side_).low;
-    const int x_high = Between(first.x() + kSide - 1, factor_, side_).high;
+    const int x_low = Between(first.x(), factor_, side_).at[0];
+    const int x_high = Between(first.x() + kSide - 1, factor_, side_).at[1];
     Line line;
-    add(by.low, bz.low, by.weight_low * bz.weight_low, x_low, x_high, line);
-    add(by.high, bz.low, by.weight_high * bz.weight_low, x_low, x_high, line);
-    add(by.low, bz.high, by.weight_low * bz.weight_high, x_low, x_high, line);
-    add(by.high, bz.high, by.weight_high * bz.weight_high, x_low, x_high, line);
+    for (const std::size_t z_end : {0, 1}) {
+      for (const std::size_t y_end : {0, 1})
+        add(by.at[y_end], bz.at[z_end], by.weight[y_end] * bz.weight[z_end], x_low, x_high, line);
+    }
     const int whole = 8 * factor_ * factor_ * factor_;
     bool any = false;
     for (int x = 0; x < kSide; ++x) {
       const Between bx(first.x() + x, factor_, side_);
-      const auto l = static_cast<std::size_t>(bx.low - x_low), h = static_cast<std::size_t>(bx.high - x_low);
-      const int bone = bx.weight_low * line.bone[l] + bx.weight_high * line.bone[h];
-      const int grade = bx.weight_low * line.grade[l] + bx.weight_high * line.grade[h];
+      const auto l = static_cast<std::size_t>(bx.at[0] - x_low), h = static_cast<std::size_t>(bx.at[1] - x_low);
+      const int bone = bx.weight[0] * line.bone[l] + bx.weight[1] * line.bone[h];
+      const int grade = bx.weight[0] * line.grade[l] + bx.weight[1] * line.grade[h];
       if (2 * bone < whole) continue;
       out[x] = static_cast<std::uint8_t>(grade / bone);
       any = true;
@@ -152,7 +138,7 @@ FilledVoxmap refine(const Voxmap& coarse, int side) {
 /// Mean grade of the bone among factor³ voxels, air where less than half of them are bone.
 std::uint8_t merged(const Voxmap& fine, const Vec3i& first, int factor) {
   int bone = 0, grade = 0;
-  for_each_coord(Vec3i::Zero(), Vec3i::Constant(factor), [&](const Vec3i& offset) {
+  for_each_voxel(Vec3i::Constant(factor), [&](const Vec3i& offset) {
     const int g = fine.grade.get(first + offset);
     bone += g != 0;
     grade += g;
@@ -163,7 +149,7 @@ std::uint8_t merged(const Voxmap& fine, const Vec3i& first, int factor) {
 FilledVoxmap merge(const Voxmap& fine, int side) {
   FilledVoxmap coarse(grid_of(side));
   const int factor = fine.grid.dims.x() / side;
-  for_each_coord(Vec3i::Zero(), coarse.grid.dims, [&](const Vec3i& voxel) {
+  for_each_voxel(coarse.grid.dims, [&](const Vec3i& voxel) {
     if (const std::uint8_t grade = merged(fine, factor * voxel, factor); grade != 0) coarse.grade.set(voxel, grade);
   });
   return coarse;
@@ -232,5 +218,165 @@ CuttingSettings bench_cutting() {
   cutting.erosion = ErosionMode::remove;
   return cutting;
 }
+
+namespace {
+
+constexpr double kFaceRadiusMm = 32;  // of the phantom's glenoid face, a sphere about a point on the x axis
+constexpr double kFrameS = 1e-3;
+constexpr double kFeedMmS = 1;
+constexpr double kSpinRpm = 250;
+
+bool touches(const Voxmap& voxmap, const SubstepArgs& args, std::uint64_t code) {
+  const Vec3i cell = morton_decode(code);
+  const int x = cell.x(), y = cell.y(), z = cell.z();
+  const Vec3i voxel(rs_voxel_coordinate(&args, 0, x, y, z), rs_voxel_coordinate(&args, 1, x, y, z),
+                    rs_voxel_coordinate(&args, 2, x, y, z));
+  if (!voxmap.grid.contains(voxel)) return false;
+  return voxmap.grade.get(voxel) != 0;
+}
+
+}  // namespace
+
+const std::array<Approach, 4> kApproaches{{
+    {0, 0, 3, -2, {0.7520, 0.0576, -0.4399}},
+    {-3, 4, 8, -6, {0.4102, -0.2905, -0.7692}},
+    {4, -6, -12, 10, {-0.1914, -0.8999, -1.3996}},
+    {1, -3, 18, 15, {-1.0703, -2.2725, -2.8603}},
+}};
+
+const char* name_of(Contact contact) {
+  return contact == Contact::severe ? "severe" : contact == Contact::light ? "light" : "none";
+}
+
+ToolPose pose_at(const Approach& approach, double depth_mm) {
+  const double y = approach.posterior_mm, z = approach.superior_mm;
+  const Vec3 center(kFaceRadiusMm, 0, 0);
+  const Vec3 place(kFaceRadiusMm - std::sqrt(kFaceRadiusMm * kFaceRadiusMm - y * y - z * z), y, z);
+  const auto radians = [](double degrees) { return degrees * std::numbers::pi / 180; };
+  const Vec3 axis = Eigen::AngleAxisd(radians(approach.tilt_posterior_deg), Vec3::UnitZ()) *
+                    (Eigen::AngleAxisd(-radians(approach.tilt_up_deg), Vec3::UnitY()) * (center - place).normalized());
+  ToolPose pose;
+  pose.orientation = smallest_rotation(Vec3::UnitZ(), axis);
+  pose.position_mm = place - depth_mm * axis;
+  pose.spin_rpm = kSpinRpm;
+  return pose;
+}
+
+Substep substep_at(const ToolPose& pose) {
+  const Vec3 axis = pose.orientation * Vec3::UnitZ();
+  Substep out;
+  out.pose = pose;
+  out.origin_velocity_mm_s = -kFeedMmS * axis;
+  out.angular_velocity = -kSpinRpm * 2 * std::numbers::pi / 60 * axis;
+  out.duration_s = kFrameS;
+  out.frame = 1;
+  return out;
+}
+
+std::vector<Substep> substeps_of(Contact contact) {
+  std::vector<Substep> out;
+  for (const Approach& approach : kApproaches) {
+    out.push_back(substep_at(pose_at(approach, approach.depth_mm[static_cast<std::size_t>(contact)])));
+  }
+  return out;
+}
+
+SubstepArgs args_without_voi(const Substep& substep, const Tool& tool, const VoxelGrid& grid) {
+  SubstepArgs args = make_args(substep, shell_box(tool), tool.shell, grid, bench_cutting(), false);
+  for (int axis = 0; axis < 3; ++axis) {
+    args.voi_min[axis] = 0;
+    args.voi_max[axis] = tool.shell.resolution - 1;
+  }
+  return args;
+}
+
+std::int64_t count_touching(const Voxmap& voxmap, const Tool& tool, const Substep& substep) {
+  const SubstepArgs args = args_without_voi(substep, tool, voxmap.grid);
+  const auto& codes = tool.shell.codes;
+  std::atomic<std::int64_t> total = 0;
+  parallel_ranges(codes.size(), 8192, [&](std::size_t begin, std::size_t end) {
+    std::int64_t sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += touches(voxmap, args, codes[i]) ? 1 : 0;
+    total += sum;
+  });
+  return total;
+}
+
+double find_depth(const Voxmap& voxmap, const Tool& tool, const Approach& approach, double wanted) {
+  double low = -8, high = 8;  // mm: clear of the bone, deep in it
+  for (int i = 0; i < 40; ++i) {
+    const double middle = (low + high) / 2;
+    const auto count = static_cast<double>(count_touching(voxmap, tool, substep_at(pose_at(approach, middle))));
+    if (wanted > 0 && std::abs(count - wanted) < 0.002 * wanted) return middle;
+    (count > wanted ? high : low) = middle;
+  }
+  return wanted > 0 ? (low + high) / 2 : low - kClearance_mm;
+}
+
+double wanted_points(Contact contact, double points) {
+  const double fraction = points / kPaperPoints.back();
+  return contact == Contact::severe  ? kSeverePoints * fraction
+         : contact == Contact::light ? kLightPoints * fraction
+                                     : 0;
+}
+
+namespace sphere {
+
+namespace {
+
+constexpr double kWidthMm = 30;            // of the cap
+constexpr double kSpacingVoxels = 0.4721;  // what `reamsim run` chooses
+
+}  // namespace
+
+FilledVoxmap block(double voxel_mm) {
+  const Vec3 size_mm(kWidthMm + 4, kWidthMm + 4, kDepthMm + 2);
+  VoxelGrid grid;
+  grid.voxel_mm = voxel_mm;
+  for (int i = 0; i < 3; ++i) grid.dims[i] = 8 * static_cast<int>(std::ceil(size_mm[i] / voxel_mm / 8));
+  const Vec3 extent = voxel_mm * grid.dims.cast<double>();
+  grid.origin_mm = {-extent.x() / 2 + 0.37 * voxel_mm, -extent.y() / 2 + 0.21 * voxel_mm, -extent.z()};
+  FilledVoxmap voxmap(grid);
+  const std::uint8_t grade = DensityMapping::grade_from_density(1.8);
+  GradeBricks::Brick brick;
+  brick.fill(grade);
+  voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i&, GradeBricks::Brick& out) {
+    out = brick;
+    return true;
+  });
+  voxmap.frame = "phantom";
+  return voxmap;
+}
+
+Tool cap(double voxel_mm) {
+  constexpr int kSteps = 64;  // exact erosion takes the arc through the vertices
+  Tool tool;
+  const double rim = std::asin(kWidthMm / 2 / kRadiusMm);
+  for (int i = 0; i <= kSteps; ++i) {
+    const double angle = rim * i / kSteps;
+    tool.profile.points.emplace_back(kRadiusMm * std::sin(angle), kRadiusMm * (1 - std::cos(angle)));
+  }
+  tool.profile.points.emplace_back(kWidthMm / 2, 8);
+  tool.profile.points.emplace_back(0, 8);
+  const int resolution = static_cast<int>(std::ceil(kWidthMm / (kSpacingVoxels * voxel_mm))) + 1;
+  tool.mesh = revolve(tool.profile, segments_for_sagitta(kWidthMm / 2, 0.02 * kSpacingVoxels * voxel_mm));
+  tool.shell = voxelize_surface(tool.mesh, std::min(resolution, 1024));
+  tool.bounds = tool.mesh.bounds();
+  tool.reach_mm = std::hypot(kWidthMm / 2, 8.0) + tool.shell.cell_mm;
+  return tool;
+}
+
+Substep down_to(double depth_mm, std::int64_t number) {
+  ToolPose pose;
+  pose.position_mm = {0, 0, -depth_mm};
+  pose.spin_rpm = 250;
+  Substep frame = substep_at(pose);
+  frame.origin_velocity_mm_s = {0, 0, -kSphereFeedMmS};
+  frame.duration_s = kSphereFrameS;
+  frame.frame = number;
+  return frame;
+}
+
+}  // namespace sphere
 
 }  // namespace reamsim::bench

@@ -31,95 +31,21 @@ void verify_poses(const Plan& plan, const BenchSetup& setup, Findings& findings)
   for (const Contact contact : kContacts) {
     int pose = 0;
     for (const Substep& frame : substeps_of(contact)) {
-      PoseCount count{name_of(contact), pose++, count_touching(*setup.voxmap, *setup.tool, frame),
-                      wanted_points(contact, points)};
-      findings.poses.push_back(count);
-      const double off = std::abs(static_cast<double>(count.points) - count.wanted);
-      if (!plan.verify_poses || off <= kPoseTolerance * count.wanted) continue;
+      const std::int64_t touching = count_touching(*setup.voxmap, *setup.tool, frame);
+      const double wanted = wanted_points(contact, points);
+      findings.poses.push_back({{"case", name_of(contact)}, {"pose", pose}, {"points", touching}, {"wanted", wanted}});
+      const double off = std::abs(static_cast<double>(touching) - wanted);
+      ++pose;
+      if (!plan.verify_poses || off <= kPoseTolerance * wanted) continue;
       throw RunError(fmt::format(
           "pose {} of the case {} touches {} points and should touch {} to within 5 %: the scene is not the "
           "one that its depths were found for",
-          count.pose, count.contact, count.points, std::lround(count.wanted)));
+          pose - 1, name_of(contact), touching, std::lround(wanted)));
     }
   }
 }
 
-/// Runs the plan with the current voxmap and the tools.
-class Bench {
- public:
-  Bench(const Plan& plan, const BenchControl& control) : plan_(plan), control_(control) {}
-
-  Findings run() {
-    const Stopwatch stopwatch;
-    check_plan(plan_);
-    const cl::DeviceInfo device = cl::choose_device(plan_.device);
-    findings_.device = device.name;
-    findings_.driver = device.platform_name + " " + device.driver;
-    findings_.compute_units = device.compute_units;
-    findings_.repetitions = plan_.repetitions;
-    if (!plan_.sizes.empty()) {
-      control_.progress("generating the bone");
-      series_.emplace(plan_.sampled);
-    }
-    for (std::size_t i = 0; i < plan_.sizes.size(); ++i) measure(plan_.sizes[i], i + 1 == plan_.sizes.size());
-    voxmap_ = {};
-    measure_spheres(plan_, control_, findings_);
-    findings_.seconds = stopwatch.seconds();
-    return std::move(findings_);
-  }
-
- private:
-  const Tool& tool(int shell) {
-    const auto [place, is_new] = tools_.try_emplace(shell);
-    if (is_new) {
-      place->second = cap_tool(shell);
-      findings_.shell_points.emplace_back(shell, place->second.shell.codes.size());
-    }
-    return place->second;
-  }
-
-  void measure(const SizePair& size, bool last) {
-    if (control_.stop()) throw Interrupted();
-    control_.progress(size_text(size));
-    if (voxmap_.grid.dims.x() != size.voxmap) {
-      voxmap_ = {};
-      voxmap_ = series_->at(size.voxmap);
-    }
-    const Tool& reamer = tool(size.shell);
-    const BenchSetup setup{&voxmap_, &reamer, series_->box(size.voxmap), shell_box(reamer)};
-    if (last) verify_poses(plan_, setup, findings_);
-    const bool whole = size.shell == plan_.sizes.back().shell;
-    const ProgramSet set = make_programs(plan_, setup, size, whole, findings_.skipped);
-    measure_memory(set, findings_);
-    measure_contact(set, size, Contact::severe, last);
-    if (whole && plan_.light) measure_contact(set, size, Contact::light, last);
-    if (whole) measure_contact(set, size, Contact::none, last);
-    if (plan_.details && whole) measure_scatter(plan_, set, control_, findings_);
-    if (!plan_.details || !last) return;
-    control_.progress("VOI");
-    measure_voi(plan_, set, control_, findings_);
-    control_.progress("batches");
-    measure_batches(plan_, set, control_, findings_);
-    control_.progress("plunge");
-    measure_plunge(plan_, set, control_, findings_);
-    measure_exact_case(plan_, set.setup, size, "plunge", control_, findings_);
-  }
-
-  /// `exact` has no shell: the last size is enough.
-  void measure_contact(const ProgramSet& set, const SizePair& size, Contact contact, bool last) {
-    measure_case(plan_, set, contact, control_, findings_);
-    if (last) measure_exact_case(plan_, set.setup, size, name_of(contact), control_, findings_);
-  }
-
-  const Plan& plan_;
-  const BenchControl& control_;
-  Findings findings_;
-  std::optional<BoneSeries> series_;
-  FilledVoxmap voxmap_;
-  std::map<int, Tool> tools_;
-};
-
-/// Usual seconds of the steps of a plan on two cores, in the order in which they call progress(). Only ratios matter.
+/// Usual seconds of the steps of a plan on two cores, in the order in which they begin. Only ratios matter.
 std::vector<double> usual_seconds(const Plan& plan) {
   std::vector<double> out;
   if (!plan.sizes.empty()) out.push_back(3);  // the bone
@@ -135,6 +61,92 @@ std::vector<double> usual_seconds(const Plan& plan) {
   }
   return out;
 }
+
+/// Runs the plan with the current voxmap and the tools.
+class Bench {
+ public:
+  Bench(const Plan& plan, const BenchControl& control)
+      : plan_(plan), control_(control), usual_s_(usual_seconds(plan)) {}
+
+  Findings run() {
+    const Stopwatch stopwatch;
+    check_plan(plan_);
+    const cl::DeviceInfo device = cl::choose_device(plan_.device);
+    findings_.device = device.name;
+    findings_.driver = device.platform_name + " " + device.driver;
+    findings_.compute_units = device.compute_units;
+    findings_.repetitions = plan_.repetitions;
+    if (!plan_.sizes.empty()) {
+      begin("generating the bone");
+      series_.emplace(plan_.sampled);
+    }
+    for (std::size_t i = 0; i < plan_.sizes.size(); ++i) measure(plan_.sizes[i], i + 1 == plan_.sizes.size());
+    voxmap_ = {};
+    measure_spheres(
+        plan_, control_, [this](const std::string& step) { begin(step); }, findings_);
+    findings_.seconds = stopwatch.seconds();
+    return std::move(findings_);
+  }
+
+ private:
+  void begin(const std::string& step) {
+    const auto past = usual_s_.begin() + static_cast<std::ptrdiff_t>(std::min(begun_++, usual_s_.size()));
+    const double total = std::accumulate(usual_s_.begin(), usual_s_.end(), 0.0);
+    control_.part(total > 0 ? std::accumulate(usual_s_.begin(), past, 0.0) / total : 0, step);
+  }
+
+  const Tool& tool(int shell) {
+    const auto [place, is_new] = tools_.try_emplace(shell);
+    if (is_new) {
+      place->second = cap_tool(shell);
+      findings_.shell_points.emplace_back(shell, place->second.shell.codes.size());
+    }
+    return place->second;
+  }
+
+  void measure(const SizePair& size, bool last) {
+    if (control_.stop()) throw Interrupted();
+    begin(size_text(size));
+    if (voxmap_.grid.dims.x() != size.voxmap) {
+      voxmap_ = {};
+      voxmap_ = series_->at(size.voxmap);
+    }
+    const Tool& reamer = tool(size.shell);
+    const BenchSetup setup{&voxmap_, &reamer, series_->box(size.voxmap), shell_box(reamer)};
+    if (last) verify_poses(plan_, setup, findings_);
+    const bool whole = size.shell == plan_.sizes.back().shell;
+    ProgramSet set{plan_, control_, findings_, setup, size, {}};
+    make_programs(set, whole);
+    measure_memory(set);
+    measure_contact(set, Contact::severe, last);
+    if (whole && plan_.light) measure_contact(set, Contact::light, last);
+    if (whole) measure_contact(set, Contact::none, last);
+    if (plan_.details && whole) measure_scatter(set);
+    if (!plan_.details || !last) return;
+    begin("VOI");
+    measure_voi(set);
+    begin("batches");
+    measure_batches(set);
+    begin("plunge");
+    measure_plunge(set);
+    measure_exact_case(set, "plunge");
+  }
+
+  /// `exact` has no shell: the last size is enough.
+  static void measure_contact(const ProgramSet& set, Contact contact, bool last) {
+    measure_case(set, contact);
+    if (last) measure_exact_case(set, name_of(contact));
+  }
+
+  const Plan& plan_;
+  const BenchControl& control_;
+  std::vector<double> usual_s_;  ///< of the steps
+  std::size_t begun_ = 0;
+  Findings findings_;
+  std::optional<BoneSeries> series_;
+  FilledVoxmap voxmap_;
+  std::map<int, Tool> tools_;
+};
 
 }  // namespace
 
@@ -179,17 +191,7 @@ void check_plan(const Plan& plan) {
 }
 
 Findings run_bench(const Plan& plan, const BenchControl& control) {
-  const std::vector<double> steps = usual_seconds(plan);
-  const double total = std::accumulate(steps.begin(), steps.end(), 0.0);
-  std::size_t begun = 0;
-  double behind = 0;
-  BenchControl counted = control;
-  counted.progress = [&](const std::string& step) {
-    control.progress(step);
-    control.part(total > 0 ? behind / total : 0, step);
-    if (begun < steps.size()) behind += steps[begun++];
-  };
-  return Bench(plan, counted).run();
+  return Bench(plan, control).run();
 }
 
 std::string find_depths(int voxmap, int shell) {

@@ -7,9 +7,8 @@
 #include <set>
 
 #include "sim/base/text.h"
-#include "sim/bench/findings.h"
 #include "sim/bench/paper.h"
-#include "sim/bench/peaks.h"
+#include "sim/bench/suite.h"
 
 namespace reamsim::bench {
 
@@ -25,10 +24,6 @@ std::string table_text(const std::string& title, const Rows& rows) {
   std::string out = title + "\n";
   for (const std::string& line : lines) out += "  " + line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   return out + "\n";
-}
-
-std::string name(const Label& who) {
-  return who.engine + (who.variant == "published" ? ", published" : "");
 }
 
 std::string cube(int side) {
@@ -48,15 +43,24 @@ std::string beside(std::optional<double> measured, std::optional<double> paper) 
   return number(measured, 2) + " (" + number(paper, 2) + ")";
 }
 
-std::string range(const Spread& values, int decimals = 3) {
-  return number(values.min, decimals) + " – " + number(values.max, decimals);
+std::string range(double min, double max, int decimals = 3) {
+  return number(min, decimals) + " – " + number(max, decimals);
+}
+
+/// The value of a row's key; none where it is null.
+std::optional<double> value(const Json& row, const char* key) {
+  return row[key].is_null() ? std::nullopt : std::optional(row[key].get<double>());
+}
+
+Label label(const Json& row) {
+  return {row["engine"], row["variant"]};
 }
 
 /// The labels of the case rows, in their order.
 std::vector<Label> labels_of(const Findings& findings) {
   std::vector<Label> out;
   for (const CaseRow& row : findings.cases) {
-    const auto same = [&](const Label& l) { return name(l) == name(row.at.who); };
+    const auto same = [&](const Label& l) { return name_of(l) == name_of(row.at.who); };
     if (std::none_of(out.begin(), out.end(), same)) out.push_back(row.at.who);
   }
   return out;
@@ -90,16 +94,16 @@ std::string severe_table(const Findings& findings, const Label& who) {
     table.push_back(cells);
   }
   const char* const source = who.engine == "octree" ? "Table 3" : no_shell ? "Table 5" : "Table 1";
-  return table_text(name(who) + ", severe contact, whole frame, ms (the paper's " + source + ")", table);
+  return table_text(name_of(who) + ", severe contact, whole frame, ms (the paper's " + source + ")", table);
 }
 
 std::string cases_table(const Findings& findings) {
   Rows table{{"engine", "voxmap", "shell", "case", "contacts", "median ms", "min – max", "kernel ms",
               "published direct / this"}};
   for (const CaseRow& row : findings.cases) {
-    table.push_back({name(row.at.who), cube(row.at.voxmap), cube(row.at.shell), row.at.contact, number(row.contacts, 0),
-                     number(row.ms.median, 3), range(row.ms), number(row.kernel_ms, 3),
-                     number(row.ratio_to_direct, 2)});
+    table.push_back({name_of(row.at.who), cube(row.at.voxmap), cube(row.at.shell), row.at.contact,
+                     number(row.contacts, 0), number(row.ms.median, 3), range(row.ms.min, row.ms.max),
+                     number(row.kernel_ms, 3), number(row.ratio_to_direct, 2)});
   }
   return table_text(
       "Every case: a frame alone, broad phase to results read; plunge in batches of 64. exact: whole frames at 1 mm/s "
@@ -114,11 +118,12 @@ std::string phases_table(const Findings& findings) {
   table.push_back({"the paper", number(paper.obb, 2), number(paper.voi, 2), number(paper.upload, 1),
                    number(paper.kernel, 1), number(paper.read, 1), number(paper.total, 1)});
   if (findings.phases.empty()) return "";
-  const Place& last = findings.phases.back().at;
-  for (const PhaseRow& row : findings.phases) {
-    if (row.at.voxmap != last.voxmap || row.at.shell != last.shell) continue;
-    table.push_back({name(row.at.who), number(row.obb, 2), number(row.voi, 2), number(row.upload, 1),
-                     number(row.kernel, 1), number(row.read, 1), number(row.total, 1)});
+  const Json& last = findings.phases.back();
+  for (const Json& row : findings.phases) {
+    if (row["voxmap"] != last["voxmap"] || row["shell"] != last["shell"]) continue;
+    table.push_back({name_of(label(row)), number(value(row, "obb_us"), 2), number(value(row, "voi_us"), 2),
+                     number(value(row, "upload_us"), 1), number(value(row, "kernel_us"), 1),
+                     number(value(row, "read_us"), 1), number(value(row, "total_us"), 1)});
   }
   return table_text("Phases (Table 2)", table);
 }
@@ -133,33 +138,36 @@ std::optional<double> paper_mb(const double (&table)[5][2], int side, const std:
 std::string memory_table(const Findings& findings) {
   Rows table{{"engine", "voxmap", "MB", "shell", "MB"}};
   std::set<std::pair<std::string, int>> shown;
-  for (const MemoryRow& row : findings.memory) {
+  for (const Json& row : findings.memory) {
+    const std::string engine = row["engine"];
+    const int voxmap = row["voxmap"], shell = row["shell"];
     // The two structures do not depend on each other: each size once.
-    const bool new_voxmap = shown.insert({row.engine, row.voxmap}).second;
-    const bool new_shell = shown.insert({row.engine, -row.shell}).second;
+    const bool new_voxmap = shown.insert({engine, voxmap}).second;
+    const bool new_shell = shown.insert({engine, -shell}).second;
     if (!new_voxmap && !new_shell) continue;
-    table.push_back({row.engine, new_voxmap ? cube(row.voxmap) : "",
-                     new_voxmap ? beside(row.voxmap_mb, paper_mb(kPaperVoxmapMb, row.voxmap, row.engine)) : "",
-                     new_shell ? cube(row.shell) : "",
-                     new_shell ? beside(row.shell_mb, paper_mb(kPaperShellMb, row.shell, row.engine)) : ""});
+    table.push_back({engine, new_voxmap ? cube(voxmap) : "",
+                     new_voxmap ? beside(value(row, "voxmap_mb"), paper_mb(kPaperVoxmapMb, voxmap, engine)) : "",
+                     new_shell ? cube(shell) : "",
+                     new_shell ? beside(value(row, "shell_mb"), paper_mb(kPaperShellMb, shell, engine)) : ""});
   }
   return table_text("Memory on the device, MB = 10⁶ bytes (Table 4)", table);
 }
 
 std::string voi_table(const Findings& findings) {
   Rows table{{"VOI / tool's box", "engine", "contacts", "with VOI ms", "without ms", "saved"}};
-  for (const VoiRow& row : findings.voi) {
-    table.push_back({percent(row.fraction, 0), name(row.who), number(row.contacts, 0), number(row.with_ms.median, 3),
-                     number(row.without_ms.median, 3), percent(1 - row.with_ms.median / row.without_ms.median, 0)});
+  for (const Json& row : findings.voi) {
+    const double with_ms = row["with_ms"], without_ms = row["without_ms"];
+    table.push_back({percent(row["fraction"], 0), name_of(label(row)), number(value(row, "contacts"), 0),
+                     number(with_ms, 3), number(without_ms, 3), percent(1 - with_ms / without_ms, 0)});
   }
   return table_text("VOI (Fig. 8; the paper saves almost 50 % in glenoid reaming)", table);
 }
 
 std::string batches_table(const Findings& findings) {
   Rows table{{"engine", "case", "frames at once", "ms per frame", "min – max"}};
-  for (const BatchRow& row : findings.batches) {
-    table.push_back(
-        {name(row.at.who), row.at.contact, std::to_string(row.batch), number(row.ms.median, 3), range(row.ms)});
+  for (const Json& row : findings.batches) {
+    table.push_back({name_of(label(row)), row["case"], std::to_string(row["batch"].get<int>()),
+                     number(value(row, "median_ms"), 3), range(row["min_ms"], row["max_ms"])});
   }
   return table_text("Frames enqueued together", table);
 }
@@ -167,10 +175,11 @@ std::string batches_table(const Findings& findings) {
 std::string scatter_table(const Findings& findings) {
   Rows table{
       {"engine", "voxmap", "points", "in voxels", "counted", "min – max", "contacts ±", "force ±", "component ±"}};
-  for (const ScatterRow& row : findings.scatter) {
-    table.push_back({name(row.at.who), cube(row.at.voxmap), number(row.points, 0), number(row.voxels, 0),
-                     number(row.contacts.median, 0), range(row.contacts, 0), percent(row.contacts_spread, 3),
-                     percent(row.force_spread, 3), percent(row.component_spread, 3)});
+  for (const Json& row : findings.scatter) {
+    table.push_back({name_of(label(row)), cube(row["voxmap"]), number(value(row, "points"), 0),
+                     number(value(row, "voxels"), 0), number(value(row, "contacts_median"), 0),
+                     range(row["contacts_min"], row["contacts_max"], 0), percent(row["contacts_spread"], 3),
+                     percent(row["force_spread"], 3), percent(row["component_spread"], 3)});
   }
   return table_text("Effect of races: one severe frame repeated (± standard deviation)", table);
 }
@@ -181,7 +190,7 @@ std::string spheres_table(const Findings& findings) {
   for (const SphereRow& row : findings.spheres) {
     const ExactFrames exact = row.exact.value_or(ExactFrames{});
     table.push_back({row.engine, name_of(row.erosion), fmt::format("{:g}", row.voxel_mm), number(row.ms.median, 4),
-                     range(row.ms), number(row.times_real_time(), 1),
+                     range(row.ms.min, row.ms.max), number(row.times_real_time(), 1),
                      number(row.exact ? std::optional(exact.kernel_ms) : std::nullopt, 4),
                      number(exact.one_core_ms ? std::optional(exact.one_core_ms->median) : std::nullopt, 4),
                      number(row.removed_mm3, 1), fmt::format("{:+.5f} %", 100 * row.volume_error)});
@@ -224,8 +233,9 @@ std::string head(const Findings& findings) {
   }
   out.back() = '\n';
   if (!findings.poses.empty()) out += "points touching at the largest, by pose:";
-  for (const PoseCount& pose : findings.poses) {
-    out += (pose.pose == 0 ? "  " + pose.contact + " " : ", ") + std::to_string(pose.points);
+  for (const Json& pose : findings.poses) {
+    out += (pose["pose"] == 0 ? "  " + pose["case"].get<std::string>() + " " : ", ") +
+           std::to_string(pose["points"].get<std::int64_t>());
   }
   return out + "\n\n";
 }
@@ -234,7 +244,7 @@ std::string skipped_list(const Findings& findings) {
   if (findings.skipped.empty()) return "";
   std::string out = "Not measured\n";
   for (const Skipped& row : findings.skipped) {
-    out += fmt::format("  {}, voxmap {}³, shell {}³, {}: {}\n", name(row.at.who), row.at.voxmap, row.at.shell,
+    out += fmt::format("  {}, voxmap {}³, shell {}³, {}: {}\n", name_of(row.at.who), row.at.voxmap, row.at.shell,
                        row.at.contact, row.reason);
   }
   return out + "\n";

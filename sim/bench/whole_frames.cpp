@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/bench/whole_frames.h"
-
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
@@ -14,8 +12,6 @@
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/bench/measure.h"
-#include "sim/bench/peaks.h"
-#include "sim/bench/sphere_scene.h"
 #include "sim/record/recorder.h"
 #include "sim/run/simulation.h"
 
@@ -25,6 +21,25 @@ namespace {
 
 constexpr std::int64_t kWindowFrames = 64;  // kernels/window.h
 constexpr double kRateHz = 1000;
+
+/// Runs of `erosion: exact`, to be timed, each on the whole bone. Bone and tool are the caller's.
+struct ExactRuns {
+  const FilledVoxmap* bone = nullptr;
+  const Tool* tool = nullptr;
+  std::vector<Motion> motions;  ///< see straight_motion(); the first pose removes what is inside the tool
+  std::string device = "auto";
+  int cores = 0;  ///< compute units of the device; 0: all
+};
+
+/// Frames of ExactRuns, timed over the whole windows of 64 frames of each run but its first. A whole frame is what
+/// `reamsim run` does: substeps, broad phase, windows, kernels, sums read, rows of forces.csv and timings.csv written.
+struct WholeFrames {
+  std::vector<double> ms;         ///< per whole frame, by window
+  std::vector<double> kernel_ms;  ///< of it: kernels, by the clock of the device
+  double voxels = 0;              ///< that lose bone in a frame, mean
+  double removed_mm3 = 0;         ///< in the whole of the last run
+  StructureBytes bytes;
+};
 
 /// A folder that exists as long as this object.
 class TemporaryFolder {
@@ -113,8 +128,8 @@ double time_run(const ExactRuns& runs, const Motion& motion, const BenchControl&
   return static_cast<double>(contacts - contacts_before);
 }
 
-}  // namespace
-
+/// Runs the main loop (sim/run/simulation.h) with its files in temporary folders. Throws Interrupted, RunError,
+/// InputError.
 WholeFrames time_whole_frames(const ExactRuns& runs, const BenchControl& control) {
   WholeFrames out;
   double voxels = 0;
@@ -123,6 +138,8 @@ WholeFrames time_whole_frames(const ExactRuns& runs, const BenchControl& control
   return out;
 }
 
+/// A straight motion at 1 kHz along −z of T, of `windows` windows of 64 frames, which end at `last`, and one frame
+/// more: the last frame of a run includes that its fill is read back.
 Motion straight_motion(const ToolPose& last, double feed_mm_s, int windows) {
   std::vector<ToolPose> poses;
   const std::int64_t frames = kWindowFrames * windows;
@@ -134,8 +151,6 @@ Motion straight_motion(const ToolPose& last, double feed_mm_s, int windows) {
   }
   return {kRateHz, std::move(poses)};
 }
-
-namespace {
 
 using sphere::block, sphere::cap, sphere::down_to, sphere::kDepthMm, sphere::kRadiusMm, sphere::kSphereFeedMmS,
     sphere::kSphereFrameS;
@@ -208,7 +223,8 @@ SphereRow exact_row(const FilledVoxmap& bone, const Tool& tool, const Plan& plan
 
 }  // namespace
 
-void measure_spheres(const Plan& plan, const BenchControl& control, Findings& findings) {
+void measure_spheres(const Plan& plan, const BenchControl& control,
+                     const std::function<void(const std::string&)>& begin, Findings& findings) {
   const bool exact = std::ranges::count(plan.engines, "exact") > 0;
   if (exact && !plan.sphere_voxels_mm.empty()) findings.peaks = measure_peaks(cl::choose_device(plan.device));
   for (const double voxel_mm : plan.sphere_voxels_mm) {
@@ -216,7 +232,7 @@ void measure_spheres(const Plan& plan, const BenchControl& control, Findings& fi
     const Tool tool = cap(voxel_mm);
     const BenchSetup setup{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
     for (const std::string& engine : plan.engines) {
-      control.progress("plunged sphere, " + engine + fmt::format(", voxels of {:g} mm", voxel_mm));
+      begin("plunged sphere, " + engine + fmt::format(", voxels of {:g} mm", voxel_mm));
       const Place place{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"};
       measure_or_skip(place, findings.skipped, [&] {
         findings.spheres.push_back(engine == "exact"
@@ -231,15 +247,7 @@ namespace {
 
 constexpr int kWindowsOfCase = 3;     // the first of them untimed
 constexpr int kWindowsOfPlunge = 16;  // 1024 frames
-constexpr double kCaseFeedMmS = 1;    // as the other engines' substeps (poses.h)
-
-CaseRow row_of(const Place& at, const WholeFrames& frames) {
-  CaseRow row{.at = at};
-  row.contacts = frames.voxels;
-  row.ms = spread_of(frames.ms);
-  row.kernel_ms = spread_of(frames.kernel_ms).median;
-  return row;
-}
+constexpr double kCaseFeedMmS = 1;    // as the other engines' substeps (scene.h)
 
 /// The motions of a case: to the depth of each approach; `plunge`: as measure_plunge().
 std::vector<Motion> motions_of(const std::string& contact, double voxel_mm) {
@@ -261,22 +269,21 @@ std::vector<Motion> motions_of(const std::string& contact, double voxel_mm) {
 
 }  // namespace
 
-void measure_exact_case(const Plan& plan, const BenchSetup& setup, const SizePair& size, const std::string& contact,
-                        const BenchControl& control, Findings& findings) {
-  if (std::ranges::count(plan.engines, "exact") == 0) return;
-  const Place at{{"exact", "deterministic"}, size.voxmap, size.shell, contact};
-  const ExactRuns runs{.bone = setup.voxmap,
-                       .tool = setup.tool,
-                       .motions = motions_of(contact, setup.voxmap->grid.voxel_mm),
-                       .device = plan.device};
-  measure_or_skip(at, findings.skipped, [&] {
-    const WholeFrames frames = time_whole_frames(runs, control);
-    CaseRow row = row_of(at, frames);
-    const CaseRow* direct = findings.find({"direct", "published"}, size.voxmap, size.shell, contact);
-    if (direct != nullptr && row.ms.median > 0) row.ratio_to_direct = direct->ms.median / row.ms.median;
-    findings.cases.push_back(row);
+void measure_exact_case(const ProgramSet& set, const std::string& contact) {
+  if (std::ranges::count(set.plan.engines, "exact") == 0) return;
+  const Place at{{"exact", "deterministic"}, set.size.voxmap, set.size.shell, contact};
+  const ExactRuns runs{.bone = set.setup.voxmap,
+                       .tool = set.setup.tool,
+                       .motions = motions_of(contact, set.setup.voxmap->grid.voxel_mm),
+                       .device = set.plan.device};
+  measure_or_skip(at, set.findings.skipped, [&] {
+    const WholeFrames frames = time_whole_frames(runs, set.control);
+    CaseRow row{.at = at, .contacts = frames.voxels, .ms = spread_of(frames.ms)};
+    row.kernel_ms = spread_of(frames.kernel_ms).median;
+    set_ratio(set.findings, row);
+    set.findings.cases.push_back(row);
     if (contact != name_of(Contact::severe)) return;
-    findings.memory.push_back({"exact", size.voxmap, size.shell, static_cast<double>(frames.bytes.voxmap) / 1e6, 0});
+    add_memory("exact", set.size, {frames.bytes.voxmap, 0}, set.findings);
   });
 }
 

@@ -14,7 +14,7 @@
 #include <ranges>
 #include <string>
 #include <tuple>
-#include <utility>
+#include <type_traits>
 #include <vector>
 
 namespace reamsim::cl {
@@ -22,28 +22,17 @@ namespace reamsim::cl {
 /// Throws RunError naming the call and OpenCL's error unless `status` is CL_SUCCESS.
 void check(cl_int status, const char* call);
 
-/// Sole owner of an OpenCL object. The destructor ignores errors of the release.
-template <class T, cl_int(CL_API_CALL* Release)(T)>
-class Handle {
- public:
-  Handle() = default;
-  explicit Handle(T object) : object_(object) {}
-  ~Handle() {
-    if (object_ != nullptr) Release(object_);
+/// Releases an OpenCL object, and ignores errors of the release.
+template <auto Function>
+struct Release {
+  template <class T>
+  void operator()(T* object) const {
+    Function(object);
   }
-  Handle(Handle&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
-  Handle& operator=(Handle&& other) noexcept {
-    std::swap(object_, other.object_);
-    return *this;
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-
-  [[nodiscard]] T get() const { return object_; }
-
- private:
-  T object_ = nullptr;
 };
+/// Sole owner of an OpenCL object.
+template <class T, auto Function>
+using Handle = std::unique_ptr<std::remove_pointer_t<T>, Release<Function>>;
 
 using Context = Handle<cl_context, clReleaseContext>;
 using Queue = Handle<cl_command_queue, clReleaseCommandQueue>;
@@ -223,13 +212,14 @@ class SlotKernel : public Kernel {
  public:
   static constexpr cl_uint kAfterSlot = 1;  ///< number of the first argument behind the slot
 
-  /// The device must outlive the kernel.
-  SlotKernel(const Device& device, const Program& program, const char* name, std::size_t group)
-      : Kernel(program, name), device_(&device), group_(group) {}
+  /// `items`: work-items of a run, where all runs have as many. The device must outlive the kernel.
+  SlotKernel(const Device& device, const Program& program, const char* name, std::size_t group, std::size_t items = 1)
+      : Kernel(program, name), device_(&device), group_(group), items_(items) {}
 
   /// Enqueues at least `items` work-items for the substep in `slot`. With 0 items one group runs, so that every substep
   /// has a time; kernels ignore work-items beyond their range.
   void run(int slot, std::size_t items);
+  void run(int slot) { run(slot, items_); }
   /// Run times by slot since the last call, in seconds. The queue must have finished.
   std::vector<double> take_seconds();
   /// Their sum, in seconds.
@@ -237,7 +227,7 @@ class SlotKernel : public Kernel {
 
  private:
   const Device* device_;
-  std::size_t group_;
+  std::size_t group_, items_;
   std::vector<Event> events_;
   std::vector<int> slots_;  // of the events
 };

@@ -3,45 +3,20 @@
 
 #pragma once
 
+#include <cmath>
 #include <random>
 
 #include "sim/verify/closed_forms.h"
-#include "sim/verify/reaming.h"
+#include "sim/verify/suite.h"
 
 namespace reamsim::verify {
 
 // The cases; see docs/verification.md for what each shows.
-CaseFindings half_space_case(const Setting& setting);
-CaseFindings tilted_cap_case(const Setting& setting);
-CaseFindings cylinder_case(const Setting& setting);
-CaseFindings sweep_case(const Setting& setting);
-CaseFindings layered_case(const Setting& setting);
-CaseFindings steady_case(const Setting& setting);
-CaseFindings ratio_case(const Setting& setting);
-CaseFindings half_face_case(const Setting& setting);
-CaseFindings ripple_case(const Setting& setting);
-CaseFindings zero_feed_case(const Setting& setting);
-CaseFindings retraction_case(const Setting& setting);
-CaseFindings second_pass_case(const Setting& setting);
-CaseFindings mirrored_case(const Setting& setting);
-CaseFindings moved_case(const Setting& setting);
-CaseFindings rotated_case(const Setting& setting);
-CaseFindings time_step_case(const Setting& setting);
-CaseFindings voxel_case(const Setting& setting);
-CaseFindings energy_case(const Setting& setting);
-CaseFindings push_steady_case(const Setting& setting);
-CaseFindings push_ball_case(const Setting& setting);
-CaseFindings push_mass_case(const Setting& setting);
-CaseFindings push_stall_case(const Setting& setting);
-CaseFindings push_energy_case(const Setting& setting);
-CaseFindings compliance_steady_case(const Setting& setting);
-CaseFindings compliance_half_case(const Setting& setting);
-CaseFindings compliance_stiff_case(const Setting& setting);
-CaseFindings compliance_energy_case(const Setting& setting);
-CaseFindings ct_uniform_case(const Setting& setting);
-CaseFindings ct_ramp_case(const Setting& setting);
-CaseFindings ct_plate_case(const Setting& setting);
-CaseFindings ct_force_case(const Setting& setting);
+CaseRun half_space_case, tilted_cap_case, cylinder_case, sweep_case, layered_case, steady_case, ratio_case,
+    half_face_case, ripple_case, zero_feed_case, retraction_case, second_pass_case, mirrored_case, moved_case,
+    rotated_case, time_step_case, voxel_case, energy_case, push_steady_case, push_ball_case, push_mass_case,
+    push_stall_case, push_energy_case, compliance_steady_case, compliance_half_case, compliance_stiff_case,
+    compliance_energy_case, ct_uniform_case, ct_ramp_case, ct_plate_case, ct_force_case;
 
 /// A figure of one run.
 struct Sample {
@@ -57,7 +32,9 @@ inline Level level_of(double step, const std::vector<Sample>& samples, double no
     errors.push_back(sample.found / sample.expected - 1);
     level.found += nominal * sample.found / sample.expected / static_cast<double>(samples.size());
   }
-  level.error = samples.size() == 1 ? errors.front() : rms(errors);
+  double squares = 0;
+  for (const double error : errors) squares += error * error;
+  level.error = samples.size() == 1 ? errors.front() : std::sqrt(squares / static_cast<double>(samples.size()));
   return level;
 }
 
@@ -67,10 +44,9 @@ inline void add_level(Refinement& refinement, double step, double found) {
   refinement.levels.push_back(level_of(step, {{expected, found}}, expected));
 }
 
-/// A figure against its closed form.
-inline Check relative_check(const std::string& quantity, const std::string& unit, double expected, double found,
-                            double tolerance, const std::string& reason) {
-  return {quantity, unit, Measure::relative, expected, found, tolerance, reason};
+/// Adds the levels of one run to several refinements.
+inline void add_levels(std::span<Refinement> refinements, double step, std::initializer_list<double> found) {
+  for (std::size_t i = 0; i < refinements.size(); ++i) add_level(refinements[i], step, found.begin()[i]);
 }
 
 /// Four voxel sizes, coarsest first, mm.
@@ -78,16 +54,49 @@ inline std::vector<double> four_voxels(double finest_mm) {
   return {8 * finest_mm, 4 * finest_mm, 2 * finest_mm, finest_mm};
 }
 
-/// The finest level against its closed form; of several runs the root mean square of their errors.
-inline Check finest_check(const Refinement& refinement, double tolerance, const std::string& reason) {
-  const Level& finest = refinement.levels.back();
-  const std::string where =
-      refinement.quantity + (refinement.step.starts_with("voxel") ? ", finest voxels" : ", shortest frames");
-  if (finest.runs == 1) {
-    return {where, refinement.unit, Measure::relative, *refinement.expected, finest.found, tolerance, reason};
+inline constexpr const char* kProjectLimit = "limit set by this project";
+
+/// The findings of a case while it runs, with a function for each measure of a check.
+struct Report : CaseFindings {
+  void add(Measure measure, const std::string& quantity, const std::string& unit, double expected, double found,
+           double tolerance, const std::string& reason) {
+    checks.push_back({quantity, unit, measure, expected, found, tolerance, reason});
   }
-  return {"RMS error of the " + where, "", Measure::at_most, tolerance, *finest.error, 0, reason};
-}
+  void relative(const std::string& quantity, const std::string& unit, double expected, double found, double tolerance,
+                const std::string& reason = kProjectLimit) {
+    add(Measure::relative, quantity, unit, expected, found, tolerance, reason);
+  }
+  void absolute(const std::string& quantity, const std::string& unit, double expected, double found, double tolerance,
+                const std::string& reason = kProjectLimit) {
+    add(Measure::absolute, quantity, unit, expected, found, tolerance, reason);
+  }
+  void at_least(const std::string& quantity, const std::string& unit, double limit, double found,
+                const std::string& reason = kProjectLimit) {
+    add(Measure::at_least, quantity, unit, limit, found, 0, reason);
+  }
+  void at_most(const std::string& quantity, const std::string& unit, double limit, double found,
+               const std::string& reason = kProjectLimit) {
+    add(Measure::at_most, quantity, unit, limit, found, 0, reason);
+  }
+  void reported(const std::string& quantity, const std::string& unit, double found, const std::string& reason = "") {
+    add(Measure::reported, quantity, unit, 0, found, 0, reason);
+  }
+
+  /// Adds the refinement, and checks its finest level against the closed form; of several runs the root mean square of
+  /// their errors.
+  void refinement(Refinement refined, double tolerance, const std::string& reason = kProjectLimit) {
+    finish(refined);
+    const Level& finest = refined.levels.back();
+    const std::string where =
+        refined.quantity + (refined.step.starts_with("voxel") ? ", finest voxels" : ", shortest frames");
+    if (finest.runs == 1) {
+      relative(where, refined.unit, *refined.expected, finest.found, tolerance, reason);
+    } else {
+      at_most("RMS error of the " + where, "", tolerance, *finest.error, reason);
+    }
+    refinements.push_back(std::move(refined));
+  }
+};
 
 /// Torque, axial force and removal rate of a steady plunge, without levels.
 inline std::vector<Refinement> load_refinements(const SteadyPlunge& plunge) {
@@ -95,13 +104,6 @@ inline std::vector<Refinement> load_refinements(const SteadyPlunge& plunge) {
   return {{"torque", "N·mm", "voxel, mm", loads.torque_nmm},
           {"axial force", "N", "voxel, mm", loads.axial_force_n},
           {"removal rate", "mm³/s", "voxel, mm", plunge.removal_mm3_s()}};
-}
-
-/// Finishes the refinement, checks its finest level and adds both to `out`.
-inline void add_refinement(CaseFindings& out, Refinement refinement, double tolerance, const std::string& reason) {
-  finish(refinement);
-  out.checks.push_back(finest_check(refinement, tolerance, reason));
-  out.refinements.push_back(std::move(refinement));
 }
 
 /// Random offsets from a seed.

@@ -128,8 +128,6 @@ double SteadyPlunge::full_contact_mm() const {
   return *radius_mm - std::sqrt(*radius_mm * *radius_mm - outer_mm * outer_mm);
 }
 
-using std::numbers::pi;
-
 namespace {
 
 SteadyPlunge with_feed(SteadyPlunge head, double feed_mm_s) {
@@ -192,17 +190,14 @@ double balanced_feed_of(const SteadyPlunge& head, double thrust_n) {
 }
 
 double time_to_depth_s(const SteadyPlunge& head, double thrust_n, double max_feed_mm_s, double depth_mm) {
+  const auto thrust = [&](double feed, double depth) {
+    return thrust_within(head, feed, std::sqrt(2 * *head.radius_mm * depth - depth * depth));
+  };
   const auto feed_at = [&](double depth) {
-    const double radius = std::sqrt(2 * *head.radius_mm * depth - depth * depth);
-    return root([&](double feed) { return thrust_within(head, feed, radius); }, thrust_n, max_feed_mm_s);
+    return root([&](double feed) { return thrust(feed, depth); }, thrust_n, max_feed_mm_s);
   };
   // The feed is limited at first; the square root makes the integrand smooth.
-  const double limited_mm = root(
-      [&](double depth) {
-        const double radius = std::sqrt(2 * *head.radius_mm * depth - depth * depth);
-        return thrust_within(head, max_feed_mm_s, radius);
-      },
-      thrust_n, depth_mm);
+  const double limited_mm = root([&](double depth) { return thrust(max_feed_mm_s, depth); }, thrust_n, depth_mm);
   if (limited_mm >= depth_mm) return depth_mm / max_feed_mm_s;
   const auto per_root = [&](double x) { return 2 * x / feed_at(x * x); };
   return limited_mm / max_feed_mm_s + integral(per_root, std::sqrt(limited_mm), std::sqrt(depth_mm), 64);

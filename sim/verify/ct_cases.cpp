@@ -13,7 +13,6 @@
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/ct_import.h"
 #include "sim/verify/case_parts.h"
-#include "sim/verify/closed_forms.h"
 
 namespace reamsim::verify {
 
@@ -59,13 +58,9 @@ class SlabScan final : public ct::ScanSource {
   [[nodiscard]] ct::Scan read(const ct::IndexBox& box) const override {
     ct::Scan out{ct::part_of(geometry_, box), {}};
     out.value.reserve(static_cast<std::size_t>(box.voxels()));
-    for (int k = 0; k < box.size.z(); ++k) {
-      for (int j = 0; j < box.size.y(); ++j) {
-        for (int i = 0; i < box.size.x(); ++i) {
-          out.value.push_back(static_cast<float>(mean_hu(out.geometry.point_mm(Vec3(i, j, k)))));
-        }
-      }
-    }
+    for_each_voxel(box.size, [&](const Vec3i& index) {
+      out.value.push_back(static_cast<float>(mean_hu(out.geometry.point_mm(index.cast<double>()))));
+    });
     return out;
   }
 
@@ -129,7 +124,6 @@ FilledVoxmap scan_and_import(const CtSlab& slab, double voxel_mm) {
 using std::numbers::pi;
 
 constexpr double kRate_hz = 500, kRpm = 250, kFeed_mm_s = 20, kStart_mm = 2;
-constexpr const char* kCtLimitReason = "limit set by this project for a CT";
 
 /// Energy and volume of a plunge, summed as far as a depth.
 struct Removed {
@@ -209,21 +203,16 @@ void for_each_scan(CtSlab slab, const Setting& setting, const Visit& visit) {
   }
 }
 
-Check worst_check(const std::string& quantity, const Worst& worst, double tolerance, bool has_limit = true) {
-  const Measure measure = has_limit ? Measure::absolute : Measure::reported;
-  return {.quantity = fmt::format("{}, worst of {} ({})", quantity, worst.runs, worst.where),
-          .unit = "",
-          .measure = measure,
-          .expected = 0,
-          .found = worst.error,
-          .tolerance = tolerance,
-          .reason = has_limit ? kCtLimitReason : ""};
+void check_worst(const std::string& quantity, const Worst& worst, double tolerance, Report& out,
+                 bool has_limit = true) {
+  out.add(has_limit ? Measure::absolute : Measure::reported,
+          fmt::format("{}, worst of {} ({})", quantity, worst.runs, worst.where), "", 0, worst.error, tolerance,
+          has_limit ? "limit set by this project for a CT" : "");
 }
 
 }  // namespace
 
-CaseFindings ct_uniform_case(const Setting& setting) {
-  CaseFindings out;
+void ct_uniform_case(const Setting& setting, Report& out) {
   out.title = "CT of a uniform slab";
   out.scene =
       "slab of 1000 HU in soft tissue of 40 HU, voxel averages at odd offsets and tilts; a flat reamer of 5 mm radius "
@@ -235,13 +224,11 @@ CaseFindings ct_uniform_case(const Setting& setting) {
     shallow.add(removed[0].per_mm3(), slab.specific_energy_to(1), place(slab, voxel_mm));
     deep.add(removed[1].per_mm3(), slab.specific_energy_to(5), place(slab, voxel_mm));
   });
-  out.checks.push_back(worst_check("energy per volume, 1 mm deep", shallow, 0.02));
-  out.checks.push_back(worst_check("energy per volume, 5 mm deep", deep, 0.02));
-  return out;
+  check_worst("energy per volume, 1 mm deep", shallow, 0.02, out);
+  check_worst("energy per volume, 5 mm deep", deep, 0.02, out);
 }
 
-CaseFindings ct_ramp_case(const Setting& setting) {
-  CaseFindings out;
+void ct_ramp_case(const Setting& setting, Report& out) {
   out.title = "CT of a density ramp";
   out.scene =
       "slab whose radiodensity runs from 400 to 1200 HU over 20 mm, the dense side up or down, reamed 5 mm deep";
@@ -252,14 +239,11 @@ CaseFindings ct_ramp_case(const Setting& setting) {
     for_each_scan({.hu = hu}, setting, [&](const CtSlab& slab, double voxel_mm) {
       worst.add(plunge(slab, voxel_mm, {5}, setting)[0].per_mm3(), slab.specific_energy_to(5), place(slab, voxel_mm));
     });
-    out.checks.push_back(
-        worst_check(std::string("energy per volume, ") + (dense_up ? "dense" : "soft") + " side up", worst, 0.02));
+    check_worst(dense_up ? "energy per volume, dense side up" : "energy per volume, soft side up", worst, 0.02, out);
   }
-  return out;
 }
 
-CaseFindings ct_plate_case(const Setting& setting) {
-  CaseFindings out;
+void ct_plate_case(const Setting& setting, Report& out) {
   out.title = "CT of a dense plate";
   out.scene = "plate of 1600 HU on 400 HU, scanned at 0.8 mm; three quarters of its thickness are reamed";
   out.form = "energy per removed volume = u(ρ(1600 HU))";
@@ -282,14 +266,12 @@ CaseFindings ct_plate_case(const Setting& setting) {
       }
     }
     const std::string plate = fmt::format("energy per volume, plate of {:g} mm", thickness_mm);
-    out.checks.push_back(worst_check(plate, worst, 0.10, thickness_mm == 2));
-    out.checks.push_back({plate + ", mean", "", Measure::reported, 0, mean / worst.runs, 0, ""});
+    check_worst(plate, worst, 0.10, out, thickness_mm == 2);
+    out.reported(plate + ", mean", "", mean / worst.runs);
   }
-  return out;
 }
 
-CaseFindings ct_force_case(const Setting& setting) {
-  CaseFindings out;
+void ct_force_case(const Setting& setting, Report& out) {
   out.title = "Torque and axial force in a CT";
   out.scene =
       "slab of 1000 HU scanned at 1 mm, face at 0.31 voxels and tilted by 30°; convex head of 29 mm radius, 8 mm wide, "
@@ -318,9 +300,8 @@ CaseFindings ct_force_case(const Setting& setting) {
     add_level(axial_force, voxel_mm, loads.axial_force_n);
   }
   for (const Refinement& refinement : {torque, axial_force}) {
-    add_refinement(out, refinement, 0.01, "the grade of the slab is rounded to 0.4 %");
+    out.refinement(refinement, 0.01, "the grade of the slab is rounded to 0.4 %");
   }
-  return out;
 }
 
 }  // namespace reamsim::verify

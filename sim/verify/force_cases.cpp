@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "sim/verify/case_parts.h"
-#include "sim/verify/reaming.h"
 
 namespace reamsim::verify {
 
@@ -17,7 +16,6 @@ namespace {
 constexpr double kClear_mm = 0.1;
 /// Limits of the project for a steady plunge in full contact at 0.25 mm.
 constexpr double kFormLimit = 5e-3, kRippleLimit = 2e-3;
-const char* const kFormLimitReason = "limit set by this project";
 
 /// Torque, axial force and removal rate as refinements over the voxel size.
 std::vector<Refinement> steady_refinements(const SteadyPlunge& plunge, const Setting& setting) {
@@ -26,8 +24,8 @@ std::vector<Refinement> steady_refinements(const SteadyPlunge& plunge, const Set
   for (const double voxel_mm : four_voxels(setting.quick ? 0.25 : 0.125)) {
     const MeanLoads mean =
         mean_loads(steady_rows({.plunge = plunge, .voxel_mm = voxel_mm, .frames = kFrames}, setting));
-    const double found[] = {mean.spin_torque_nmm, mean.axial_force_n, mean.removed_mm3 / voxel_mm * plunge.feed_mm_s};
-    for (std::size_t i = 0; i < refinements.size(); ++i) add_level(refinements[i], voxel_mm, found[i]);
+    add_levels(refinements, voxel_mm,
+               {mean.spin_torque_nmm, mean.axial_force_n, mean.removed_mm3 / voxel_mm * plunge.feed_mm_s});
   }
   for (Refinement& refinement : refinements) finish(refinement);
   return refinements;
@@ -51,14 +49,13 @@ std::vector<SteadyPlunge> variations(bool quick) {
     vary(&SteadyPlunge::density_g_cm3, {0.4, 0.8, 1.2});
   }
   vary(&SteadyPlunge::radius_mm, {20, 40});
-  out.push_back(example_with(&SteadyPlunge::radius_mm, std::nullopt));
+  out.push_back(kFlatExample);
   return out;
 }
 
 }  // namespace
 
-CaseFindings steady_case(const Setting& setting) {
-  CaseFindings out;
+void steady_case(const Setting& setting, Report& out) {
   out.title = "Torque and axial force in uniform bone";
   out.scene =
       "cannulated reamer (r₀ 1.25 mm) fed along its axis in full contact, ρ 1.8 g/cm³; means over one voxel of feed; "
@@ -68,47 +65,35 @@ CaseFindings steady_case(const Setting& setting) {
   const double simple[] = {kExample.torque_nmm(), kExample.axial_force_n(), kExample.removal_mm3_s()};
   for (std::size_t i = 0; i < out.refinements.size(); ++i) {
     const Refinement& refinement = out.refinements[i];
-    out.checks.push_back(relative_check(refinement.quantity + ", " + text_of(kExample), refinement.unit, simple[i],
-                                        refinement.levels.back().found, kFormLimit, kFormLimitReason));
+    out.relative(refinement.quantity + ", " + text_of(kExample), refinement.unit, simple[i],
+                 refinement.levels.back().found, kFormLimit);
   }
   for (const SteadyPlunge& plunge : variations(setting.quick)) {
-    setting.progress("steady plunge, " + text_of(plunge));
     const MeanLoads mean = mean_loads(steady_rows({.plunge = plunge}, setting));
-    out.checks.push_back(relative_check("torque, " + text_of(plunge), "N·mm", plunge.torque_nmm(), mean.spin_torque_nmm,
-                                        kFormLimit, kFormLimitReason));
-    out.checks.push_back(relative_check("axial force, " + text_of(plunge), "N", plunge.axial_force_n(),
-                                        mean.axial_force_n, kFormLimit, kFormLimitReason));
+    out.relative("torque, " + text_of(plunge), "N·mm", plunge.torque_nmm(), mean.spin_torque_nmm, kFormLimit);
+    out.relative("axial force, " + text_of(plunge), "N", plunge.axial_force_n(), mean.axial_force_n, kFormLimit);
   }
-  return out;
 }
 
-CaseFindings ripple_case(const Setting& setting) {
+void ripple_case(const Setting& setting, Report& out) {
   constexpr double kVoxel_mm = 0.25, kRate_hz = 1000;
-  CaseFindings out;
   out.title = "Ripple of a steady plunge";
   out.scene = "the same reamer at 0.25 mm voxels, 0.2 mm/s and 1 kHz, frame by frame over one voxel of feed";
   out.form = "0: standard deviation of the torque over its mean";
-  const SteadyPlunge flat = example_with(&SteadyPlunge::radius_mm, std::nullopt);
   const int frames = static_cast<int>(std::lround(kVoxel_mm / kExample.feed_mm_s * kRate_hz));
   const auto ripple = [&](const SteadyPlunge& plunge, ErosionMode erosion, double tilt_deg) {
-    setting.progress("ripple, " + text_of(plunge) + ", " + name_of(erosion));
     return torque_ripple(steady_rows(
         {.plunge = plunge, .voxel_mm = kVoxel_mm, .frames = frames, .erosion = erosion, .tilt_deg = tilt_deg},
         setting));
   };
-  out.checks.push_back({"convex, axis tilted by 17°, exact", "", Measure::at_most, kRippleLimit,
-                        ripple(kExample, ErosionMode::exact, 17), 0, kFormLimitReason});
-  out.checks.push_back({"convex along the lattice, exact", "", Measure::at_most, kRippleLimit,
-                        ripple(kExample, ErosionMode::exact, 0), 0, kFormLimitReason});
-  out.checks.push_back({"flat along the lattice, exact", "", Measure::reported, 0, ripple(flat, ErosionMode::exact, 0),
-                        0, "0.2 µm per frame is 52 of the 65535 steps of a voxel, and all voxels round together"});
-  out.checks.push_back({"convex along the lattice, remove", "", Measure::reported, 0,
-                        ripple(kExample, ErosionMode::remove, 0), 0, "beside it"});
+  out.at_most("convex, axis tilted by 17°, exact", "", kRippleLimit, ripple(kExample, ErosionMode::exact, 17));
+  out.at_most("convex along the lattice, exact", "", kRippleLimit, ripple(kExample, ErosionMode::exact, 0));
+  out.reported("flat along the lattice, exact", "", ripple(kFlatExample, ErosionMode::exact, 0),
+               "0.2 µm per frame is 52 of the 65535 steps of a voxel, and all voxels round together");
+  out.reported("convex along the lattice, remove", "", ripple(kExample, ErosionMode::remove, 0), "beside it");
   if (!setting.quick) {
-    out.checks.push_back({"flat along the lattice, remove", "", Measure::reported, 0,
-                          ripple(flat, ErosionMode::remove, 0), 0, "beside it"});
+    out.reported("flat along the lattice, remove", "", ripple(kFlatExample, ErosionMode::remove, 0), "beside it");
   }
-  return out;
 }
 
 namespace {
@@ -144,9 +129,8 @@ double depth_of_step(const std::vector<FrameResult>& rows, double torque_nmm) {
 
 }  // namespace
 
-CaseFindings layered_case(const Setting& setting) {
+void layered_case(const Setting& setting, Report& out) {
   const SteadyPlunge dense{std::nullopt, 8, 1.25, 250, 0.2, 1.8}, soft{std::nullopt, 8, 1.25, 250, 0.2, 0.4};
-  CaseFindings out;
   out.title = "Layered block: step of the force at the interface";
   out.scene = "flat cannulated reamer (a 8, r₀ 1.25 mm) along a lattice axis through 2 mm of 1.8 g/cm³ into 0.4 g/cm³";
   out.form = "T = π·u(ρ)·(a² − r₀²)·v_f/ω minus the work of the feed, on both sides; the step at 2 mm";
@@ -160,10 +144,9 @@ CaseFindings layered_case(const Setting& setting) {
     add_level(above, voxel_mm, mean_loads(all.first(kAroundFrames / 2)).spin_torque_nmm);
     add_level(below, voxel_mm, mean_loads(all.last(kAroundFrames / 2)).spin_torque_nmm);
   }
-  for (const Refinement& refinement : {above, below}) add_refinement(out, refinement, kFormLimit, kFormLimitReason);
-  out.checks.push_back({"depth of the step, finest voxels", "mm", Measure::absolute, kFormLayer_mm, step_mm,
-                        2 * kAround_mm / kAroundFrames, "one frame of feed"});
-  return out;
+  for (const Refinement& refinement : {above, below}) out.refinement(refinement, kFormLimit);
+  out.absolute("depth of the step, finest voxels", "mm", kFormLayer_mm, step_mm, 2 * kAround_mm / kAroundFrames,
+               "one frame of feed");
 }
 
 namespace {
@@ -209,8 +192,7 @@ RemovedBone removed_from(const BoneView& remaining) {
 
 }  // namespace
 
-CaseFindings energy_case(const Setting& setting) {
-  CaseFindings out;
+void energy_case(const Setting& setting, Report& out) {
   out.title = "Energy";
   out.scene =
       "cannulated convex head through two layers: a tilted plunge at 250 rpm, a sideways sweep at 20 rpm, a tilting "
@@ -221,24 +203,19 @@ CaseFindings energy_case(const Setting& setting) {
   const Tool tool = make_tool(convex_profile(12, 5, 1, 8, 0.05));
   const Reamed reamed =
       ream(scene_of(block({22, 20, 6}, kVoxel_mm, layered_density), tool, every_kind_of_motion()), setting);
-  double work = 0, floor = 0, cut = 0;
-  for (std::size_t k = 1; k < reamed.rows.size(); ++k) {
-    work += work_mj(reamed.rows[k - 1].pose, reamed.rows[k]);
-    floor += reamed.rows[k].floor_energy_mj;
-    cut += reamed.rows[k].energy_mj;
-  }
+  double work = 0;
+  for (std::size_t k = 1; k < reamed.rows.size(); ++k) work += work_mj(reamed.rows[k - 1].pose, reamed.rows[k]);
+  const double floor = reamed.sum(&FrameResult::floor_energy_mj), cut = reamed.sum(&FrameResult::energy_mj);
   const RemovedBone removed = removed_from(reamed.bone);
-  const std::string bar = "limit set by this project for every run", reported = "";
-  out.checks.push_back({"left side: work of the tool", "mJ", Measure::reported, 0, work, 0, reported});
-  out.checks.push_back({"left side: speed-floor energy", "mJ", Measure::reported, 0, floor, 0, reported});
-  out.checks.push_back({"left side against right side, E_cut", "mJ", Measure::relative, cut, work + floor, 1e-4, bar});
-  out.checks.push_back(
-      {"balance reported by the program", "", Measure::absolute, 0, reamed.rows.back().balance, 1e-4, bar});
-  out.checks.push_back({"E_cut against the removed bone", "mJ", Measure::relative, removed.energy_mj, cut, 1e-5,
-                        "energies are single-precision sums over integer fractions of voxels"});
-  out.checks.push_back({"removed volume against the removed bone", "mm³", Measure::relative, removed.volume_mm3,
-                        reamed.removed_mm3(), 1e-9, "the same integers"});
-  return out;
+  const std::string bar = "limit set by this project for every run";
+  out.reported("left side: work of the tool", "mJ", work);
+  out.reported("left side: speed-floor energy", "mJ", floor);
+  out.relative("left side against right side, E_cut", "mJ", cut, work + floor, 1e-4, bar);
+  out.absolute("balance reported by the program", "", 0, reamed.rows.back().balance, 1e-4, bar);
+  out.relative("E_cut against the removed bone", "mJ", removed.energy_mj, cut, 1e-5,
+               "energies are single-precision sums over integer fractions of voxels");
+  out.relative("removed volume against the removed bone", "mm³", removed.volume_mm3, reamed.removed_mm3(), 1e-9,
+               "the same integers");
 }
 
 }  // namespace reamsim::verify

@@ -43,13 +43,13 @@ Most most_of(std::span<const FrameResult> rows) {
   return out;
 }
 
-void add_nothing(std::span<const FrameResult> rows, double cut_mm3, std::vector<Check>& checks) {
+void add_nothing(std::span<const FrameResult> rows, double cut_mm3, Report& out) {
   const Most most = most_of(rows);
   const std::string reason = "exact zero: the fill is compared as an integer";
-  checks.push_back({"largest force", "N", Measure::absolute, 0, most.force_n, 0, reason});
-  checks.push_back({"largest torque", "N·mm", Measure::absolute, 0, most.torque_nmm, 0, reason});
-  checks.push_back({"volume removed", "mm³", Measure::absolute, 0, most.removed_mm3, 0, reason});
-  checks.push_back({"volume removed before", "mm³", Measure::at_least, 10, cut_mm3, 0, "the test needs removed bone"});
+  out.absolute("largest force", "N", 0, most.force_n, 0, reason);
+  out.absolute("largest torque", "N·mm", 0, most.torque_nmm, 0, reason);
+  out.absolute("volume removed", "mm³", 0, most.removed_mm3, 0, reason);
+  out.at_least("volume removed before", "mm³", 10, cut_mm3, "the test needs removed bone");
 }
 
 /// The block reamed by the head along a path.
@@ -67,20 +67,17 @@ Leg down_leg() {
 
 }  // namespace
 
-CaseFindings zero_feed_case(const Setting& setting) {
-  CaseFindings out;
+void zero_feed_case(const Setting& setting, Report& out) {
   out.title = "Zero feed";
   out.scene = "cannulated convex head plunged along an axis tilted by 12°, then rotated at zero feed for 100 frames";
   out.form = "no force, no torque, nothing removed";
   Leg stay = down_leg();
   stay.frames = 100;
   const Reamed reamed = reamed_along({down_leg(), stay}, setting);
-  add_nothing(reamed.after(kDown), reamed.removed_mm3(), out.checks);
-  return out;
+  add_nothing(reamed.after(kDown), reamed.removed_mm3(), out);
 }
 
-CaseFindings retraction_case(const Setting& setting) {
-  CaseFindings out;
+void retraction_case(const Setting& setting, Report& out) {
   out.title = "Retraction";
   out.scene =
       "cannulated convex head plunged 1.5 mm along an axis tilted by 12° in steps of 2.5 µm, then retracted along the "
@@ -95,20 +92,18 @@ CaseFindings retraction_case(const Setting& setting) {
   const Reamed reamed = ream(
       scene_of(block({20, 20, 8}, kInvariantVoxel_mm, kDensity), head(), path(kInvariantRate_hz, above, {slow, back})),
       setting);
-  add_nothing(reamed.after(600), reamed.removed_mm3(), out.checks);
+  add_nothing(reamed.after(600), reamed.removed_mm3(), out);
   // In such a fast plunge the corner of the rim does not pass each voxel at its deepest position.
   Leg fast = down_leg(), fast_back = fast;
   fast_back.to_mm = {0.03, 0.05, 2.5};
   fast_back.frames = 3 * kDown;
   const Reamed coarse = reamed_along({fast, fast_back}, setting);
-  out.checks.push_back({"removed after a plunge in steps of 45 µm, fraction of the plunge volume", "", Measure::at_most,
-                        1e-4, most_of(coarse.after(kDown)).removed_mm3 / coarse.removed_mm3(), 0,
-                        "on retraction the rim, a corner, passes the voxels of the wall at other positions"});
-  return out;
+  out.at_most("removed after a plunge in steps of 45 µm, fraction of the plunge volume", "", 1e-4,
+              most_of(coarse.after(kDown)).removed_mm3 / coarse.removed_mm3(),
+              "on retraction the rim, a corner, passes the voxels of the wall at other positions");
 }
 
-CaseFindings second_pass_case(const Setting& setting) {
-  CaseFindings out;
+void second_pass_case(const Setting& setting, Report& out) {
   out.title = "Second pass along the same path";
   out.scene = "a tilted plunge and a sideways sweep through bone, then the whole path once more in the reamed bone";
   out.form = "no force, no torque, nothing removed";
@@ -119,8 +114,7 @@ CaseFindings second_pass_case(const Setting& setting) {
   const Reamed first = ream(scene, setting);
   scene.bone = first.bone;
   const Reamed second = ream(std::move(scene), setting);
-  add_nothing(second.after(0), first.removed_mm3(), out.checks);
-  return out;
+  add_nothing(second.after(0), first.removed_mm3(), out);
 }
 
 namespace {
@@ -165,8 +159,7 @@ FilledVoxmap changed_block(const Change& change) {
 
 /// Compares the transformed loads of a scene with the loads of the transformed scene: the largest differences over the
 /// frames, as fractions of the largest loads.
-void compare(const Change& change, const Setting& setting, double tolerance, const std::string& reason,
-             std::vector<Check>& checks) {
+void compare(const Change& change, const Setting& setting, double tolerance, const std::string& reason, Report& out) {
   const Quat turned = oblique(12);
   const Leg down = down_leg(), side{down.to_mm + Vec3(1.5, 0.7, 0), 60, 250, turned};
   const Motion motion = path(kInvariantRate_hz, {0.03, 0.05, 2.5}, {down, side});
@@ -180,40 +173,33 @@ void compare(const Change& change, const Setting& setting, double tolerance, con
     torque = std::max(torque, (b.torque_nmm - change.handedness() * (change.turn * a.torque_nmm)).norm());
   }
   const Most most = most_of(plain.rows);
-  checks.push_back({"force, maximum difference over maximum force", "", Measure::absolute, 0, force / most.force_n,
-                    tolerance, reason});
-  checks.push_back({"torque, likewise", "", Measure::absolute, 0, torque / most.torque_nmm, tolerance, reason});
-  checks.push_back(
-      {"removed volume", "mm³", Measure::relative, plain.removed_mm3(), other.removed_mm3(), 1e-5, reason});
+  out.absolute("force, maximum difference over maximum force", "", 0, force / most.force_n, tolerance, reason);
+  out.absolute("torque, likewise", "", 0, torque / most.torque_nmm, tolerance, reason);
+  out.relative("removed volume", "mm³", plain.removed_mm3(), other.removed_mm3(), 1e-5, reason);
 }
 
 }  // namespace
 
-CaseFindings mirrored_case(const Setting& setting) {
-  CaseFindings out;
+void mirrored_case(const Setting& setting, Report& out) {
   out.title = "Mirrored scene";
   out.scene = "tilted plunge and sweep through uneven bone, and the same in the mirror x → −x, the spin reversed";
   out.form = "F' = M·F, T' = −M·T in every frame";
   Change mirror;
   mirror.turn = Vec3(-1, 1, 1).asDiagonal();
-  compare(mirror, setting, 1e-4, "positions are rounded: a voxel may lose 1/65535 one frame earlier", out.checks);
-  return out;
+  compare(mirror, setting, 1e-4, "positions are rounded: a voxel may lose 1/65535 one frame earlier", out);
 }
 
-CaseFindings moved_case(const Setting& setting) {
-  CaseFindings out;
+void moved_case(const Setting& setting, Report& out) {
   out.title = "Translated and rotated scene";
   out.scene = "the same scene, with its lattice, translated by (13.7, −41.3, 8.9) mm and rotated by 90° about z";
   out.form = "F' = R·F, T' = R·T in every frame";
   Change change;
   change.turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   change.shift = {13.7, -41.3, 8.9};
-  compare(change, setting, 1e-4, "positions are rounded: a voxel may lose 1/65535 one frame earlier", out.checks);
-  return out;
+  compare(change, setting, 1e-4, "positions are rounded: a voxel may lose 1/65535 one frame earlier", out);
 }
 
-CaseFindings rotated_case(const Setting& setting) {
-  CaseFindings out;
+void rotated_case(const Setting& setting, Report& out) {
   out.title = "Scene rotated against the lattice";
   out.scene =
       "cannulated convex head (R 12, a 5, r₀ 1 mm) in full contact in uniform bone, fed along a lattice axis and along "
@@ -237,13 +223,11 @@ CaseFindings rotated_case(const Setting& setting) {
     const MeanLoads other = loads(turned, {0.07, -0.04, 0});
     const std::string at = ", " + std::to_string(static_cast<int>(degrees)) + "°";
     const std::string reason = "the rim meets the lattice differently; limit of a steady plunge";
-    out.checks.push_back({"force" + at, "", Measure::absolute, 0,
-                          (other.force_n - turned * plain.force_n).norm() / plain.force_n.norm(), 5e-3, reason});
-    out.checks.push_back({"torque" + at, "", Measure::absolute, 0,
-                          (other.torque_nmm - turned * plain.torque_nmm).norm() / plain.torque_nmm.norm(), 5e-3,
-                          reason});
+    out.absolute("force" + at, "", 0, (other.force_n - turned * plain.force_n).norm() / plain.force_n.norm(), 5e-3,
+                 reason);
+    out.absolute("torque" + at, "", 0, (other.torque_nmm - turned * plain.torque_nmm).norm() / plain.torque_nmm.norm(),
+                 5e-3, reason);
   }
-  return out;
 }
 
 }  // namespace reamsim::verify

@@ -8,15 +8,12 @@
 #include <memory>
 
 #include "sim/verify/case_parts.h"
-#include "sim/verify/closed_forms.h"
-#include "sim/verify/reaming.h"
 
 namespace reamsim::verify {
 
 namespace {
 
 constexpr double kPushLimit = 5e-3;
-const char* const kPushLimitReason = "limit set by this project";
 constexpr double kPushHead_mm = 8, kPushEdge_mm = 0.1;
 
 /// A push straight down on a block, with the head in the bone by `begin_mm` at its start.
@@ -35,7 +32,7 @@ struct Push {
 
 SimulationInput scene_of_push(const Push& push) {
   PushSettings settings = push.settings;
-  settings.entry_mm = {0.12 * push.voxel_mm, 0.21 * push.voxel_mm, -push.begin_mm};
+  settings.entry_mm = entry_mm(push.voxel_mm) - Vec3(0, 0, push.begin_mm);
   const Vec3 size(push.width_mm, push.width_mm, push.block_mm);
   SimulationInput scene = scene_of(block(size, push.voxel_mm, push.density), make_tool(push.head), {});
   auto plan = std::make_shared<const PushPlan>(settings, push.rate_hz, std::nullopt);
@@ -85,8 +82,7 @@ double steady_feed(const SteadyPlunge& head, double thrust_n, double voxel_mm, c
 
 }  // namespace
 
-CaseFindings push_steady_case(const Setting& setting) {
-  CaseFindings out;
+void push_steady_case(const Setting& setting, Report& out) {
   out.title = "FeedRate under a constant thrust";
   out.scene =
       "cannulated reamer (R 29, a 15, r₀ 1.25 mm, 250 rpm) in full contact in ρ 1.8 g/cm³, pushed with 20, 50 and 100 "
@@ -95,12 +91,11 @@ CaseFindings push_steady_case(const Setting& setting) {
   out.form = "A·v + B·v² = F with A = 2πk_n·(u/ω)·[C(a) − C(r₀)], B = 2πu·ln(a/r₀)/ω²";
   for (const double thrust_n : {20.0, 50.0, 100.0}) {
     const double found = steady_feed(kExample, thrust_n, setting.quick ? 0.5 : 0.25, setting);
-    out.checks.push_back(relative_check(fmt::format("feed at {:g} N", thrust_n), "mm/s",
-                                        quadratic_feed(kExample, thrust_n), found, kPushLimit, kPushLimitReason));
+    out.relative(fmt::format("feed at {:g} N", thrust_n), "mm/s", quadratic_feed(kExample, thrust_n), found,
+                 kPushLimit);
   }
-  const SteadyPlunge flat = example_with(&SteadyPlunge::radius_mm, std::nullopt);
   constexpr double kLayer_mm = 1.5, kVoxel_mm = 0.5, kThrust_n = 50;
-  Push push{.head = head_of(flat), .voxel_mm = kVoxel_mm, .rate_hz = 100, .begin_mm = 0.3, .block_mm = 4};
+  Push push{.head = head_of(kFlatExample), .voxel_mm = kVoxel_mm, .rate_hz = 100, .begin_mm = 0.3, .block_mm = 4};
   push.density = [](const Vec3& p) { return p.z() > -kLayer_mm ? 1.8 : 0.4; };
   push.settings.approach_mm = 0;
   push.settings.thrust_n = kThrust_n;
@@ -108,23 +103,19 @@ CaseFindings push_steady_case(const Setting& setting) {
   push.settings.depth_mm = 2.5;
   const Reamed reamed = pushed(push, setting);
   const auto feed_in = [&](double density) {
-    SteadyPlunge layer = flat;
+    SteadyPlunge layer = kFlatExample;
     layer.density_g_cm3 = density;
     return balanced_feed_of(layer, kThrust_n);
   };
-  out.checks.push_back(relative_check("feed in the upper layer, flat head", "mm/s", feed_in(1.8),
-                                      mean_feed(reamed, 0.6, 1.1), kPushLimit, kPushLimitReason));
-  out.checks.push_back(relative_check("feed in the lower layer, flat head", "mm/s", feed_in(0.4),
-                                      mean_feed(reamed, 1.8, 2.3), kPushLimit, kPushLimitReason));
-  SteadyPlunge soft = flat;
+  out.relative("feed in the upper layer, flat head", "mm/s", feed_in(1.8), mean_feed(reamed, 0.6, 1.1), kPushLimit);
+  out.relative("feed in the lower layer, flat head", "mm/s", feed_in(0.4), mean_feed(reamed, 1.8, 2.3), kPushLimit);
+  SteadyPlunge soft = kFlatExample;
   soft.density_g_cm3 = 0.4;
-  out.checks.push_back({"ratio of the linear parts", "", Measure::relative, 20.25,
-                        linear_resistance(flat) / linear_resistance(soft), 1e-9, "(1.8/0.4)²"});
-  return out;
+  out.relative("ratio of the linear parts", "", 20.25, linear_resistance(kFlatExample) / linear_resistance(soft), 1e-9,
+               "(1.8/0.4)²");
 }
 
-CaseFindings push_ball_case(const Setting& setting) {
-  CaseFindings out;
+void push_ball_case(const Setting& setting, Report& out) {
   out.title = "Time to a depth under a constant thrust";
   out.scene = "head without bore (R 29, a 15 mm, 250 rpm) from first contact in ρ 1.8 g/cm³ under 50 N, at most 5 mm/s";
   out.form = "t(d) = ∫dδ/v(δ), where the force on the cap of depth δ at feed v, with the speed floor, is the thrust";
@@ -141,13 +132,11 @@ CaseFindings push_ball_case(const Setting& setting) {
   const Reamed reamed = pushed(push, setting);
   const double contact_s = time_at(reamed, 0);
   const auto add = [&](double depth_mm) {
-    out.checks.push_back(relative_check(fmt::format("time from contact to {:g} mm", depth_mm), "s",
-                                        time_to_depth_s(head, 50, 5, depth_mm), time_at(reamed, depth_mm) - contact_s,
-                                        kPushLimit, kPushLimitReason));
+    out.relative(fmt::format("time from contact to {:g} mm", depth_mm), "s", time_to_depth_s(head, 50, 5, depth_mm),
+                 time_at(reamed, depth_mm) - contact_s, kPushLimit);
   };
   add(1);
   if (!setting.quick) add(4);
-  return out;
 }
 
 namespace {
@@ -171,16 +160,9 @@ Push heavy(double thrust_n, double rate_hz, double time_s) {
   return push;
 }
 
-/// The time constant of the approach to the steady feed, from the velocities at two times.
-double speed_time_constant_s(const Reamed& reamed, double steady_mm_s, std::size_t a, std::size_t b) {
-  const auto missing = [&](std::size_t k) { return 1 - reamed.rows[k].push->velocity_mm_s / steady_mm_s; };
-  return (reamed.rows[b].time_s - reamed.rows[a].time_s) / std::log(missing(a) / missing(b));
-}
-
 }  // namespace
 
-CaseFindings push_mass_case(const Setting& setting) {
-  CaseFindings out;
+void push_mass_case(const Setting& setting, Report& out) {
   out.title = "Mass of the hand";
   out.scene = "the reamer in full contact in ρ 0.1 g/cm³, pushed from rest with a mass of 10 kg";
   out.form = "M·dv/dt = F − A·v − B·v²; for a small thrust v = F/A·(1 − exp(−t/τ)) with τ = M/A";
@@ -189,28 +171,27 @@ CaseFindings push_mass_case(const Setting& setting) {
   constexpr double kSmall_n = 0.2;
   const Reamed slow = pushed(heavy(kSmall_n, 1000, 0.06), setting);
   const double steady = quadratic_feed(soft, kSmall_n);
-  out.checks.push_back(relative_check("τ from the velocities at 5 and 30 ms", "ms", 10 / linear_resistance(soft),
-                                      1e3 * speed_time_constant_s(slow, steady, 5, 30), 0.02, kPushLimitReason));
+  out.relative(
+      "τ from the velocities at 5 and 30 ms", "ms", 10 / linear_resistance(soft),
+      1e3 * time_constant_s(slow, 5, 30, [&](const FrameResult& row) { return 1 - row.push->velocity_mm_s / steady; }),
+      0.02);
   constexpr double kThrust_n = 2;
   Refinement travel{"travel in 32 ms under 2 N", "mm", "frame, s", travel_of_mass_mm(soft, kThrust_n, 10, 0.032)};
   for (const double frame_s : {8e-3, 4e-3, 2e-3, 1e-3}) {
     const Reamed reamed = pushed(heavy(kThrust_n, 1 / frame_s, 0.032), setting);
     add_level(travel, frame_s, depth_of(reamed.rows.back()) - depth_of(reamed.rows.front()));
   }
-  add_refinement(out, std::move(travel), kPushLimit, kPushLimitReason);
-  return out;
+  out.refinement(std::move(travel), kPushLimit);
 }
 
-CaseFindings push_stall_case(const Setting& setting) {
-  CaseFindings out;
+void push_stall_case(const Setting& setting, Report& out) {
   out.title = "Stall below the edge force";
   out.scene = "flat cannulated head in contact (a 15, r₀ 1.25 mm, 250 rpm), one cutting edge of 1 N/mm normal force";
   out.form = "no feed below F_edge = K_n·(a − r₀); above, the feed of F − F_edge";
-  const SteadyPlunge flat = example_with(&SteadyPlunge::radius_mm, std::nullopt);
   constexpr double kMore_n = 100;
-  const double edge_n = flat.outer_mm - flat.bore_mm;
+  const double edge_n = kFlatExample.outer_mm - kFlatExample.bore_mm;
   const auto run = [&](double thrust_n) {
-    Push push{.head = head_of(flat), .voxel_mm = 0.5, .rate_hz = 100, .begin_mm = 0.3, .block_mm = 3};
+    Push push{.head = head_of(kFlatExample), .voxel_mm = 0.5, .rate_hz = 100, .begin_mm = 0.3, .block_mm = 3};
     push.edge = EdgeForceSettings{.tangential_n_mm = 1e-6, .normal_n_mm = 1};
     push.settings.approach_mm = 0;
     push.settings.thrust_n = thrust_n;
@@ -219,17 +200,14 @@ CaseFindings push_stall_case(const Setting& setting) {
     return pushed(push, setting);
   };
   const Reamed below = run(0.95 * edge_n), above = run(edge_n + kMore_n);
-  out.checks.push_back({"travel below the edge force", "mm", Measure::absolute, 0,
-                        depth_of(below.rows.back()) - depth_of(below.rows.front()), 1e-12,
-                        "the bone holds the thrust"});
-  out.checks.push_back({"the stall ends the push", "s", Measure::at_most, 0.2, below.rows.back().time_s, 0, "0.1 s"});
-  out.checks.push_back(relative_check("feed 100 N above it", "mm/s", balanced_feed_of(flat, kMore_n),
-                                      mean_feed(above, 0.35, 0.85), kPushLimit, kPushLimitReason));
-  return out;
+  out.absolute("travel below the edge force", "mm", 0, depth_of(below.rows.back()) - depth_of(below.rows.front()),
+               1e-12, "the bone holds the thrust");
+  out.at_most("the stall ends the push", "s", 0.2, below.rows.back().time_s, "0.1 s");
+  out.relative("feed 100 N above it", "mm/s", balanced_feed_of(kFlatExample, kMore_n), mean_feed(above, 0.35, 0.85),
+               kPushLimit);
 }
 
-CaseFindings push_energy_case(const Setting& setting) {
-  CaseFindings out;
+void push_energy_case(const Setting& setting, Report& out) {
   out.title = "Energy of a push";
   out.scene =
       "head without bore from first contact through two layers (1.8 and 0.4 g/cm³) with 0.5 kg and 0.5 N·s/mm, to 1.5 "
@@ -244,20 +222,15 @@ CaseFindings push_energy_case(const Setting& setting) {
   push.settings.mass_kg = 0.5;
   push.settings.damping_n_s_mm = 0.5;
   const Reamed reamed = pushed(push, setting);
-  double floor = 0, cut = 0;
-  for (const FrameResult& row : reamed.after(0)) {
-    floor += row.floor_energy_mj;
-    cut += row.energy_mj;
-  }
+  const double floor = reamed.sum(&FrameResult::floor_energy_mj), cut = reamed.sum(&FrameResult::energy_mj);
   const FeedState& feed = reamed.feed;
   const double given = feed.hand_mj + feed.drill_mj + floor;
   const double taken = cut + feed.kinetic_mj + feed.damping_mj + feed.lost_mj;
-  out.checks.push_back({"work of the hand", "mJ", Measure::reported, 0, feed.hand_mj, 0, ""});
-  out.checks.push_back({"work of the drive", "mJ", Measure::reported, 0, feed.drill_mj, 0, ""});
-  out.checks.push_back({"damping energy", "mJ", Measure::reported, 0, feed.damping_mj, 0, ""});
-  out.checks.push_back({"loss within frames", "mJ", Measure::reported, 0, feed.lost_mj, 0, ""});
-  out.checks.push_back(relative_check("both sides", "mJ", taken, given, 1e-4, kPushLimitReason));
-  return out;
+  out.reported("work of the hand", "mJ", feed.hand_mj);
+  out.reported("work of the drive", "mJ", feed.drill_mj);
+  out.reported("damping energy", "mJ", feed.damping_mj);
+  out.reported("loss within frames", "mJ", feed.lost_mj);
+  out.relative("both sides", "mJ", taken, given, 1e-4);
 }
 
 }  // namespace reamsim::verify

@@ -3,13 +3,15 @@
 
 #include "sim/verify/scene.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/tool/profile.h"
-#include "sim/verify/closed_forms.h"
 
 namespace reamsim::verify {
 
@@ -72,6 +74,16 @@ FilledVoxmap block(const Vec3& size_mm, double voxel_mm, const DensityField& fie
   return sample_phantom(block_grid(size_mm, voxel_mm), {}, field);
 }
 
+FilledVoxmap half_block(const Vec3& size_mm, double voxel_mm, const DensityField& field, const Vec3& point_mm,
+                        const Vec3& inward) {
+  const auto behind = [=](const Vec3& p) { return (point_mm - p).dot(inward); };
+  return sample_phantom(
+      block_grid(size_mm, voxel_mm), {}, [&](const Vec3& p) { return behind(p) < 0 ? field(p) : kAir; },
+      [&](const Vec3& center) {
+        return PartialVoxel{fraction_inside(behind, center, voxel_mm), field(center)};
+      });
+}
+
 FilledVoxmap block(const Vec3& size_mm, double voxel_mm, double density_g_cm3) {
   return block(size_mm, voxel_mm, [=](const Vec3&) { return density_g_cm3; });
 }
@@ -115,6 +127,122 @@ SimulationInput scene_of(FilledVoxmap bone, Tool tool, Motion motion, ErosionMod
   scene.tool = std::move(tool);
   scene.motion = std::move(motion);
   return scene;
+}
+
+namespace {
+
+/// Collects the rows.
+class Rows final : public FrameSink {
+ public:
+  std::vector<FrameResult> rows;
+
+  void frame(const FrameResult& result, const FrameTimes& /*times*/) override { rows.push_back(result); }
+  void snapshot(std::int64_t /*frame*/, FillBricks& /*fill*/) override {}
+  void removed(const RemovedFrames& /*voxels*/) override {}
+};
+
+}  // namespace
+
+Reamed ream(SimulationInput scene, const Setting& setting) {
+  scene.scenario.engine.device = setting.device;
+  const auto engine = setting.engine(scene.scenario, scene.bone, scene.tool);
+  Rows sink;
+  Diagnostics report;
+  RunControl control;
+  control.stop = setting.stop;
+  const SimulationState end = simulate(scene, *engine, sink, control, report);
+  return {std::move(sink.rows), std::move(scene.bone), end.feed, end.springs};
+}
+
+MeanLoads mean_loads(std::span<const FrameResult> rows) {
+  MeanLoads out;
+  for (const FrameResult& row : rows) {
+    out.force_n += row.force_n;
+    out.torque_nmm += row.torque_nmm;
+    out.axial_force_n += row.axial_force_n;
+    out.spin_torque_nmm += row.spin_torque_nmm;
+    out.removed_mm3 += row.removed_mm3;
+  }
+  const auto n = static_cast<double>(rows.size());
+  out.force_n /= n;
+  out.torque_nmm /= n;
+  out.axial_force_n /= n;
+  out.spin_torque_nmm /= n;
+  return out;
+}
+
+double torque_ripple(std::span<const FrameResult> rows) {
+  const double mean = mean_loads(rows).spin_torque_nmm;
+  double squares = 0;
+  for (const FrameResult& row : rows) squares += (row.spin_torque_nmm - mean) * (row.spin_torque_nmm - mean);
+  return std::sqrt(squares / static_cast<double>(rows.size())) / mean;
+}
+
+double time_constant_s(const Reamed& reamed, std::size_t a, std::size_t b,
+                       const std::function<double(const FrameResult&)>& missing) {
+  const FrameResult &first = reamed.rows[a], &last = reamed.rows[b];
+  return (last.time_s - first.time_s) / std::log(missing(first) / missing(last));
+}
+
+Vec3 entry_mm(double voxel_mm) {
+  return {0.12 * voxel_mm, 0.21 * voxel_mm, 0};
+}
+
+Vec3 toward(double degrees) {
+  const double angle = degrees * std::numbers::pi / 180;
+  return {std::cos(angle), std::sin(angle), 0};
+}
+
+namespace {
+
+constexpr double kPlungeClear_mm = 0.1;
+constexpr double kEdge_mm = 0.1;
+constexpr double kPlungeHead_mm = 8;  // height of a head
+
+FilledVoxmap bone_of(const PlungeRun& run, const Vec3& size_mm) {
+  const double density = run.plunge.density_g_cm3;
+  if (!run.half_toward_deg) return block(size_mm, run.voxel_mm, density);
+  return half_block(
+      size_mm, run.voxel_mm, [=](const Vec3&) { return density; }, entry_mm(run.voxel_mm),
+      toward(*run.half_toward_deg));
+}
+
+}  // namespace
+
+Profile head_of(const SteadyPlunge& plunge) {
+  return plunge.radius_mm ? convex_profile(*plunge.radius_mm, plunge.outer_mm, plunge.bore_mm, kPlungeHead_mm, kEdge_mm)
+                          : flat_profile(plunge.outer_mm, plunge.bore_mm, kPlungeHead_mm);
+}
+
+std::string text_of(const SteadyPlunge& p) {
+  const std::string face = p.radius_mm ? "R " + std::to_string(static_cast<int>(*p.radius_mm)) : "flat";
+  return fmt::format("{}, a {:g} mm, {:g} rpm, {:g} mm/s", face, p.outer_mm, p.rpm, p.feed_mm_s);
+}
+
+std::vector<FrameResult> steady_rows(const PlungeRun& run, const Setting& setting) {
+  constexpr double kShellVoxels = 0.4721, kPast_mm = 0.3;
+  const SteadyPlunge& plunge = run.plunge;
+  const double voxel_mm = run.voxel_mm, travel_mm = run.voxels * voxel_mm;
+  const int frames = run.voxels * run.frames;
+  const Vec3 entry = entry_mm(voxel_mm);
+  const double tilt = run.tilt_deg * std::numbers::pi / 180, slant = plunge.outer_mm * std::tan(tilt);
+  const Quat turned = rotation({1, 0.3, 0}, run.tilt_deg);
+  const Vec3 axis = turned * Vec3(0, 0, 1);
+  const double begin = plunge.full_contact_mm() + slant + kPast_mm + 0.37 * voxel_mm, end = begin + travel_mm;
+  const double rate = plunge.feed_mm_s * run.frames / voxel_mm, above = slant + kPlungeClear_mm;
+  const Motion motion =
+      path(rate, entry + above * axis,
+           {{entry - begin * axis, static_cast<int>(std::ceil(10 * (begin + above))), plunge.rpm, turned},
+            {entry - end * axis, frames, plunge.rpm, turned}});
+  const double width = 2 * (plunge.outer_mm + end * std::tan(tilt)) + 2 + 2 * voxel_mm;
+  const FilledVoxmap bone = bone_of(run, {width, width, end + slant + 1 + voxel_mm});
+  const Tool tool = run.erosion == ErosionMode::exact ? make_tool(head_of(plunge))
+                                                      : make_tool(head_of(plunge), kShellVoxels * voxel_mm);
+  SimulationInput scene = scene_of(bone, tool, motion, run.erosion);
+  scene.scenario.motion.compliance = run.compliance;
+  const Reamed reamed = ream(std::move(scene), setting);
+  const auto steady = reamed.after(reamed.rows.size() - 1 - static_cast<std::size_t>(frames));
+  return {steady.begin(), steady.end()};
 }
 
 }  // namespace reamsim::verify

@@ -43,13 +43,11 @@ Sweep sweep_of(const SimulationInput& scene, const Setting& setting) {
 }
 
 /// Compares runs under settings that must not change the result.
-void add_indifference(const Sweep& plain, const Setting& setting, std::vector<Check>& checks) {
+void add_indifference(const Sweep& plain, const Setting& setting, Report& out) {
   const std::string reason = "no shell is used and sums are integers: the same numbers";
   const auto add = [&](const std::string& what, const Sweep& other) {
-    checks.push_back(
-        {"removed volume, " + what, "mm³", Measure::absolute, plain.removed_mm3, other.removed_mm3, 0, reason});
-    checks.push_back({"mean force, " + what, "N", Measure::absolute, plain.loads.force_n.norm(),
-                      other.loads.force_n.norm(), 0, reason});
+    out.absolute("removed volume, " + what, "mm³", plain.removed_mm3, other.removed_mm3, 0, reason);
+    out.absolute("mean force, " + what, "N", plain.loads.force_n.norm(), other.loads.force_n.norm(), 0, reason);
   };
   constexpr double kFrame_s = 4e-3;
   for (const int batch : {1, 7}) {
@@ -62,8 +60,7 @@ void add_indifference(const Sweep& plain, const Setting& setting, std::vector<Ch
 
 }  // namespace
 
-CaseFindings time_step_case(const Setting& setting) {
-  CaseFindings out;
+void time_step_case(const Setting& setting, Report& out) {
   out.title = "Time-step halving";
   out.scene =
       "ball of 8 mm radius plunged 3 mm, then moved 8 mm sideways at 10 mm/s, 0.5 mm voxels; frame time halved three "
@@ -80,19 +77,17 @@ CaseFindings time_step_case(const Setting& setting) {
     force.levels.push_back({frame_s, sweeps.back().loads.force_n.norm(), {}, 1});
   }
   for (Refinement* refinement : {&volume, &torque, &force}) finish(*refinement);
-  const std::string bar = "limit set by this project";
   const Sweep &fine = sweeps.back(), &before = sweeps[sweeps.size() - 2];
   const auto relative = [&](const std::string& what, const std::string& unit, double a, double b) {
-    out.checks.push_back({what + ", 1 ms against 0.5 ms", unit, Measure::relative, b, a, 1e-3, bar});
+    out.relative(what + ", 1 ms against 0.5 ms", unit, b, a, 1e-3);
   };
-  out.checks.push_back({"removed volume, 0.5 ms", "mm³", Measure::relative, swept_mm3(), fine.removed_mm3, 1e-3,
-                        "0.5 mm voxels on a sphere of 8 mm radius; the case sweep shows the convergence"});
+  out.relative("removed volume, 0.5 ms", "mm³", swept_mm3(), fine.removed_mm3, 1e-3,
+               "0.5 mm voxels on a sphere of 8 mm radius; the case sweep shows the convergence");
   relative("removed volume", "mm³", before.removed_mm3, fine.removed_mm3);
   relative("mean spin torque", "N·mm", before.loads.spin_torque_nmm, fine.loads.spin_torque_nmm);
   relative("mean force", "N", before.loads.force_n.norm(), fine.loads.force_n.norm());
-  add_indifference(sweeps[0], setting, out.checks);
+  add_indifference(sweeps[0], setting, out);
   out.refinements = {std::move(volume), std::move(torque), std::move(force)};
-  return out;
 }
 
 namespace {
@@ -117,8 +112,7 @@ MeanLoads tilted_plunge(const Tool& tool, double voxel_mm, const Vec3& entry, co
 
 }  // namespace
 
-CaseFindings voxel_case(const Setting& setting) {
-  CaseFindings out;
+void voxel_case(const Setting& setting, Report& out) {
   out.title = "Voxel halving";
   out.scene =
       "cannulated convex head (R 12, a 5, r₀ 1 mm) in full contact, fed along an axis tilted by 25° at random offsets; "
@@ -138,8 +132,7 @@ CaseFindings voxel_case(const Setting& setting) {
       refinements[i].levels.push_back(level_of(voxel_mm, samples[i], *refinements[i].expected));
     }
   }
-  for (const Refinement& refinement : refinements) add_refinement(out, refinement, 5e-3, "limit of a steady plunge");
-  return out;
+  for (const Refinement& refinement : refinements) out.refinement(refinement, 5e-3, "limit of a steady plunge");
 }
 
 }  // namespace reamsim::verify

@@ -14,8 +14,9 @@ namespace {
 CaseFindings timed(const Case& chosen, const Setting& setting) {
   if (setting.stop()) throw Interrupted();
   const Stopwatch watch;
-  CaseFindings out = chosen.run(setting);
+  Report out;
   out.id = chosen.id;
+  chosen.run(setting, out);
   out.seconds = watch.seconds();
   return out;
 }
@@ -73,7 +74,6 @@ Findings run_suite(const Setting& setting) {
   double all = 0, past = 0;
   for (const Case& known : cases()) all += known.seconds;
   for (const Case& known : cases()) {
-    setting.progress(known.id);
     setting.part(past / all, known.id);
     out.cases.push_back(timed(known, setting));
     past += known.seconds;

@@ -4,14 +4,18 @@
 #pragma once
 
 #include "sim/record/verification.h"
-#include "sim/verify/reaming.h"
+#include "sim/verify/scene.h"
 
 namespace reamsim::verify {
+
+struct Report;
+/// Runs a case and reports what it found.
+using CaseRun = void(const Setting& setting, Report& out);
 
 /// A scene with a closed-form solution or an invariant.
 struct Case {
   const char* id = nullptr;
-  CaseFindings (*run)(const Setting&) = nullptr;
+  CaseRun* run = nullptr;
   double seconds = 1;  ///< of the quick suite on two cores; only their ratios count
 };
 

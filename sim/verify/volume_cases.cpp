@@ -53,20 +53,14 @@ constexpr double kOrderLimit = 1.8;
 constexpr double kAim = 5e-5;
 const char* const kAimReason = "aim of this project at 0.25 mm; its limit is 0.02 %";
 
-Check order_check(const Refinement& refinement) {
-  return {.quantity = "observed order",
-          .unit = "",
-          .measure = Measure::at_least,
-          .expected = kOrderLimit,
-          .found = refinement.order.value_or(std::numeric_limits<double>::quiet_NaN()),
-          .tolerance = 0,
-          .reason = "a plane in each voxel is of second order; 0.2 for scatter"};
+void check_order(const Refinement& refinement, Report& out) {
+  out.at_least("observed order", "", kOrderLimit, refinement.order.value_or(std::numeric_limits<double>::quiet_NaN()),
+               "a plane in each voxel is of second order; 0.2 for scatter");
 }
 
 }  // namespace
 
-CaseFindings half_space_case(const Setting& setting) {
-  CaseFindings out;
+void half_space_case(const Setting& setting, Report& out) {
   out.title = "Half-space and spherical cap";
   out.scene = "ball of 29 mm radius plunged 4 mm into the face of a block, along a lattice axis, centred on a vertex";
   out.form = "π·d²·(R − d/3)";
@@ -77,9 +71,8 @@ CaseFindings half_space_case(const Setting& setting) {
     const Sample sample = plunged_ball(tool, voxel_mm, Vec3::Zero(), Quat::Identity(), ErosionMode::exact, setting);
     refinement.levels.push_back(level_of(voxel_mm, {sample}, cap));
   }
-  add_refinement(out, std::move(refinement), kAim, kAimReason);
-  out.checks.push_back(order_check(out.refinements.back()));
-  return out;
+  out.refinement(std::move(refinement), kAim, kAimReason);
+  check_order(out.refinements.back(), out);
 }
 
 namespace {
@@ -97,10 +90,9 @@ Level tilted_level(const Tool& tool, double voxel_mm, int tilts, ErosionMode ero
 
 }  // namespace
 
-CaseFindings tilted_cap_case(const Setting& setting) {
+void tilted_cap_case(const Setting& setting, Report& out) {
   constexpr double kLimitVoxel_mm = 0.25, kLeastRatio = 50;
   constexpr double kShellVoxels = 0.4721;  // the default of a run
-  CaseFindings out;
   out.title = "Cap under tilt and random sub-voxel offset";
   const int tilts = setting.quick ? 4 : 13;
   out.scene = "the same ball, its axis tilted by 0 to 60° in " + std::to_string(tilts) +
@@ -110,20 +102,17 @@ CaseFindings tilted_cap_case(const Setting& setting) {
   Refinement refinement = volume_refinement(cap_mm3(kRadius_mm, kDepth_mm));
   double at_limit = std::numeric_limits<double>::quiet_NaN();
   for (const double voxel_mm : four_voxels(kFinestVoxel_mm)) {
-    setting.progress("cap under tilt, " + std::to_string(voxel_mm) + " mm");
     refinement.levels.push_back(tilted_level(tool, voxel_mm, tilts, ErosionMode::exact, setting));
     if (voxel_mm == kLimitVoxel_mm) at_limit = *refinement.levels.back().error;
   }
   finish(refinement);
   const Tool sampled = make_tool(ball_profile(kRadius_mm, 10 * kBlockEdge_mm), kShellVoxels * kLimitVoxel_mm);
   const double whole = *tilted_level(sampled, kLimitVoxel_mm, 2, ErosionMode::remove, setting).error;
-  out.checks.push_back({"RMS volume error at 0.25 mm, exact", "", Measure::at_most, kAim, at_limit, 0, kAimReason});
-  out.checks.push_back(order_check(refinement));
-  out.checks.push_back({"RMS volume error at 0.25 mm, remove", "", Measure::reported, 0, whole, 0, "beside it"});
-  out.checks.push_back(
-      {"remove / exact", "", Measure::at_least, kLeastRatio, whole / at_limit, 0, "limit set by this project"});
+  out.at_most("RMS volume error at 0.25 mm, exact", "", kAim, at_limit, kAimReason);
+  check_order(refinement, out);
+  out.reported("RMS volume error at 0.25 mm, remove", "", whole, "beside it");
+  out.at_least("remove / exact", "", kLeastRatio, whole / at_limit);
   out.refinements.push_back(std::move(refinement));
-  return out;
 }
 
 namespace {
@@ -150,8 +139,7 @@ Level plunged_cylinder(const Tool& tool, double voxel_mm, const Quat& turned, in
 
 }  // namespace
 
-CaseFindings cylinder_case(const Setting& setting) {
-  CaseFindings out;
+void cylinder_case(const Setting& setting, Report& out) {
   out.title = "Cylinder plunge";
   out.scene =
       "flat-ended cylinder of 8 mm radius, along its axis, perpendicular to the face and tilted by 20°, 5 mm of the "
@@ -164,14 +152,12 @@ CaseFindings cylinder_case(const Setting& setting) {
     for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
       refinement.levels.push_back(plunged_cylinder(tool, voxel_mm, tilt(degrees, 0.4), setting.quick ? 2 : 6, setting));
     }
-    add_refinement(out, std::move(refinement), kAim, kAimReason);
+    out.refinement(std::move(refinement), kAim, kAimReason);
   }
-  return out;
 }
 
-CaseFindings sweep_case(const Setting& setting) {
+void sweep_case(const Setting& setting, Report& out) {
   constexpr double kBall_mm = 8, kDeep_mm = 3, kSweep_mm = 10, kStep_mm = 0.05;
-  CaseFindings out;
   out.title = "Sideways sweep";
   out.scene = "ball of 8 mm radius plunged 3 mm, then moved 10 mm sideways at 25° to the lattice in steps of 0.05 mm";
   out.form =
@@ -191,9 +177,8 @@ CaseFindings sweep_case(const Setting& setting) {
     const SimulationInput scene = scene_of(block({30, 24, 5}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
     add_level(refinement, voxel_mm, ream(scene, setting).removed_mm3());
   }
-  add_refinement(out, std::move(refinement), 2e-4,
+  out.refinement(std::move(refinement), 2e-4,
                  "limit of the cap; the ridges between two frames are 1.3·10⁻⁵ of the volume");
-  return out;
 }
 
 }  // namespace reamsim::verify

@@ -10,8 +10,7 @@
 #include <cstring>
 
 #include "sim/base/error.h"
-#include "sim/bench/poses.h"
-#include "sim/bench/sphere_scene.h"
+#include "sim/bench/scene.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/engine/common/motion_windows.h"
 #include "sim/engine/make_engine.h"

@@ -4,9 +4,8 @@
 // The published programs against the engine: same contacts, same force where each point has a voxel to itself.
 #include <gtest/gtest.h>
 
-#include "sim/base/error.h"
-#include "sim/bench/poses.h"
-#include "sim/bench/published.h"
+#include "sim/bench/program.h"
+#include "sim/bench/scene.h"
 #include "sim/engine/make_engine.h"
 
 namespace reamsim::bench {
@@ -93,24 +92,6 @@ TEST_F(Published, EngineRestoresVoxelByVoxel) {
   const auto again = program->run({&frame, 1}, false);
   EXPECT_EQ(again.voxels, first.voxels) << "with and without VOI";
   EXPECT_EQ(again.force, first.force);
-}
-
-TEST_F(Published, DescentReachesEveryVoxel) {
-  const auto steps = descent_steps(8);
-  ASSERT_EQ(steps.size(), 3U * 8);
-  for (int x = 0; x < 8; ++x) {
-    for (int z = 0; z < 8; ++z) {
-      const int y = (x + z) % 8;
-      cl_uint e = 0;
-      for (int level = 0; level < 3; ++level) {
-        const int bit = 2 - level;
-        const int octant = (x >> bit & 1) | (y >> bit & 1) << 1 | (z >> bit & 1) << 2;
-        e += steps[static_cast<std::size_t>(8 * level + octant)];
-      }
-      EXPECT_EQ(e, static_cast<cl_uint>(x + 8 * (y + 8 * z)));
-    }
-  }
-  EXPECT_THROW(descent_steps(12), InputError);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include <ostream>
 
 #include "sim/base/error.h"
-#include "sim/bench/poses.h"
+#include "sim/bench/scene.h"
 #include "sim/engine/common/substep.h"
 #include "sim/engine/make_engine.h"
 

@@ -7,7 +7,7 @@
 #include <iostream>
 
 #include "sim/bench/paper.h"
-#include "sim/bench/poses.h"
+#include "sim/bench/scene.h"
 #include "sim/engine/common/substep.h"
 #include "sim/tool/morton.h"
 

@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "sim/base/error.h"
-#include "sim/engine/exact/fill_pages.h"
+#include "sim/engine/common/device_bricks.h"
 #include "sim/engine/make_engine.h"
 #include "sim/run/cost_estimate.h"
 #include "sim/scene/contact_forecast.h"

@@ -1,19 +1,102 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/common/engines.h"
-
 #include <algorithm>
-#include <optional>
+#include <cmath>
 #include <span>
 #include <utility>
 
 #include "sim/base/parallel.h"
-#include "sim/engine/basis/exact_basis.h"
+#include "sim/engine/basis/basis.h"
 #include "sim/engine/common/tables.h"
 #include "sim/tool/tool.h"
 
 namespace reamsim {
+
+namespace {
+
+/// Force, torque and energy of the sums, in N, N·mm and mJ.
+void add_edge(const LaneSums& sums, std::size_t first, BasisValues& out) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    out[first + i] = static_cast<double>(sums.force[i]) / RS_FORCE_SCALE;
+    out[first + 3 + i] = static_cast<double>(sums.torque[i]) / RS_TORQUE_SCALE;
+  }
+  out[12] += static_cast<double>(sums.energy) / RS_ENERGY_SCALE;
+}
+
+}  // namespace
+
+UnitArgs::UnitArgs(const SubstepArgs& args, float edges_per_turn)
+    : without_normal(args), with_normal(args), edge_along(args), edge_normal(args) {
+  without_normal.normal_ratio = 0;
+  with_normal.normal_ratio = 1;
+  edge_along.edge_tangential = edge_normal.edge_normal = edges_per_turn;
+  edge_along.edge_normal = edge_normal.edge_tangential = 0;
+}
+
+BasisValues unit_response(const UnitArgs& args, const Clip& clip, float volume_mm3) {
+  float without[RS_WINDOW_SUMS], with[RS_WINDOW_SUMS];
+  rs_window_response(&args.without_normal, &clip, volume_mm3, without);
+  rs_window_response(&args.with_normal, &clip, volume_mm3, with);
+  BasisValues out{};
+  for (std::size_t i = 0; i < RS_SUM_OF_ENERGY; ++i) {
+    out[i] = double{without[i]};
+    out[6 + i] = double{with[i]} - double{without[i]};
+  }
+  out[12] = double{without[RS_SUM_OF_ENERGY]};
+  out[13] = double{without[RS_SUM_OF_FLOOR]};
+  return out;
+}
+
+BasisValues edge_response(const UnitArgs& args, const Clip& clip, rs_i32 remaining, rs_i32 outside) {
+  LaneSums along{}, normal{};
+  rs_edge_force(&args.edge_along, &clip, remaining, outside, &along);
+  rs_edge_force(&args.edge_normal, &clip, remaining, outside, &normal);
+  BasisValues out{};
+  add_edge(along, 0, out);
+  add_edge(normal, 6, out);
+  return out;
+}
+
+namespace {
+
+/// Units per mm², mm³ and, of the edge, mm: fine against a voxel's part, and room for 8·10⁶ of them.
+constexpr double kBasisScale = 1099511627776.0;  // 2^40
+
+}  // namespace
+
+void BrickBasis::add(int substep, int grade, double factor, const BasisValues& values) {
+  auto found = std::ranges::find(grades_, grade, &Grade::grade);
+  if (found == grades_.end()) {
+    grades_.push_back({grade, std::vector<BasisValues>(static_cast<std::size_t>(substeps_))});
+    found = grades_.end() - 1;
+  }
+  BasisValues& sum = found->sums[static_cast<std::size_t>(substep)];
+  for (std::size_t i = 0; i < kBasisValues; ++i) sum[i] += factor * values[i];
+}
+
+void VisitBasis::add(const BrickBasis& brick) {
+  const std::lock_guard lock(mutex_);
+  for (const BrickBasis::Grade& grade : brick.grades_) {
+    for (std::size_t s = 0; s < grade.sums.size(); ++s) {
+      Units& to = sums_[s * kGrades + static_cast<std::size_t>(grade.grade)];
+      for (std::size_t i = 0; i < kBasisValues; ++i) to[i] += std::llround(grade.sums[s][i] * kBasisScale);
+    }
+  }
+}
+
+std::vector<SubstepBasis> VisitBasis::substeps() const {
+  std::vector<SubstepBasis> out(sums_.size() / kGrades);
+  for (std::size_t s = 0; s < out.size(); ++s) {
+    for (std::size_t grade = 0; grade < kGrades; ++grade) {
+      const Units& units = sums_[s * kGrades + grade];
+      if (std::ranges::all_of(units, [](std::int64_t unit) { return unit == 0; })) continue;
+      GradeBasis& basis = out[s].emplace_back(GradeBasis{static_cast<int>(grade), {}});
+      for (std::size_t i = 0; i < kBasisValues; ++i) basis.values[i] = static_cast<double>(units[i]) / kBasisScale;
+    }
+  }
+  return out;
+}
 
 namespace {
 
@@ -25,95 +108,53 @@ class TouchedBasis {
       : voxmap_(&bone.voxmap), outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)) {}
 
   /// The basis of each substep. `removed`: voxels, and the places in `args` of the substeps that removed them.
-  [[nodiscard]] std::vector<SubstepBasis> of(std::span<const SubstepArgs> args, const RemovedFrames& removed) const;
+  [[nodiscard]] std::vector<SubstepBasis> of(std::span<const SubstepArgs> args, const RemovedFrames& removed) const {
+    RemovedFrames ordered = removed;
+    std::ranges::sort(ordered, {}, [](const auto& voxel) { return std::pair(voxel.second, voxel.first); });
+    std::vector<SubstepBasis> out(args.size());
+    parallel_items(args.size(), [&](std::size_t slot) {
+      const auto slot_of = [](const auto& voxel) { return voxel.second; };
+      const auto begin = std::ranges::lower_bound(ordered, static_cast<std::int32_t>(slot), {}, slot_of);
+      const auto end = std::ranges::upper_bound(begin, ordered.end(), static_cast<std::int32_t>(slot), {}, slot_of);
+      if (begin == end) return;
+      const UnitArgs units(args[slot], 0);
+      BrickBasis sums(1);
+      for (auto at = begin; at != end; ++at) {
+        const Vec3i voxel = voxmap_->grid.coord(at->first);
+        sums.add(0, voxmap_->grade.get(voxel), RS_WHOLE_FILL, response(units, voxel));
+      }
+      VisitBasis whole(1);
+      whole.add(sums);
+      out[slot] = std::move(whole.substeps().front());
+    });
+    return out;
+  }
 
  private:
-  [[nodiscard]] BasisValues response(const UnitArgs& args, const Vec3i& voxel) const;
+  /// As rs_voxel_force().
+  [[nodiscard]] BasisValues response(const UnitArgs& args, const Vec3i& voxel) const {
+    const OutlineView outline = view_of(outline_);
+    const SubstepArgs& a = args.without_normal;
+    BrickMiddle brick;
+    rs_brick_in_tool(&a, voxel.x(), voxel.y(), voxel.z(), &brick);
+    Clip clip{};
+    rs_voxel_in_tool(&a, &brick, static_cast<float>(voxel.x() & 7), static_cast<float>(voxel.y() & 7),
+                     static_cast<float>(voxel.z() & 7), clip.p);
+    const float r = RS_SQRT(clip.p[0] * clip.p[0] + clip.p[1] * clip.p[1]);
+    rs_outline_normal(&outline, rs_pieces_near(&outline, r, clip.p[2]), clip.p, clip.n);
+    return unit_response(args, clip, static_cast<float>(voxmap_->grid.voxel_mm3()));
+  }
 
   const Voxmap* voxmap_;
   OutlineTable outline_;
 };
 
-/// As rs_voxel_force().
-BasisValues TouchedBasis::response(const UnitArgs& args, const Vec3i& voxel) const {
-  const OutlineView outline = view_of(outline_);
-  const SubstepArgs& a = args.without_normal;
-  BrickMiddle brick;
-  rs_brick_in_tool(&a, voxel.x(), voxel.y(), voxel.z(), &brick);
-  Clip clip{};
-  rs_voxel_in_tool(&a, &brick, static_cast<float>(voxel.x() & 7), static_cast<float>(voxel.y() & 7),
-                   static_cast<float>(voxel.z() & 7), clip.p);
-  const float r = RS_SQRT(clip.p[0] * clip.p[0] + clip.p[1] * clip.p[1]);
-  rs_outline_normal(&outline, rs_pieces_near(&outline, r, clip.p[2]), clip.p, clip.n);
-  return unit_response(args, clip, static_cast<float>(voxmap_->grid.voxel_mm3()));
-}
-
-std::vector<SubstepBasis> TouchedBasis::of(std::span<const SubstepArgs> args, const RemovedFrames& removed) const {
-  RemovedFrames ordered = removed;
-  std::ranges::sort(ordered, {}, [](const auto& voxel) { return std::pair(voxel.second, voxel.first); });
-  std::vector<SubstepBasis> out(args.size());
-  parallel_items(args.size(), [&](std::size_t slot) {
-    const auto slot_of = [](const auto& voxel) { return voxel.second; };
-    const auto begin = std::ranges::lower_bound(ordered, static_cast<std::int32_t>(slot), {}, slot_of);
-    const auto end = std::ranges::upper_bound(begin, ordered.end(), static_cast<std::int32_t>(slot), {}, slot_of);
-    if (begin == end) return;
-    const UnitArgs units(args[slot], 0);
-    BrickBasis sums(1);
-    for (auto at = begin; at != end; ++at) {
-      const Vec3i voxel = voxmap_->grid.coord(at->first);
-      sums.add(0, voxmap_->grade.get(voxel), RS_WHOLE_FILL, response(units, voxel));
-    }
-    VisitBasis whole(1);
-    whole.add(sums);
-    out[slot] = std::move(whole.substeps().front());
-  });
-  return out;
-}
-
-/// `erosion: exact`: the basis is found apart from the engine.
-class ExactBasisEngine final : public Engine {
- public:
-  ExactBasisEngine(std::unique_ptr<Engine> engine, const Scenario& scenario, const BoneView& bone, const Tool& tool)
-      : engine_(std::move(engine)), scenario_(scenario), tool_(&tool), basis_(scenario, bone, tool) {}
-
-  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override {
-    args_.push_back(args);
-    motions_.push_back(window);
-    engine_->enqueue(args, std::move(window));
-  }
-  [[nodiscard]] bool full() const override { return engine_->full(); }
-  Batch collect() override {
-    Batch out = engine_->collect();
-    out.basis = basis_.cut(args_, motions_);
-    args_.clear();
-    motions_.clear();
-    return out;
-  }
-  RemovedFrames take_removed() override { return engine_->take_removed(); }
-  void read_fill(const Voxmap& voxmap, FillBricks& fill) override { engine_->read_fill(voxmap, fill); }
-  void restore(const BoneView& bone) override {
-    engine_->restore(bone);
-    basis_ = ExactBasis(scenario_, bone, *tool_);
-  }
-  [[nodiscard]] std::string device() const override { return engine_->device(); }
-  [[nodiscard]] std::size_t device_bytes() const override { return engine_->device_bytes(); }
-  [[nodiscard]] StructureBytes structure_bytes() const override { return engine_->structure_bytes(); }
-
- private:
-  std::unique_ptr<Engine> engine_;
-  Scenario scenario_;
-  const Tool* tool_;
-  ExactBasis basis_;
-  std::vector<SubstepArgs> args_;  ///< of the batch
-  MotionsOfSlots motions_;
-};
-
 /// `erosion: remove`. The engine gets the place of a substep in the batch as its frame, and so tells which substep
 /// removed a voxel.
-class TouchedBasisEngine final : public Engine {
+class TouchedBasisEngine final : public BasisEngine {
  public:
   TouchedBasisEngine(std::unique_ptr<Engine> engine, const BoneView& bone, const Tool& tool)
-      : engine_(std::move(engine)), basis_(bone, tool) {}
+      : BasisEngine(std::move(engine)), basis_(bone, tool) {}
 
   void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override {
     SubstepArgs placed = args;
@@ -121,7 +162,6 @@ class TouchedBasisEngine final : public Engine {
     args_.push_back(args);
     engine_->enqueue(placed, std::move(window));
   }
-  [[nodiscard]] bool full() const override { return engine_->full(); }
   Batch collect() override {
     Batch out = engine_->collect();
     removed_ = engine_->take_removed();
@@ -131,16 +171,9 @@ class TouchedBasisEngine final : public Engine {
     return out;
   }
   RemovedFrames take_removed() override { return std::exchange(removed_, {}); }
-  void read_fill(const Voxmap& voxmap, FillBricks& fill) override { engine_->read_fill(voxmap, fill); }
-  void restore(const BoneView& bone) override { engine_->restore(bone); }
-  [[nodiscard]] std::string device() const override { return engine_->device(); }
-  [[nodiscard]] std::size_t device_bytes() const override { return engine_->device_bytes(); }
-  [[nodiscard]] StructureBytes structure_bytes() const override { return engine_->structure_bytes(); }
 
  private:
-  std::unique_ptr<Engine> engine_;
   TouchedBasis basis_;
-  std::vector<SubstepArgs> args_;  ///< of the batch
   RemovedFrames removed_;
 };
 
@@ -149,7 +182,7 @@ class TouchedBasisEngine final : public Engine {
 std::unique_ptr<Engine> make_basis_engine(std::unique_ptr<Engine> engine, const Scenario& scenario,
                                           const BoneView& bone, const Tool& tool) {
   if (scenario.cutting.erosion == ErosionMode::exact)
-    return std::make_unique<ExactBasisEngine>(std::move(engine), scenario, bone, tool);
+    return make_exact_basis_engine(std::move(engine), scenario, bone, tool);
   return std::make_unique<TouchedBasisEngine>(std::move(engine), bone, tool);
 }
 

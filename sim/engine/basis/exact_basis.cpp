@@ -1,110 +1,29 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/basis/exact_basis.h"
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <utility>
 
+#include "kernels/distance_grid.h"
 #include "kernels/reach.h"
 #include "sim/base/parallel.h"
+#include "sim/engine/basis/basis.h"
 #include "sim/engine/common/tables.h"
 #include "sim/engine/exact/brick_batch_plan.h"
+#include "sim/tool/distance_grid.h"
 
 namespace reamsim {
 
 namespace {
 
-/// Force, torque and energy of the sums, in N, N·mm and mJ.
-void add_edge(const LaneSums& sums, std::size_t first, BasisValues& out) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    out[first + i] = static_cast<double>(sums.force[i]) / RS_FORCE_SCALE;
-    out[first + 3 + i] = static_cast<double>(sums.torque[i]) / RS_TORQUE_SCALE;
-  }
-  out[12] += static_cast<double>(sums.energy) / RS_ENERGY_SCALE;
-}
-
-}  // namespace
-
-UnitArgs::UnitArgs(const SubstepArgs& args, float edges_per_turn)
-    : without_normal(args), with_normal(args), edge_along(args), edge_normal(args) {
-  without_normal.normal_ratio = 0;
-  with_normal.normal_ratio = 1;
-  edge_along.edge_tangential = edge_normal.edge_normal = edges_per_turn;
-  edge_along.edge_normal = edge_normal.edge_tangential = 0;
-}
-
-BasisValues unit_response(const UnitArgs& args, const Clip& clip, float volume_mm3) {
-  float without[RS_WINDOW_SUMS], with[RS_WINDOW_SUMS];
-  rs_window_response(&args.without_normal, &clip, volume_mm3, without);
-  rs_window_response(&args.with_normal, &clip, volume_mm3, with);
-  BasisValues out{};
-  for (std::size_t i = 0; i < RS_SUM_OF_ENERGY; ++i) {
-    out[i] = double{without[i]};
-    out[6 + i] = double{with[i]} - double{without[i]};
-  }
-  out[12] = double{without[RS_SUM_OF_ENERGY]};
-  out[13] = double{without[RS_SUM_OF_FLOOR]};
-  return out;
-}
-
-BasisValues edge_response(const UnitArgs& args, const Clip& clip, rs_i32 remaining, rs_i32 outside) {
-  LaneSums along{}, normal{};
-  rs_edge_force(&args.edge_along, &clip, remaining, outside, &along);
-  rs_edge_force(&args.edge_normal, &clip, remaining, outside, &normal);
-  BasisValues out{};
-  add_edge(along, 0, out);
-  add_edge(normal, 6, out);
-  return out;
-}
-
-namespace {
-
-/// Units per mm², mm³ and, of the edge, mm: fine against a voxel's part, and room for 8·10⁶ of them.
-constexpr double kBasisScale = 1099511627776.0;  // 2^40
-
-}  // namespace
-
-void BrickBasis::add(int substep, int grade, double factor, const BasisValues& values) {
-  auto found = std::ranges::find(grades_, grade, &Grade::grade);
-  if (found == grades_.end()) {
-    grades_.push_back({grade, std::vector<BasisValues>(static_cast<std::size_t>(substeps_))});
-    found = grades_.end() - 1;
-  }
-  BasisValues& sum = found->sums[static_cast<std::size_t>(substep)];
-  for (std::size_t i = 0; i < kBasisValues; ++i) sum[i] += factor * values[i];
-}
-
-void VisitBasis::add(const BrickBasis& brick) {
-  const std::lock_guard lock(mutex_);
-  for (const BrickBasis::Grade& grade : brick.grades_) {
-    for (std::size_t s = 0; s < grade.sums.size(); ++s) {
-      Units& to = sums_[s * kGrades + static_cast<std::size_t>(grade.grade)];
-      for (std::size_t i = 0; i < kBasisValues; ++i) to[i] += std::llround(grade.sums[s][i] * kBasisScale);
-    }
-  }
-}
-
-std::vector<SubstepBasis> VisitBasis::substeps() const {
-  std::vector<SubstepBasis> out(sums_.size() / kGrades);
-  for (std::size_t s = 0; s < out.size(); ++s) {
-    for (std::size_t grade = 0; grade < kGrades; ++grade) {
-      const Units& units = sums_[s * kGrades + grade];
-      if (std::ranges::all_of(units, [](std::int64_t unit) { return unit == 0; })) continue;
-      GradeBasis& basis = out[s].emplace_back(GradeBasis{static_cast<int>(grade), {}});
-      for (std::size_t i = 0; i < kBasisValues; ++i) basis.values[i] = static_cast<double>(units[i]) / kBasisScale;
-    }
-  }
-  return out;
-}
-
 /// The arguments at the nodes of a window of smooth motion.
 struct NodeUnits {
   UnitArgs first, middle, last;
 };
-
-namespace {
 
 /// The grade of the edge force in a basis.
 constexpr int kEdge = 0;
@@ -154,202 +73,266 @@ class ForceLine {
   BasisValues base_{}, slope_{};
 };
 
-}  // namespace
-
-/// What the bricks of a visit share.
-struct ExactBasis::Visit {
-  const BrickBatchPlan& plan;
-  std::span<const SubstepArgs> args;  ///< by slot
-  std::vector<UnitArgs> units;        ///< by substep of the visit
-  std::vector<NodeUnits> nodes;       ///< of the plan's motions
-
-  [[nodiscard]] int place(rs_u32 slot) const { return static_cast<int>(slot) - plan.first; }
-  [[nodiscard]] const UnitArgs& units_of(int place) const { return units[static_cast<std::size_t>(place)]; }
-};
-
-/// A brick in a visit.
-struct ExactBasis::BrickVisit {
-  const GradeBricks::Brick& grades;
-  Page& fill;
-  Vec3i at;
-  BrickBasis sums;
-  std::vector<BrickMiddle> middles;  ///< by substep of the visit
-  PieceList list{};                  ///< pieces of the outline that can be nearest in the current window
-
-  [[nodiscard]] const BrickMiddle& middle(int place) const { return middles[static_cast<std::size_t>(place)]; }
-};
-
-ExactBasis::ExactBasis(const Scenario& scenario, const BoneView& bone, const Tool& tool)
-    : tool_(&tool),
-      grades_(&bone.voxmap.grade),
-      fill_before_(bone.fill),
-      lattice_(BrickLattice::over(bone.voxmap.grid.dims)),
-      pages_(lattice_.count()),
-      extent_(bone_extent(bone.voxmap)),
-      outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)),
-      view_(view_of(outline_)),
-      tool_box_(tool.clip_bounds().expanded(outline_.bulge_mm)),
-      table_(brick_distances(tool.profile, bone.voxmap.grid.voxel_mm, tool.clip_slack_mm() + outline_.bulge_mm)),
-      coarse_(coarse_grid(table_)),
-      slack_mm_(static_cast<float>(tool.clip_slack_mm() + outline_.bulge_mm)),
-      volume_mm3_(static_cast<float>(bone.voxmap.grid.voxel_mm3())),
-      edges_per_turn_(0) {
-  if (tool.teeth) teeth_ = distance_lattice(*tool.teeth);
-  const EnergyTable table = make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm);
-  std::ranges::transform(table.energy_mj, energy_mj_.begin(), [](double mj) { return static_cast<float>(mj); });
-  if (const auto& edge = scenario.cutting.edge_force)
-    edges_per_turn_ = static_cast<float>(edge->cutting_edges / (2 * M_PI));
-}
-
-std::vector<SubstepBasis> ExactBasis::cut(std::span<const SubstepArgs> args, const MotionsOfSlots& motions) {
-  std::vector<SubstepBasis> out;
-  for (int first = 0; first < static_cast<int>(args.size());) {
-    const BrickBatchPlan plan = plan_brick_batch(args, motions, first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
-    Visit visit{plan, args, {}, {}};
-    for (int slot = plan.first; slot < plan.end; ++slot)
-      visit.units.emplace_back(args[static_cast<std::size_t>(slot)], edges_per_turn_);
-    for (const MotionWindow& w : plan.motions)
-      visit.nodes.push_back({UnitArgs(w.first, 0), UnitArgs(w.middle, 0), UnitArgs(w.last, 0)});
-    VisitBasis sums(plan.end - plan.first);
-    const std::vector<Vec3i> bricks = bricks_in_reach(args[static_cast<std::size_t>(first)], plan);
-    parallel_items(bricks.size(), [&](std::size_t i) { cut_brick(visit, bricks[i], sums); });
-    for (SubstepBasis& basis : sums.substeps()) out.push_back(std::move(basis));
-    first = plan.end;
+/// The force basis: cuts its own copy of the bone.
+class ExactBasis {
+ public:
+  /// `tool` and the voxmap must outlive it.
+  ExactBasis(const Scenario& scenario, const BoneView& bone, const Tool& tool)
+      : tool_(&tool),
+        grades_(&bone.voxmap.grade),
+        fill_before_(bone.fill),
+        lattice_(BrickLattice::over(bone.voxmap.grid.dims)),
+        pages_(lattice_.count()),
+        extent_(bone_extent(bone.voxmap)),
+        outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)),
+        view_(view_of(outline_)),
+        tool_box_(tool.clip_bounds().expanded(outline_.bulge_mm)),
+        table_(brick_distances(tool.profile, bone.voxmap.grid.voxel_mm, tool.clip_slack_mm() + outline_.bulge_mm)),
+        coarse_(coarse_grid(table_)),
+        slack_mm_(static_cast<float>(tool.clip_slack_mm() + outline_.bulge_mm)),
+        volume_mm3_(static_cast<float>(bone.voxmap.grid.voxel_mm3())),
+        edges_per_turn_(0) {
+    if (tool.teeth) teeth_ = distance_lattice(*tool.teeth);
+    const EnergyTable table = make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm);
+    std::ranges::transform(table.energy_mj, energy_mj_.begin(), [](double mj) { return static_cast<float>(mj); });
+    if (const auto& edge = scenario.cutting.edge_force)
+      edges_per_turn_ = static_cast<float>(edge->cutting_edges / (2 * M_PI));
   }
-  return out;
-}
 
-/// As kernels/list_bricks.cl.
-std::vector<Vec3i> ExactBasis::bricks_in_reach(const SubstepArgs& args, const BrickBatchPlan& plan) const {
-  std::vector<Vec3i> out;
-  if (plan.superbricks.empty()) return out;
-  const Vec3i first = 4 * plan.superbricks.first;
-  const Vec3i end = (4 * (plan.superbricks.last + Vec3i::Ones())).cwiseMin(lattice_.dims);
-  const float reach = RS_BRICK_RADIUS * args.voxel_mm + plan.shift_mm + slack_mm_;
-  Vec3i at;
-  for (at.z() = first.z(); at.z() < end.z(); ++at.z()) {
-    for (at.y() = first.y(); at.y() < end.y(); ++at.y()) {
-      for (at.x() = first.x(); at.x() < end.x(); ++at.x()) {
-        if (grades_->brick(at) == nullptr) continue;
-        float middle[3];
-        rs_box_middle(&args, 8 * at.x(), 8 * at.y(), 8 * at.z(), 8, middle);
-        if (rs_near_surface(&coarse_, table_.mm.data(), middle, reach) != 0) out.push_back(at);
+  /// Cuts through consecutive substeps. Returns the basis of each.
+  std::vector<SubstepBasis> cut(std::span<const SubstepArgs> args, const MotionsOfSlots& motions) {
+    std::vector<SubstepBasis> out;
+    for (int first = 0; first < static_cast<int>(args.size());) {
+      const BrickBatchPlan plan = plan_brick_batch(args, motions, first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
+      Visit visit{plan, args, {}, {}};
+      for (int slot = plan.first; slot < plan.end; ++slot)
+        visit.units.emplace_back(args[static_cast<std::size_t>(slot)], edges_per_turn_);
+      for (const MotionWindow& w : plan.motions)
+        visit.nodes.push_back({UnitArgs(w.first, 0), UnitArgs(w.middle, 0), UnitArgs(w.last, 0)});
+      VisitBasis sums(plan.end - plan.first);
+      const std::vector<Vec3i> bricks = bricks_in_reach(args[static_cast<std::size_t>(first)], plan);
+      parallel_items(bricks.size(), [&](std::size_t i) { cut_brick(visit, bricks[i], sums); });
+      for (SubstepBasis& basis : sums.substeps()) out.push_back(std::move(basis));
+      first = plan.end;
+    }
+    return out;
+  }
+
+ private:
+  using Page = std::array<std::uint16_t, RS_BRICK_VOXELS>;
+
+  /// What the bricks of a visit share.
+  struct Visit {
+    const BrickBatchPlan& plan;
+    std::span<const SubstepArgs> args;  ///< by slot
+    std::vector<UnitArgs> units;        ///< by substep of the visit
+    std::vector<NodeUnits> nodes;       ///< of the plan's motions
+
+    [[nodiscard]] int place(rs_u32 slot) const { return static_cast<int>(slot) - plan.first; }
+    [[nodiscard]] const UnitArgs& units_of(int place) const { return units[static_cast<std::size_t>(place)]; }
+  };
+
+  /// A brick in a visit.
+  struct BrickVisit {
+    const GradeBricks::Brick& grades;
+    Page& fill;
+    Vec3i at;
+    BrickBasis sums;
+    std::vector<BrickMiddle> middles;  ///< by substep of the visit
+    PieceList list{};                  ///< pieces of the outline that can be nearest in the current window
+
+    [[nodiscard]] const BrickMiddle& middle(int place) const { return middles[static_cast<std::size_t>(place)]; }
+  };
+
+  /// As kernels/list_bricks.cl.
+  [[nodiscard]] std::vector<Vec3i> bricks_in_reach(const SubstepArgs& args, const BrickBatchPlan& plan) const {
+    std::vector<Vec3i> out;
+    if (plan.superbricks.empty()) return out;
+    const Vec3i first = 4 * plan.superbricks.first;
+    const Vec3i last = (4 * plan.superbricks.last + Vec3i::Constant(3)).cwiseMin(lattice_.dims - Vec3i::Ones());
+    const float reach = RS_BRICK_RADIUS * args.voxel_mm + plan.shift_mm + slack_mm_;
+    for_each_voxel(first, last, [&](const Vec3i& at) {
+      if (grades_->brick(at) == nullptr) return;
+      float middle[3];
+      rs_box_middle(&args, 8 * at.x(), 8 * at.y(), 8 * at.z(), 8, middle);
+      if (rs_near_surface(&coarse_, table_.mm.data(), middle, reach) != 0) out.push_back(at);
+    });
+    return out;
+  }
+
+  Page& page_of(const Vec3i& brick) {
+    std::unique_ptr<Page>& page = pages_[lattice_.index(brick)];
+    if (page) return *page;
+    page = std::make_unique<Page>();
+    if (const FillBricks::Brick* fill = fill_before_.brick(brick)) {
+      std::ranges::copy(*fill, page->begin());
+    } else {
+      page->fill(FillBricks::kWhole);
+    }
+    return *page;
+  }
+
+  void cut_brick(const Visit& visit, const Vec3i& at, VisitBasis& sums) {
+    BrickVisit brick{*grades_->brick(at), page_of(at), at, BrickBasis(visit.plan.end - visit.plan.first), {}, {}};
+    for (int slot = visit.plan.first; slot < visit.plan.end; ++slot)
+      brick.middles.push_back(middle_of(visit.args[static_cast<std::size_t>(slot)], at));
+    for (const SubstepWindow& window : visit.plan.windows) {
+      const SubstepArgs& args = visit.args[window.first];
+      const BrickMiddle& middle = brick.middle(visit.place(window.first));
+      brick.list = rs_pieces_near_brick(&view_, &middle);
+      const float shift = window.shift_mm * args.per_voxel_mm;
+      const unsigned blocks = blocks_in_reach(args, shift, brick, middle);
+      for (int offset = 0; offset < RS_BRICK_VOXELS; ++offset) {
+        const auto i = static_cast<std::size_t>(offset);
+        if ((blocks >> block_of(offset) & 1U) == 0 || brick.grades[i] == 0 || brick.fill[i] == 0) continue;
+        if (!in_reach(args, shift, brick, middle, offset)) continue;
+        if (window.motion < 0 || !cut_smoothly(visit, window, brick, offset))
+          cut_by_frames(visit, window, brick, offset);
       }
     }
+    sums.add(brick.sums);
   }
-  return out;
-}
 
-ExactBasis::Page& ExactBasis::page_of(const Vec3i& brick) {
-  std::unique_ptr<Page>& page = pages_[lattice_.index(brick)];
-  if (page) return *page;
-  page = std::make_unique<Page>();
-  if (const FillBricks::Brick* fill = fill_before_.brick(brick)) {
-    std::ranges::copy(*fill, page->begin());
-  } else {
-    page->fill(FillBricks::kWhole);
-  }
-  return *page;
-}
-
-void ExactBasis::cut_brick(const Visit& visit, const Vec3i& at, VisitBasis& sums) {
-  BrickVisit brick{*grades_->brick(at), page_of(at), at, BrickBasis(visit.plan.end - visit.plan.first), {}, {}};
-  for (int slot = visit.plan.first; slot < visit.plan.end; ++slot)
-    brick.middles.push_back(middle_of(visit.args[static_cast<std::size_t>(slot)], at));
-  for (const SubstepWindow& window : visit.plan.windows) {
-    const SubstepArgs& args = visit.args[window.first];
-    const BrickMiddle& middle = brick.middle(visit.place(window.first));
-    brick.list = rs_pieces_near_brick(&view_, &middle);
-    const float shift = window.shift_mm * args.per_voxel_mm;
-    const unsigned blocks = blocks_in_reach(args, shift, brick, middle);
-    for (int offset = 0; offset < RS_BRICK_VOXELS; ++offset) {
-      const auto i = static_cast<std::size_t>(offset);
-      if ((blocks >> block_of(offset) & 1U) == 0 || brick.grades[i] == 0 || brick.fill[i] == 0) continue;
-      if (!in_reach(args, shift, brick, middle, offset)) continue;
-      if (window.motion < 0 || !cut_smoothly(visit, window, brick, offset)) cut_by_frames(visit, window, brick, offset);
+  /// The blocks of 4×4×4 voxels of a brick that the surface can reach while the tool moves by `shift` voxels, a bit
+  /// each; as list_places() of kernels/candidates.h.
+  [[nodiscard]] unsigned blocks_in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick,
+                                         const BrickMiddle& middle) const {
+    constexpr float kBlockRadius = 2.6F, kBulge = 0.1F;
+    const float near = RS_CLIP_REACH + kBlockRadius + kBulge + shift + teeth_.slack_mm * args.per_voxel_mm;
+    unsigned out = 0;
+    for (int block = 0; block < 8; ++block) {
+      const float x = static_cast<float>((block & 1) << 2) + 1.5F, y = static_cast<float>((block & 2) << 1) + 1.5F,
+                  z = static_cast<float>(block & 4) + 1.5F;
+      const float distance = rs_clip_distance(&args, &view_, brick.list, &middle, x, y, z);
+      if (distance * args.per_voxel_mm <= near) out |= 1U << block;
     }
+    return out;
   }
-  sums.add(brick.sums);
-}
 
-/// As list_places() of kernels/candidates.h.
-unsigned ExactBasis::blocks_in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick,
-                                     const BrickMiddle& middle) const {
-  constexpr float kBlockRadius = 2.6F, kBulge = 0.1F;
-  const float near = RS_CLIP_REACH + kBlockRadius + kBulge + shift + teeth_.slack_mm * args.per_voxel_mm;
-  unsigned out = 0;
-  for (int block = 0; block < 8; ++block) {
-    const float x = static_cast<float>((block & 1) << 2) + 1.5F, y = static_cast<float>((block & 2) << 1) + 1.5F,
-                z = static_cast<float>(block & 4) + 1.5F;
-    const float distance = rs_clip_distance(&args, &view_, brick.list, &middle, x, y, z);
-    if (distance * args.per_voxel_mm <= near) out |= 1U << block;
+  /// Whether the surface can intersect a voxel, or contains it, meanwhile.
+  [[nodiscard]] bool in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick, const BrickMiddle& middle,
+                              int offset) const {
+    const Place at(offset);
+    if (!tool_->teeth)
+      return rs_distance_beyond_reach(&args, &view_, brick.list, &middle, at.x, at.y, at.z, shift) <= 0;
+    const DistanceView teeth{&teeth_, tool_->teeth->slot_of_brick.data(), tool_->teeth->samples.data()};
+    const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + RS_POSITION_SLACK * args.per_voxel_mm;
+    return rs_clip_grid_distance(&args, &teeth, &middle, at.x, at.y, at.z) * args.per_voxel_mm <= slack;
   }
-  return out;
-}
 
-bool ExactBasis::in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick, const BrickMiddle& middle,
+  /// The tool next to a voxel: the surface of resolved cutting edges, else the envelope.
+  [[nodiscard]] Clip clip(const SubstepArgs& args, const BrickVisit& brick, const BrickMiddle& middle,
                           int offset) const {
-  const Place at(offset);
-  if (!tool_->teeth) return rs_distance_beyond_reach(&args, &view_, brick.list, &middle, at.x, at.y, at.z, shift) <= 0;
-  const DistanceView teeth{&teeth_, tool_->teeth->slot_of_brick.data(), tool_->teeth->samples.data()};
-  const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + RS_POSITION_SLACK * args.per_voxel_mm;
-  return rs_clip_grid_distance(&args, &teeth, &middle, at.x, at.y, at.z) * args.per_voxel_mm <= slack;
-}
+    const Place at(offset);
+    if (!tool_->teeth) return rs_clip(&args, &view_, brick.list, &middle, at.x, at.y, at.z);
+    const DistanceView teeth{&teeth_, tool_->teeth->slot_of_brick.data(), tool_->teeth->samples.data()};
+    return rs_clip_grid(&args, &teeth, &middle, at.x, at.y, at.z);
+  }
 
-/// The tool next to a voxel: the surface of resolved cutting edges, else the envelope.
-Clip ExactBasis::clip(const SubstepArgs& args, const BrickVisit& brick, const BrickMiddle& middle, int offset) const {
-  const Place at(offset);
-  if (!tool_->teeth) return rs_clip(&args, &view_, brick.list, &middle, at.x, at.y, at.z);
-  const DistanceView teeth{&teeth_, tool_->teeth->slot_of_brick.data(), tool_->teeth->samples.data()};
-  return rs_clip_grid(&args, &teeth, &middle, at.x, at.y, at.z);
-}
-
-/// Cuts a voxel in a window of smooth motion. Returns false where it must be cut frame by frame.
-bool ExactBasis::cut_smoothly(const Visit& visit, const SubstepWindow& window, BrickVisit& brick, int offset) const {
-  const auto i = static_cast<std::size_t>(offset), number = static_cast<std::size_t>(window.motion);
-  const MotionWindow& w = visit.plan.motions[number];
-  const Clip first = clip(w.first, brick, middle_of(w.first, brick.at), offset),
-             middle = clip(w.middle, brick, middle_of(w.middle, brick.at), offset),
-             last = clip(w.last, brick, middle_of(w.last, brick.at), offset);
-  WindowVoxel fit;
-  rs_fit_voxel(&w, &first, &middle, &last, energy_mj_[brick.grades[i]], &fit);
-  if (fit.pieces == 0) return false;
-  std::optional<ForceLine> line;
-  rs_i32 fill = brick.fill[i];
-  for (rs_u32 slot = window.first; slot < window.end; ++slot) {
-    const SubstepArgs& args = visit.args[slot];
-    const int place = visit.place(slot);
-    const float time = rs_window_time(&w, args.frame);
-    const rs_i32 outside = rs_window_outside(&fit, time, RS_WINDOW_PIECES);
-    const rs_i32 lost = rs_clip_loss(&args, fill, outside);
-    fill -= lost;
-    if (rs_has_edge(&args) != 0) {
-      const Clip now = clip(args, brick, brick.middle(place), offset);
-      brick.sums.add(place, kEdge, 1, edge_response(visit.units_of(place), now, fill, outside));
+  /// Cuts a voxel in a window of smooth motion. Returns false where it must be cut frame by frame.
+  [[nodiscard]] bool cut_smoothly(const Visit& visit, const SubstepWindow& window, BrickVisit& brick,
+                                  int offset) const {
+    const auto i = static_cast<std::size_t>(offset), number = static_cast<std::size_t>(window.motion);
+    const MotionWindow& w = visit.plan.motions[number];
+    const Clip first = clip(w.first, brick, middle_of(w.first, brick.at), offset),
+               middle = clip(w.middle, brick, middle_of(w.middle, brick.at), offset),
+               last = clip(w.last, brick, middle_of(w.last, brick.at), offset);
+    WindowVoxel fit;
+    rs_fit_voxel(&w, &first, &middle, &last, energy_mj_[brick.grades[i]], &fit);
+    if (fit.pieces == 0) return false;
+    std::optional<ForceLine> line;
+    rs_i32 fill = brick.fill[i];
+    for (rs_u32 slot = window.first; slot < window.end; ++slot) {
+      const SubstepArgs& args = visit.args[slot];
+      const int place = visit.place(slot);
+      const float time = rs_window_time(&w, args.frame);
+      const rs_i32 outside = rs_window_outside(&fit, time, RS_WINDOW_PIECES);
+      const rs_i32 lost = rs_clip_loss(&args, fill, outside);
+      fill -= lost;
+      if (rs_has_edge(&args) != 0) {
+        const Clip now = clip(args, brick, brick.middle(place), offset);
+        brick.sums.add(place, kEdge, 1, edge_response(visit.units_of(place), now, fill, outside));
+      }
+      if (lost == 0) continue;
+      if (!line) line.emplace(w, visit.nodes[number], first, middle, last, volume_mm3_);
+      brick.sums.add(place, brick.grades[i], lost, line->at(time));
     }
-    if (lost == 0) continue;
-    if (!line) line.emplace(w, visit.nodes[number], first, middle, last, volume_mm3_);
-    brick.sums.add(place, brick.grades[i], lost, line->at(time));
+    brick.fill[i] = static_cast<std::uint16_t>(fill);
+    return true;
   }
-  brick.fill[i] = static_cast<std::uint16_t>(fill);
-  return true;
-}
 
-void ExactBasis::cut_by_frames(const Visit& visit, const SubstepWindow& window, BrickVisit& brick, int offset) const {
-  const auto i = static_cast<std::size_t>(offset);
-  for (rs_u32 slot = window.first; slot < window.end && brick.fill[i] > 0; ++slot) {
-    const SubstepArgs& args = visit.args[slot];
-    const int place = visit.place(slot);
-    Clip now = clip(args, brick, brick.middle(place), offset);
-    const rs_i32 outside = rs_fill_outside(&now), lost = rs_clip_loss(&args, brick.fill[i], outside);
-    brick.fill[i] = static_cast<std::uint16_t>(brick.fill[i] - lost);
-    if (args.law != RS_LAW_ENERGY) continue;
-    if (rs_has_edge(&args) != 0)
-      brick.sums.add(place, kEdge, 1, edge_response(visit.units_of(place), now, brick.fill[i], outside));
-    if (lost == 0) continue;
-    if (tool_->teeth) rs_use_envelope_normal(&view_, brick.list, &now);
-    brick.sums.add(place, brick.grades[i], lost, unit_response(visit.units_of(place), now, volume_mm3_));
+  void cut_by_frames(const Visit& visit, const SubstepWindow& window, BrickVisit& brick, int offset) const {
+    const auto i = static_cast<std::size_t>(offset);
+    for (rs_u32 slot = window.first; slot < window.end && brick.fill[i] > 0; ++slot) {
+      const SubstepArgs& args = visit.args[slot];
+      const int place = visit.place(slot);
+      Clip now = clip(args, brick, brick.middle(place), offset);
+      const rs_i32 outside = rs_fill_outside(&now), lost = rs_clip_loss(&args, brick.fill[i], outside);
+      brick.fill[i] = static_cast<std::uint16_t>(brick.fill[i] - lost);
+      if (args.law != RS_LAW_ENERGY) continue;
+      if (rs_has_edge(&args) != 0)
+        brick.sums.add(place, kEdge, 1, edge_response(visit.units_of(place), now, brick.fill[i], outside));
+      if (lost == 0) continue;
+      if (tool_->teeth) rs_use_envelope_normal(&view_, brick.list, &now);
+      brick.sums.add(place, brick.grades[i], lost, unit_response(visit.units_of(place), now, volume_mm3_));
+    }
   }
+
+  const Tool* tool_;
+  const GradeBricks* grades_;
+  FillBricks fill_before_;
+  BrickLattice lattice_;
+  std::vector<std::unique_ptr<Page>> pages_;  ///< fill by brick; none: that before the run
+  VoxelBox extent_;
+  OutlineTable outline_;
+  OutlineView view_;
+  Aabb tool_box_;
+  DistanceTable table_;
+  CoarseGrid coarse_;
+  float slack_mm_;
+  DistanceLattice teeth_{};
+  std::array<float, 256> energy_mj_{};  ///< of a whole voxel, by grade
+  float volume_mm3_;
+  float edges_per_turn_;
+};
+
+class ExactBasisEngine final : public BasisEngine {
+ public:
+  ExactBasisEngine(std::unique_ptr<Engine> engine, const Scenario& scenario, const BoneView& bone, const Tool& tool)
+      : BasisEngine(std::move(engine)),
+        scenario_(scenario),
+        tool_(&tool),
+        basis_(std::in_place, scenario, bone, tool) {}
+
+  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override {
+    args_.push_back(args);
+    motions_.push_back(window);
+    engine_->enqueue(args, std::move(window));
+  }
+  Batch collect() override {
+    Batch out = engine_->collect();
+    out.basis = basis_->cut(args_, motions_);
+    args_.clear();
+    motions_.clear();
+    return out;
+  }
+  void restore(const BoneView& bone) override {
+    engine_->restore(bone);
+    basis_.emplace(scenario_, bone, *tool_);
+  }
+
+ private:
+  Scenario scenario_;
+  const Tool* tool_;
+  std::optional<ExactBasis> basis_;  ///< always; its views do not survive a move
+  MotionsOfSlots motions_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_exact_basis_engine(std::unique_ptr<Engine> engine, const Scenario& scenario,
+                                                const BoneView& bone, const Tool& tool) {
+  return std::make_unique<ExactBasisEngine>(std::move(engine), scenario, bone, tool);
 }
 
 }  // namespace reamsim

@@ -4,12 +4,15 @@
 #include "sim/engine/common/engines.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <utility>
 
-#include "sim/engine/bricked/bricked_state.h"
+#include "kernels/cut_law.h"
+#include "sim/engine/bricked/shell_cells.h"
 #include "sim/engine/common/device_batch.h"
 #include "sim/engine/common/device_bricks.h"
+#include "sim/engine/common/tables.h"
 
 namespace reamsim {
 
@@ -20,41 +23,90 @@ extern const char* const kernel_cut_bricked;
 
 namespace {
 
-/// A stage of `bricked` with its arguments and its number of work-items.
-struct BrickedStage {
-  cl::SlotKernel kernel;
-  std::size_t items;
+/// The data of `bricked` on the device: the bone's bricks, the lists of those that a substep touches, the shell's
+/// points in cells, and tables.
+struct BrickedState {
+  DeviceBricks bone;
+  cl::Buffer<cl_uint> listed;  ///< per slot
+  cl::Buffer<cl_uint> touched_list;
+  cl::Buffer<ShellCell> cells;
+  cl::Buffer<ShellCell> runs;
+  cl::Buffer<cl_ushort> offsets;
+  DeviceOutline outline;
+  cl::Buffer<double> energy_of_grade;   ///< mJ
+  cl::Buffer<rs_i64> units_of_grade;    ///< the same in units of the energy sum
+  cl::Buffer<double> density_of_grade;  ///< g/cm³
+  cl::Buffer<cl_ulong> bits_of_byte;    ///< per byte the numbers of its bits, a byte each, lowest first; then zeros
 
-  void enqueue(int slot) { kernel.run(slot, items); }
+  [[nodiscard]] std::size_t shell_bytes() const { return cells.bytes() + runs.bytes() + offsets.bytes(); }
 };
 
+/// The lists of touched bricks, and the shell.
+std::size_t bytes_beside_bone(const BoneView& bone, const Tool& tool) {
+  return 2 * sizeof(cl_uint) * bone.voxmap.grade.stored_bricks() + 3 * tool.shell.codes.size();
+}
+
+std::array<cl_ulong, 256> bits_of_byte() {
+  std::array<cl_ulong, 256> out{};
+  for (unsigned byte = 0; byte < 256; ++byte) {
+    int at = 0;
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      if ((byte >> bit & 1U) != 0) out[byte] |= cl_ulong{bit} << (8 * at++);
+    }
+  }
+  return out;
+}
+
+/// Uploads bone, tool and tables. Throws as make_device_bricks() does.
+BrickedState make_bricked_state(const cl::Device& device, const BoneView& bone, const Tool& tool,
+                                const EnergyTable& energy, FillStore fill, std::size_t largest_pool) {
+  BrickedState state;
+  state.bone = make_device_bricks(device, bone, fill, bytes_beside_bone(bone, tool), largest_pool);
+  const std::size_t slots = std::max<std::size_t>(1, state.bone.layout.bricks);
+  state.listed = {device, slots, "the marks of touched bricks"};
+  state.listed.clear(device, slots);
+  state.touched_list = {device, slots, "the list of touched bricks"};
+  const ShellCells shell =
+      make_shell_cells(tool.shell, shell_cell_side(tool.shell.cell_mm / bone.voxmap.grid.voxel_mm));
+  state.cells = cl::upload(device, shell.cells, "the shell's cells", "tool.shell_resolution");
+  state.runs = cl::upload(device, shell.runs, "the shell's cells", "tool.shell_resolution");
+  state.offsets = cl::upload(device, shell.offsets, "the point shell", "tool.shell_resolution");
+  state.outline = {device, make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)};
+  std::array<rs_i64, 256> units{};
+  std::ranges::transform(energy.energy_mj, units.begin(), rs_energy_units);
+  state.energy_of_grade = cl::upload(device, energy.energy_mj, "the energy table");
+  state.units_of_grade = cl::upload(device, units, "the energy table");
+  state.density_of_grade = cl::upload(device, energy.density_g_cm3, "the density table");
+  state.bits_of_byte = cl::upload(device, bits_of_byte(), "the table of bits");
+  return state;
+}
+
 /// Cells of shell points against bricks of voxels; see kernels/detect_bricked.cl.
-BrickedStage make_detect_bricked(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
-                                 const KernelOptions& options) {
+cl::SlotKernel make_detect_bricked(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
+                                   const KernelOptions& options) {
   const std::string defines = kernel_defines(state.bone.layout, options.shape);
-  BrickedStage out{{device, device.build("detect_bricked.cl", embedded::kernel_detect_bricked, defines),
-                    "detect_bricked", options.work_group},
-                   options.shape == KernelShape::cpu ? state.runs.count() : state.cells.count() * options.work_group};
-  out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.cells, static_cast<cl_uint>(state.cells.count()),
-                      state.runs, cl_uint{kRunCells}, state.offsets, state.bone.slot_of_brick, state.bone.occupancy,
-                      state.listed, state.touched_list, batch.contact_count(), batch.sums(), state.bone.dims,
-                      cl_int{options.culling ? 1 : 0}, batch.removed_room(), batch.removed_count(),
-                      batch.removed_before(), state.outline.arguments(), state.bone.pool_arguments());
+  cl::SlotKernel out(device, device.build("detect_bricked.cl", embedded::kernel_detect_bricked, defines),
+                     "detect_bricked", options.work_group,
+                     options.shape == KernelShape::cpu ? state.runs.count() : state.cells.count() * options.work_group);
+  out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.cells, static_cast<cl_uint>(state.cells.count()),
+               state.runs, cl_uint{kRunCells}, state.offsets, state.bone.slot_of_brick, state.bone.occupancy,
+               state.listed, state.touched_list, batch.contact_count(), batch.sums(), state.bone.dims,
+               cl_int{options.culling ? 1 : 0}, batch.removed_room(), batch.removed_count(), batch.removed_before(),
+               state.outline.arguments(), state.bone.pool_arguments());
   return out;
 }
 
 /// `remove` and `wear` over the list of touched bricks; see kernels/cut_bricked.cl.
-BrickedStage make_cut_bricked(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
-                              const KernelOptions& options) {
+cl::SlotKernel make_cut_bricked(const cl::Device& device, const BrickedState& state, const DeviceBatch& batch,
+                                const KernelOptions& options) {
   const std::string defines = cut_defines(state.bone.layout, options.shape);
-  BrickedStage out{{device, device.build("cut_bricked.cl", embedded::kernel_cut_bricked, defines), "cut_bricked",
-                    options.work_group},
-                   cut_items(device.info(), options)};
-  out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.bone.lattice_of_slot, state.listed,
-                      state.bone.occupancy, state.touched_list, batch.contact_count(), batch.sums(), batch.removed(),
-                      batch.removed_count(), batch.removed_room(), batch.removed_before(), state.energy_of_grade,
-                      state.units_of_grade, state.density_of_grade, state.bits_of_byte, state.bone.dims,
-                      state.outline.arguments(), state.bone.pool_arguments());
+  cl::SlotKernel out(device, device.build("cut_bricked.cl", embedded::kernel_cut_bricked, defines), "cut_bricked",
+                     options.work_group, cut_items(device.info(), options));
+  out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.bone.lattice_of_slot, state.listed, state.bone.occupancy,
+               state.touched_list, batch.contact_count(), batch.sums(), batch.removed(), batch.removed_count(),
+               batch.removed_room(), batch.removed_before(), state.energy_of_grade, state.units_of_grade,
+               state.density_of_grade, state.bits_of_byte, state.bone.dims, state.outline.arguments(),
+               state.bone.pool_arguments());
   return out;
 }
 
@@ -88,15 +140,15 @@ class BrickedEngine final : public Engine {
 
   void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> /*window*/) override {
     const int slot = batch_.begin(args);
-    detect_.enqueue(slot);
-    cut_.enqueue(slot);
+    detect_.run(slot);
+    cut_.run(slot);
   }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
   Batch collect() override {
     removed_.clear();
     for (int slot = batch_.first_waiting(); slot >= 0; slot = batch_.first_waiting()) resume(slot);
-    return {.sums = batch_.collect(), .times = stage_times(detect_.kernel.take_seconds(), cut_.kernel.take_seconds())};
+    return {.sums = batch_.collect(), .times = stage_times(detect_.take_seconds(), cut_.take_seconds())};
   }
 
   RemovedFrames take_removed() override {
@@ -119,10 +171,10 @@ class BrickedEngine final : public Engine {
   /// Cuts the substep that waited for room in the list of removed voxels, and runs those after it.
   void resume(int slot) {
     append(batch_.make_room(slot));
-    cut_.enqueue(slot);
+    cut_.run(slot);
     for (int later = slot + 1; later < batch_.used(); ++later) {
-      detect_.enqueue(later);
-      cut_.enqueue(later);
+      detect_.run(later);
+      cut_.run(later);
     }
   }
 
@@ -139,8 +191,7 @@ class BrickedEngine final : public Engine {
   VoxelGrid grid_;
   BrickedState state_;
   DeviceBatch batch_;
-  BrickedStage detect_;
-  BrickedStage cut_;
+  cl::SlotKernel detect_, cut_;
   RemovedFrames removed_;  // of the batch, as far as they have been read
 };
 
@@ -152,7 +203,8 @@ std::unique_ptr<Engine> make_bricked_engine(const cl::Device& device, const Scen
 }
 
 std::size_t bricked_engine_bytes(const Scenario& scenario, const BoneView& bone, const Tool& tool) {
-  return bricked_bytes(bone, tool, fill_store(scenario)) + DeviceBatch::bytes(removed_list(bone, tool, {}));
+  return device_bricks_bytes(bone, fill_store(scenario)) + bytes_beside_bone(bone, tool) +
+         DeviceBatch::bytes(removed_list(bone, tool, {}));
 }
 
 }  // namespace reamsim

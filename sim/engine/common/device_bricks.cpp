@@ -3,6 +3,7 @@
 
 #include "sim/engine/common/device_bricks.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -27,11 +28,6 @@ constexpr int kSide = RS_BRICK_SIDE;
 constexpr int kManyPools = 16;
 constexpr std::size_t kFillBytes = sizeof(rs_u16) * RS_BRICK_VOXELS;
 
-std::size_t superbrick_count(const Vec3i& bricks) {
-  const Vec3i n = (bricks.array() + 3) / 4;
-  return static_cast<std::size_t>(n.x()) * static_cast<std::size_t>(n.y()) * static_cast<std::size_t>(n.z());
-}
-
 /// Writes a brick in the device's layout. Returns whether it has bone.
 bool write_brick(const BoneView& bone, const Vec3i& coord, const GradeBricks::Brick& grades, bool with_fill,
                  cl_uchar* bytes) {
@@ -55,10 +51,8 @@ bool write_brick(const BoneView& bone, const Vec3i& coord, const GradeBricks::Br
 }
 
 /// Sets the bit of a brick with bone, in the layout of kernels/brick_report.h.
-void set_occupied(const Vec3i& brick, const Vec3i& superbricks, std::vector<cl_uint>& occupancy) {
-  const Vec3i s = brick / 4;
-  const auto word = static_cast<std::size_t>(
-      2 * (s.x() + std::int64_t{superbricks.x()} * (s.y() + std::int64_t{superbricks.y()} * s.z())));
+void set_occupied(const Vec3i& brick, const BrickLattice& superbricks, std::vector<cl_uint>& occupancy) {
+  const std::size_t word = 2 * superbricks.index(brick / 4);
   const auto bit = static_cast<unsigned>((brick.x() & 3) | (brick.y() & 3) << 2 | (brick.z() & 3) << 4);
   occupancy[word + (bit >> 5)] |= 1U << (bit & 31U);
 }
@@ -78,7 +72,7 @@ BrickLayout plan_layout(const BoneView& bone, FillStore fill, std::size_t larges
 std::size_t bytes_of(const BrickLayout& layout, const BoneView& bone) {
   const std::size_t bricks = BrickLattice::over(bone.voxmap.grid.dims).count();
   return layout.bricks * (layout.brick_bytes + sizeof(cl_uint)) + bricks * sizeof(cl_int) +
-         8 * superbrick_count(bone.voxmap.grade.brick_dims());
+         8 * superbricks_of(bone.voxmap.grade.brick_dims()).count();
 }
 
 [[noreturn]] void does_not_fit(const cl::Device& device, const BoneView& bone, std::size_t need, std::size_t have) {
@@ -147,13 +141,12 @@ DeviceBricks make_device_bricks(const cl::Device& device, const BoneView& bone, 
     out.pools.emplace_back(device, count * out.layout.brick_bytes, "the bone's bricks");
     if (per_pool == 0) break;
   }
-  out.occupancy = {device, 2 * superbrick_count(bricks), "the bricks' occupancy"};
+  out.occupancy = {device, 2 * superbricks_of(bricks).count(), "the bricks' occupancy"};
   upload_bone(device, bone, out);
   return out;
 }
 
 void upload_bone(const cl::Device& device, const BoneView& bone, DeviceBricks& out) {
-  const Vec3i bricks = bone.voxmap.grade.brick_dims();
   const bool same = bone.voxmap.grid.dims == out.grid.dims && bone.voxmap.grade.stored_bricks() == out.layout.bricks &&
                     (out.layout.fill != FillStore::none || !partly_filled(bone.fill));
   if (!same) throw RunError("this is not the bone for which the engine was created");
@@ -161,7 +154,7 @@ void upload_bone(const cl::Device& device, const BoneView& bone, DeviceBricks& o
   const std::size_t bytes = out.layout.brick_bytes;
   std::vector<cl_uchar> chunk(kChunk * bytes);
   std::vector<cl_uint> occupancy(out.occupancy.count(), 0);
-  const Vec3i superbricks = (bricks.array() + 3) / 4;
+  const BrickLattice superbricks = superbricks_of(bone.voxmap.grade.brick_dims());
   std::size_t slot = 0, first = 0;
   const auto flush = [&] {
     if (slot > first) {
@@ -193,7 +186,7 @@ void upload_bricks_of(const cl::Device& device, const BoneView& bone, const Remo
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
 
   const std::size_t bytes = out.layout.brick_bytes;
-  const Vec3i superbricks = (lattice.dims.array() + 3) / 4;
+  const BrickLattice superbricks = superbricks_of(lattice.dims);
   std::vector<cl_int> slots(out.slot_of_brick.count());
   std::vector<cl_uint> occupancy(out.occupancy.count());
   out.slot_of_brick.read(device, slots.data(), slots.size());
@@ -226,6 +219,112 @@ void read_brick_fill(const cl::Device& device, const DeviceBricks& out, const Vo
       remaining.set(voxel, fill[static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()))]);
     }
   });
+}
+
+namespace {
+
+constexpr std::size_t kMinRoom = 64;  // pages
+
+/// 1.5 times the need, so that a growing cut does not move its pages at every visit.
+std::size_t most_room(std::size_t needed) {
+  return needed + needed / 2;
+}
+
+[[noreturn]] void pages_do_not_fit(const cl::Device& device, std::size_t pages, std::size_t largest, double voxel_mm) {
+  const double factor = std::cbrt(static_cast<double>(pages) / static_cast<double>(std::max<std::size_t>(1, largest)));
+  throw RunError(fmt::format(
+      "the fill of cut bricks needs {} in one allocation, but {} supports at most {}; bone.voxel_mm of {:.3g} or more "
+      "would fit, or a smaller crop",
+      megabytes(pages * kFillBytes), device.info().name, megabytes(largest * kFillBytes), 1.05 * factor * voxel_mm));
+}
+
+std::size_t bricks_with_fill(const BoneView& bone) {
+  std::size_t count = 0;
+  bone.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick&) {
+    count += bone.voxmap.grade.brick(coord) != nullptr ? 1 : 0;
+  });
+  return count;
+}
+
+template <class T>
+cl::Buffer<T> grown(const cl::Device& device, const cl::Buffer<T>& old, std::size_t count, std::size_t used,
+                    const char* what) {
+  cl::Buffer<T> out(device, count, what);
+  if (used > 0) out.copy(device, old, used);
+  return out;
+}
+
+}  // namespace
+
+FillPages make_fill_pages(const cl::Device& device, const BoneView& bone) {
+  FillPages fill;
+  fill.used = bricks_with_fill(bone);
+  const std::size_t room = std::max(kMinRoom, fill.used);
+  std::vector<cl_int> page_of_slot;
+  std::vector<cl_uint> slot_of_page;
+  std::vector<cl_ushort> fills;
+  for_each_slot(bone.voxmap.grade, [&](const Vec3i& coord, const GradeBricks::Brick&) {
+    const FillBricks::Brick* brick = bone.fill.brick(coord);
+    const auto slot = static_cast<cl_uint>(page_of_slot.size());
+    page_of_slot.push_back(brick == nullptr ? -1 : static_cast<cl_int>(slot_of_page.size()));
+    if (brick == nullptr) return;
+    slot_of_page.push_back(slot);
+    fills.resize(fills.size() + RS_BRICK_VOXELS);
+    cl_ushort* page = fills.data() + fills.size() - RS_BRICK_VOXELS;
+    for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
+      const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
+      page[rs_brick_offset(voxel.x(), voxel.y(), voxel.z())] = (*brick)[static_cast<std::size_t>(offset)];
+    }
+  });
+  fill.page_of_slot = {device, std::max<std::size_t>(1, page_of_slot.size()), "the table of fill"};
+  if (!page_of_slot.empty()) fill.page_of_slot.write(device, page_of_slot.data(), page_of_slot.size());
+  fill.slot_of_page = {device, room, "the table of fill"};
+  fill.fills = {device, room * RS_BRICK_VOXELS, "the fill of cut bricks"};
+  if (fill.used > 0) {
+    fill.slot_of_page.write(device, slot_of_page.data(), slot_of_page.size());
+    fill.fills.write(device, fills.data(), fills.size());
+  }
+  return fill;
+}
+
+void reserve_pages(const cl::Device& device, std::size_t pages, double voxel_mm, FillPages& fill) {
+  const std::size_t bricks = fill.page_of_slot.count();
+  const std::size_t needed = std::min(pages, bricks);
+  if (needed <= fill.room()) return;
+  const std::size_t largest = device.info().max_allocation_bytes / kFillBytes;
+  if (needed > largest) pages_do_not_fit(device, needed, largest, voxel_mm);
+  const std::size_t room = std::min({most_room(needed), bricks, largest});
+  fill.slot_of_page = grown(device, fill.slot_of_page, room, fill.used, "the table of fill");
+  fill.fills = grown(device, fill.fills, room * RS_BRICK_VOXELS, fill.used * RS_BRICK_VOXELS, "the fill of cut bricks");
+}
+
+void read_pages(const cl::Device& device, const DeviceBricks& bricks, const FillPages& pages, FillBricks& fill) {
+  if (pages.used == 0) return;
+  constexpr std::size_t kChunk = 1024;  // pages read at once
+  std::vector<cl_uint> slots(pages.used), places(bricks.lattice_of_slot.count());
+  pages.slot_of_page.read(device, slots.data(), slots.size());
+  bricks.lattice_of_slot.read(device, places.data(), places.size());
+  const BrickLattice lattice = BrickLattice::over(bricks.grid.dims);
+  std::vector<cl_ushort> chunk(kChunk * RS_BRICK_VOXELS);
+  for (std::size_t first = 0; first < pages.used; first += kChunk) {
+    const std::size_t count = std::min(kChunk, pages.used - first);
+    pages.fills.read(device, chunk.data(), count * RS_BRICK_VOXELS, first * RS_BRICK_VOXELS);
+    for (std::size_t page = 0; page < count; ++page) {
+      const cl_ushort* from = chunk.data() + page * RS_BRICK_VOXELS;
+      FillBricks::Brick brick{};
+      for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
+        const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
+        brick[static_cast<std::size_t>(offset)] = from[rs_brick_offset(voxel.x(), voxel.y(), voxel.z())];
+      }
+      fill.put(lattice.coord(places[slots[first + page]]), brick);
+    }
+  }
+}
+
+std::size_t fill_pages_bytes(std::size_t bricks, std::size_t pages) {
+  const std::size_t needed = std::min(bricks, pages), room = std::max(kMinRoom, std::min(bricks, most_room(needed)));
+  // While the buffer grows the old pages exist as well.
+  return sizeof(cl_int) * bricks + (room + needed) * (sizeof(cl_uint) + kFillBytes);
 }
 
 KernelOptions choose_options(const cl::DeviceInfo& info, const EngineTuning& tuning) {

@@ -50,13 +50,17 @@ struct DeviceBricks {
   [[nodiscard]] std::size_t bytes() const;
 };
 
+/// The lattice of superbricks of 4×4×4 bricks.
+inline BrickLattice superbricks_of(const Vec3i& bricks) {
+  return {(bricks.array() + 3) / 4};
+}
+
 /// Calls visit(brick coordinates, grades) for every stored brick in the order of the slots: superbrick by superbrick
 /// (4×4×4 bricks), x fastest. The bricks that a surface meets then lie in few pages of memory.
 template <class Visit>
 void for_each_slot(const GradeBricks& grades, const Visit& visit) {
   constexpr int kSide = 4;
-  const Vec3i bricks = grades.brick_dims();
-  const BrickLattice superbricks{(bricks.array() + (kSide - 1)) / kSide};
+  const BrickLattice superbricks = superbricks_of(grades.brick_dims());
   for (std::size_t s = 0; s < superbricks.count(); ++s) {
     const Vec3i first = kSide * superbricks.coord(s);
     for (int bit = 0; bit < kSide * kSide * kSide; ++bit) {
@@ -84,6 +88,30 @@ void upload_bricks_of(const cl::Device& device, const BoneView& bone, const Remo
 
 /// Copies the fill of the bricks into `fill`.
 void read_brick_fill(const cl::Device& device, const DeviceBricks& bricks, const Voxmap& voxmap, FillBricks& fill);
+
+/// The fill of partly removed bricks on the device: a page of 512 fills each, in the order of their first cut.
+struct FillPages {
+  cl::Buffer<cl_int> page_of_slot;   ///< of the bricks; -1: whole
+  cl::Buffer<cl_uint> slot_of_page;  ///< per page
+  cl::Buffer<cl_ushort> fills;       ///< by rs_brick_offset within a page
+  std::size_t used = 0;              ///< pages
+
+  [[nodiscard]] std::size_t bytes() const { return page_of_slot.bytes() + slot_of_page.bytes() + fills.bytes(); }
+  [[nodiscard]] std::size_t room() const { return slot_of_page.count(); }
+};
+
+/// The pages of the bone's partly removed bricks.
+FillPages make_fill_pages(const cl::Device& device, const BoneView& bone);
+
+/// Reserves `pages` pages in total, or one per brick if these are fewer. Throws RunError, with the voxel size that
+/// would fit, when the device runs out of memory.
+void reserve_pages(const cl::Device& device, std::size_t pages, double voxel_mm, FillPages& fill);
+
+/// Copies the fill of the pages into `fill`.
+void read_pages(const cl::Device& device, const DeviceBricks& bricks, const FillPages& pages, FillBricks& fill);
+
+/// Bound of the device memory of the pages of `bricks` bricks during reserve_pages() for `pages`, bytes.
+std::size_t fill_pages_bytes(std::size_t bricks, std::size_t pages);
 
 /// How the kernels over bricks run; the results do not depend on it.
 struct KernelOptions {

@@ -76,8 +76,8 @@ class Engine {
   virtual RemovedFrames take_removed() = 0;
   /// Updates partly removed voxels in `fill`; those without fill are in take_removed(). `voxmap`: that of the engine.
   virtual void read_fill(const Voxmap& voxmap, FillBricks& fill) = 0;
-  /// Sets the bone, for benchmarks and tests; all batches must have been collected. Throws RunError where it is not the
-  /// voxmap of the engine, reamed or not.
+  /// Sets the bone; all batches must have been collected. Throws RunError where it is not the voxmap of the engine,
+  /// reamed or not.
   virtual void restore(const BoneView& bone) = 0;
   /// As restore(), for the voxels of `removed` only, where the engine supports that.
   virtual void restore_voxels(const BoneView& bone, const RemovedFrames& /*removed*/) { restore(bone); }

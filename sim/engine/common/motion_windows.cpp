@@ -7,7 +7,7 @@
 #include <array>
 #include <utility>
 
-#include "sim/engine/common/nearest_lists.h"
+#include "sim/engine/common/tables.h"
 
 namespace reamsim {
 
@@ -122,12 +122,7 @@ void MotionWindows::split(std::int64_t first, std::int64_t end) {
     window->last_time = rs_window_time(window.get(), window->last.frame);
     const double longest_mm = kLongestVoxels * double{window->first.voxel_mm};
     bool smooth = true;
-    for (int c = 0; c < 8 && smooth; ++c) {
-      const Vec3 corner((c & 1) != 0 ? tool_box_.max.x() : tool_box_.min.x(),
-                        (c & 2) != 0 ? tool_box_.max.y() : tool_box_.min.y(),
-                        (c & 4) != 0 ? tool_box_.max.z() : tool_box_.min.z());
-      smooth = is_smooth(*window, frames, corner, longest_mm);
-    }
+    for (int c = 0; c < 8 && smooth; ++c) smooth = is_smooth(*window, frames, tool_box_.corner(c), longest_mm);
     if (smooth) {
       std::fill(windows_.begin() + begin, windows_.begin() + stop, window);
       return;

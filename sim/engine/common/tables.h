@@ -10,12 +10,23 @@
 #include "kernels/distance_grid.h"
 #include "kernels/outline.h"
 #include "sim/device/opencl.h"
-#include "sim/engine/common/nearest_lists.h"
 #include "sim/scenario/scenario.h"
 #include "sim/tool/distance_grid.h"
 #include "sim/tool/outline.h"
+#include "sim/tool/profile.h"
 
 namespace reamsim {
+
+/// Largest motion within a window of `exact`, rotation of resolved cutting edges included, voxels: every candidate
+/// voxel of a window is tested in each of its substeps.
+inline constexpr double kWindowShiftVoxels = 0.5;
+
+/// Lists of the parts of a tool's outline in (r, z) that can be nearest, by cell; see OutlineGrid in kernels/outline.h.
+struct NearestLists {
+  std::vector<rs_u16> numbers;  ///< of parts, list after list, beginning with the list of all
+  std::vector<PieceList> lists;
+  OutlineGrid grid{};
+};
 
 /// The tool's outline as kernels read it: lines and arcs in (r, z), and for each cell near the surface the list of
 /// those that can be nearest there. The distance of a voxel then takes constant time, whatever the length of the

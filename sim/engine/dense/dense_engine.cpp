@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <functional>
 #include <vector>
 
 #include "sim/device/opencl.h"
@@ -25,110 +24,90 @@ extern const char* const kernel_detect_octree;
 
 namespace {
 
+/// A voxel's index and its value, the bits of a float.
+struct VoxelValue {
+  cl_uint voxel;
+  cl_uint value;
+};
+
+/// The voxels of `removed` with value(voxel index).
+template <class Value>
+std::vector<VoxelValue> values_to_restore(const RemovedFrames& removed, Value value) {
+  std::vector<VoxelValue> values;
+  values.reserve(removed.size());
+  for (const auto& [voxel, frame] : removed) values.push_back({static_cast<cl_uint>(voxel), value(voxel)});
+  return values;
+}
+
 /// Restores single voxels of dense arrays, so that a benchmark need not upload the whole bone before each repetition.
 class VoxelRestorer {
  public:
-  /// A voxel's index and its value, the bits of a float.
-  struct Entry {
-    cl_uint voxel;
-    cl_uint value;
-  };
+  explicit VoxelRestorer(const cl::Device& device)
+      : device_(device),
+        program_(device.build("restore_voxels.cl", embedded::kernel_restore_voxels)),
+        bytes_(program_, "restore_bytes"),
+        halves_(program_, "restore_halves"),
+        words_(program_, "restore_words") {}
 
-  explicit VoxelRestorer(const cl::Device& device);
-  /// Writes the entries into an array of 8, 16 or 32 bits per voxel, and waits for the device.
+  /// Writes values into an array of 8, 16 or 32 bits per voxel, and waits for the device.
   template <class T>
-  void write(const std::vector<Entry>& entries, const cl::Buffer<T>& values) {
+  void write(const std::vector<VoxelValue>& values, const cl::Buffer<T>& array) {
     static_assert(sizeof(T) == 1 || sizeof(T) == 2 || sizeof(T) == 4);
-    write(entries, values.get(), sizeof(T) == 1 ? bytes_ : sizeof(T) == 2 ? halves_ : words_);
+    constexpr std::size_t kGroup = 64;
+    if (values.empty()) return;
+    cl::Kernel& kernel = sizeof(T) == 1 ? bytes_ : sizeof(T) == 2 ? halves_ : words_;
+    const auto list = cl::upload(device_, values, "the voxels to restore");
+    kernel.set_from(0, list, static_cast<cl_uint>(values.size()), array);
+    const cl::Event done = kernel.launch(device_, values.size(), kGroup);
+    device_.finish();
   }
 
  private:
-  void write(const std::vector<Entry>& entries, cl_mem values, cl::Kernel& kernel);
-
   const cl::Device& device_;
   cl::Program program_;
   cl::Kernel bytes_, halves_, words_;
 };
 
-/// The voxels of `removed` with value(voxel index).
-template <class Value>
-std::vector<VoxelRestorer::Entry> entries_to_restore(const RemovedFrames& removed, Value value) {
-  std::vector<VoxelRestorer::Entry> entries;
-  entries.reserve(removed.size());
-  for (const auto& [voxel, frame] : removed) entries.push_back({static_cast<cl_uint>(voxel), value(voxel)});
-  return entries;
-}
-
-VoxelRestorer::VoxelRestorer(const cl::Device& device)
-    : device_(device),
-      program_(device.build("restore_voxels.cl", embedded::kernel_restore_voxels)),
-      bytes_(program_, "restore_bytes"),
-      halves_(program_, "restore_halves"),
-      words_(program_, "restore_words") {}
-
-void VoxelRestorer::write(const std::vector<Entry>& entries, cl_mem values, cl::Kernel& kernel) {
-  constexpr std::size_t kGroup = 64;
-  if (entries.empty()) return;
-  const auto list = cl::upload(device_, entries, "the voxels to restore");
-  kernel.set_from(0, list, static_cast<cl_uint>(entries.size()), values);
-  const cl::Event done = kernel.launch(device_, entries.size(), kGroup);
-  device_.finish();
-}
-
-/// A stage over a dense voxmap with its arguments.
-struct DenseStage {
-  cl::SlotKernel kernel;
-  /// Sets the arguments that a substep changes, beside its slot, and returns the number of work-items.
-  std::function<std::size_t(const SubstepArgs&, cl::SlotKernel&)> prepare;
-
-  void enqueue(int slot, const SubstepArgs& args) { kernel.run(slot, prepare(args, kernel)); }
-};
-
-auto always(std::size_t items) {
-  return [items](const SubstepArgs&, cl::SlotKernel&) { return items; };
-}
-
-DenseStage make_detect_direct(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
-                              bool wide_codes, std::size_t work_group) {
+cl::SlotKernel make_detect_direct(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
+                                  bool wide_codes, std::size_t work_group) {
   const cl::Program program =
       device.build("detect_direct.cl", embedded::kernel_detect_direct, wide_codes ? "-DRS_WIDE_CODES" : "");
-  DenseStage out{{device, program, "detect_direct", work_group}, always(state.point_count)};
-  out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.codes, state.point_count, state.grades,
-                      state.claims, state.contacts, batch.contact_count(), batch.sums(), state.outline.arguments());
+  cl::SlotKernel out(device, program, "detect_direct", work_group, state.point_count);
+  out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.codes, state.point_count, state.grades, state.claims,
+               state.contacts, batch.contact_count(), batch.sums(), state.outline.arguments());
   return out;
 }
 
-DenseStage make_detect_octree(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
-                              bool per_point, std::size_t work_group) {
+cl::SlotKernel make_detect_octree(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
+                                  bool per_point, std::size_t work_group) {
   constexpr std::size_t kMaxPerGroup = 256;  // the reduction takes 48 bytes of local memory per work-item
   const std::size_t group = std::min(work_group, kMaxPerGroup);
   const std::string defines = per_point ? "-DREAMSIM_GROUP_SIZE=" + std::to_string(group) : "";
-  DenseStage out{
-      {device, device.build("detect_octree.cl", embedded::kernel_detect_octree, defines), "detect_octree", group},
-      always(state.point_count)};
-  out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.points, state.point_count, state.hu,
-                      static_cast<cl_float>(state.scale.of_air), state.claims, state.contacts, batch.contact_count(),
-                      batch.sums(), state.outline.arguments(), state.children, state.levels);
+  cl::SlotKernel out(device, device.build("detect_octree.cl", embedded::kernel_detect_octree, defines), "detect_octree",
+                     group, state.point_count);
+  out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.points, state.point_count, state.hu,
+               static_cast<cl_float>(state.scale.of_air), state.claims, state.contacts, batch.contact_count(),
+               batch.sums(), state.outline.arguments(), state.children, state.levels);
   return out;
 }
 
-DenseStage make_detect_implicit(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
-                                const Aabb& tool_box, const VoxelBox& bone, std::size_t work_group) {
-  const auto prepare = [tool_box, bone](const SubstepArgs& args, cl::SlotKernel& kernel) {
-    const VoxelBox voi = voxel_voi(args, tool_box, bone);
-    const Vec3i size = voi.size();
-    const auto n = [&](int axis) { return static_cast<cl_uint>(size[axis]); };
-    kernel.set_from(cl::SlotKernel::kAfterSlot, cl_int4{{voi.first.x(), voi.first.y(), voi.first.z(), 0}},
-                    cl_uint4{{n(0), n(1), n(2), 0}});
-    return static_cast<std::size_t>(size.cast<std::int64_t>().prod());
-  };
-  DenseStage out{
-      {device, device.build("detect_implicit.cl", embedded::kernel_detect_implicit), "detect_implicit", work_group},
-      prepare};
+/// Runs over the voxels of a VOI, which set_voi() sets.
+cl::SlotKernel make_detect_implicit(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
+                                    std::size_t work_group) {
   constexpr cl_uint kAfterVoi = 3;
-  out.kernel.set_from(kAfterVoi, batch.args(), state.grades, state.contacts, batch.contact_count(),
-                      state.outline.arguments());
+  cl::SlotKernel out(device, device.build("detect_implicit.cl", embedded::kernel_detect_implicit), "detect_implicit",
+                     work_group);
+  out.set_from(kAfterVoi, batch.args(), state.grades, state.contacts, batch.contact_count(), state.outline.arguments());
   return out;
+}
+
+/// Sets the VOI of detect_implicit, and returns the number of its voxels.
+std::size_t set_voi(const VoxelBox& voi, cl::SlotKernel& kernel) {
+  const Vec3i size = voi.size();
+  const auto n = [&](int axis) { return static_cast<cl_uint>(size[axis]); };
+  kernel.set_from(cl::SlotKernel::kAfterSlot, cl_int4{{voi.first.x(), voi.first.y(), voi.first.z(), 0}},
+                  cl_uint4{{n(0), n(1), n(2), 0}});
+  return static_cast<std::size_t>(size.cast<std::int64_t>().prod());
 }
 
 /// The narrow phase: writes the voxels that the tool touches in a substep to the contact list, each once, and changes
@@ -138,33 +117,31 @@ DenseStage make_detect_implicit(const cl::Device& device, const DenseState& stat
 /// Faieghi et al. (2020, §4.3.1) rebuilt it: one work-item per shell point, three floats, that descends the grid
 /// through look-up tables. `implicit` is that of Yau et al., rebuilt likewise (§4.3.2): one work-item per voxel of the
 /// VOI against the tool's solid of revolution.
-DenseStage make_detect_kernel(const cl::Device& device, const Scenario& scenario, const DenseState& state,
-                              const DeviceBatch& batch, const BoneView& bone, const Tool& tool,
-                              std::size_t work_group) {
+cl::SlotKernel make_detect_kernel(const cl::Device& device, const Scenario& scenario, const DenseState& state,
+                                  const DeviceBatch& batch, const Tool& tool, std::size_t work_group) {
   if (engine_of(scenario) == EngineKind::octree) {
     return make_detect_octree(device, state, batch, scenario.cutting.law == CuttingLaw::per_point, work_group);
   }
   if (engine_of(scenario) == EngineKind::implicit) {
-    return make_detect_implicit(device, state, batch, tool.profile.bounds(), bone_extent(bone.voxmap), work_group);
+    return make_detect_implicit(device, state, batch, work_group);
   }
   return make_detect_direct(device, state, batch, has_wide_codes(tool.shell), work_group);
 }
 
 /// The cut for `remove` and `wear`: work-items stride over the contact list.
-DenseStage make_cut_kernel(const cl::Device& device, const DensePlan& plan, const DenseState& state,
-                           const DeviceBatch& batch, std::size_t work_group) {
-  const bool hu = plan.layout == VoxelLayout::flagged_hu;
+cl::SlotKernel make_cut_kernel(const cl::Device& device, const DensePlan& plan, const DenseState& state,
+                               const DeviceBatch& batch, std::size_t work_group) {
+  const bool hu = plan.has_hu();
   const char* defines = hu ? "-DREAMSIM_FLAGGED_HU" : "";
   if (plan.layout == VoxelLayout::bare_grade) defines = "-DREAMSIM_BARE_GRADE";
   // Enough work-items to fill the device: few long ones on a CPU, many on a GPU.
   const std::size_t items = std::size_t{device.info().compute_units} * (device.info().gpu ? 1024 : 64);
-  DenseStage out{
-      {device, device.build("cut_voxels.cl", embedded::kernel_cut_voxels, defines), "cut_voxels", work_group},
-      always(items)};
-  out.kernel.set_from(cl::SlotKernel::kAfterSlot, batch.args(), hu ? state.hu.get() : state.grades.get(), state.fill,
-                      cl_int{state.has_fill ? 1 : 0}, state.claims, state.contacts, batch.contact_count(), batch.sums(),
-                      batch.removed(), batch.removed_count(), state.energy_of_grade, state.density_of_grade,
-                      state.outline.arguments(), state.scale.of_air, state.scale.per_grade);
+  cl::SlotKernel out(device, device.build("cut_voxels.cl", embedded::kernel_cut_voxels, defines), "cut_voxels",
+                     work_group, items);
+  out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), hu ? state.hu.get() : state.grades.get(), state.fill,
+               cl_int{state.has_fill ? 1 : 0}, state.claims, state.contacts, batch.contact_count(), batch.sums(),
+               batch.removed(), batch.removed_count(), state.energy_of_grade, state.density_of_grade,
+               state.outline.arguments(), state.scale.of_air, state.scale.per_grade);
   return out;
 }
 
@@ -189,7 +166,9 @@ class DenseEngine final : public Engine {
         state_(make_dense_state(device_, plan_, bone, tool,
                                 make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm))),
         batch_(device_, plan_.removed_list()),
-        detect_(make_detect_kernel(device_, scenario, state_, batch_, bone, tool,
+        tool_box_(tool.profile.bounds()),
+        extent_(bone_extent(bone.voxmap)),
+        detect_(make_detect_kernel(device_, scenario, state_, batch_, tool,
                                    group_size(device.info(), scenario.engine, 256))),
         cut_(make_cut_kernel(device_, plan_, state_, batch_,
                              group_size(device.info(), scenario.engine, device.info().gpu ? 256 : 16))),
@@ -197,14 +176,18 @@ class DenseEngine final : public Engine {
 
   void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> /*window*/) override {
     const int slot = batch_.begin(args);
-    detect_.enqueue(slot, args);
-    cut_.enqueue(slot, args);
+    if (plan_.layout == VoxelLayout::bare_grade) {
+      detect_.run(slot, set_voi(voxel_voi(args, tool_box_, extent_), detect_));
+    } else {
+      detect_.run(slot);
+    }
+    cut_.run(slot);
   }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
   Batch collect() override {
     std::vector<SubstepSums> sums = batch_.collect();
-    return {.sums = std::move(sums), .times = stage_times(detect_.kernel.take_seconds(), cut_.kernel.take_seconds())};
+    return {.sums = std::move(sums), .times = stage_times(detect_.take_seconds(), cut_.take_seconds())};
   }
 
   RemovedFrames take_removed() override {
@@ -232,19 +215,19 @@ class DenseEngine final : public Engine {
     const auto hu = [&](std::int64_t voxel) {
       return std::bit_cast<cl_uint>(state_.scale.hu(static_cast<std::uint8_t>(grade(voxel))));
     };
-    if (plan_.layout == VoxelLayout::flagged_hu) {
-      restorer_.write(entries_to_restore(removed, hu), state_.hu);
+    if (plan_.has_hu()) {
+      restorer_.write(values_to_restore(removed, hu), state_.hu);
     } else {
-      restorer_.write(entries_to_restore(removed, grade), state_.grades);
+      restorer_.write(values_to_restore(removed, grade), state_.grades);
     }
-    if (state_.has_fill) restorer_.write(entries_to_restore(removed, fill), state_.fill);
+    if (state_.has_fill) restorer_.write(values_to_restore(removed, fill), state_.fill);
   }
 
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override { return plan_.bytes(); }
   [[nodiscard]] StructureBytes structure_bytes() const override {
     // A collision flag is part of the published voxel; the claim bits of `direct` are not published.
-    const bool flags = plan_.layout == VoxelLayout::flagged_hu;
+    const bool flags = plan_.has_hu();
     return {plan_.bone_bytes() + plan_.fill_bytes() + (flags ? plan_.voxels : 0), plan_.shell_bytes()};
   }
 
@@ -253,8 +236,9 @@ class DenseEngine final : public Engine {
   DensePlan plan_;
   DenseState state_;
   DeviceBatch batch_;
-  DenseStage detect_;
-  DenseStage cut_;
+  Aabb tool_box_;    ///< T, mm
+  VoxelBox extent_;  ///< of the bone
+  cl::SlotKernel detect_, cut_;
   VoxelRestorer restorer_;
 };
 

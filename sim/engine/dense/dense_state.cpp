@@ -32,36 +32,6 @@ std::size_t voxels_in_tool(const Profile& profile, double voxel_mm) {
 
 }  // namespace
 
-std::size_t DensePlan::bone_bytes() const {
-  return voxels * (layout == VoxelLayout::flagged_hu ? sizeof(cl_float) : sizeof(cl_uchar));
-}
-
-std::size_t DensePlan::claim_bytes() const {
-  constexpr std::size_t kBitsPerWord = 32, kFlagsPerWord = 4;
-  if (layout == VoxelLayout::claimed_grade) return sizeof(cl_uint) * (voxels / kBitsPerWord + 1);
-  if (layout == VoxelLayout::flagged_hu) return sizeof(cl_uint) * (voxels / kFlagsPerWord + 1);
-  return 0;
-}
-
-std::size_t DensePlan::fill_bytes() const {
-  return fill ? sizeof(cl_ushort) * voxels : 0;
-}
-
-std::size_t DensePlan::shell_bytes() const {
-  const std::size_t code = wide_codes ? sizeof(cl_ulong) : sizeof(cl_uint);
-  return points * (layout == VoxelLayout::flagged_hu ? 3 * sizeof(cl_float) : code);
-}
-
-std::size_t DensePlan::bytes() const {
-  return bone_bytes() + claim_bytes() + fill_bytes() + shell_bytes() + sizeof(cl_uint) * contacts +
-         DeviceBatch::bytes(removed_list());
-}
-
-std::size_t DensePlan::largest_bytes() const {
-  return std::max({bone_bytes(), claim_bytes(), fill_bytes(), shell_bytes(), sizeof(cl_uint) * contacts,
-                   sizeof(RemovedVoxel) * removed});
-}
-
 DensePlan plan_dense(EngineKind engine, const BoneView& bone, const Tool& tool, bool wear) {
   DensePlan plan;
   if (engine == EngineKind::octree) plan.layout = VoxelLayout::flagged_hu;
@@ -98,9 +68,6 @@ void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double vox
                    std::string(fits) + ", or engine.type: bricked, which stores only bricks with bone");
 }
 
-namespace {
-
-/// Writes the HU of these grades piecewise, because all of them take four times the memory of the grades.
 void upload_hu(const cl::Device& device, const std::vector<std::uint8_t>& grades, const HuScale& scale,
                cl::Buffer<cl_float>& hu) {
   constexpr std::size_t kPiece = std::size_t{1} << 22;
@@ -113,6 +80,8 @@ void upload_hu(const cl::Device& device, const std::vector<std::uint8_t>& grades
   }
 }
 
+namespace {
+
 std::vector<cl_uint> code_words(const PointShell& shell) {
   const bool wide = has_wide_codes(shell);
   std::vector<cl_uint> words;
@@ -124,7 +93,8 @@ std::vector<cl_uint> code_words(const PointShell& shell) {
   return words;
 }
 
-/// Cell numbers as floats, which represent them exactly up to 2^24.
+}  // namespace
+
 std::vector<cl_float> cell_numbers(const PointShell& shell) {
   std::vector<cl_float> out;
   out.reserve(3 * shell.codes.size());
@@ -135,12 +105,14 @@ std::vector<cl_float> cell_numbers(const PointShell& shell) {
   return out;
 }
 
+namespace {
+
 void upload_shell(const cl::Device& device, const DensePlan& plan, const PointShell& shell, const VoxelGrid& grid,
                   DenseState& state) {
   state.point_count = static_cast<cl_uint>(plan.points);
   if (plan.layout == VoxelLayout::claimed_grade)
     state.codes = cl::upload(device, code_words(shell), "the point shell", "tool.shell_resolution");
-  if (plan.layout != VoxelLayout::flagged_hu) return;
+  if (!plan.has_hu()) return;
   state.points = cl::upload(device, cell_numbers(shell), "the point shell", "tool.shell_resolution");
   state.children = cl::upload(device, octree_children(grid), "the look-up tables");
   state.levels = octree_levels(grid);
@@ -161,7 +133,7 @@ DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, con
   const auto at_least_one = [](std::size_t count) { return std::max<std::size_t>(1, count); };
   DenseState state;
   state.has_fill = plan.fill;
-  if (plan.layout == VoxelLayout::flagged_hu) {
+  if (plan.has_hu()) {
     state.scale = HuScale(bone.voxmap.mapping);
     if (!state.scale.exact()) {
       throw InputError({}, "bone.density", "found a mapping whose HU a float rounds to more than a grade",
@@ -189,7 +161,7 @@ void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView
                     (plan.fill || !partly_filled(bone.fill));
   if (!same) throw RunError("this is not the bone for which the engine was created");
   const auto grades = dense_remaining_grades(bone);
-  if (plan.layout == VoxelLayout::flagged_hu) {
+  if (plan.has_hu()) {
     upload_hu(device, grades, state.scale, state.hu);
   } else {
     state.grades.write(device, grades.data(), grades.size());

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -36,13 +38,25 @@ struct DensePlan {
   std::size_t removed = 0;      ///< size of a batch's list of removed voxels
 
   [[nodiscard]] DeviceBatch::RemovedList removed_list() const { return {1, removed, contacts, bone_voxels}; }
-  [[nodiscard]] std::size_t bone_bytes() const;
-  [[nodiscard]] std::size_t claim_bytes() const;
-  [[nodiscard]] std::size_t fill_bytes() const;
-  [[nodiscard]] std::size_t shell_bytes() const;
+  [[nodiscard]] std::size_t bone_bytes() const { return voxels * (has_hu() ? sizeof(cl_float) : sizeof(cl_uchar)); }
+  [[nodiscard]] std::size_t claim_bytes() const {
+    if (layout == VoxelLayout::bare_grade) return 0;
+    return sizeof(cl_uint) * (voxels / (has_hu() ? 4 : 32) + 1);  // a flag of 8 bits, or a bit
+  }
+  [[nodiscard]] std::size_t fill_bytes() const { return fill ? sizeof(cl_ushort) * voxels : 0; }
+  [[nodiscard]] std::size_t shell_bytes() const {
+    return points * (has_hu() ? 3 * sizeof(cl_float) : wide_codes ? sizeof(cl_ulong) : sizeof(cl_uint));
+  }
   /// In total, and in the largest single allocation.
-  [[nodiscard]] std::size_t bytes() const;
-  [[nodiscard]] std::size_t largest_bytes() const;
+  [[nodiscard]] std::size_t bytes() const {
+    return bone_bytes() + claim_bytes() + fill_bytes() + shell_bytes() + sizeof(cl_uint) * contacts +
+           DeviceBatch::bytes(removed_list());
+  }
+  [[nodiscard]] std::size_t largest_bytes() const {
+    return std::max({bone_bytes(), claim_bytes(), fill_bytes(), shell_bytes(), sizeof(cl_uint) * contacts,
+                     sizeof(RemovedVoxel) * removed});
+  }
+  [[nodiscard]] bool has_hu() const { return layout == VoxelLayout::flagged_hu; }
 };
 
 /// `engine`: direct | octree | implicit.
@@ -93,6 +107,13 @@ struct DenseState {
 /// flagged_hu and the conversion of grades to HU is lossy.
 DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, const BoneView& bone, const Tool& tool,
                             const EnergyTable& energy);
+
+/// Writes the HU of these grades piecewise, because all of them take four times the memory of the grades.
+void upload_hu(const cl::Device& device, const std::vector<std::uint8_t>& grades, const HuScale& scale,
+               cl::Buffer<cl_float>& hu);
+
+/// The cells of the shell's points as x, y, z in floats, which represent them exactly up to 2^24.
+std::vector<cl_float> cell_numbers(const PointShell& shell);
 
 /// Uploads the bone again. Throws RunError where it is not the bone that `plan` was made for.
 void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView& bone, DenseState& state);

@@ -11,9 +11,7 @@
 #include "kernels/window.h"
 #include "sim/base/geometry.h"
 #include "sim/bone/voxmap/voxmap.h"
-#include "sim/engine/common/device_batch.h"
-#include "sim/engine/common/device_bricks.h"
-#include "sim/engine/common/nearest_lists.h"
+#include "sim/engine/common/tables.h"
 #include "sim/tool/distance_grid.h"
 
 namespace reamsim {
@@ -43,30 +41,5 @@ BrickBatchPlan plan_brick_batch(std::span<const SubstepArgs> args, const Motions
 DistanceTable brick_distances(const Profile& profile, double voxel_mm, double slack_mm);
 /// The grid of these samples, for the kernel.
 CoarseGrid coarse_grid(const DistanceTable& table);
-
-/// The bricks that the tool's surface can intersect in a visit; see kernels/list_bricks.cl.
-class ListBricks {
- public:
-  /// `slack_mm`: largest distance of the clipping surface from the profile.
-  ListBricks(const cl::Device& device, const DeviceBricks& bone, const DeviceBatch& batch, const Profile& profile,
-             double slack_mm, std::size_t work_group);
-
-  /// Lists the bricks of a visit, and returns their number.
-  std::size_t list(const BrickBatchPlan& visit, VisitCounts counts);
-  /// Run time of the lists since the last call, s.
-  double take_seconds() { return kernel_.take_total_s(); }
-
-  [[nodiscard]] const cl::Buffer<cl_uint>& listed() const { return listed_; }
-  [[nodiscard]] const cl::Buffer<VisitCounts>& counts() const { return counts_; }
-
- private:
-  const cl::Device& device_;
-  float slack_mm_;
-  cl::Buffer<CoarseGrid> grid_;
-  cl::Buffer<float> distances_;
-  cl::Buffer<cl_uint> listed_;
-  cl::Buffer<VisitCounts> counts_;
-  cl::SlotKernel kernel_;
-};
 
 }  // namespace reamsim

@@ -87,7 +87,7 @@ void find_in_outline(SerialState& state, const SubstepArgs& args, SubstepSums& /
 void find_in_brick(const Vec3i& brick, const VoxelBox& box, SerialState& state) {
   for (int place = 0; place < RS_BRICK_VOXELS; ++place) {
     const Vec3i voxel = RS_BRICK_SIDE * brick + Vec3i(rs_offset_x(place), rs_offset_y(place), rs_offset_z(place));
-    if ((voxel.array() < box.first.array()).any() || (voxel.array() > box.last.array()).any()) continue;
+    if (!box.contains(voxel)) continue;
     const std::int64_t e = state.grid.index(voxel);
     if (state.bone[static_cast<std::size_t>(e)] != 0) state.contacts.push_back(e);
   }
@@ -101,12 +101,8 @@ void find_in_tool_box(SerialState& state, const SubstepArgs& args, SubstepSums& 
   const VoxelBox box = voxel_voi(args, tool, {Vec3i::Zero(), grid.dims - Vec3i::Ones()});
   if (box.empty()) return;
   // Brick by brick, because sums of windows are rounded once per brick.
-  const Vec3i first = box.first / RS_BRICK_SIDE, last = box.last / RS_BRICK_SIDE;
-  for (int z = first.z(); z <= last.z(); ++z) {
-    for (int y = first.y(); y <= last.y(); ++y) {
-      for (int x = first.x(); x <= last.x(); ++x) find_in_brick({x, y, z}, box, state);
-    }
-  }
+  for_each_voxel(box.first / RS_BRICK_SIDE, box.last / RS_BRICK_SIDE,
+                 [&](const Vec3i& brick) { find_in_brick(brick, box, state); });
 }
 
 FindContacts choose_detection(const Scenario& scenario, const SerialState& state) {

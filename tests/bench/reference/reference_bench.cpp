@@ -19,7 +19,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
-#include "sim/bench/poses.h"
+#include "sim/bench/scene.h"
 #include "sim/engine/common/substep.h"
 #include "sim/engine/make_engine.h"
 #include "tests/bench/reference/reference.h"

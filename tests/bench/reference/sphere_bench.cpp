@@ -16,7 +16,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
-#include "sim/bench/sphere_scene.h"
+#include "sim/bench/scene.h"
 #include "sim/engine/common/motion_windows.h"
 #include "sim/engine/common/substep.h"
 #include "sim/engine/make_engine.h"

@@ -8,7 +8,7 @@
 
 namespace reamsim::reference {
 
-/// `exact` and its references on the plunged sphere of `reamsim bench` (sim/bench/sphere_scene.h): frames at four
+/// `exact` and its references on the plunged sphere of `reamsim bench` (sim/bench/scene.h): frames at four
 /// depths, in windows of smooth motion.
 class SphereBench {
  public:

@@ -1,0 +1,365 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/bench/program.h"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <bit>
+#include <optional>
+#include <utility>
+
+#include "kernels/published.h"
+#include "sim/base/error.h"
+#include "sim/base/stopwatch.h"
+#include "sim/engine/dense/dense_state.h"
+#include "sim/engine/make_engine.h"
+#include "sim/tool/morton.h"
+
+namespace reamsim {
+namespace embedded {
+extern const char* const kernel_published_direct;
+extern const char* const kernel_published_octree;
+extern const char* const kernel_restore_voxels;
+}  // namespace embedded
+
+namespace bench {
+
+// The layout is the same on host and device.
+static_assert(sizeof(PublishedFrame) == 8 * 4 + 4 * 16 + 4 * 8);
+
+namespace {
+
+/// Work-items per group of the published kernels.
+constexpr std::size_t kGroup = 256;
+
+/// The arguments of the published kernels for a substep, in shell cells and voxels. `voi` in T, mm; without it the
+/// whole shell. Throws InputError unless the bone is a cube.
+PublishedFrame published_frame(const Substep& substep, const std::optional<Aabb>& voi, const Tool& tool,
+                               const VoxelGrid& grid) {
+  if (grid.dims != Vec3i::Constant(grid.dims.x())) throw InputError("the published methods need a cubic lattice");
+  const PointShell& shell = tool.shell;
+  // The VOI in cells is that of the engines.
+  const SubstepArgs args =
+      voi ? make_args(substep, *voi, shell, grid, bench_cutting(), false) : args_without_voi(substep, tool, grid);
+  const Rigid bone_from_tool = substep.pose.bone_from_tool();
+  const Vec3 first_cell = shell.origin_mm + Vec3::Constant(0.5 * shell.cell_mm);
+  const Vec3 origin = (bone_from_tool * first_cell - grid.origin_mm) / grid.voxel_mm;
+  const Mat3 step = bone_from_tool.linear() * (shell.cell_mm / grid.voxel_mm);
+  const Vec3 center = (Vec3(0, 0, kReamerMm) - first_cell) / shell.cell_mm;
+  PublishedFrame frame{};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) frame.voxel_from_cell[3 * i + j] = static_cast<float>(step(i, j));
+    frame.voxel_origin[i] = static_cast<float>(origin[i]);
+    frame.cap_center[i] = static_cast<float>(center[i]);
+    frame.voi_min[i] = args.voi_min[i];
+    frame.voi_max[i] = args.voi_max[i];
+  }
+  frame.side = grid.dims.x();
+  return frame;
+}
+
+/// A published program. Before a frame that is prepared it records the voxels that the frame will remove, so that
+/// restore() need not upload the whole bone.
+class PublishedProgram : public Program {
+ public:
+  void prepare(const Substep& frame) override {
+    write_frame(frame, std::nullopt, true);
+    touched_count_.clear(device_, 1);
+    const cl::Event done = touched_kernel_.launch(device_, points_, kGroup);
+    touched_count_.read(device_, &recorded_, 1);
+    prepared_ = true;
+  }
+
+  BatchSample run(std::span<const Substep> frames, bool use_voi) override {
+    BatchSample sample;
+    for (const Substep& frame : frames) run_one(frame, use_voi, sample);
+    if (!std::exchange(prepared_, false)) changed_ = true;
+    return sample;
+  }
+
+  void restore() override {
+    if (changed_) {
+      restore_all();
+    } else if (recorded_ > 0) {
+      restore_kernel_.set(1, recorded_);
+      const cl::Event done = restore_kernel_.launch(device_, recorded_, kGroup);
+    }
+    device_.finish();
+    changed_ = prepared_ = false;
+    recorded_ = 0;
+  }
+
+  [[nodiscard]] const Label& label() const override { return label_; }
+
+ protected:
+  /// `has_voi`: points outside the VOI are culled, else the boxes alone are tested.
+  PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const BenchSetup& setup, const char* source,
+                   const std::string& options, bool has_voi)
+      : setup_(setup),
+        device_(info),
+        program_(device_.build("published_" + engine + ".cl", source, options)),
+        points_(setup.tool->shell.codes.size()),
+        frame_(device_, 1, "the frame"),
+        label_{engine, "published"},
+        has_voi_(has_voi),
+        touched_kernel_(program_, "published_touched"),
+        restore_kernel_(device_.build("restore_voxels.cl", embedded::kernel_restore_voxels), "restore_bytes"),
+        touched_(device_, points_, "the touched voxels"),
+        touched_count_(device_, 1, "their number") {}
+
+  /// Sets the arguments of the kernels that record and restore: the shell, what they test, and what they restore.
+  template <class Shell, class Bone, class State>
+  void set_restoring(const cl::Buffer<Shell>& shell, const cl::Buffer<Bone>& bone, const cl::Buffer<State>& state) {
+    touched_kernel_.set_from(0, shell, static_cast<cl_uint>(points_), frame_, bone, touched_, touched_count_);
+    restore_kernel_.set(0, touched_);
+    restore_kernel_.set(2, state);
+  }
+  /// Runs the kernels on the frame that was written, and adds contacts and force to `sample`.
+  virtual void detect(std::vector<cl::Event>& events, BatchSample& sample) = 0;
+  /// Restores the whole bone.
+  virtual void restore_all() = 0;
+
+  BenchSetup setup_;
+  bool count_contacts_ = false;  ///< in PublishedFrame::contacts
+  cl::Device device_;
+  cl::Program program_;
+  std::size_t points_;
+  cl::Buffer<PublishedFrame> frame_;
+
+ private:
+  void write_frame(const Substep& frame, const std::optional<Aabb>& voi, bool blocking) {
+    host_frame_ = published_frame(frame, voi, *setup_.tool, setup_.voxmap->grid);
+    host_frame_.count_contacts = count_contacts_ ? 1 : 0;
+    frame_.write(device_, &host_frame_, 1, 0, blocking);
+  }
+
+  void run_one(const Substep& frame, bool use_voi, BatchSample& sample) {
+    const Stopwatch stopwatch;
+    const Rigid tool_from_bone = frame.pose.bone_from_tool().inverse();
+    const bool overlap = boxes_overlap(setup_.tool_box, setup_.bone_box, tool_from_bone);
+    const std::optional<Aabb> voi =
+        overlap && has_voi_ ? volume_of_interest(setup_.tool_box, setup_.bone_box, tool_from_bone) : std::nullopt;
+    sample.broad_s += stopwatch.seconds();
+    std::vector<cl::Event> events;
+    if (overlap && (voi || !has_voi_)) {
+      const Stopwatch upload;
+      write_frame(frame, use_voi ? voi : std::nullopt, false);
+      sample.upload_s += upload.seconds();
+      detect(events, sample);
+    }
+    sample.total_s += stopwatch.seconds();
+    for (const double s : cl::take_seconds(events)) sample.kernel_s += s;
+  }
+
+  PublishedFrame host_frame_{};  ///< lives until the non-blocking write is done
+  Label label_;
+  bool has_voi_;
+  cl::Kernel touched_kernel_, restore_kernel_;
+  cl::Buffer<cl_uint2> touched_;  ///< (voxel, value)
+  cl::Buffer<cl_uint> touched_count_;
+  cl_uint recorded_ = 0;
+  bool prepared_ = false;  ///< the changes of the next frame are recorded
+  bool changed_ = false;   ///< by more than what is recorded
+};
+
+class PublishedDirect final : public PublishedProgram {
+ public:
+  PublishedDirect(const cl::DeviceInfo& info, const BenchSetup& setup, bool count)
+      : PublishedProgram("direct", info, setup, embedded::kernel_published_direct, "", true),
+        kernel_(program_, "published_direct"),
+        codes_(device_, points_, "the point shell"),
+        bone_(device_, static_cast<std::size_t>(setup.voxmap->grid.size()), "the voxmap") {
+    const PointShell& shell = setup_.tool->shell;
+    if (shell.resolution > kNarrowResolution) throw InputError("the published shell has at most 1024 cells an edge");
+    count_contacts_ = count;
+    const std::vector<cl_uint> codes(shell.codes.begin(), shell.codes.end());
+    codes_.write(device_, codes.data(), codes.size());
+    restore_all();
+    kernel_.set_from(0, codes_, static_cast<cl_uint>(points_), frame_, bone_);
+    set_restoring(codes_, bone_, bone_);
+  }
+
+  [[nodiscard]] StructureBytes bytes() const override { return {bone_.bytes(), codes_.bytes()}; }
+
+ private:
+  void restore_all() override {
+    const auto grades = dense_remaining_grades(*setup_.voxmap);
+    bone_.write(device_, grades.data(), grades.size());
+  }
+
+  void detect(std::vector<cl::Event>& events, BatchSample& sample) override {
+    events.push_back(kernel_.launch(device_, points_, kGroup));
+    PublishedFrame result;
+    frame_.read(device_, &result, 1);
+    sample.contacts += result.contacts;
+    for (int i = 0; i < 3; ++i) sample.force[i] += static_cast<double>(result.force[i]) / RS_PUBLISHED_SCALE;
+  }
+
+  cl::Kernel kernel_;
+  cl::Buffer<cl_uint> codes_;
+  cl::Buffer<cl_uchar> bone_;
+};
+
+/// Groups of the first pass of the reduction; the second pass is one group.
+constexpr std::size_t kPartialSums = 64;
+
+/// Per level of the descent and octant the step in the index of a voxel. Throws InputError unless the edge is a power
+/// of two.
+std::vector<cl_uint> descent_steps(const VoxelGrid& grid) {
+  if (!std::has_single_bit(static_cast<unsigned>(grid.dims.x()))) {
+    throw InputError("the octree's cube has " + std::to_string(grid.dims.x()) +
+                     " voxels an edge; expected a power of two");
+  }
+  std::vector<cl_uint> steps;
+  for (const cl_uint4& child : octree_children(grid)) steps.push_back(child.s[3]);
+  return steps;
+}
+
+class PublishedOctree final : public PublishedProgram {
+ public:
+  PublishedOctree(const cl::DeviceInfo& info, const BenchSetup& setup)
+      : PublishedProgram("octree", info, setup, embedded::kernel_published_octree,
+                         fmt::format("-DAIR_HU={:.8e}f", static_cast<float>(kScale.of_air)), false),
+        detect_(program_, "published_octree"),
+        reduce_(program_, "published_reduce"),
+        voxels_(static_cast<std::size_t>(setup.voxmap->grid.size())),
+        hu_(device_, voxels_, "the voxmap's HU"),
+        collided_(device_, voxels_, "the voxmap's collision flags"),
+        shell_(cl::upload(device_, cell_numbers(setup.tool->shell), "the point shell")),
+        steps_(cl::upload(device_, descent_steps(setup.voxmap->grid), "the look-up table")),
+        forces_(device_, 4 * points_, "the points' forces"),
+        partial_(device_, 4 * kPartialSums, "the partial sums"),
+        sum_(device_, 4, "the sum") {
+    upload_hu(device_, dense_remaining_grades(*setup.voxmap), kScale, hu_);
+    restore_all();
+    detect_.set_from(0, shell_, static_cast<cl_uint>(points_), frame_, hu_, collided_, steps_,
+                     static_cast<cl_int>(steps_.count() / 8), forces_);
+    reduce_.set_local(3, kGroup * 4 * sizeof(float));
+    set_restoring(shell_, hu_, collided_);
+  }
+
+  [[nodiscard]] StructureBytes bytes() const override { return {hu_.bytes() + collided_.bytes(), shell_.bytes()}; }
+
+ private:
+  void restore_all() override { collided_.clear(device_, voxels_); }
+
+  cl::Event reduce(const cl::Buffer<float>& in, std::size_t count, const cl::Buffer<float>& out, std::size_t groups) {
+    reduce_.set_from(0, in, static_cast<cl_uint>(count), out);
+    return reduce_.launch(device_, groups * kGroup, kGroup);
+  }
+
+  void detect(std::vector<cl::Event>& events, BatchSample& sample) override {
+    events.push_back(detect_.launch(device_, points_, kGroup));
+    events.push_back(reduce(forces_, points_, partial_, kPartialSums));
+    events.push_back(reduce(partial_, kPartialSums, sum_, 1));
+    float result[4];
+    sum_.read(device_, result, 4);
+    sample.contacts += static_cast<std::int64_t>(result[3]);
+    sample.force += Vec3(result[0], result[1], result[2]);
+  }
+
+  inline static const HuScale kScale{DensityMapping{}};
+  cl::Kernel detect_, reduce_;
+  std::size_t voxels_;
+  cl::Buffer<float> hu_;
+  cl::Buffer<cl_uchar> collided_;
+  cl::Buffer<float> shell_;
+  cl::Buffer<cl_uint> steps_;
+  cl::Buffer<float> forces_, partial_, sum_;
+};
+
+}  // namespace
+
+std::unique_ptr<Program> make_published_direct(const cl::DeviceInfo& device, const BenchSetup& setup, bool count) {
+  return std::make_unique<PublishedDirect>(device, setup, count);
+}
+
+std::unique_ptr<Program> make_published_octree(const cl::DeviceInfo& device, const BenchSetup& setup) {
+  return std::make_unique<PublishedOctree>(device, setup);
+}
+
+namespace {
+
+class EngineProgram final : public Program {
+ public:
+  EngineProgram(const std::string& engine, const std::string& device, const BenchSetup& setup)
+      : setup_(setup),
+        label_{engine, "deterministic"},
+        engine_(make_engine(settings(engine, device), *setup.voxmap, *setup.tool)) {}
+
+  BatchSample run(std::span<const Substep> frames, bool use_voi) override {
+    BatchSample sample;
+    const Stopwatch stopwatch;
+    for (const Substep& frame : frames) enqueue(frame, use_voi, sample);
+    collect(sample);
+    sample.total_s = stopwatch.seconds();
+    keep_removed();  // bookkeeping of the benchmark
+    return sample;
+  }
+
+  void restore() override {
+    engine_->restore_voxels(*setup_.voxmap, removed_);
+    removed_.clear();
+  }
+
+  [[nodiscard]] StructureBytes bytes() const override { return engine_->structure_bytes(); }
+  [[nodiscard]] const Label& label() const override { return label_; }
+
+ private:
+  static Scenario settings(const std::string& engine, const std::string& device) {
+    Scenario scenario;
+    scenario.name = "bench";
+    scenario.engine.type = *from_name<EngineKind>(engine);
+    scenario.engine.device = device;
+    scenario.cutting = bench_cutting();
+    return scenario;
+  }
+
+  void enqueue(const Substep& frame, bool use_voi, BatchSample& sample) {
+    const Stopwatch broad;
+    const auto voi = broad_phase(setup_.tool_box, setup_.bone_box, frame.pose.bone_from_tool().inverse());
+    sample.broad_s += broad.seconds();
+    if (!voi) return;
+    if (engine_->full()) {
+      collect(sample);
+      keep_removed();
+    }
+    const Stopwatch upload;
+    const VoxelGrid& grid = setup_.voxmap->grid;
+    engine_->enqueue(use_voi ? make_args(frame, *voi, setup_.tool->shell, grid, bench_cutting(), false)
+                             : args_without_voi(frame, *setup_.tool, grid),
+                     nullptr);
+    sample.upload_s += upload.seconds();
+  }
+
+  void collect(BatchSample& sample) {
+    const Batch batch = engine_->collect();
+    for (const StageTimes& times : batch.times) sample.kernel_s += times.detect_s + times.cut_s;
+    for (const SubstepSums& sums : batch.sums) {
+      sample.voxels += sums.contacts;
+      sample.removed += static_cast<double>(sums.removed) / RS_WHOLE_FILL;
+      for (int i = 0; i < 3; ++i) sample.force[i] += static_cast<double>(sums.force[i]) / RS_FORCE_SCALE;
+    }
+  }
+
+  void keep_removed() {
+    const RemovedFrames removed = engine_->take_removed();
+    removed_.insert(removed_.end(), removed.begin(), removed.end());
+  }
+
+  BenchSetup setup_;
+  Label label_;
+  std::unique_ptr<Engine> engine_;
+  RemovedFrames removed_;  ///< since the bone was whole
+};
+
+}  // namespace
+
+std::unique_ptr<Program> make_engine_program(const std::string& engine, const std::string& device,
+                                             const BenchSetup& setup) {
+  return std::make_unique<EngineProgram>(engine, device, setup);
+}
+
+}  // namespace bench
+}  // namespace reamsim
