@@ -148,16 +148,17 @@ class ResultReader {
     for_each_block<T>(get<std::uint64_t>(), [&](const T* first, const T* last) { std::for_each(first, last, use); });
   }
   /// The next value by its type.
-  template <PlainValue T>
-  T take_value(std::type_identity<T>) {
-    return get<T>();
+  template <class T>
+  T take() {
+    if constexpr (std::is_same_v<T, std::string>)
+      return text();
+    else if constexpr (std::is_same_v<T, std::vector<std::string>>)
+      return texts();
+    else if constexpr (PlainValue<T>)
+      return get<T>();
+    else
+      return array<typename T::value_type>();
   }
-  template <PlainValue T>
-  std::vector<T> take_value(std::type_identity<std::vector<T>>) {
-    return array<T>();
-  }
-  std::string take_value(std::type_identity<std::string>) { return text(); }
-  std::vector<std::string> take_value(std::type_identity<std::vector<std::string>>) { return texts(); }
   /// Throws InputError: the result is inconsistent.
   [[noreturn]] void fail() const;
 
