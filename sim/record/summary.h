@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "sim/anatomy/run_metrics.h"
@@ -59,6 +60,22 @@ bool is_result_of(const std::string& dir, const Scenario& scenario);
 /// Writes reamed.vdb, reamed.vti and depth_map.csv into `dir`. Throws RunError when the disk is full.
 void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
                    const RunFacts& facts);
+
+/// The object `metrics` of summary.json; missing values are null.
+nlohmann::ordered_json metrics_json(const BoneMetrics& metrics);
+/// Its object `clearance`.
+nlohmann::ordered_json clearance_json(const HolderClearance& clearance, const SimulationInput& scene);
+
+/// Writes depth_map.csv: a row for each column that meets bone. Throws RunError when it cannot be written.
+void write_depth_map(const std::string& path, const ColumnMap& map);
+
+/// Writes clearance.csv. Throws RunError when the disk is full.
+void write_clearance(const std::string& path, const HolderClearance& clearance, double frame_s);
+
+/// Writes density × fill (g/cm³, float32) at the voxel centres as a VTK ImageData file, zlib-compressed, for readers
+/// without OpenVDB (ParaView, 3D Slicer, PyVista). Written block by block, a few MB at a time; readers need 4 bytes for
+/// every voxel of the lattice, air included. Throws RunError when the file cannot be written.
+void write_vti(const std::string& path, const BoneView& bone);
 
 /// Writes summary.json into `dir`. `finished` false: of the frames so far, without metrics and times.
 void write_summary(const std::string& dir, const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts,

@@ -14,7 +14,6 @@
 #include "sim/bone/bone.h"
 #include "sim/record/citation.h"
 #include "sim/record/layer_mean.h"
-#include "sim/record/metrics_file.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/summary.h"
 #include "sim/run/checkpoint.h"
