@@ -12,7 +12,6 @@
 
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
-#include "sim/record/layer_mean.h"
 #include "sim/record/row_decimator.h"
 
 namespace reamsim {

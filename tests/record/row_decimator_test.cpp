@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-#include "sim/record/layer_mean.h"
+#include "sim/record/run_totals.h"
 
 namespace reamsim {
 namespace {
