@@ -34,8 +34,7 @@ struct Mistake {
   [[nodiscard]] std::string line() const;
 };
 
-/// The input is wrong (exit status 2). The message has one line per mistake: where, which
-/// key, what was found, what to do.
+/// The input is wrong (exit status 2). The message has one line per mistake: where, key, what was found, what to do.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(const std::string& message) : InputError({}, "", message, "") {}

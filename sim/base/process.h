@@ -44,8 +44,7 @@ int wait_for(pid_t child);
 /// Whether a child with this status exited with 0.
 bool succeeded(int status);
 
-/// Returns memory that was freed to the system. Call it after a stage with much temporary memory: the C library would
-/// keep it, and the next stage would add to the peak.
+/// Returns freed memory to the system, which the C library would keep. Call it after a stage with much of it.
 void return_free_memory();
 
 /// The limit of the address space of this process (`ulimit -v`), bytes; none: unlimited.

@@ -88,7 +88,6 @@ void add_density(const YamlNodePtr& scenario, Citation& out) {
   } else {
     add({.key = "density",
          .type = "document",
-         .authors = {},
          .title = "the source of your relation of density and radiodensity",
          .note = "bone.density differs from the default"},
         out.method);
@@ -131,7 +130,6 @@ void add_data(const Json& summary, Citation& out) {
       if (std::ranges::any_of(out.data, is_same)) continue;
       data = {.key = "data" + std::to_string(out.data.size() + 1),
               .type = "dataset",
-              .authors = {},
               .title = title,
               .note = "not a data set that reamsim knows: cite its source" +
                       (sha256.empty() ? std::string() : "; SHA-256 " + sha256)};
@@ -243,11 +241,10 @@ std::vector<Reference> Citation::all() const {
 }
 
 Citation cite_program() {
-  Citation out{.program = {program_reference(REAMSIM_VERSION)}, .method = {}, .data = {}, .libraries = {}};
-  out.method.push_back(known_reference("faieghi2020", "voxmap, broad phase and contact"));
-  out.libraries.push_back(known_reference("museth2013", "OpenVDB: grids"));
-  out.libraries.push_back(known_reference("eigen", "linear algebra"));
-  return out;
+  return {.program = {program_reference(REAMSIM_VERSION)},
+          .method = {known_reference("faieghi2020", "voxmap, broad phase and contact")},
+          .data = {},
+          .libraries = {known_reference("museth2013", "OpenVDB: grids"), known_reference("eigen", "linear algebra")}};
 }
 
 Citation cite_runs(const std::vector<std::string>& dirs) {

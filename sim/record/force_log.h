@@ -67,10 +67,8 @@ struct LogOptions {
   std::size_t most_rows = 50'000;                  ///< a log with more is decimated (RowDecimator)
 };
 
-/// Collects the rows of a log in bounded memory, in one pass. Up to a number of rows it keeps all. From a longer log it
-/// keeps the first and the last row, those of given frames, and of each of 2048 to 4096 buckets of successive rows the
-/// first and those with the least and the greatest depth, force, torque, their means, and energy balance: curves keep
-/// their peaks.
+/// Collects the rows of a log in bounded memory. From a long log it keeps the first and the last row, given frames, and
+/// of each of 2048 to 4096 buckets of successive rows the first and those with the extremes of each displayed quantity.
 class RowDecimator {
  public:
   /// `keep`: frames, ascending.
@@ -100,15 +98,14 @@ class RowDecimator {
   ForceRow last_;
 };
 
-/// Reads the columns in any order, in one pass. Throws InputError with file, line and column: no such file, a column
-/// missing, not a number, frames not ascending, no row.
+/// Reads the columns in any order. Throws InputError: no such file, a column missing, not a number, not ascending, no
+/// row.
 ForceLog read_force_log(const std::string& path, const LogOptions& options = {});
 
 /// Calls visit() with every row of forces.csv, without means. Throws as read_force_log().
 void for_each_force_row(const std::string& path, const std::function<void(const ForceRow&)>& visit);
 
-/// Computes the means over the last `travel_mm` of the tool's travel (LayerMean); 0: of single frames. A
-/// decimated log keeps the means that it was read with, unless `travel_mm` is 0.
+/// Sets the means over the last `travel_mm` of travel (LayerMean; 0: single frames), but in a decimated log only for 0.
 void add_layer_means(ForceLog& log, double travel_mm);
 
 /// The headline of a log with its means. `means`: they are over a voxel of travel.
@@ -138,8 +135,7 @@ std::string force_columns(PoseFeedback feedback);
 /// The values of a row of forces.csv, in the order of its columns.
 std::vector<double> force_row(const FrameResult& result);
 
-/// The result in such a row; without those columns it is that of a run with a prescribed motion. `where`: the place of
-/// the row, for the InputError of a frame, pass or number of contacts that no run writes.
+/// The result in such a row. Throws InputError at `where` for a frame, pass or number of contacts that no run writes.
 FrameResult result_of(std::span<const double> row, const SourceLocation& where);
 
 }  // namespace reamsim

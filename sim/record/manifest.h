@@ -12,7 +12,6 @@ namespace reamsim {
 /// The file of a results folder that lists what reamsim wrote into it.
 inline constexpr const char* kManifestName = "manifest.json";
 
-/// What a command wrote into a results folder.
 struct Manifest {
   std::string kind;             ///< run | comparison | verification | benchmark
   std::set<std::string> files;  ///< relative to the folder, without the manifest

@@ -40,8 +40,7 @@ struct KeyResults {
   static constexpr const char* kDepthDefinition = "maximum travel of the tool along its axis since first contact";
 };
 
-/// The tool travel over which displayed forces are averaged, mm: a voxel where voxels are removed as a whole, which
-/// makes forces spike; 0 where they are clipped.
+/// The tool travel over which displayed forces are averaged, mm: a voxel where whole voxels are removed, otherwise 0.
 inline double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm) {
   return cutting.erosion == ErosionMode::exact ? 0 : voxel_mm;
 }
@@ -61,9 +60,8 @@ class LayerMean {
     Means& operator-=(const Means& other);
   };
 
-  /// Adds the next frame: the tool's position in B, its force and its torque. Returns the means over the frames of the
-  /// last voxel of travel, this one included; zero until the tool has travelled a voxel. While the tool stands still
-  /// the number of frames stays constant.
+  /// Adds a frame (position in B). Returns the means over the last voxel of travel, zero until there is one. While the
+  /// tool stands still the number of frames stays constant.
   Means add(const Vec3& position_mm, double axial_force_n, double spin_torque_nmm);
 
  private:
@@ -192,8 +190,8 @@ class RunTotals : public PassTotals {
   [[nodiscard]] double rms_force_n() const;
   [[nodiscard]] double rms_torque_nmm() const;
 
-  /// The reaming time in frames: rows from the first to the last with contact. Rows between without contact count,
-  /// because contact of a single frame depends on the rounding of erosion to voxels.
+  /// Rows from the first to the last with contact, with all between: contact of one frame depends on rounding to
+  /// voxels.
   [[nodiscard]] std::int64_t reaming_frames() const;
   /// Means over the reaming time; 0 without contact.
   struct Means {
@@ -203,7 +201,6 @@ class RunTotals : public PassTotals {
     double spin_torque_nmm = 0;
   };
   [[nodiscard]] Means means() const;
-  /// `means`: of the means over a voxel of travel, for erosion that removes whole voxels.
   [[nodiscard]] KeyResults headline(bool means) const;
   /// Work of the drive and feed on the bone, −Σ(T·ω + F·v)·Δt, from the energy balance.
   [[nodiscard]] double work_mj() const { return energy_mj * (1 + balance) - floor_energy_mj; }

@@ -45,16 +45,13 @@ struct RunFacts {
   ColumnMap depth_map;
 };
 
-/// Writes the tools of all passes into `dir` (tool_path()), for rendering during the simulation. Throws RunError when
-/// the disk is full.
+/// Writes the tools of all passes into `dir` (tool_path()). Throws RunError.
 void write_tools(const std::string& dir, const SimulationInput& scene);
 
-/// Writes scenario.yaml (resolved, with the checksums and the first contact of a plunge in its head) into `dir`. Throws
-/// RunError when the disk is full.
+/// Writes scenario.yaml, resolved, with checksums and the first contact of a plunge in its head. Throws RunError.
 void write_scenario(const std::string& dir, const SimulationInput& scene, const RunFacts& facts);
 
-/// Whether the scenario.yaml in `dir` is that of this scenario, with the same inputs. Throws InputError when one cannot
-/// be read.
+/// Whether the scenario.yaml in `dir` is that of this scenario, with the same inputs. Throws InputError.
 bool is_result_of(const std::string& dir, const Scenario& scenario);
 
 /// Writes reamed.vdb, reamed.vti and depth_map.csv into `dir`. Throws RunError when the disk is full.
@@ -73,8 +70,7 @@ void write_depth_map(const std::string& path, const ColumnMap& map);
 void write_clearance(const std::string& path, const HolderClearance& clearance, double frame_s);
 
 /// Writes density × fill (g/cm³, float32) at the voxel centres as a VTK ImageData file, zlib-compressed, for readers
-/// without OpenVDB (ParaView, 3D Slicer, PyVista). Written block by block, a few MB at a time; readers need 4 bytes for
-/// every voxel of the lattice, air included. Throws RunError when the file cannot be written.
+/// without OpenVDB (ParaView, 3D Slicer, PyVista). Throws RunError.
 void write_vti(const std::string& path, const BoneView& bone);
 
 /// Writes summary.json into `dir`. `finished` false: of the frames so far, without metrics and times.

@@ -42,8 +42,7 @@ std::vector<PlacedBrick> reamed_bricks(const FillBricks& before, const FillBrick
 /// Sets the fill to that of the checkpoint. `fill`: that before the run. Throws InputError where it has other bricks.
 void restore_fill(const Checkpoint& checkpoint, FillBricks& fill, const std::string& dir);
 
-/// The two checkpoints of a run, DIR/checkpoint-0.bin and DIR/checkpoint-1.bin. A new one replaces the older, so that
-/// one is always complete.
+/// DIR/checkpoint-0.bin and DIR/checkpoint-1.bin: a new one replaces the older, so that one is always complete.
 class CheckpointFiles {
  public:
   explicit CheckpointFiles(std::string dir) : dir_(std::move(dir)) {}
@@ -62,15 +61,13 @@ class CheckpointFiles {
   int next_ = 0;  ///< number of the next one to write
 };
 
-/// Throws InputError where `saved` belongs to another run than `current`: the message names the key or input that
-/// differs. The device may differ. `dir`: for messages.
+/// Throws InputError, with the key or input that differs, where `saved` belongs to another run. The device may differ.
 void require_same_run(const RunIdentity& saved, const RunIdentity& current, const std::string& dir);
 
 /// The checkpoints of a run: saves its state from time to time, and continues an interrupted run from the last one.
 class RunCheckpoints {
  public:
-  /// `every_s`: wall time between two checkpoints; 0: none are written. `resume`: the last one, if there is one, is to
-  /// be continued.
+  /// `every_s`: wall time between two checkpoints; 0: none. `resume`: continues the last one, if there is one.
   RunCheckpoints(const std::string& dir, double every_s, bool resume);
 
   /// Sets what identifies the run. Throws InputError where the checkpoint to continue is one of another run.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/run/energy_balance.h"
+#include "sim/run/frame_stepper.h"
 
 #include <numbers>
 
@@ -10,10 +10,6 @@ namespace reamsim {
 namespace {
 
 constexpr double kRadPerRpm_s = 2 * std::numbers::pi / 60;
-
-Vec3 scaled(const rs_i64* sums, double scale) {
-  return Vec3(static_cast<double>(sums[0]), static_cast<double>(sums[1]), static_cast<double>(sums[2])) / scale;
-}
 
 /// The tool's origin at the beginning of a substep, B.
 Vec3 start_of(const Substep& substep, const PendingFrame& frame) {
@@ -36,10 +32,9 @@ FrameResult EnergyBalance::close(const PendingFrame& frame, const std::vector<Su
   for (const auto& [slot, substep] : frame.cut) {
     const SubstepSums& sum = sums[slot];
     const Mat3 bone_from_sums = bone_from_shell(substep.pose, sums_rotate_).linear();
-    const Vec3 force = bone_from_sums * scaled(sum.force, RS_FORCE_SCALE);
-    const Vec3 torque = bone_from_sums * scaled(sum.torque, RS_TORQUE_SCALE);
-    run_.work_mj -=
-        (torque.dot(substep.angular_velocity) + force.dot(substep.origin_velocity_mm_s)) * substep.duration_s;
+    const Vec3 force = bone_from_sums * force_of(sum);
+    const Vec3 torque = bone_from_sums * torque_of(sum);
+    run_.work_mj += work_of(substep, force, torque);
     out.force_n += force / frame.substeps;
     out.torque_nmm += torque / frame.substeps;
     out.energy_mj += static_cast<double>(sum.energy) / RS_ENERGY_SCALE;

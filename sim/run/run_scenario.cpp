@@ -17,7 +17,6 @@
 #include "sim/record/run_totals.h"
 #include "sim/record/summary.h"
 #include "sim/run/checkpoint.h"
-#include "sim/run/peak_warnings.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
 #include "sim/scene/contact_forecast.h"

@@ -82,10 +82,9 @@ class RunMonitor {
   virtual void progress(std::int64_t /*done*/, std::int64_t /*total*/) {}
   /// True interrupts the run: run_scenario() throws Interrupted.
   [[nodiscard]] virtual bool stop_requested() { return false; }
-  /// For a process that a signal may end. While the object exists, the run saves what would be lost.
+  /// While the object exists, the run saves what a signal that ends the process would lose.
   [[nodiscard]] virtual std::shared_ptr<void> saving() { return nullptr; }
-  /// The same. While the object exists, `end` can be called on another thread before the process is ended by force: it
-  /// releases the output folder.
+  /// While the object exists, `end`, on another thread, releases the output folder before the process ends by force.
   [[nodiscard]] virtual std::shared_ptr<void> on_forced_end(std::function<InterruptedRun()> /*end*/) { return nullptr; }
 };
 

@@ -8,8 +8,10 @@
 #include <memory>
 #include <optional>
 
+#include "sim/base/error.h"
 #include "sim/engine/make_engine.h"
 #include "sim/record/results.h"
+#include "sim/record/run_totals.h"
 #include "sim/run/frame_stepper.h"
 #include "sim/run/springs.h"
 #include "sim/run/thrust_balance.h"
@@ -17,7 +19,6 @@
 
 namespace reamsim {
 
-/// What a simulation has to know to go on after a frame, besides the fill of the bone.
 struct SimulationState : StepState {
   FeedState feed = {};       ///< under thrust
   SpringState springs = {};  ///< of a tool on springs
@@ -58,5 +59,8 @@ struct RunCost {
   std::int64_t substeps = 0;
 };
 RunCost estimate_cost(const SimulationInput& scene);
+
+/// Warns where `exact` gives too large peaks of single frames: tiny advances, or resolved edges along the voxels.
+void warn_of_peaks(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report);
 
 }  // namespace reamsim

@@ -15,18 +15,6 @@ namespace {
 /// The part of engine.max_step_voxels that is left for the change of the deflection in a substep.
 constexpr double kStepOfDeflection = 0.5;
 
-Vec3 force_of(const SubstepSums& sums) {
-  return Vec3(static_cast<double>(sums.force[0]), static_cast<double>(sums.force[1]),
-              static_cast<double>(sums.force[2])) /
-         RS_FORCE_SCALE;
-}
-
-Vec3 torque_of(const SubstepSums& sums) {
-  return Vec3(static_cast<double>(sums.torque[0]), static_cast<double>(sums.torque[1]),
-              static_cast<double>(sums.torque[2])) /
-         RS_TORQUE_SCALE;
-}
-
 /// The motion over `times` its time at the same velocity.
 FrameMotion prolonged(const FrameMotion& m, double times) {
   FrameMotion out = m;
