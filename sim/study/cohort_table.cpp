@@ -153,12 +153,12 @@ class TableReader {
     check_header(header);
     while (lines.next(line)) {
       if (is_blank(line)) continue;  // spreadsheets leave such lines below a table
-      if (table_.rows.levels.size() >= kMostRows) {
+      if (table_.levels.size() >= kMostRows) {
         throw InputError({file_, line.number, 0}, "", "more than a million rows", "divide the study");
       }
       mistakes_.attempt([&] { add(header, line); });
     }
-    if (table_.rows.levels.empty() && mistakes_.empty()) {
+    if (table_.levels.empty() && mistakes_.empty()) {
       throw InputError({file_, 0, 0}, "", "has no rows", "expected a row per patient below the header");
     }
     return std::move(table_);
@@ -179,9 +179,9 @@ class TableReader {
       if (name == kLabel) continue;
       // Also finds unknown keys, once instead of in each row.
       static_cast<void>(values_.of_cell(name, "", where));
-      table_.rows.keys.push_back(name);
+      table_.keys.push_back(name);
     }
-    if (table_.rows.keys.empty()) {
+    if (table_.keys.empty()) {
       throw InputError({file_, header.number, 0}, "", "no column is a scenario key",
                        "expected for example bone.ct.path");
     }
@@ -211,7 +211,7 @@ class TableReader {
       }
     }
     table_.mistakes.push_back(std::move(of_row));
-    table_.rows.levels.push_back(std::move(level));
+    table_.levels.push_back(std::move(level));
     table_.places.push_back(file_ + ":" + std::to_string(line.number));
   }
 

@@ -30,14 +30,6 @@ class KeyValues {
 /// A node as YAML on one line: 0.25, "a b", [0, 0, 5].
 std::string flow_text(const YamlNode& node);
 
-/// The table of a study.
-struct CohortTable {
-  Variation rows;
-  std::vector<std::string> labels;             ///< by row; empty: no such column
-  std::vector<std::string> places;             ///< by row: file and line
-  std::vector<std::vector<Mistake>> mistakes;  ///< by row: cells that name no input file
-};
-
 /// Reads a CSV file whose columns are scenario keys, and one row per patient. An empty cell leaves the value of the
 /// base scenario; a column `label` names the rows and is no key. Cells follow RFC 4180. A row
 /// with a cell that names no input file (it does not exist, is a folder, has a variable that is not set) stays, with

@@ -81,19 +81,8 @@ RunState state_of(const StudyFolder& folder, const IdentifiedRun& run) {
 }
 
 void count(RunState state, StudyCounts& counts) {
-  switch (state) {
-    case RunState::done:
-      ++counts.done;
-      return;
-    case RunState::failed:
-      ++counts.failed;
-      return;
-    case RunState::interrupted:
-      ++counts.interrupted;
-      return;
-    case RunState::missing:
-      ++counts.missing;
-  }
+  int* const by_state[] = {&counts.missing, &counts.interrupted, &counts.failed, &counts.done};  // as RunState
+  ++*by_state[static_cast<std::size_t>(state)];
 }
 
 std::string cell(const std::string& text) {

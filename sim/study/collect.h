@@ -79,8 +79,6 @@ struct RunSummary {
 
 /// Reads the summary.json in a folder. Empty where the file is missing or damaged.
 RunSummary read_run_summary(const std::string& run_dir);
-
-/// Its numbers alone.
 std::vector<std::pair<std::string, double>> summary_numbers(const std::string& run_dir);
 
 }  // namespace reamsim

@@ -22,16 +22,8 @@ constexpr std::array<std::string_view, kForceChannels> kChannelColumns{
 
 constexpr const char* kExpected = "a CSV file with time_s and any of axial_force_n, spin_torque_nmm, force_x_n, ...";
 
-/// The header line of a file. Throws InputError where something other than commas separates its columns.
-std::string header_line(const std::string& path) {
-  constexpr std::size_t kMostBytes = 65536;
-  const std::string start = read_file_start(path, kMostBytes);
-  return csv_header(start.substr(0, start.find('\n')), {path, 1, 0});
-}
-
-std::vector<ForceChannel> channels_in(const std::string& path) {
-  const std::string line = header_line(path);
-  const std::vector<std::string_view> names = csv_cells(line);
+/// The channels among the columns of a file.
+std::vector<ForceChannel> channels_in(const std::vector<std::string_view>& names) {
   const auto has = [&](int channel) {
     return std::ranges::find(names, kChannelColumns[static_cast<std::size_t>(channel)]) != names.end();
   };
@@ -65,12 +57,10 @@ std::string column_of(ForceChannel channel) {
 
 MeasuredForces read_measured_forces(const std::string& path) {
   const std::string text = read_file(path, kExpected);
-  MeasuredForces out;
-  out.file = path;
-  out.channels = channels_in(path);
-  out.values.resize(out.channels.size());
-  const std::string header = header_line(path);
+  const std::string header = csv_header(text.substr(0, text.find('\n')), {path, 1, 0});
   const std::vector<std::string_view> names = csv_cells(header);
+  MeasuredForces out{.channels = channels_in(names), .time_s = {}, .values = {}, .file = path};
+  out.values.resize(out.channels.size());
   const std::size_t time = place_of(names, "time_s");
   if (time == names.size())
     throw InputError({path, 1, 0}, "time_s", "column missing", std::string("expected ") + kExpected);

@@ -4,14 +4,16 @@
 #include "sim/study/reforce.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <array>
+#include <filesystem>
+#include <tuple>
 
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/engine/common/tables.h"
-#include "sim/record/force_basis_file.h"
 #include "sim/record/force_log.h"
+#include "sim/record/recorder.h"
 #include "sim/record/result_json.h"
 #include "sim/record/summary.h"
 
@@ -77,14 +79,14 @@ std::array<double, 256> ForceBasis::volume_mm3() const {
 namespace {
 
 DensityMapping mapping_of(const DensitySettings& density) {
-  return {.ash_slope_g_cm3_per_hu = density.ash_slope_g_cm3_per_hu,
-          .ash_offset_g_cm3 = density.ash_offset_g_cm3,
-          .ash_fraction = density.ash_fraction};
+  return {density.ash_slope_g_cm3_per_hu, density.ash_offset_g_cm3, density.ash_fraction};
 }
 
 bool same_calibration(const DensitySettings& a, const DensitySettings& b) {
-  return a.ash_slope_g_cm3_per_hu == b.ash_slope_g_cm3_per_hu && a.ash_offset_g_cm3 == b.ash_offset_g_cm3 &&
-         a.ash_fraction == b.ash_fraction;
+  const auto values = [](const DensitySettings& d) {
+    return std::array{d.ash_slope_g_cm3_per_hu, d.ash_offset_g_cm3, d.ash_fraction};
+  };
+  return values(a) == values(b);
 }
 
 double voxel_of(const std::string& dir) {
@@ -103,13 +105,12 @@ double voxel_of(const std::string& dir) {
   throw InputError({}, "--set", key + " is part of the force basis" + why, "run the scenario again with it");
 }
 
-void require_same_size_effect(const CuttingSettings& was, const CuttingSettings& is) {
-  const auto &a = was.size_effect, &b = is.size_effect;
-  const bool same =
-      a.has_value() == b.has_value() &&
-      (!a || (a->exponent == b->exponent && a->reference_mm == b->reference_mm &&
-              a->cutting_edges == b->cutting_edges && a->least_mm == b->least_mm && a->most_mm == b->most_mm));
-  if (!same) fail_for("cutting.size_effect", ", and forces are not linear in it");
+bool same_size_effect(const CuttingSettings& a, const CuttingSettings& b) {
+  const auto values = [](const SizeEffectSettings& s) {
+    return std::tuple(s.exponent, s.reference_mm, s.cutting_edges, s.least_mm, s.most_mm);
+  };
+  const auto &was = a.size_effect, &is = b.size_effect;
+  return was.has_value() == is.has_value() && (!was || values(*was) == values(*is));
 }
 
 /// Throws InputError where the basis does not hold for `is`.
@@ -117,7 +118,7 @@ void require_linear(const CuttingSettings& was, const CuttingSettings& is) {
   if (was.law != is.law) fail_for("cutting.law", "");
   if (was.erosion != is.erosion) fail_for("cutting.erosion", "");
   if (was.speed_floor_mm_s != is.speed_floor_mm_s) fail_for("cutting.speed_floor_mm_s", "");
-  require_same_size_effect(was, is);
+  if (!same_size_effect(was, is)) fail_for("cutting.size_effect", ", and forces are not linear in it");
   if (is.edge_force && !was.edge_force) {
     throw InputError({}, "--set", "cutting.edge_force: the run had no edge force, so that its basis has no part for it",
                      "run the scenario again with it");
@@ -167,14 +168,17 @@ ClampedVolume clamped_volume(const BasisRun& run, const std::optional<Recalibrat
   return out;
 }
 
-void ReforcedRows::for_each(const std::function<void(const FrameResult&)>& visit) const {
+namespace {
+
+/// Calls visit() with every row of the run's forces.csv, with the forces of other constants.
+template <class Visit>
+void for_each_reforced(const BasisRun& run, const ForceConstants& constants, const Visit& visit) {
   const std::vector<std::string_view> columns = csv_cells(kForceColumns);
-  CsvReader log(run_.dir + "/forces.csv", columns, "the log of a run");
+  CsvReader log(run.dir + "/forces.csv", columns, "the log of a run");
   double work_mj = 0, floor_mj = 0, cut_mj = 0;
-  std::vector<double> row;
-  while (log.next(row)) {
+  for (std::vector<double> row; log.next(row);) {
     FrameResult result = result_of(row, log.where());
-    const FrameForces now = run_.basis.forces(result.frame, constants_);
+    const FrameForces now = run.basis.forces(result.frame, constants);
     work_mj += now.work_mj;
     floor_mj += now.floor_energy_mj;
     cut_mj += now.energy_mj;
@@ -190,6 +194,8 @@ void ReforcedRows::for_each(const std::function<void(const FrameResult&)>& visit
   }
 }
 
+}  // namespace
+
 RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std::string& to) {
   const ForceConstants constants = force_constants(law.cutting, recalibration(run, law));
   RunTotals totals(run.voxel_mm);
@@ -197,7 +203,7 @@ RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std:
   const std::string path = to + "/forces.csv.tmp";
   {
     CsvWriter forces(path, kForceColumns);
-    ReforcedRows(run, constants).for_each([&](const FrameResult& result) {
+    for_each_reforced(run, constants, [&](const FrameResult& result) {
       forces.row(force_row(result));
       totals.add(result);
     });

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,8 +34,7 @@ struct Recalibration {
   [[nodiscard]] double density(int grade) const;
 };
 
-ForceConstants force_constants(const CuttingSettings& cutting,
-                               const std::optional<Recalibration>& recalibration = std::nullopt);
+ForceConstants force_constants(const CuttingSettings& cutting, const std::optional<Recalibration>& recalibration = {});
 
 /// Force and torque of the bone on the tool (B), and energies of a frame.
 struct FrameForces {
@@ -56,7 +54,6 @@ class ForceBasis {
   [[nodiscard]] const std::vector<BasisRow>& rows() const { return rows_; }
   /// Those of a frame; none without contact.
   [[nodiscard]] std::span<const BasisRow> of(std::int64_t frame) const;
-  /// The forces of a frame.
   [[nodiscard]] FrameForces forces(std::int64_t frame, const ForceConstants& constants) const;
   /// Removed volume by grade over all frames, mm³; with a size effect, weighted by its factor.
   [[nodiscard]] std::array<double, 256> volume_mm3() const;
@@ -73,8 +70,7 @@ struct BasisRun {
   double voxel_mm = 0;
 };
 
-/// Reads scenario.yaml, summary.json and force_basis.npy. Throws InputError where one is missing or damaged, or the run
-/// has no force basis.
+/// Throws InputError where a file of the run is missing or damaged, or it has no force basis.
 BasisRun open_basis_run(const std::string& dir);
 
 /// The settings of the run with overrides. Throws InputError where the basis does not hold for them: its parts contain
@@ -92,21 +88,8 @@ struct ClampedVolume {
 };
 ClampedVolume clamped_volume(const BasisRun& run, const std::optional<Recalibration>& recalibration);
 
-/// The rows of the run's forces.csv with the forces of other constants.
-class ReforcedRows {
- public:
-  ReforcedRows(const BasisRun& run, const ForceConstants& constants) : run_(run), constants_(constants) {}
-
-  /// Calls visit() with every row. Throws InputError where forces.csv is damaged.
-  void for_each(const std::function<void(const FrameResult&)>& visit) const;
-
- private:
-  const BasisRun& run_;
-  const ForceConstants& constants_;
-};
-
 /// Writes forces.csv, scenario.yaml and summary.json of the run with other constants into `to`, which may be its own
-/// folder. Returns the totals. Throws RunError.
+/// folder. Returns the totals. Throws RunError, and InputError where forces.csv of the run is damaged.
 RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std::string& to);
 
 }  // namespace reamsim

@@ -25,6 +25,13 @@ struct Variation {
   std::vector<std::vector<KeyValue>> levels;  ///< levels[i][k]: of keys[k]
 };
 
+/// The table of a study, a row per patient.
+struct CohortTable : Variation {
+  std::vector<std::string> labels;             ///< column `label`, by row; empty: no such column
+  std::vector<std::string> places;             ///< by row: file and line, for messages
+  std::vector<std::vector<Mistake>> mistakes;  ///< by row: cells that name no input file
+};
+
 /// How a sampled key is distributed. `a`, `b`: normal: mean, standard deviation; lognormal: median, standard deviation
 /// of the logarithm; uniform: ends; tilt_sd_deg: `a` is the standard deviation of two rotations, degrees, about axes
 /// across a direction; shift_sd_mm: `a` is that of each component of a position, mm.
@@ -65,10 +72,7 @@ struct Study {
   std::string base;              ///< absolute path of the scenario
   std::vector<std::string> set;  ///< "key=value", for every run
   std::vector<Variation> vary;
-  std::optional<Variation> table;
-  std::vector<std::string> labels;                   ///< column `label` of the table, by row; empty: it has none
-  std::vector<std::string> table_places;             ///< file and line of each row, for messages
-  std::vector<std::vector<Mistake>> table_mistakes;  ///< of each row: cells that name no input file
+  std::optional<CohortTable> table;
   std::optional<SampleSettings> sample;
   KeptFiles keep{.forces = false, .grids = false, .pictures = false};
 };

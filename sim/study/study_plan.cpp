@@ -28,15 +28,6 @@ std::string vector_text(const Vec3& v) {
   return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]";
 }
 
-/// The names of the independent parts of a tilt or shift.
-std::vector<std::string> part_columns(const SampledKey& sampled) {
-  if (sampled.distribution.kind == Distribution::Kind::tilt_sd_deg) {
-    return {sampled.key + ".tilt_1_deg", sampled.key + ".tilt_2_deg"};
-  }
-  if (sampled.distribution.kind != Distribution::Kind::shift_sd_mm) return {};
-  return {sampled.key + ".shift_x_mm", sampled.key + ".shift_y_mm", sampled.key + ".shift_z_mm"};
-}
-
 /// The node at a path of keys, or nullptr.
 const YamlNode* node_at(const YamlNode* node, std::string_view path) {
   while (node != nullptr && !path.empty()) {
@@ -75,7 +66,7 @@ class Planner {
  private:
   void make_columns() {
     auto& columns = plan_.columns;
-    if (!study_.labels.empty()) columns.emplace_back("label");
+    if (study_.table && !study_.table->labels.empty()) columns.emplace_back("label");
     for (const Variation& variation : study_.vary) {
       columns.insert(columns.end(), variation.keys.begin(), variation.keys.end());
     }
@@ -113,12 +104,14 @@ class Planner {
   void combine(const std::vector<const Variation*>& variations, std::size_t depth, const PlannedRun& so_far) {
     if (depth == variations.size()) return add_samples(so_far);
     const Variation& variation = *variations[depth];
-    const bool is_table = &variation == (study_.table ? &*study_.table : nullptr);
+    const CohortTable* const table = study_.table && &variation == &*study_.table ? &*study_.table : nullptr;
     for (std::size_t i = 0; i < variation.levels.size(); ++i) {
       PlannedRun run = so_far;
-      if (is_table) run.place = study_.table_places[i];
-      if (is_table) run.mistakes = study_.table_mistakes[i];
-      if (is_table && !study_.labels.empty()) run.cells.insert(run.cells.begin(), study_.labels[i]);
+      if (table != nullptr) {
+        run.place = table->places[i];
+        run.mistakes = table->mistakes[i];
+        if (!table->labels.empty()) run.cells.insert(run.cells.begin(), table->labels[i]);
+      }
       for (std::size_t k = 0; k < variation.keys.size(); ++k) {
         const KeyValue& value = variation.levels[i][k];
         run.cells.push_back(value.shown);
@@ -200,6 +193,14 @@ class Planner {
 };
 
 }  // namespace
+
+std::vector<std::string> part_columns(const SampledKey& sampled) {
+  if (sampled.distribution.kind == Distribution::Kind::tilt_sd_deg) {
+    return {sampled.key + ".tilt_1_deg", sampled.key + ".tilt_2_deg"};
+  }
+  if (sampled.distribution.kind != Distribution::Kind::shift_sd_mm) return {};
+  return {sampled.key + ".shift_x_mm", sampled.key + ".shift_y_mm", sampled.key + ".shift_z_mm"};
+}
 
 StudyPlan make_plan(const Study& study, const std::vector<std::string>& overrides) {
   return Planner(study, overrides).plan();

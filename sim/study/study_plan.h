@@ -27,11 +27,15 @@ struct StudyPlan {
   std::vector<PlannedRun> runs;
 };
 
+/// Columns of the independent parts of a tilt or shift: KEY.tilt_1_deg, KEY.tilt_2_deg or KEY.shift_x_mm, _y, _z; none
+/// of a number.
+std::vector<std::string> part_columns(const SampledKey& sampled);
+
 /// Combines every level of `vary`, every row of the table and every sample: the first variation changes slowest,
 /// samples fastest, so that runs with the same bone tend to be neighbours. The samples are the same for every
-/// combination. A tilt or shift changes the vector that the run has otherwise, and adds columns of its independent
-/// parts: KEY.tilt_1_deg, KEY.tilt_2_deg or KEY.shift_x_mm, _y, _z. `overrides`: for every run, after those of the
-/// study. Throws InputError: too many runs, or a vector to change that neither the base scenario nor the study gives.
+/// combination. A tilt or shift changes the vector that the run has otherwise, and adds part_columns(). `overrides`:
+/// for every run, after those of the study. Throws InputError: too many runs, or a vector to change that neither the
+/// base scenario nor the study gives.
 StudyPlan make_plan(const Study& study, const std::vector<std::string>& overrides = {});
 
 /// A planned run with the name of its folder.
@@ -40,8 +44,7 @@ struct IdentifiedRun {
   std::string mistake;  ///< then why: all mistakes of its row and its scenario, on one line
 };
 
-/// Parses the scenario of every run, as a command does that runs it alone. `done`: called with the number of finished
-/// runs.
+/// Parses the scenario of every run. `done`: called with the number of finished runs.
 std::vector<IdentifiedRun> identify_runs(const Study& study, const StudyPlan& plan,
                                          const std::function<void(std::size_t)>& done = {});
 

@@ -47,14 +47,6 @@ bool is_constant(const SampledKey& sampled) {
   return std::ranges::find(kConstants, sampled.key) != kConstants.end();
 }
 
-std::string name_of_part(const SampledKey& sampled, int part) {
-  static constexpr const char* kTilts[] = {".tilt_1_deg", ".tilt_2_deg"};
-  static constexpr const char* kShifts[] = {".shift_x_mm", ".shift_y_mm", ".shift_z_mm"};
-  if (sampled.distribution.kind == Distribution::Kind::tilt_sd_deg) return sampled.key + kTilts[part];
-  if (sampled.distribution.kind == Distribution::Kind::shift_sd_mm) return sampled.key + kShifts[part];
-  return sampled.key;
-}
-
 /// A cell of a table as RFC 4180 has it.
 std::string quoted_cell(const std::string& text) {
   std::string out = "\"";
@@ -109,19 +101,18 @@ UqDesign::UqDesign(Study study) : study_(std::move(study)) {
   require_samples_alone(study_);
   const SampleSettings& sample = *study_.sample;
   for (std::size_t key = 0; key < sample.of.size(); ++key) {
-    for (int part = 0; part < sample.of[key].distribution.dimensions(); ++part) {
-      inputs_.push_back({name_of_part(sample.of[key], part), key, is_constant(sample.of[key])});
-    }
+    std::vector<std::string> names = part_columns(sample.of[key]);
+    if (names.empty()) names = {sample.of[key].key};
+    for (const std::string& name : names) inputs_.push_back({name, key, is_constant(sample.of[key])});
   }
   const auto count = static_cast<Eigen::Index>(inputs_.size());
   const auto both = unit_points(SampleMethod::sobol, sample.n, 2 * static_cast<int>(count), sample.seed);
   a_.resize(sample.n, count);
   b_.resize(sample.n, count);
   for (Eigen::Index i = 0; i < sample.n; ++i) {
-    for (Eigen::Index d = 0; d < count; ++d) {
-      a_(i, d) = both[static_cast<std::size_t>(i)][static_cast<std::size_t>(d)];
-      b_(i, d) = both[static_cast<std::size_t>(i)][static_cast<std::size_t>(count + d)];
-    }
+    const Eigen::Map<const Eigen::RowVectorXd> row(both[static_cast<std::size_t>(i)].data(), 2 * count);
+    a_.row(i) = row.head(count);
+    b_.row(i) = row.tail(count);
   }
   require_samples_in_range();
   for (const Eigen::VectorXd& point : points()) {

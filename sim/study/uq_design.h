@@ -45,7 +45,6 @@ class UqDesign {
   [[nodiscard]] std::size_t runs() const { return run_points_.size(); }
   /// The run of a point. Its number in the study of runs is one more.
   [[nodiscard]] std::size_t run_of(const Eigen::VectorXd& point) const;
-  /// The constants at a point, by their keys.
   [[nodiscard]] std::vector<std::pair<std::string, double>> constants(const Eigen::VectorXd& point) const;
   /// Whether forces come from the force basis of the runs: some inputs are constants. Otherwise from their forces.csv.
   [[nodiscard]] bool needs_basis() const;
