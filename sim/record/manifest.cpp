@@ -108,35 +108,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Names of files relative to the results folder; a finished folder has at least one of `marks`.
-struct Names {
+/// What results of a kind are called in a manifest, and the names of their files, relative to the results folder; a
+/// finished folder has at least one of `marks`.
+struct KindOfResults {
+  const char* name;
   Pattern files;
   std::vector<std::string> marks;
 };
 
-Names names_of_run() {
+std::string files_of_run() {
+  const std::string files =
+      "CITATION\\.txt|scenario\\.yaml|report\\.html|(summary|verification)\\.json|timings\\.csv|"
+      "(segmentation|contact_sheet)\\.png|forces\\.(csv|gp|png|svg|pdf)|force_basis\\.npy|events\\.csv|"
+      "depth_map\\.(csv|png)|clearance\\.csv|reamed\\.(vdb|vti|glb|stl)|(reamed|turntable)\\.(mp4|webp|apng)|"
+      "snapshots/([0-9]+\\.vdb|tool(_[0-9]+)?\\.stl)|turntable/[0-9]+\\.png|"
+      "plots/(forces_decimated|forces_depth|energy|removed_density|spectrum|push|deflection)\\.(csv|gp|png|svg|pdf)";
   const std::string camera = "(_[a-z0-9_-]+)?";           // the names that render.user_cameras may have
   const std::string unfinished = "(\\.tmp|\\.partial)?";  // of an interrupted write
-  const std::string files =
-      "CITATION\\.txt|scenario\\.yaml|summary\\.json|verification\\.json|timings\\.csv|report\\.html|segmentation\\."
-      "png|contact_"
-      "sheet\\.png|"
-      "forces\\.(csv|gp|png|svg|pdf)|force_basis\\.npy|events\\.csv|depth_map\\.(csv|png)|clearance\\.csv|reamed\\.("
-      "vdb|vti|glb|stl)|"
-      "(reamed|turntable)\\.(mp4|webp|apng)|snapshots/([0-9]+\\.vdb|tool(_[0-9]+)?\\.stl)|turntable/[0-9]+\\.png|"
-      "plots/(forces_decimated|forces_depth|energy|removed_density|spectrum|push|deflection)\\.(csv|gp|png|svg|pdf)";
-  const std::string pictures = "(reamed|before_after|frames/[0-9]+)" + camera + "\\.png";
-  return {Pattern("(" + files + "|" + pictures + ")" + unfinished), {"scenario.yaml", "summary.json"}};
+  return "(" + files + "|(reamed|before_after|frames/[0-9]+)" + camera + "\\.png)" + unfinished;
 }
 
-const Names& names_of(ResultKind kind) {
-  static const Names names[] = {
-      names_of_run(),
-      {Pattern("CITATION\\.txt|compare\\.(csv|gp|png|svg|pdf)|(curves|runs)\\.csv"), {"compare.csv"}},
-      {Pattern("CITATION\\.txt|verification\\.(md|json|gp|png|svg)"), {"verification.json"}},
-      {Pattern("CITATION\\.txt|bench\\.(json|gp|png|svg)"), {"bench.gp"}},
+const KindOfResults& kind_of(ResultKind kind) {
+  static const KindOfResults kinds[] = {
+      {"run", Pattern(files_of_run()), {"scenario.yaml", "summary.json"}},
+      {"comparison", Pattern("CITATION\\.txt|compare\\.(csv|gp|png|svg|pdf)|(curves|runs)\\.csv"), {"compare.csv"}},
+      {"verification", Pattern("CITATION\\.txt|verification\\.(md|json|gp|png|svg)"), {"verification.json"}},
+      {"benchmark", Pattern("CITATION\\.txt|bench\\.(json|gp|png|svg)"), {"bench.gp"}},
   };  // in the order of ResultKind
-  return names[static_cast<std::size_t>(kind)];
+  return kinds[static_cast<std::size_t>(kind)];
 }
 
 /// Files that only unfinished results have: ours, and in no manifest. A process that is killed may leave them in
@@ -152,18 +151,13 @@ constexpr const char* kFolders[] = {"frames", "plots", "snapshots", "turntable"}
 /// Users copy it into a run, whose report then shows it (docs/figures.md).
 constexpr const char* kVerification = "verification.json";
 
-std::string kind_name(ResultKind kind) {
-  static const char* const names[] = {"run", "comparison", "verification", "benchmark"};  // in the order of ResultKind
-  return names[static_cast<std::size_t>(kind)];
-}
-
 /// Says which entries of a results folder reamsim wrote: those of its manifest; without a complete one, also those
 /// with known names.
 class OwnEntries {
  public:
   OwnEntries(const std::string& dir, ResultKind kind)
-      : kind_(kind), names_(names_of(kind)), manifest_(read_manifest(dir)) {
-    if (manifest_ && manifest_->kind != kind_name(kind)) manifest_.reset();
+      : kind_(kind), names_(kind_of(kind).files), manifest_(read_manifest(dir)) {
+    if (manifest_ && manifest_->kind != kind_of(kind).name) manifest_.reset();
   }
 
   [[nodiscard]] bool has_manifest() const { return manifest_.has_value(); }
@@ -179,12 +173,12 @@ class OwnEntries {
     if (is_of_unfinished(place, kind_)) return true;
     if (manifest_ && (place == kManifestName || manifest_->files.contains(place))) return true;
     if (kind_ == ResultKind::run && place == kVerification) return true;
-    return (!manifest_ || !manifest_->complete) && names_.files.matches(place);
+    return (!manifest_ || !manifest_->complete) && names_.matches(place);
   }
 
  private:
   ResultKind kind_;
-  const Names& names_;  // made before results are written: to remove them must not need the memory
+  const Pattern& names_;  // made before results are written: to remove them must not need the memory
   std::optional<Manifest> manifest_;
 };
 
@@ -223,14 +217,14 @@ std::optional<std::string> foreign_entry(const std::string& dir, ResultKind kind
 
 bool is_marked(const std::string& dir, ResultKind kind) {
   if (OwnEntries(dir, kind).has_manifest()) return true;
-  return std::ranges::any_of(names_of(kind).marks, [&](const std::string& mark) {
+  return std::ranges::any_of(kind_of(kind).marks, [&](const std::string& mark) {
     std::error_code error;
     return fs::is_regular_file(dir + "/" + mark, error);
   });
 }
 
 void list_results(const std::string& dir, ResultKind kind, const std::set<std::string>& foreign, bool durable) {
-  Manifest manifest{.kind = kind_name(kind), .files = {}};
+  Manifest manifest{.kind = kind_of(kind).name, .files = {}};
   walk(dir, "", OwnEntries(dir, kind), [&](const fs::directory_entry& entry, const std::string& place, bool ours) {
     std::error_code error;
     const bool file = entry.symlink_status(error).type() == fs::file_type::regular;
@@ -244,7 +238,7 @@ void list_results(const std::string& dir, ResultKind kind, const std::set<std::s
 std::set<std::string> open_results(const std::string& dir, ResultKind kind) {
   std::set<std::string> foreign;
   std::optional<Manifest> manifest = read_manifest(dir);
-  if (!manifest || manifest->kind != kind_name(kind)) return foreign;
+  if (!manifest || manifest->kind != kind_of(kind).name) return foreign;
   if (manifest->complete) {
     walk(dir, "", OwnEntries(dir, kind), [&](const fs::directory_entry&, const std::string& place, bool ours) {
       if (!ours) foreign.insert(place);

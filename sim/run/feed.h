@@ -65,12 +65,12 @@ class PlannedFeed : public Feed {
 std::unique_ptr<Feed> prescribed_feed(const SimulationInput& scene, FrameStepper& stepper);
 
 /// A feed under a given thrust (`motion.push`). In every frame it tries feed rates on the present bone until the forces
-/// balance (thrust_balance.h), and then cuts once. Feed rates whose advance in a frame is near the smallest loss that
+/// balance (balance.h), and then cuts once. Feed rates whose advance in a frame is near the smallest loss that
 /// single precision tells are tried over a longer time.
 std::unique_ptr<Feed> thrust_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report);
 
 /// A tool on springs (`motion.compliance`). A frame has the substeps of the planned motion; in each, deflections are
-/// tried on the present bone until the forces balance (springs.h), slow ones over a longer time, and the tool cuts
+/// tried on the present bone until the forces balance (balance.h), slow ones over a longer time, and the tool cuts
 /// once.
 std::unique_ptr<Feed> spring_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report);
 

@@ -12,9 +12,8 @@
 #include "sim/engine/make_engine.h"
 #include "sim/record/results.h"
 #include "sim/record/run_totals.h"
+#include "sim/run/balance.h"
 #include "sim/run/frame_stepper.h"
-#include "sim/run/springs.h"
-#include "sim/run/thrust_balance.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {

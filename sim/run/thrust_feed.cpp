@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/run/balance.h"
 #include "sim/run/feed.h"
-#include "sim/run/thrust_balance.h"
 #include "sim/scenario/picture_frames.h"
 
 namespace reamsim {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/study/cohort_table.h"
+#include "sim/study/study.h"
 
 #include <algorithm>
 #include <utility>
@@ -20,12 +20,7 @@ bool names_input(const KeyNode& key) {
          (key.info.text == TextKind::input_file || key.info.text == TextKind::input_path);
 }
 
-std::string plain_text(const YamlNode& node) {
-  return node.kind == YamlNode::Kind::scalar ? node.text : flow_text(node);
-}
-
-}  // namespace
-
+/// A node as YAML on one line: 0.25, "a b", [0, 0, 5].
 std::string flow_text(const YamlNode& node) {
   std::string out;
   switch (node.kind) {
@@ -44,6 +39,12 @@ std::string flow_text(const YamlNode& node) {
   }
   return out;
 }
+
+std::string plain_text(const YamlNode& node) {
+  return node.kind == YamlNode::Kind::scalar ? node.text : flow_text(node);
+}
+
+}  // namespace
 
 KeyValue KeyValues::of_node(const std::string& key, const YamlNode& node, const SourceLocation& where) const {
   const KeyNode& known = find_key(key, where);

@@ -14,8 +14,7 @@
 #include "sim/scenario/parse.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/show.h"
-#include "sim/study/cohort_table.h"
-#include "sim/study/sampling.h"
+#include "sim/study/study.h"
 #include "sim/study/study_folder.h"
 
 namespace reamsim {

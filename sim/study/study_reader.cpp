@@ -15,7 +15,6 @@
 #include "sim/scenario/shipped.h"
 #include "sim/scenario/show.h"
 #include "sim/scenario/yaml_tree.h"
-#include "sim/study/cohort_table.h"
 #include "sim/study/study.h"
 
 namespace reamsim {

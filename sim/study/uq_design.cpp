@@ -14,7 +14,6 @@
 #include "sim/scenario/find_key.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
-#include "sim/study/sampling.h"
 #include "sim/study/study_plan.h"
 
 namespace reamsim {

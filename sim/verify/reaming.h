@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sim/engine/make_engine.h"
-#include "sim/run/thrust_balance.h"
+#include "sim/run/balance.h"
 #include "sim/verify/closed_forms.h"
 #include "sim/verify/scene.h"
 
