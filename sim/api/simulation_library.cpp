@@ -57,7 +57,6 @@ constexpr double kMostSeconds = 0.2;
 
 namespace library {
 
-/// Collects rows.
 class Rows final : public FrameSink {
  public:
   void frame(const FrameResult& result, const FrameTimes&) override { rows.push_back(result_of(result)); }
@@ -117,7 +116,6 @@ struct Simulation::Core {
             .time_s = even ? static_cast<double>(frame) * duration_s : progress.time_s + duration_s};
   }
 
-  /// The motions to poses that follow one another.
   [[nodiscard]] std::vector<FrameMotion> motions_to(std::span<const Pose> poses) const {
     std::vector<FrameMotion> out{motion_to(poses.front(), {})};
     for (const Pose& pose : poses.subspan(1)) {

@@ -130,7 +130,6 @@ Simulation::State Simulation::State::load(const std::string& path) {
 
 namespace {
 
-/// Passes a run on to the functions of the caller, and collects its warnings.
 class CallerMonitor final : public RunMonitor {
  public:
   explicit CallerMonitor(const RunOptions& options) : options_(options) {}

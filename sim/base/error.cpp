@@ -63,7 +63,6 @@ namespace {
 
 constexpr std::size_t kMostShown = 50;
 
-/// Whether `key` is `above` or below it.
 bool is_within(std::string_view key, std::string_view above) {
   return key.starts_with(above) && (key.size() == above.size() || key[above.size()] == '.');
 }

@@ -23,7 +23,6 @@ struct SourceLocation {
   [[nodiscard]] std::string text() const;
 };
 
-/// One mistake in the input.
 struct Mistake {
   SourceLocation where;
   std::string key;
@@ -43,7 +42,6 @@ class InputError : public std::runtime_error {
   InputError(const SourceLocation& where, const std::string& key, const std::string& found,
              const std::string& expected);
 
-  /// `mistakes`: one or more.
   explicit InputError(std::vector<Mistake> mistakes);
 
   [[nodiscard]] const std::vector<Mistake>& mistakes() const { return *mistakes_; }

@@ -27,7 +27,6 @@ class MemoryFile {
   int descriptor_;
 };
 
-/// A program to start.
 struct ChildCommand {
   std::vector<std::string> arguments;  ///< the program first, which is looked up in PATH
   std::string dir = {};                ///< its working directory; "" = that of this process
@@ -41,7 +40,6 @@ int spawn(ChildCommand command, pid_t& child);
 /// Waits until the child ends. Returns its status, as waitpid() reports it.
 int wait_for(pid_t child);
 
-/// Whether a child with this status exited with 0.
 bool succeeded(int status);
 
 /// Returns freed memory to the system, which the C library would keep. Call it after a stage with much of it.

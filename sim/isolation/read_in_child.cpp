@@ -60,7 +60,6 @@ double cpu_seconds_of(pid_t child) {
 /// `waits`: out of time on the clock, with time of the processor left.
 enum class Ending { by_itself, out_of_time, waits, stopped };
 
-/// Waits for the child; kills it when its time is over or a stop is requested.
 class Watch {
  public:
   Watch(pid_t child, const SharedMemory& memory, const ReadLimits& limits)

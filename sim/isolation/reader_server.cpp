@@ -160,7 +160,6 @@ bool receive_value(int socket, T& value) {
   return received == static_cast<ssize_t>(sizeof value);
 }
 
-/// Returns how it ended. What a failed attempt wrote is replaced by the error.
 ChildOutcome write_result(ChildFunction function, ResultReader& arguments, ResultWriter& out) {
   try {
     function(arguments, out);

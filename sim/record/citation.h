@@ -8,7 +8,6 @@
 
 namespace reamsim {
 
-/// A work to cite.
 struct Reference {
   std::string key;                       ///< "faieghi2020"
   std::string type = "article-journal";  ///< of CSL: software | article-journal | dataset | webpage

@@ -45,7 +45,6 @@ bool is_file_of(int descriptor, const std::string& path) {
          held.st_dev == named.st_dev;
 }
 
-/// The first line of a lock.
 std::string holder_of(int descriptor) {
   std::array<char, 256> text{};
   const ssize_t got = pread(descriptor, text.data(), text.size(), 0);

@@ -86,7 +86,6 @@ Json forces_json(const RunTotals& totals) {
           {"mean_spin_torque_nmm", totals.means().spin_torque_nmm}};
 }
 
-/// The force law of the run, for citation.
 Json force_law_json(const CuttingSettings& cutting) {
   Json json{{"preset", cutting.preset == EnergyPreset::none ? Json() : Json(name_of(cutting.preset))},
             {"changed_from_preset", changed_from_preset(cutting)}};
@@ -125,7 +124,6 @@ Json bone_json(const SimulationInput& scene, const RunTotals& totals, const RunF
           {"removed_mm3", totals.removed_mm3}};
 }
 
-/// The segmentation of the scan.
 Json segmentation_json(const Segmentation& s) {
   Json json{{"method", s.method},
             {"threshold_hu", s.threshold_hu},
@@ -218,7 +216,6 @@ Json plunge_contact_json(const FirstContact& contact) {
   return {{"travel_mm", contact.travel_mm}, {"bone_mm", contact.bone_mm}};
 }
 
-/// The passes that a run has come to.
 Json passes_json(const SimulationInput& scene, const RunTotals& totals) {
   Json json = Json::array();
   const std::vector<PassSpec> specs = passes_of(scene.scenario);
@@ -281,7 +278,6 @@ void put_forces(const CuttingSettings& cutting, const RunTotals& totals, Json& j
   json["forces"] = forces_json(totals);
 }
 
-/// What is known after every frame.
 Json totals_json(const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts) {
   const CuttingSettings& cutting = scene.scenario.cutting;
   Json json{{"program", "reamsim " REAMSIM_VERSION},

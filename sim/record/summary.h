@@ -15,7 +15,6 @@
 
 namespace reamsim {
 
-/// An input file with its role and checksum.
 struct InputSum {
   std::string role;
   std::string path;
@@ -25,7 +24,6 @@ struct InputSum {
 /// Checksums of every input of the scenario, the scenario file first. Throws InputError when one cannot be read.
 std::vector<InputSum> input_sums(const Scenario& scenario);
 
-/// Facts of a run for summary.json.
 struct RunFacts {
   std::string device;
   std::size_t device_bytes = 0;

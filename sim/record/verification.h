@@ -66,7 +66,6 @@ struct Refinement {
   GridIndex index = {};
 };
 
-/// The results of a case.
 struct CaseFindings {
   std::string id;
   std::string title;

@@ -35,7 +35,6 @@ struct ThrustBalance {
   double standing_n = 0;      ///< force of the bone on the resting tool: the edge force
 };
 
-/// The feed of a frame.
 struct FeedRate {
   double mm_s = 0;         ///< mean over the frame
   double end_mm_s = 0;     ///< at its end
@@ -93,7 +92,6 @@ struct SpringBalance {
 /// Forces of the bone at deflections at the end of the substep, each from the bone as it is before, N.
 using BoneForces = std::function<std::vector<Vec3>(const std::vector<Vec3>& deflections_mm)>;
 
-/// The deflection at the end of a substep.
 struct Deflection {
   Vec3 mm = Vec3::Zero();
   Vec3 bone_n = Vec3::Zero();

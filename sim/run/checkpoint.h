@@ -47,11 +47,9 @@ class CheckpointFiles {
  public:
   explicit CheckpointFiles(std::string dir) : dir_(std::move(dir)) {}
 
-  /// The later undamaged checkpoint, or nullopt.
   [[nodiscard]] std::optional<Checkpoint> read();
   /// Returns its length in bytes, when it is on the disk. Throws RunError.
   std::size_t write(const Checkpoint& checkpoint);
-  /// Warns where that is not possible.
   void remove(Diagnostics& report) const;
 
  private:
@@ -81,16 +79,13 @@ class RunCheckpoints {
   /// The state to go on from; nullopt at the start.
   [[nodiscard]] std::optional<SimulationState> state() const;
 
-  /// Whether the time for a checkpoint has come.
   [[nodiscard]] bool due() const { return every_s_ > 0 && since_last_.seconds() >= every_s_; }
   /// Saves the state, unless no checkpoints are wanted. Returns whether it did. Throws RunError.
   bool save(const SimulationState& state, Recorder& recorder, const FillBricks& fill, const Diagnostics& report);
   /// The frame of the last checkpoint, or nullopt.
   [[nodiscard]] std::optional<std::int64_t> saved_frame() const { return saved_frame_; }
-  /// Their number, time and size, in words.
   [[nodiscard]] std::string cost() const;
   [[nodiscard]] double seconds() const { return seconds_; }
-  /// Removes the checkpoints of a run that is complete.
   void remove(Diagnostics& report) const { files_.remove(report); }
 
  private:

@@ -28,7 +28,6 @@ namespace {
 constexpr double kStepVoxels = 2;
 enum class BrickMark : std::uint8_t { air, whole, partial };
 
-/// Bound of the tool's motion in a visit, mm.
 double visit_shift(const SimulationInput& scene) {
   const double voxel_mm = scene.bone.voxmap->grid.voxel_mm;
   double substep_mm = 0;
@@ -136,7 +135,6 @@ constexpr std::int64_t kWindowFrames = 64;
 /// Batches of the serial engine are small, because it is slow.
 constexpr int kSerialBatch = 4;
 
-/// Records the times at which batches of frames finish.
 class BatchTimes : public FrameSink {
  public:
   void frame(const FrameResult& result, const FrameTimes&) override {
@@ -146,7 +144,6 @@ class BatchTimes : public FrameSink {
     ends_.back().second = frames_;
     begins_ = frames_ == 0;  // frame 0 is a batch of its own
   }
-  /// The next frame belongs to another batch.
   void end_batch() { begins_ = true; }
   void snapshot(std::int64_t, FillBricks&) override {
     read_s_ = std::max(read_s_, watch_.seconds() - last_s_);
@@ -164,7 +161,6 @@ class BatchTimes : public FrameSink {
     return best;
   }
   [[nodiscard]] std::int64_t frames() const { return frames_; }
-  /// Longest read-back of the bone for a snapshot.
   [[nodiscard]] double read_s() const { return read_s_; }
 
  private:
@@ -192,7 +188,6 @@ double integrate_s(const std::vector<Timed>& timed, double frames) {
   return sum;
 }
 
-/// Runs the frames of the scene for at most `most_s` seconds.
 BatchTimes time_window(SimulationInput& scene, Engine& engine, double most_s) {
   BatchTimes times;
   Diagnostics discarded;

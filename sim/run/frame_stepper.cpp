@@ -310,7 +310,6 @@ void FrameStepper::enqueue(const Substep& substep, const SubstepArgs& args, std:
   pending.cut.emplace_back(enqueued_++, substep);
 }
 
-/// Appends the engine's results.
 void FrameStepper::collect() {
   if (!std::exchange(uncut_, false)) return;
   const Batch part = engine_.collect();

@@ -131,7 +131,6 @@ class FrameStepper {
 
   /// Gives the fill of the bone to the sink, as a snapshot of `frame`.
   void snapshot(std::int64_t frame);
-  /// Updates the fill of the scene's bone.
   void read_fill();
 
   /// The sums of motions of a single substep, each from the present fill, which they leave as it is. Only for the
@@ -148,7 +147,6 @@ class FrameStepper {
   /// Whether the engine can use windows of smooth motion.
   [[nodiscard]] bool can_use_windows() const { return exact_ && !resolved_; }
 
-  /// The last row.
   [[nodiscard]] const FrameResult& last() const { return last_; }
 
   [[nodiscard]] StepState state() const;
@@ -160,7 +158,6 @@ class FrameStepper {
  private:
   PendingFrame& open(const FrameMotion& motion);
   [[nodiscard]] PendingFrame pending_of(const FrameMotion& motion) const;
-  /// Enqueues the substeps of a motion.
   void enqueue_motion(const FrameMotion& motion, int substeps, const std::shared_ptr<const MotionWindow>& window,
                       PendingFrame& pending);
   std::optional<Aabb> broad_phase(const Substep& substep, PendingFrame& pending) const;

@@ -188,7 +188,6 @@ class ScenarioRun {
     tell_report();
   }
 
-  /// Changes the tool. Returns false after the last pass.
   bool next_pass() {
     if (scene_.later_passes.empty()) return false;
     engine_.reset();
@@ -237,7 +236,6 @@ class ScenarioRun {
     write_summary(dir_, scene_, totals, facts_);
   }
 
-  /// Removes the logs that are not kept.
   void remove_logs() const {
     std::error_code ignored;
     if (!keep_.forces && !keep_.pictures) fs::remove(dir_ + "/forces.csv", ignored);
@@ -278,7 +276,6 @@ InterruptedRun what_remains(const RunCheckpoints& checkpoints, const OutputFolde
   return {false, "interrupted; finished frames are in " + folder.path()};
 }
 
-/// Gives the warnings of a run that fails to the monitor.
 void take_on_error(RunMonitor& monitor, const Diagnostics& report) {
   try {
     monitor.take(report);
@@ -286,7 +283,6 @@ void take_on_error(RunMonitor& monitor, const Diagnostics& report) {
   }
 }
 
-/// Finishes the output folder, and gives its warning to the monitor.
 void finish(OutputFolder& folder, RunMonitor& monitor, const std::function<void()>& remove_unfinished = {}) {
   Diagnostics report;
   if (std::string warning = folder.finish(remove_unfinished); !warning.empty()) report.warn(std::move(warning));

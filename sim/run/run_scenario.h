@@ -60,7 +60,6 @@ class PictureSink {
   virtual void make_report() = 0;
 };
 
-/// What remains of an interrupted run.
 struct InterruptedRun {
   bool saved = false;  ///< a checkpoint, from which it can be continued
   std::string message = "interrupted";

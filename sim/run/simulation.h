@@ -23,7 +23,6 @@ struct SimulationState : StepState {
   SpringState springs = {};  ///< of a tool on springs
 };
 
-/// Callbacks of a run.
 struct RunControl {
   /// Called after each batch with (finished frames, all frames).
   std::function<void(std::int64_t, std::int64_t)> progress = [](std::int64_t, std::int64_t) {};
@@ -52,7 +51,6 @@ std::unique_ptr<Engine> load_engine(const SimulationInput& scene);
 SimulationState simulate(SimulationInput& scene, Engine& engine, FrameSink& sink, const RunControl& control,
                          Diagnostics& report);
 
-/// Cost of a run, from the motion alone.
 struct RunCost {
   std::int64_t frames = 0;
   std::int64_t substeps = 0;

@@ -31,7 +31,6 @@ std::array<double, 3> array_of(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-/// A deflection that has been tried.
 struct Trial {
   Vec3 mm = Vec3::Zero();
   Vec3 bone_n = Vec3::Zero();
@@ -121,7 +120,6 @@ class SpringSolver {
     return bounded(guess.allFinite() ? guess : before_mm_);
   }
 
-  /// Broyden's update.
   void learn(const Trial& from, const Trial& to) {
     const Vec3 step = to.mm - from.mm;
     slope_ += (from.bone_n - to.bone_n - slope_ * step) * step.transpose() / step.squaredNorm();

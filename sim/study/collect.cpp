@@ -114,7 +114,6 @@ std::string cell(const std::string& text) {
   return parse_number(text) ? text : csv_text(text);
 }
 
-/// A run without its numbers.
 CollectedRun collected(const StudyFolder& folder, const PlannedRun& planned, const IdentifiedRun& run, RunState state) {
   CollectedRun out{.number = planned.number,
                    .id = run.id,

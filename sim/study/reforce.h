@@ -92,7 +92,6 @@ ClampedVolume clamped_volume(const BasisRun& run, const std::optional<Recalibrat
 /// folder. Returns the totals. Throws RunError, and InputError where forces.csv of the run is damaged.
 RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std::string& to);
 
-/// A measured quantity: a column of forces.csv.
 enum class ForceChannel {
   force_x,
   force_y,
@@ -108,7 +107,6 @@ inline constexpr int kForceChannels = 8;
 /// Its column, "axial_force_n".
 std::string column_of(ForceChannel channel);
 
-/// A measured history of forces or torques.
 struct MeasuredForces {
   std::vector<ForceChannel> channels;
   std::vector<double> time_s;

@@ -47,7 +47,6 @@ struct Distribution {
   [[nodiscard]] int dimensions() const;
 };
 
-/// A key of the scenario with its distribution.
 struct SampledKey {
   std::string key;
   Distribution distribution;

@@ -58,7 +58,6 @@ class StudyFolder {
 /// Checksums of input files, each computed once.
 class Checksums {
  public:
-  /// As sha256_of().
   const std::string& of(const std::string& path);
 
  private:

@@ -39,7 +39,6 @@ double normal_quantile(double u);
 /// lies no nearer to y than to x.
 Vec3 tilted(const Vec3& direction, double a_deg, double b_deg);
 
-/// One run of a study.
 struct PlannedRun {
   int number = 0;                      ///< from 1, in the order of the plan
   std::vector<std::string> cells;      ///< by column of the plan
@@ -65,7 +64,6 @@ std::vector<std::string> part_columns(const SampledKey& sampled);
 /// base scenario nor the study gives.
 StudyPlan make_plan(const Study& study, const std::vector<std::string>& overrides = {});
 
-/// A planned run with the name of its folder.
 struct IdentifiedRun {
   std::string id;       ///< run_id(); "" where the scenario is wrong
   std::string mistake;  ///< then why: all mistakes of its row and its scenario, on one line
@@ -81,7 +79,6 @@ std::vector<std::size_t> rows_of_run(const std::vector<IdentifiedRun>& runs, std
 /// "runs 3 and 7 are the same run", a line for each such group, of at most three.
 std::vector<std::string> same_runs(const std::vector<IdentifiedRun>& runs);
 
-/// The scenario of a run. Throws InputError.
 Scenario scenario_of(const Study& study, const PlannedRun& run);
 
 }  // namespace reamsim
