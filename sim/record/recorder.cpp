@@ -3,6 +3,7 @@
 
 #include "sim/record/recorder.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -50,10 +51,9 @@ std::string header_of(std::uintmax_t rows) {
 }
 
 bool is_plausible(const BasisRow& row, std::int32_t frame_before) {
-  const float* const values = row.p_mm2;
-  for (std::size_t i = 0; i < kBasisRowValues; ++i)
-    if (!std::isfinite(values[i])) return false;
-  return row.frame >= frame_before && row.grade >= 0 && row.grade <= 255;
+  const bool finite =
+      std::all_of(row.p_mm2, row.p_mm2 + kBasisRowValues, [](float value) { return std::isfinite(value); });
+  return finite && row.frame >= frame_before && row.grade >= 0 && row.grade <= 255;
 }
 
 }  // namespace

@@ -149,6 +149,7 @@ struct PassTotals {
   void add(const FrameResult& row);
 };
 
+/// Deflections of a tool on springs, T.
 struct DeflectionTotals {
   double peak_mm = 0;               ///< length
   double peak_time_s = 0;           ///< first row with it

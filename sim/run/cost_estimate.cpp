@@ -28,6 +28,7 @@ namespace {
 constexpr double kStepVoxels = 2;
 enum class BrickMark : std::uint8_t { air, whole, partial };
 
+/// Bound of the tool's motion in a visit, mm.
 double visit_shift(const SimulationInput& scene) {
   const double voxel_mm = scene.bone.voxmap->grid.voxel_mm;
   double substep_mm = 0;

@@ -266,19 +266,6 @@ std::string FrameStepper::name_of_pass() const {
   return several ? "pass " + std::to_string(scene_.motion.pass) + ": " : "";
 }
 
-PendingFrame& FrameStepper::open(const FrameMotion& motion) {
-  return pending_.emplace_back(pending_of(motion));
-}
-
-PendingFrame FrameStepper::pending_of(const FrameMotion& motion) const {
-  return {.frame = motion.frame,
-          .pass = scene_.motion.pass,
-          .before = motion.before,
-          .pose = motion.pose,
-          .time_s = motion.time_s,
-          .cut = {}};
-}
-
 void FrameStepper::enqueue_motion(const FrameMotion& motion, int substeps,
                                   const std::shared_ptr<const MotionWindow>& window, PendingFrame& pending) {
   pending.substeps = substeps;

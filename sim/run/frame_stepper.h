@@ -15,14 +15,19 @@
 
 namespace reamsim {
 
-/// A frame with substeps in the engine's batch.
-struct PendingFrame {
+/// A frame of the tool: from one pose to the next.
+struct FrameMotion {
   std::int64_t frame = 0;
-  int pass = 1;
-  ToolPose before;  ///< pose at the start of the frame
-  ToolPose pose;    ///< pose at its end
-  int substeps = 1;
+  ToolPose before;  ///< at the start of the frame
+  ToolPose pose;    ///< at its end
+  double duration_s = 1e-3;
   double time_s = 0;  ///< at its end
+};
+
+/// A frame with substeps in the engine's batch.
+struct PendingFrame : FrameMotion {
+  int pass = 1;
+  int substeps = 1;
   std::optional<PushResult> push = {};
   std::optional<Vec3> deflection_mm = {};
   std::vector<std::pair<std::size_t, Substep>>
@@ -87,15 +92,6 @@ struct StepState {
   bool warned_of_no_spin = false;
 };
 
-/// A frame of the tool: from one pose to the next.
-struct FrameMotion {
-  std::int64_t frame = 0;
-  ToolPose before;  ///< at the start of the frame
-  ToolPose pose;    ///< at its end
-  double duration_s = 1e-3;
-  double time_s = 0;  ///< at its end
-};
-
 /// Moves the tool of the present pass frame by frame: broad phase → enqueue for the frames of a batch, collect → record
 /// for all of them. The caller decides the poses. Results do not depend on batches.
 class FrameStepper {
@@ -156,8 +152,10 @@ class FrameStepper {
   [[nodiscard]] std::string name_of_pass() const;
 
  private:
-  PendingFrame& open(const FrameMotion& motion);
-  [[nodiscard]] PendingFrame pending_of(const FrameMotion& motion) const;
+  PendingFrame& open(const FrameMotion& motion) { return pending_.emplace_back(pending_of(motion)); }
+  [[nodiscard]] PendingFrame pending_of(const FrameMotion& motion) const {
+    return {motion, scene_.motion.pass, 1, {}, {}, {}, 0};
+  }
   void enqueue_motion(const FrameMotion& motion, int substeps, const std::shared_ptr<const MotionWindow>& window,
                       PendingFrame& pending);
   std::optional<Aabb> broad_phase(const Substep& substep, PendingFrame& pending) const;

@@ -52,8 +52,8 @@ std::vector<std::string> files_read(const Scenario& scenario) {
 }
 
 /// The same figures, with the same names, as pictures, plots, summary and report have.
-void say_summary(RunMonitor& monitor, const RunTotals& totals, const RunFacts& facts, double mean_mm) {
-  const KeyResults run = totals.headline(mean_mm > 0);
+void say_summary(RunMonitor& monitor, const RunTotals& totals, const RunFacts& facts, bool means) {
+  const KeyResults run = totals.headline(means);
   monitor.say(fmt::format("removed {:.1f} mm3; {} {} mm; {} {} N, {} {} N mm; energy balance {:.1e}",
                           totals.removed_mm3, KeyResults::kDepthName, run.depth_text(), run.force_name(),
                           run.force_text(), run.torque_name(), run.torque_text(), totals.balance));
@@ -92,8 +92,7 @@ class ScenarioRun {
       finish_summary(recorder.totals());
     }
     remove_logs();
-    say_summary(monitor_, recorder.totals(), facts_,
-                averaged_travel_mm(scenario_.cutting, scene_.bone.voxmap->grid.voxel_mm));
+    say_summary(monitor_, recorder.totals(), facts_, scenario_.cutting.erosion != ErosionMode::exact);
   }
 
   /// Whether frames have been simulated, or are.
@@ -188,6 +187,7 @@ class ScenarioRun {
     tell_report();
   }
 
+  /// Changes the tool. Returns false after the last pass.
   bool next_pass() {
     if (scene_.later_passes.empty()) return false;
     engine_.reset();

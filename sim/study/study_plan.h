@@ -79,6 +79,7 @@ std::vector<std::size_t> rows_of_run(const std::vector<IdentifiedRun>& runs, std
 /// "runs 3 and 7 are the same run", a line for each such group, of at most three.
 std::vector<std::string> same_runs(const std::vector<IdentifiedRun>& runs);
 
+/// The scenario of a run. Throws InputError.
 Scenario scenario_of(const Study& study, const PlannedRun& run);
 
 }  // namespace reamsim
