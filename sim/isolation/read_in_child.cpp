@@ -112,7 +112,6 @@ class Watch {
   Clock::time_point begun_ = Clock::now();
 };
 
-/// The file that the child was reading.
 ForeignFile current_file(const ForeignFile& file, const SharedMemory& memory) {
   const char* path = memory.head().path;
   const std::string current(path, strnlen(path, SharedMemory::Head::kPathBytes));

@@ -36,7 +36,6 @@ struct ReadLimits {
 /// Length of a file, bytes; 0 if it cannot be found out.
 std::uint64_t bytes_of_file(const std::string& path);
 
-/// The result of a child, until it has been read.
 class ChildResult {
  public:
   ChildResult(std::unique_ptr<SharedMemory> memory, const ForeignFile& file)

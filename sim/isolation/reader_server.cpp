@@ -129,7 +129,6 @@ int close_files(int keep) {
   return kKept;
 }
 
-/// Restricts this process, for ever.
 void enter_sandbox(const ChildStart& start) {
   sigset_t none;
   sigemptyset(&none);
@@ -142,7 +141,6 @@ void enter_sandbox(const ChildStart& start) {
   restrict_system_calls();
 }
 
-/// Sends a plain value. Returns whether it succeeded.
 template <PlainValue T>
 bool send_value(int socket, const T& value) {
   ssize_t sent = 0;

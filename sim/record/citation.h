@@ -31,7 +31,6 @@ Reference known_data(const std::string& sha256);
 /// One line: authors, year, title, journal, DOI, note.
 std::string text_of(const Reference& reference);
 std::string bibtex_of(const Reference& reference);
-/// The file of a results folder that says how to cite it.
 inline constexpr const char* kCitationName = "CITATION.txt";
 
 /// What to cite, by what it is cited for.
@@ -57,7 +56,6 @@ std::string bibtex_of(const Citation& citation);
 /// A list of items in CSL-JSON, which reference managers read.
 std::string csl_json_of(const Citation& citation);
 
-/// Writes DIR/CITATION.txt. Throws RunError.
 void write_citation(const std::string& dir, const Citation& citation);
 
 }  // namespace reamsim

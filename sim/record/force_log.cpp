@@ -85,7 +85,6 @@ ForceRow make_row(const SourceLocation& where, const std::vector<double>& values
   return row;
 }
 
-/// Sets the means of rows in ascending order.
 class LayerMeans {
  public:
   explicit LayerMeans(double travel_mm) : travel_mm_(travel_mm), mean_(travel_mm) {}
@@ -127,7 +126,6 @@ constexpr std::size_t kMaxBuckets = 4096;
 /// Rows that wait in a bucket before it is reduced.
 constexpr std::size_t kWaiting = 256;
 
-/// The quantities whose extremes are kept.
 constexpr double (*kQuantities[])(const ForceRow&) = {
     [](const ForceRow& row) { return row.axial_force_n; },
     [](const ForceRow& row) { return row.spin_torque_nmm; },

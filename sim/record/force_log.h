@@ -59,7 +59,6 @@ struct ForceLog {
   [[nodiscard]] const ForceRow& at(std::int64_t frame, const std::string& path) const;
 };
 
-/// How a log is read.
 struct LogOptions {
   double mean_travel_mm = 0;                       ///< see add_layer_means()
   std::vector<std::int64_t> keep = {};             ///< frames whose rows are kept, ascending
@@ -75,7 +74,6 @@ class RowDecimator {
   RowDecimator(std::vector<std::int64_t> keep, std::size_t most_rows) : keep_(std::move(keep)), most_rows_(most_rows) {}
 
   void add(const ForceRow& row);
-  /// The rows that were kept, ascending.
   std::vector<ForceRow> finish();
   /// Rows per bucket; 1 as long as all rows are kept.
   [[nodiscard]] std::int64_t bucket_rows() const { return bucket_rows_; }
@@ -111,7 +109,6 @@ void add_layer_means(ForceLog& log, double travel_mm);
 /// The headline of a log with its means. `means`: they are over a voxel of travel.
 KeyResults key_results_of(const ForceLog& log, bool means);
 
-/// The header of forces.csv.
 inline constexpr const char* kForceColumns =
     "frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_rpm,spin_angle_rad,depth_mm,"
     "force_x_n,force_y_n,force_z_n,torque_x_nmm,torque_y_nmm,torque_z_nmm,axial_force_n,spin_torque_nmm,contacts,"

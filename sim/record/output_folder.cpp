@@ -130,7 +130,6 @@ const std::string& recordable(const std::string& dir) {
   return dir;
 }
 
-/// Whether `path` is the folder or below it.
 bool is_within_folder(const std::string& path, const std::string& folder) {
   const fs::path inner(path), outer(folder);
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();

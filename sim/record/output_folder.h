@@ -13,7 +13,6 @@
 
 namespace reamsim {
 
-/// Which command wrote a results folder.
 enum class ResultKind { run, comparison, verification, benchmark };
 
 /// The first entry below `dir`, relative to it, that no command of this kind wrote: one that its manifest does not list
@@ -36,7 +35,6 @@ std::set<std::string> open_results(const std::string& dir, ResultKind kind);
 /// `dir` was removed.
 bool remove_results(const std::string& dir, ResultKind kind);
 
-/// Another process has reserved a results folder.
 class FolderInUse : public InputError {
  public:
   using InputError::InputError;
@@ -50,7 +48,6 @@ class FolderLock {
   /// lock. On file systems without locks it only creates the file.
   explicit FolderLock(const std::string& dir);
   ~FolderLock();
-  /// Releases the lock early.
   void release();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
@@ -62,7 +59,6 @@ class FolderLock {
   int descriptor_ = -1;
 };
 
-/// The output folder that a command asks for.
 struct OutputRequest {
   std::string dir;
   ResultKind kind = ResultKind::run;

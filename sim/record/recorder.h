@@ -17,7 +17,6 @@
 
 namespace reamsim {
 
-/// The file of a run's force basis.
 inline constexpr const char* kForceBasisName = "force_basis.npy";
 
 /// Writes force_basis.npy, an array of BasisRow (docs/columns.md).
@@ -68,7 +67,6 @@ class Recorder final : public FrameSink {
   void removed(const RemovedFrames& voxels) override;
   /// Waits until all results so far are on the disk. Throws RunError.
   LogLengths sync();
-  /// Flushes the logs; RunError when the disk is full.
   void close();
 
   [[nodiscard]] const RunTotals& totals() const { return totals_; }

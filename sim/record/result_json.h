@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-/// A missing value is null.
 template <class Value>
 struct nlohmann::adl_serializer<std::optional<Value>> {
   template <class Json>

@@ -23,10 +23,9 @@ class Feed {
   Feed(const Feed&) = delete;
   Feed& operator=(const Feed&) = delete;
 
-  /// Simulates the first pose of the pass.
   virtual void start() = 0;
   /// Continues after a frame of this pass, or of one before it.
-  virtual void resume(const SimulationState& from) = 0;
+  virtual void resume(const SimulationState& /*from*/) {}
   /// Whether the pass ends with this frame, which has been added.
   [[nodiscard]] virtual bool has_ended(std::int64_t frame) const = 0;
   /// Decides the pose of the next frame, and adds it to the stepper's batch.
@@ -34,13 +33,12 @@ class Feed {
   /// Whether the batch has to end with this frame.
   [[nodiscard]] virtual bool ends_batch(std::int64_t frame) const = 0;
   /// Takes the last row of a batch.
-  virtual void take(const FrameResult& row) = 0;
+  virtual void take(const FrameResult& /*row*/) {}
   /// Whether this frame, which has been added, has a picture.
   [[nodiscard]] virtual bool has_picture(std::int64_t frame) const = 0;
   /// The last frame of the run, as far as it is known.
   [[nodiscard]] virtual std::int64_t last_frame() const = 0;
-  /// Warnings of a pass that has ended.
-  virtual void warn_at_end() = 0;
+  virtual void warn_at_end() {}
   /// The state after the frames that are recorded.
   [[nodiscard]] virtual SimulationState state() const = 0;
 };

@@ -109,7 +109,6 @@ std::vector<BasisRow> basis_rows(const PendingFrame& frame, const std::vector<Su
   return rows;
 }
 
-/// The box of the voxels with bone, B, mm.
 Aabb bone_box(const Voxmap& voxmap) {
   const VoxelBox voxels = bone_extent(voxmap);
   const Vec3 corner = voxmap.grid.origin_mm;
@@ -337,7 +336,6 @@ void FrameStepper::clear_batch() {
   removed_.clear();
 }
 
-/// Warns once of conditions that the user may not intend.
 void FrameStepper::warn_of(const FrameResult& result) {
   if (!result.in_contact()) return;
   const std::string at = "frame " + std::to_string(result.frame);

@@ -15,7 +15,6 @@
 
 namespace reamsim {
 
-/// A frame of the tool: from one pose to the next.
 struct FrameMotion {
   std::int64_t frame = 0;
   ToolPose before;  ///< at the start of the frame
@@ -74,7 +73,6 @@ class EnergyBalance {
   [[nodiscard]] const EnergySums& sums() const { return run_; }
   /// The next frame is the first one of another tool.
   void begin_pass() { run_.first_contact_mm.reset(); }
-  /// Continues a run.
   void restore(const EnergySums& sums) { run_ = sums; }
 
  private:
@@ -148,7 +146,6 @@ class FrameStepper {
   [[nodiscard]] StepState state() const;
   void resume(const StepState& from);
 
-  /// "pass 2: " in a run of several.
   [[nodiscard]] std::string name_of_pass() const;
 
  private:

@@ -67,7 +67,6 @@ void say_summary(RunMonitor& monitor, const RunTotals& totals, const RunFacts& f
   monitor.say(fmt::format("{:.1f} s simulated in {:.1f} s on {}", totals.simulated_s, facts.simulate_s, facts.device));
 }
 
-/// A run of a scenario into a folder: load, simulate, write, render.
 class ScenarioRun {
  public:
   /// `pictures`: nullptr for none.
@@ -95,7 +94,6 @@ class ScenarioRun {
     say_summary(monitor_, recorder.totals(), facts_, scenario_.cutting.erosion != ErosionMode::exact);
   }
 
-  /// Whether frames have been simulated, or are.
   [[nodiscard]] bool simulates() const { return simulates_; }
   /// The warnings of a run that failed: one may name the cause.
   [[nodiscard]] const Diagnostics& report() const { return report_; }
@@ -132,7 +130,6 @@ class ScenarioRun {
   /// The path of a push or of a tool on springs, and so its pictures, are known only at the end.
   [[nodiscard]] bool draws_during_run() const { return pictures_ != nullptr && scenario_.motion.is_prescribed(); }
 
-  /// A run that continues begins with the pass of its checkpoint.
   void skip_finished_passes() {
     const auto state = checkpoints_.state();
     while (state && !scene_.motion.push && state->frame >= scene_.motion.last_frame() && begin_next_pass(scene_)) {

@@ -18,7 +18,6 @@
 
 namespace reamsim {
 
-/// One run of a scenario into a folder.
 struct RunRequest {
   Scenario scenario;
   std::string dir;

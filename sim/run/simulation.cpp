@@ -27,7 +27,6 @@ class PrescribedFeed : public PlannedFeed {
         windowed_(stepper.can_use_windows() && scene.scenario.engine.tuning.windows) {}
 
   void start() override { stepper_.start(motion_of(scene().motion.first_frame)); }
-  void resume(const SimulationState&) override {}
   void add(std::int64_t frame) override { stepper_.add(motion_of(frame), windowed_ ? windows_.of(frame) : nullptr); }
   /// Slow frames make small batches, so that a run stops soon when it is asked to.
   [[nodiscard]] bool ends_batch(std::int64_t frame) const override {
@@ -36,8 +35,6 @@ class PrescribedFeed : public PlannedFeed {
     return has_ended(frame) || (frame + 1) % scene().scenario.engine.batch_frames == 0 ||
            count * stepper_.frame_wall_s() > kMostSeconds;
   }
-  void take(const FrameResult&) override {}
-  void warn_at_end() override {}
   [[nodiscard]] SimulationState state() const override { return {stepper_.state()}; }
 
  private:
@@ -50,7 +47,6 @@ class PrescribedFeed : public PlannedFeed {
             .time_s = static_cast<double>(frame) * motion.frame_s()};
   }
 
-  /// The substep of a frame that has one.
   [[nodiscard]] std::optional<SubstepArgs> args_of(std::int64_t frame) const {
     if (frame <= scene().motion.first_frame) return std::nullopt;
     return stepper_.single_args(motion_of(frame));
@@ -171,7 +167,6 @@ namespace {
 /// More than teeth cause that come and go within a voxel of travel.
 constexpr double kRagged = 0.15;
 
-/// The number with two digits, rounded down, as text.
 std::string two_digits_below(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1);
   return fmt::format("{:.10g}", std::floor(value / unit) * unit);

@@ -41,7 +41,6 @@ struct RunControl {
 
 /// make_engine() for the scene, with mistakes located at their keys. Throws InputError, RunError.
 std::unique_ptr<Engine> load_engine(const SimulationInput& scene, EngineDevices& devices);
-/// The same on a device of its own.
 std::unique_ptr<Engine> load_engine(const SimulationInput& scene);
 
 /// Runs the present pass, the main loop: per substep broad phase → enqueue, per batch collect → record. A feed decides

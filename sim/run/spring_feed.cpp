@@ -273,7 +273,6 @@ class SpringFeed : public PlannedFeed {
   }
   /// The next deflection depends on the bone that this one leaves.
   [[nodiscard]] bool ends_batch(std::int64_t) const override { return true; }
-  void take(const FrameResult&) override {}
 
   void warn_at_end() override {
     if (!scene().later_passes.empty()) return;
@@ -297,7 +296,6 @@ class SpringFeed : public PlannedFeed {
   }
 
  private:
-  /// The tool of a pass begins without deflection.
   void release() {
     springs_.lost_mj += springs_.spring_mj;
     springs_.spring_mj = 0;
@@ -320,7 +318,6 @@ class SpringFeed : public PlannedFeed {
     return out;
   }
 
-  /// Finds the deflection at the end of a part of a frame, and cuts.
   Deflection cut_part(const FrameMotion& plan, int i, int parts) {
     const Mat3 tool_from_bone = plan.pose.orientation.toRotationMatrix().transpose();
     const Vec3 before_mm = deflection_mm();

@@ -80,53 +80,36 @@ class CsvLines {
   bool next(CsvLine& line) {
     while (at_ < text_.size()) {
       line = {.number = number_, .cells = {""}};
-      while (at_ < text_.size() && !end_of_line()) cell_character(line);
+      read_cells(line);
       if (line.cells.size() > 1 || !line.cells[0].empty()) return true;
     }
     return false;
   }
 
  private:
-  bool end_of_line() {
-    const char c = text_[at_];
-    if (c == '\n') {
-      ++number_;
-      ++at_;
-    } else if (text_.compare(at_, 2, "\r\n") == 0) {
-      ++number_;
-      at_ += 2;
-    } else {
-      return false;
-    }
-    return true;
-  }
+  [[nodiscard]] bool precedes(char c) const { return at_ + 1 < text_.size() && text_[at_ + 1] == c; }
 
-  void cell_character(CsvLine& line) {
-    const char c = text_[at_++];
-    if (c == ',') {
-      line.cells.emplace_back();
-    } else if (c == '"' && line.cells.back().empty()) {
-      quoted(line);
-    } else {
-      line.cells.back() += c;
-    }
-  }
-
-  void quoted(CsvLine& line) {
-    for (;; ++at_) {
-      if (at_ >= text_.size()) {
-        throw InputError({file_, line.number, 0}, "", "a quotation mark that is not closed", "close it in the cell");
-      }
-      if (text_[at_] == '\n') ++number_;
-      if (text_[at_] != '"') {
-        line.cells.back() += text_[at_];
-      } else if (text_.compare(at_, 2, "\"\"") == 0) {
-        line.cells.back() += text_[at_++];
-      } else {
-        ++at_;
-        return;
+  void read_cells(CsvLine& line) {
+    bool quoted = false;
+    for (bool ended = false; at_ < text_.size() && !ended; ++at_) {
+      const char c = text_[at_];
+      std::string& cell = line.cells.back();
+      if (c == '\n') ++number_;
+      if (quoted && c == '"') {
+        quoted = precedes('"');
+        if (quoted) cell += text_[at_++];
+      } else if (!quoted && c == ',') {
+        line.cells.emplace_back();
+      } else if (!quoted && c == '"' && cell.empty()) {
+        quoted = true;
+      } else if (!quoted && c == '\n') {
+        ended = true;
+      } else if (quoted || c != '\r' || !precedes('\n')) {
+        cell += c;
       }
     }
+    if (!quoted) return;
+    throw InputError({file_, line.number, 0}, "", "a quotation mark that is not closed", "close it in the cell");
   }
 
   const std::string& text_;

@@ -66,14 +66,6 @@ class NumberColumns {
     for (const auto& [name, value] : numbers) out[places_.at(name)] = value;
     return out;
   }
-  /// The places of those whose name is none of `parameters`.
-  [[nodiscard]] std::vector<std::size_t> other_than(const std::vector<std::string>& parameters) const {
-    std::vector<std::size_t> out;
-    for (std::size_t i = 0; i < names_.size(); ++i) {
-      if (std::ranges::find(parameters, names_[i]) == parameters.end()) out.push_back(i);
-    }
-    return out;
-  }
 
  private:
   std::map<std::string, std::size_t> places_;
@@ -184,8 +176,12 @@ CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, co
     if (states.back() == RunState::done) columns.add(read_run_summary(folder.run_dir(run.id)).numbers);
   }
   CollectedStudy out{.counts = {}, .table = {plan.columns, {}, {}, runs.size()}, .warnings = {}};
-  const std::vector<std::size_t> results = columns.other_than(plan.columns);
-  for (const std::size_t place : results) out.table.results.push_back(columns.names()[place]);
+  std::vector<std::size_t> results;  // places of the numbers that are no parameters
+  for (std::size_t i = 0; i < columns.names().size(); ++i) {
+    if (std::ranges::find(plan.columns, columns.names()[i]) != plan.columns.end()) continue;
+    results.push_back(i);
+    out.table.results.push_back(columns.names()[i]);
+  }
   const std::vector<bool> in_table = runs_of_table(runs.size(), most_in_table);
   TableFile file(folder.path() + "/runs.csv");
   file.header(plan.columns, columns.names());

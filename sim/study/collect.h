@@ -32,7 +32,6 @@ struct RunTable {
   std::size_t all = 0;                  ///< runs of the study
 };
 
-/// "missing", "interrupted", "failed" or "done".
 const char* name_of(RunState state);
 
 /// Which of `all` runs a table of at most `most` runs has: all of them, or that many drawn at random, the same on every
@@ -45,7 +44,6 @@ struct ColumnName {
   std::string text;  ///< "plunge depth"
   std::string unit;  ///< "mm"; "" without
 
-  /// "Plunge depth (mm)".
   [[nodiscard]] std::string title() const;
 };
 
@@ -68,7 +66,6 @@ class RunMessages {
   /// `number`: of a run; each run once.
   void add(int number, const std::vector<std::string>& messages);
 
-  /// How many runs have messages.
   [[nodiscard]] int runs() const { return runs_; }
   /// "run 3 and 2 more: TEXT", at most `most`.
   [[nodiscard]] std::vector<std::string> lines(std::size_t most = kMost) const;
@@ -95,13 +92,10 @@ struct StudyCounts {
 
 StudyCounts count_runs(const StudyFolder& folder, const std::vector<IdentifiedRun>& runs);
 
-/// The warnings of the runs that are done, from their summaries.
 RunMessages warnings_of_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs);
 
-/// Most runs of a table in memory.
 inline constexpr std::size_t kMostRunsOfTable = 50'000;
 
-/// What collect_runs() found.
 struct CollectedStudy {
   StudyCounts counts;
   RunTable table;

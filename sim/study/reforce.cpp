@@ -228,7 +228,6 @@ constexpr std::array<std::string_view, kForceChannels> kChannelColumns{
 
 constexpr const char* kExpected = "a CSV file with time_s and any of axial_force_n, spin_torque_nmm, force_x_n, ...";
 
-/// The channels among the columns of a file.
 std::vector<ForceChannel> channels_in(const std::vector<std::string_view>& names) {
   const auto has = [&](int channel) {
     return std::ranges::find(names, kChannelColumns[static_cast<std::size_t>(channel)]) != names.end();

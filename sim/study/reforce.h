@@ -45,7 +45,6 @@ struct FrameForces {
   double work_mj = 0;  ///< on the bone
 };
 
-/// The force basis of a run.
 class ForceBasis {
  public:
   /// `rows`: in ascending frames.
@@ -104,7 +103,6 @@ enum class ForceChannel {
 };
 inline constexpr int kForceChannels = 8;
 
-/// Its column, "axial_force_n".
 std::string column_of(ForceChannel channel);
 
 struct MeasuredForces {

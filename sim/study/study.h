@@ -43,7 +43,6 @@ struct Distribution {
   double a = 0;
   double b = 0;
 
-  /// How many independent variables it takes.
   [[nodiscard]] int dimensions() const;
 };
 
@@ -81,7 +80,6 @@ struct Study {
 /// to do. Keys are those of scenarios; whether their values are valid is known only from each run's scenario.
 Study read_study(const std::string& path);
 
-/// assets/study.schema.json.
 std::string study_json_schema();
 
 /// Makes the values of scenario keys from what a study or its table has.

@@ -42,7 +42,6 @@ class StudyFolder {
   /// The message of a run that failed; "" where it did not.
   [[nodiscard]] std::string failure(const std::string& id) const;
   void note_failure(const std::string& id, const std::string& message) const;
-  /// Removes that note, for a run that begins.
   void forget_failure(const std::string& id) const;
   /// Waits until all results are on the disk.
   void sync() const;
@@ -55,7 +54,6 @@ class StudyFolder {
   KeptFiles keep_;
 };
 
-/// Checksums of input files, each computed once.
 class Checksums {
  public:
   const std::string& of(const std::string& path);

@@ -27,7 +27,6 @@ std::string vector_text(const Vec3& v) {
   return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]";
 }
 
-/// The node at a path of keys, or nullptr.
 const YamlNode* node_at(const YamlNode* node, std::string_view path) {
   while (node != nullptr && !path.empty()) {
     const std::size_t dot = path.find('.');

@@ -31,7 +31,6 @@ std::vector<std::vector<double>> unit_points(SampleMethod method, int n, int dim
 /// distribution.
 double sample_number(const Distribution& distribution, double u);
 
-/// The quantile of the standard normal distribution.
 double normal_quantile(double u);
 
 /// `direction`, of unit length, rotated about the axis (a·e₁ + b·e₂) by its length in degrees, where e₁ and e₂ are unit

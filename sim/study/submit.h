@@ -29,7 +29,6 @@ struct SubmissionFile {
   bool executable = false;
 };
 
-/// The scripts of a submission, the one to start first.
 std::vector<SubmissionFile> submission_files(BatchSystem system, const Submission& submission);
 
 /// How a person starts them from their folder, a command per line.
@@ -46,7 +45,6 @@ std::string plain_name(const std::string& name);
 /// A word of a POSIX shell with exactly these bytes.
 std::string shell_word(const std::string& text);
 
-/// A Python string literal of this text.
 std::string python_literal(const std::string& text);
 
 }  // namespace reamsim

@@ -35,7 +35,6 @@ constexpr std::array<std::string_view, 9> kConstants{"cutting.specific_energy_j_
 /// The first line of the study of the runs, by which a folder is known as that of an analysis.
 constexpr std::string_view kRunsMark = "# The runs of an uncertainty analysis; written by reamsim.\n";
 
-/// What the runs have where forces for the constants follow from them.
 constexpr std::string_view kWithBasis = "output.force_basis=true";
 
 std::string runs_file(const std::string& dir) {
@@ -46,7 +45,6 @@ bool is_constant(const SampledKey& sampled) {
   return std::ranges::find(kConstants, sampled.key) != kConstants.end();
 }
 
-/// A cell of a table as RFC 4180 has it.
 std::string quoted_cell(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);

@@ -41,7 +41,6 @@ class UqDesign {
   [[nodiscard]] const Eigen::MatrixXd& b() const { return b_; }
   /// All points: the rows of `a`, those of `b`, and for every input those of `a` with its column of `b`.
   [[nodiscard]] std::vector<Eigen::VectorXd> points() const;
-  /// The number of different runs.
   [[nodiscard]] std::size_t runs() const { return run_points_.size(); }
   /// The run of a point. Its number in the study of runs is one more.
   [[nodiscard]] std::size_t run_of(const Eigen::VectorXd& point) const;
@@ -57,7 +56,6 @@ class UqDesign {
 
  private:
   void require_samples_in_range() const;
-  /// The samples of the inputs that need runs.
   [[nodiscard]] Study study_of_runs() const;
   [[nodiscard]] std::vector<double> run_part(const Eigen::VectorXd& point) const;
 
