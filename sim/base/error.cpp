@@ -69,10 +69,6 @@ bool is_within(std::string_view key, std::string_view above) {
 
 }  // namespace
 
-void MistakeList::add(const InputError& error) {
-  mistakes_.insert(mistakes_.end(), error.mistakes().begin(), error.mistakes().end());
-}
-
 bool MistakeList::concerns(std::string_view key) const {
   const auto related = [&](std::string_view other) { return is_within(other, key) || is_within(key, other); };
   return std::ranges::any_of(mistakes_, related, &Mistake::key) || std::ranges::any_of(doubted_, related);

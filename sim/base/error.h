@@ -86,7 +86,9 @@ struct Diagnostics {
 /// Collects mistakes, so that all of them are reported at once.
 class MistakeList {
  public:
-  void add(const InputError& error);
+  void add(const InputError& error) {
+    mistakes_.insert(mistakes_.end(), error.mistakes().begin(), error.mistakes().end());
+  }
 
   /// Calls `work` and adds the mistakes of an InputError. Returns whether there were none.
   template <class Work>

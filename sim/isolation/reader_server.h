@@ -28,9 +28,8 @@ struct ChildStart {
 /// Throws RunError.
 void start_reader_server();
 
-/// Ends the server, without which it would be left to the system's first process, which in a container may never wait
-/// for it. Runs when the program exits; call it before _exit(). Does nothing in a fork of the process. Never waits for
-/// another thread.
+/// Ends the server, for which the system's first process may never wait in a container. Runs when the program exits;
+/// call it before _exit(). Does nothing in a fork of the process. Never waits for another thread.
 void stop_reader_server();
 
 /// Starts a child of this process in a sandbox: limited memory and processor time, few open files, files that are not

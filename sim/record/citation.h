@@ -56,6 +56,7 @@ std::string bibtex_of(const Citation& citation);
 /// A list of items in CSL-JSON, which reference managers read.
 std::string csl_json_of(const Citation& citation);
 
+/// Writes DIR/CITATION.txt. Throws RunError.
 void write_citation(const std::string& dir, const Citation& citation);
 
 }  // namespace reamsim

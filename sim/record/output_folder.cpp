@@ -94,10 +94,6 @@ FolderLock::FolderLock(const std::string& dir) : path_(dir + ".lock") {
   describe_holder();
 }
 
-FolderLock::~FolderLock() {
-  release();
-}
-
 void FolderLock::release() {
   if (descriptor_ < 0) return;
   unlink(path_.c_str());  // before the lock is released, so that nobody else holds it

@@ -47,7 +47,7 @@ class FolderLock {
   /// Throws FolderInUse (the message says by which process), or InputError: the file cannot be created, or is not a
   /// lock. On file systems without locks it only creates the file.
   explicit FolderLock(const std::string& dir);
-  ~FolderLock();
+  ~FolderLock() { release(); }
   void release();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;

@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "sim/base/error.h"
-#include "sim/base/file.h"
 #include "sim/record/snapshot.h"
 
 namespace reamsim {
@@ -102,10 +101,6 @@ void ForceBasisWriter::close() {
   check();
 }
 
-void ForceBasisWriter::check() const {
-  if (!file_) fail_to_write(path_);
-}
-
 std::vector<BasisRow> read_force_basis(const std::string& path) {
   const std::string text = read_file(path, "the force basis of a run with output.force_basis: true");
   if (text.size() < kHeaderBytes || (text.size() - kHeaderBytes) % sizeof(BasisRow) != 0)
@@ -172,17 +167,9 @@ void Recorder::frame(const FrameResult& r, const FrameTimes& times) {
   totals_.cut_s += times.cut_s;
 }
 
-void Recorder::basis(const std::vector<BasisRow>& rows) {
-  if (basis_) basis_->rows(rows);
-}
-
 void Recorder::snapshot(std::int64_t frame, FillBricks& fill) {
   write_snapshot(dir_, frame, fill);
   unsynced_.push_back(snapshot_path(dir_, frame));
-}
-
-void Recorder::removed(const RemovedFrames& voxels) {
-  removed_.insert(removed_.end(), voxels.begin(), voxels.end());
 }
 
 LogLengths Recorder::sync() {

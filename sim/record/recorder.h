@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sim/base/csv.h"
+#include "sim/base/file.h"
 #include "sim/record/force_log.h"
 #include "sim/record/results.h"
 #include "sim/record/run_totals.h"
@@ -35,7 +36,9 @@ class ForceBasisWriter {
 
  private:
   void write_header();
-  void check() const;
+  void check() const {
+    if (!file_) fail_to_write(path_);
+  }
 
   std::string path_;
   std::fstream file_;
@@ -62,11 +65,14 @@ class Recorder final : public FrameSink {
            PoseFeedback feedback = {});
 
   void frame(const FrameResult& result, const FrameTimes& times) override;
-  void basis(const std::vector<BasisRow>& rows) override;
+  void basis(const std::vector<BasisRow>& rows) override {
+    if (basis_) basis_->rows(rows);
+  }
   void snapshot(std::int64_t frame, FillBricks& fill) override;
-  void removed(const RemovedFrames& voxels) override;
+  void removed(const RemovedFrames& voxels) override { removed_.insert(removed_.end(), voxels.begin(), voxels.end()); }
   /// Waits until all results so far are on the disk. Throws RunError.
   LogLengths sync();
+  /// Flushes the logs; RunError when the disk is full.
   void close();
 
   [[nodiscard]] const RunTotals& totals() const { return totals_; }

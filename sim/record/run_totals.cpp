@@ -229,10 +229,6 @@ double RunTotals::rms_torque_nmm() const {
   return contact_frames == 0 ? 0 : std::sqrt(torque_squares_ / static_cast<double>(contact_frames));
 }
 
-std::int64_t RunTotals::reaming_frames() const {
-  return first_contact_frame < 0 ? 0 : last_contact_frame - first_contact_frame + 1;
-}
-
 KeyResults RunTotals::headline(bool means) const {
   return {.means = means,
           .peak_axial_force_n = means ? peak_layer_axial_force_n : peak_axial_force_n,

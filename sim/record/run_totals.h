@@ -192,7 +192,9 @@ class RunTotals : public PassTotals {
 
   /// Rows from the first to the last with contact, with all between: contact of one frame depends on rounding to
   /// voxels.
-  [[nodiscard]] std::int64_t reaming_frames() const;
+  [[nodiscard]] std::int64_t reaming_frames() const {
+    return first_contact_frame < 0 ? 0 : last_contact_frame - first_contact_frame + 1;
+  }
   /// Means over the reaming time; 0 without contact.
   struct Means {
     double force_n = 0;  ///< of the magnitude; likewise the torque

@@ -131,10 +131,6 @@ std::optional<Checkpoint> read_checkpoint(const std::string& path) {
 
 }  // namespace
 
-std::string CheckpointFiles::path(int number) const {
-  return dir_ + "/checkpoint-" + std::to_string(number) + ".bin";
-}
-
 std::optional<Checkpoint> CheckpointFiles::read() {
   std::optional<Checkpoint> first = read_checkpoint(path(0)), second = read_checkpoint(path(1));
   const bool take_first = first && (!second || first->simulation.frame >= second->simulation.frame);
@@ -197,10 +193,6 @@ Recorder RunCheckpoints::open_logs(double voxel_mm, const Scenario& scenario, Di
   std::error_code ignored;
   std::filesystem::remove(dir_ + "/reamed.vdb", ignored);
   return {dir_, voxel_mm, last_->simulation.frame, last_->logs, std::move(last_->removed), feedback};
-}
-
-std::optional<SimulationState> RunCheckpoints::state() const {
-  return last_ ? std::optional(last_->simulation) : std::nullopt;
 }
 
 bool RunCheckpoints::save(const SimulationState& state, Recorder& recorder, const FillBricks& fill,

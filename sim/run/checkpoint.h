@@ -53,7 +53,7 @@ class CheckpointFiles {
   void remove(Diagnostics& report) const;
 
  private:
-  [[nodiscard]] std::string path(int number) const;
+  [[nodiscard]] std::string path(int number) const { return dir_ + "/checkpoint-" + std::to_string(number) + ".bin"; }
 
   std::string dir_;
   int next_ = 0;  ///< number of the next one to write
@@ -77,7 +77,9 @@ class RunCheckpoints {
   /// The logs of the run, new or those of the checkpoint, with what its scenario asks for. `report` gets its warnings.
   Recorder open_logs(double voxel_mm, const Scenario& scenario, Diagnostics& report);
   /// The state to go on from; nullopt at the start.
-  [[nodiscard]] std::optional<SimulationState> state() const;
+  [[nodiscard]] std::optional<SimulationState> state() const {
+    return last_ ? std::optional(last_->simulation) : std::nullopt;
+  }
 
   [[nodiscard]] bool due() const { return every_s_ > 0 && since_last_.seconds() >= every_s_; }
   /// Saves the state, unless no checkpoints are wanted. Returns whether it did. Throws RunError.

@@ -116,15 +116,11 @@ Aabb bone_box(const Voxmap& voxmap) {
           corner + voxmap.grid.voxel_mm * (voxels.last + Vec3i::Ones()).cast<double>()};
 }
 
-/// The box of the shell's points, which may lie half a cell outside the surface.
-Aabb shell_box(const Tool& tool) {
-  const Vec3 margin = Vec3::Constant(0.5 * tool.shell.cell_mm);
-  return {tool.bounds.min - margin, tool.bounds.max + margin};
-}
-
-/// The box of the shell's points, or of the surface where it clips voxels.
+/// The box of the shell's points, which may lie half a cell outside the surface, or of the surface that clips voxels.
 Aabb cutting_box(const SimulationInput& scene) {
-  if (scene.scenario.cutting.erosion != ErosionMode::exact) return shell_box(scene.tool);
+  if (scene.scenario.cutting.erosion != ErosionMode::exact) {
+    return scene.tool.bounds.expanded(0.5 * scene.tool.shell.cell_mm);
+  }
   return scene.tool.clip_bounds().expanded(fit_outline(scene.tool.profile).bulge_mm);
 }
 
@@ -198,10 +194,6 @@ SubstepSums FrameStepper::add_part(const FrameMotion& part, int i, int parts) {
 void FrameStepper::snapshot(std::int64_t frame) {
   read_fill();
   sink_.snapshot(frame, scene_.bone.fill);
-}
-
-void FrameStepper::read_fill() {
-  engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill);
 }
 
 std::vector<SubstepSums> FrameStepper::evaluate(const std::vector<FrameMotion>& motions) {
@@ -282,10 +274,6 @@ std::optional<Aabb> FrameStepper::broad_phase(const Substep& substep, PendingFra
   const std::optional<Aabb> voi = reamsim::broad_phase(tool_box_, bone_box_, shell_from_bone);
   pending.broad_phase_s += watch.seconds();
   return voi;
-}
-
-SubstepArgs FrameStepper::args_of(const Substep& substep, const Aabb& voi) const {
-  return make_args(substep, voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_);
 }
 
 void FrameStepper::enqueue(const Substep& substep, const SubstepArgs& args, std::shared_ptr<const MotionWindow> window,

@@ -125,7 +125,7 @@ class FrameStepper {
 
   /// Gives the fill of the bone to the sink, as a snapshot of `frame`.
   void snapshot(std::int64_t frame);
-  void read_fill();
+  void read_fill() { engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill); }
 
   /// The sums of motions of a single substep, each from the present fill, which they leave as it is. Only for the
   /// engine `exact`; all of the batch must have been cut.
@@ -156,7 +156,9 @@ class FrameStepper {
   void enqueue_motion(const FrameMotion& motion, int substeps, const std::shared_ptr<const MotionWindow>& window,
                       PendingFrame& pending);
   std::optional<Aabb> broad_phase(const Substep& substep, PendingFrame& pending) const;
-  [[nodiscard]] SubstepArgs args_of(const Substep& substep, const Aabb& voi) const;
+  [[nodiscard]] SubstepArgs args_of(const Substep& substep, const Aabb& voi) const {
+    return make_args(substep, voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_);
+  }
   void enqueue(const Substep& substep, const SubstepArgs& args, std::shared_ptr<const MotionWindow> window,
                PendingFrame& pending);
   void clear_batch();

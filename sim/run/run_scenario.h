@@ -89,9 +89,8 @@ class RunMonitor {
 /// The results folder of a scenario for which none is named: its output.dir, else out/NAME.
 std::string results_dir(const Scenario& scenario);
 
-/// Loads, simulates, writes and draws: the way to run a scenario for command line, library and studies. Without
-/// `pictures` the folder has none. Throws InputError, RunError, Interrupted, and Suspended where a checkpoint is left;
-/// the message says what remains. Returns the frame after which an interrupted run was continued.
+/// Loads, simulates, writes and draws (without `pictures`: does not). Throws InputError, RunError, Interrupted, and
+/// Suspended where a checkpoint is left. Returns the frame after which an interrupted run was continued.
 std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources& resources, RunMonitor& monitor,
                                          PictureSink* pictures);
 

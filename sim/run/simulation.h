@@ -32,8 +32,7 @@ struct RunControl {
   std::function<bool()> save_due = [] { return false; };
   /// Receives the state after a batch. The fill of the bone is up to date.
   std::function<void(const SimulationState&)> save = [](const SimulationState&) {};
-  /// Continues after this state, which `save` received or the pass before returned; the fill of the bone must be that
-  /// of the state as well.
+  /// Continues after this state, of `save` or of the pass before; the fill of the bone must be that of the state.
   std::optional<SimulationState> from = {};
   /// The user has been warned already that the tool will never touch the bone (contact_forecast.h).
   bool warned_of_no_contact = false;
@@ -44,9 +43,8 @@ std::unique_ptr<Engine> load_engine(const SimulationInput& scene, EngineDevices&
 std::unique_ptr<Engine> load_engine(const SimulationInput& scene);
 
 /// Runs the present pass, the main loop: per substep broad phase → enqueue, per batch collect → record. A feed decides
-/// the poses (feed.h). `scene.bone` is reamed; `sink` receives rows, snapshots and timings. Warns when the tool never
-/// touches, starts inside bone, or cuts without spin. Returns the state after the last frame. The same results whether
-/// a run is one or continues another.
+/// the poses (feed.h). `scene.bone` is reamed. Warns when the tool never touches, starts inside bone, or cuts without
+/// spin. Returns the state after the last frame.
 SimulationState simulate(SimulationInput& scene, Engine& engine, FrameSink& sink, const RunControl& control,
                          Diagnostics& report);
 

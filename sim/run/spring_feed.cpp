@@ -240,7 +240,11 @@ class SpringFeed : public PlannedFeed {
         loss_mm_(smallest_advance_mm(scene.bone.voxmap->grid.voxel_mm)) {}
 
   void start() override {
-    release();
+    // The tool of a pass begins without deflection.
+    springs_.lost_mj += springs_.spring_mj;
+    springs_.spring_mj = 0;
+    springs_.deflection_mm = springs_.bone_n = springs_.tool_mm_s = {};
+    springs_.bone_n_s_mm = {};
     const std::int64_t first = scene().motion.first_frame;
     const ToolPose pose = scene().motion.pose_of(first);
     stepper_.start({.frame = first,
@@ -296,13 +300,6 @@ class SpringFeed : public PlannedFeed {
   }
 
  private:
-  void release() {
-    springs_.lost_mj += springs_.spring_mj;
-    springs_.spring_mj = 0;
-    springs_.deflection_mm = springs_.bone_n = springs_.tool_mm_s = {};
-    springs_.bone_n_s_mm = {};
-  }
-
   [[nodiscard]] Vec3 deflection_mm() const { return Vec3(springs_.deflection_mm.data()); }
 
   /// Bound of the motion between two poses of the tool or, with the deflection as a lever, of the plan.

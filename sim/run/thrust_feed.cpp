@@ -161,8 +161,11 @@ class ThrustFeed : public Feed {
         stepper_(stepper),
         report_(report),
         frame_s_(scene.motion.frame_s()),
-        pictures_(scene.scenario.render, plan_),
-        loss_mm_(smallest_advance_mm(scene.bone.voxmap->grid.voxel_mm)) {}
+        loss_mm_(smallest_advance_mm(scene.bone.voxmap->grid.voxel_mm)) {
+    if (plan_.settings().until == PushEnd::time) {
+      pictures_ = picture_frames(scene.scenario.render, plan_.last_frame(), {});
+    }
+  }
 
   void start() override {
     const ToolPose first = plan_.pose(0, 0);
@@ -199,8 +202,14 @@ class ThrustFeed : public Feed {
   [[nodiscard]] bool ends_batch(std::int64_t) const override { return true; }
   void take(const FrameResult& row) override { state_.drill_mj += 1e3 * row.push->drill_power_w * frame_s_; }
 
+  /// Without a number of frames in the settings, pictures are at equal depths, or at equal times where a time ends the
+  /// push.
   [[nodiscard]] bool has_picture(std::int64_t frame) const override {
-    return has_ended(frame) || pictures_.due(frame, before_mm_, state_.travel_mm);
+    const int every = scene_.scenario.render.every_frames;
+    if (has_ended(frame)) return true;
+    if (every > 0) return frame % every == 0;
+    if (!pictures_.empty()) return std::ranges::binary_search(pictures_, frame);
+    return level(state_.travel_mm) > level(before_mm_);
   }
   [[nodiscard]] std::int64_t last_frame() const override { return plan_.last_frame(); }
 
@@ -216,33 +225,14 @@ class ThrustFeed : public Feed {
   [[nodiscard]] SimulationState state() const override { return {stepper_.state(), state_}; }
 
  private:
-  /// Frames with a picture, of which the number is not known before.
-  class Pictures {
-   public:
-    Pictures(const RenderSettings& render, const PushPlan& plan) : render_(render), plan_(plan) {
-      if (plan.settings().until == PushEnd::time) frames_ = picture_frames(render, plan.last_frame(), {});
-    }
-    /// Without a number of frames in the settings, pictures are at equal depths, or at equal times where a time ends
-    /// the push.
-    [[nodiscard]] bool due(std::int64_t frame, double before_mm, double after_mm) const {
-      if (render_.every_frames > 0) return frame % render_.every_frames == 0;
-      if (!frames_.empty()) return std::ranges::binary_search(frames_, frame);
-      return level(after_mm) > level(before_mm);
-    }
-
-   private:
-    [[nodiscard]] double level(double travel_mm) const {
-      constexpr double kStills = 10, kFilm = 150;
-      const bool film = render_.enabled && render_.film != FilmFormat::none;
-      const double depth_mm = travel_mm - plan_.settings().approach_mm;
-      return std::clamp(std::floor((film ? kFilm : kStills) * depth_mm / plan_.settings().depth_mm), 0.0,
-                        film ? kFilm : kStills);
-    }
-
-    const RenderSettings& render_;
-    const PushPlan& plan_;
-    std::vector<std::int64_t> frames_;
-  };
+  /// The number of the picture that is due at a travel.
+  [[nodiscard]] double level(double travel_mm) const {
+    constexpr double kStills = 10, kFilm = 150;
+    const RenderSettings& render = scene_.scenario.render;
+    const double most = render.enabled && render.film != FilmFormat::none ? kFilm : kStills;
+    const double depth_mm = travel_mm - plan_.settings().approach_mm;
+    return std::clamp(std::floor(most * depth_mm / plan_.settings().depth_mm), 0.0, most);
+  }
 
   [[nodiscard]] bool has_stalled() const { return static_cast<double>(state_.still_frames) * frame_s_ >= kStall_s; }
   [[nodiscard]] bool has_reached_depth() const { return state_.travel_mm >= plan_.last_travel_mm() - 1e-9; }
@@ -285,9 +275,9 @@ class ThrustFeed : public Feed {
   FrameStepper& stepper_;
   Diagnostics& report_;
   double frame_s_;
-  Pictures pictures_;
-  double loss_mm_;        ///< advance of a smallest loss
-  double before_mm_ = 0;  ///< travel at the start of the last frame
+  std::vector<std::int64_t> pictures_;  ///< frames, where a time ends the push
+  double loss_mm_;                      ///< advance of a smallest loss
+  double before_mm_ = 0;                ///< travel at the start of the last frame
   FeedState state_;
 };
 

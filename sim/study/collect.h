@@ -34,8 +34,7 @@ struct RunTable {
 
 const char* name_of(RunState state);
 
-/// Which of `all` runs a table of at most `most` runs has: all of them, or that many drawn at random, the same on every
-/// machine.
+/// Which of `all` runs a table has: all, or `most` of them drawn at random, the same on every machine.
 std::vector<bool> runs_of_table(std::size_t all, std::size_t most);
 
 /// What people read for a column of runs.csv.
@@ -47,12 +46,10 @@ struct ColumnName {
   [[nodiscard]] std::string title() const;
 };
 
-/// Names of columns. Those of headline results are fixed; others are made of the last parts of the key, as many as tell
-/// them apart.
+/// Names of columns: fixed for headline results, otherwise the last parts of the key, as many as tell them apart.
 std::vector<ColumnName> column_names(const std::vector<std::string>& keys);
 
-/// The results that figures and tables of a study show, in this order: force, torque, volume, depth, energy, and
-/// planning numbers.
+/// The results that figures and tables of a study show, in this order.
 const std::vector<ColumnName>& headline_results();
 
 /// A cell as tables and figures show it: a path is its file name without extension, a number has four digits.
@@ -102,11 +99,8 @@ struct CollectedStudy {
   RunMessages warnings;  ///< of runs that are done
 };
 
-/// Writes DIR/runs.csv, a row for each run of the plan: `run`, `id`, `status` (done, failed, interrupted, missing),
-/// `message` (why it failed; of a run that is done its warnings), the columns of the plan, and every number of
-/// summary.json but times and memory, which differ from run to run; nested names are joined by dots. A missing value is
-/// an empty cell. Reads one summary at a time. Returns the rows, at most `most_in_table` (runs_of_table()). Throws
-/// RunError.
+/// Writes DIR/runs.csv (docs/study-files.md), a row for each run of the plan. Reads one summary at a time. Returns the
+/// rows, at most `most_in_table` (runs_of_table()). Throws RunError.
 CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
                             std::size_t most_in_table = kMostRunsOfTable);
 

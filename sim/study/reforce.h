@@ -72,8 +72,7 @@ struct BasisRun {
 /// Throws InputError where a file of the run is missing or damaged, or it has no force basis.
 BasisRun open_basis_run(const std::string& dir);
 
-/// The settings of the run with overrides. Throws InputError where the basis does not hold for them: its parts contain
-/// the speed floor and the size effect, and those of an edge force only where the run had one.
+/// The settings of the run with overrides. Throws InputError where the basis does not hold for them.
 LawSettings changed_law(const BasisRun& run, const std::vector<std::string>& overrides);
 
 /// The relation from HU to density of `law` where it differs from that of the run.

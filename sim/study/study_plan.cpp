@@ -126,7 +126,8 @@ class Planner {
       std::size_t at = 0;
       for (const SampledKey& sampled : study_.sample->of) {
         if (sampled.distribution.dimensions() == 1) {
-          add_number(sampled, point[at++], run);
+          run.cells.push_back(number_text(sample_number(sampled.distribution, point[at++])));
+          run.overrides.push_back(sampled.key + "=" + run.cells.back());
         } else {
           add_vector(sampled, point, at, run);
         }
@@ -138,12 +139,6 @@ class Planner {
   void add(PlannedRun run) {
     run.number = static_cast<int>(plan_.runs.size()) + 1;
     plan_.runs.push_back(std::move(run));
-  }
-
-  static void add_number(const SampledKey& sampled, double u, PlannedRun& run) {
-    const std::string value = number_text(sample_number(sampled.distribution, u));
-    run.cells.push_back(value);
-    run.overrides.push_back(sampled.key + "=" + value);
   }
 
   void add_vector(const SampledKey& sampled, const std::vector<double>& point, std::size_t& at, PlannedRun& run) {

@@ -27,7 +27,7 @@ namespace reamsim {
 /// points. Throws InputError for more dimensions than the sequence has.
 std::vector<std::vector<double>> unit_points(SampleMethod method, int n, int dimensions, std::uint64_t seed);
 
-/// A sample of a distribution of numbers (normal, lognormal, uniform), from u in (0, 1): the inverse of its cumulative
+/// A sample of a normal, lognormal or uniform distribution from u in (0, 1): the inverse of its cumulative
 /// distribution.
 double sample_number(const Distribution& distribution, double u);
 

@@ -29,6 +29,7 @@ struct SubmissionFile {
   bool executable = false;
 };
 
+/// The scripts of a submission, the one to start first.
 std::vector<SubmissionFile> submission_files(BatchSystem system, const Submission& submission);
 
 /// How a person starts them from their folder, a command per line.

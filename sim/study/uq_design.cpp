@@ -187,10 +187,6 @@ std::vector<double> UqDesign::run_part(const Eigen::VectorXd& point) const {
   return out;
 }
 
-std::size_t UqDesign::run_of(const Eigen::VectorXd& point) const {
-  return run_places_.at(run_part(point));
-}
-
 std::vector<std::pair<std::string, double>> UqDesign::constants(const Eigen::VectorXd& point) const {
   std::vector<std::pair<std::string, double>> out;
   for (std::size_t d = 0; d < inputs_.size(); ++d) {
