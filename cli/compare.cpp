@@ -17,8 +17,8 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/record/citation.h"
-#include "sim/record/layer_mean.h"
 #include "sim/record/output_folder.h"
+#include "sim/record/run_totals.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
 

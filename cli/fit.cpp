@@ -17,7 +17,7 @@
 #include "sim/record/result_json.h"
 #include "sim/scenario/find_key.h"
 #include "sim/scenario/presets.h"
-#include "sim/study/measured_forces.h"
+#include "sim/study/reforce.h"
 
 namespace reamsim {
 

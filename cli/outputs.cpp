@@ -12,7 +12,7 @@
 #include "render/viewer/report.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/record/layer_mean.h"
+#include "sim/record/run_totals.h"
 #include "sim/record/snapshot.h"
 #include "sim/run/checkpoint.h"
 #include "sim/scenario/parse.h"

@@ -19,9 +19,9 @@
 #include "render/render_thread.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/record/layer_mean.h"
 #include "sim/record/manifest.h"
 #include "sim/record/output_folder.h"
+#include "sim/record/run_totals.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/show.h"
 

@@ -67,7 +67,7 @@ Json numbers_json(const std::vector<std::string>& run_dirs) {
   Json out = Json::array();
   for (const std::string& dir : run_dirs) {
     Json of_run = Json::object();
-    for (const auto& [name, value] : summary_numbers(dir)) {
+    for (const auto& [name, value] : read_run_summary(dir).numbers) {
       if (!depends_on_law(name)) of_run[name] = value;
     }
     out.push_back(std::move(of_run));

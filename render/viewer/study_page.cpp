@@ -17,7 +17,7 @@
 #include "render/viewer/page.h"
 #include "sim/base/text.h"
 #include "sim/scenario/show.h"
-#include "sim/study/run_table.h"
+#include "sim/study/collect.h"
 
 namespace reamsim {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string>
 
-#include "sim/study/run_table.h"
+#include "sim/study/collect.h"
 
 namespace reamsim {
 

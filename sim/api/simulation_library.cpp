@@ -42,8 +42,13 @@ StepResult result_of(const FrameResult& r) {
           .pose = pose_of(r.pose)};
 }
 
-/// The simulation has not been given its first pose.
-constexpr const char* kNotStarted = "call start() before step() and peek()";
+Volume empty_volume(const VoxelGrid& grid) {
+  return {{grid.dims.x(), grid.dims.y(), grid.dims.z()},
+          grid.voxel_mm,
+          array_of(grid.origin_mm),
+          std::vector<float>(static_cast<std::size_t>(grid.size()))};
+}
+
 constexpr const char* kFailed = "an earlier step failed: make a new simulation";
 /// Wall time between two calls of stop().
 constexpr double kMostSeconds = 0.2;
@@ -52,7 +57,6 @@ constexpr double kMostSeconds = 0.2;
 
 namespace library {
 
-/// Collects rows.
 class Rows final : public FrameSink {
  public:
   void frame(const FrameResult& result, const FrameTimes&) override { rows.push_back(result_of(result)); }
@@ -99,7 +103,7 @@ struct Simulation::Core {
   }
 
   [[nodiscard]] FrameMotion motion_to(const Pose& pose, std::optional<double> dt) const {
-    if (!progress.pose) throw BadInput(kNotStarted);
+    if (!progress.pose) throw BadInput("call start() before step() and peek()");
     const double duration_s = dt.value_or(scene.motion.frame_s());
     if (!(duration_s > 0) || !std::isfinite(duration_s)) throw BadInput("dt: a time above 0 s is needed");
     const std::int64_t frame = stepper.state().frame + 1;
@@ -112,7 +116,6 @@ struct Simulation::Core {
             .time_s = even ? static_cast<double>(frame) * duration_s : progress.time_s + duration_s};
   }
 
-  /// The motions to poses that follow one another.
   [[nodiscard]] std::vector<FrameMotion> motions_to(std::span<const Pose> poses) const {
     std::vector<FrameMotion> out{motion_to(poses.front(), {})};
     for (const Pose& pose : poses.subspan(1)) {
@@ -124,11 +127,6 @@ struct Simulation::Core {
       out.push_back(next);
     }
     return out;
-  }
-
-  /// Throws BadInput for a wrong pose after `before`.
-  void require_poses(std::span<const Pose> poses, std::optional<ToolPose> before) const {
-    for (const Pose& pose : poses) before = checked(pose, before, scene.motion.frame_s());
   }
 
   [[nodiscard]] FrameMotion first_motion(const Pose& pose) const {
@@ -251,7 +249,8 @@ std::vector<StepResult> Simulation::run(std::span<const Pose> poses, const std::
     Core& core = *core_;
     if (!core.progress.pose) {
       const FrameMotion rest = core.first_motion(poses.front());
-      core.require_poses(poses.subspan(1), rest.pose);
+      std::optional<ToolPose> before = rest.pose;
+      for (const Pose& pose : poses.subspan(1)) before = core.checked(pose, before, rest.duration_s);
       out = core.start(rest);
       poses = poses.subspan(1);
     }
@@ -277,8 +276,7 @@ Volume Simulation::fill() {
   return guarded([&] {
     core_->stepper.read_fill();
     const VoxelGrid& grid = core_->scene.bone.voxmap->grid;
-    Volume out{{grid.dims.x(), grid.dims.y(), grid.dims.z()}, grid.voxel_mm, array_of(grid.origin_mm), {}};
-    out.values.assign(static_cast<std::size_t>(grid.size()), 0.0F);
+    Volume out = empty_volume(grid);
     for_each_bone_voxel(core_->scene.bone.view(), [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
       out.values[static_cast<std::size_t>(grid.index(voxel))] = static_cast<float>(fill) / float{FillBricks::kWhole};
     });
@@ -290,8 +288,7 @@ Volume Simulation::density() const {
   return guarded([&] {
     const Voxmap& voxmap = *core_->scene.bone.voxmap;
     const VoxelGrid& grid = voxmap.grid;
-    Volume out{{grid.dims.x(), grid.dims.y(), grid.dims.z()}, grid.voxel_mm, array_of(grid.origin_mm), {}};
-    out.values.resize(static_cast<std::size_t>(grid.size()));
+    Volume out = empty_volume(grid);
     for (std::int64_t e = 0; e < grid.size(); ++e) {
       out.values[static_cast<std::size_t>(e)] =
           static_cast<float>(DensityMapping::density_from_grade(voxmap.grade.get(grid.coord(e))));

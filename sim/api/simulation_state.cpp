@@ -6,9 +6,12 @@
 #include <cmath>
 #include <filesystem>
 
+#include "sim/api/reamsim/simulation.h"
 #include "sim/api/state_parts.h"
 #include "sim/base/file.h"
+#include "sim/run/run_scenario.h"
 #include "sim/run/value_file.h"
+#include "sim/scenario/parse.h"
 
 namespace reamsim {
 
@@ -41,13 +44,7 @@ void visit_values(Visit& visit, Bone& bone, Standing& progress) {
   visit(bone.voxel_mm);
   visit(bone.origin_mm);
   visit(bone.crc);
-  visit(progress.step.frame);
-  visit(progress.step.energy.work_mj);
-  visit(progress.step.energy.floor_mj);
-  visit(progress.step.energy.cut_mj);
-  visit(progress.step.energy.first_contact_mm);
-  visit(progress.step.touched);
-  visit(progress.step.warned_of_no_spin);
+  visit_step(visit, progress.step);
   visit(progress.time_s);
   visit(progress.removed_mm3);
   visit(progress.uneven);
@@ -106,9 +103,10 @@ void Simulation::State::save(const std::string& path) const {
   guarded([&] {
     ValueWriter writer(kMagic);
     visit_values(writer, parts_->bone, parts_->progress);
-    writer(parts_->progress.pose.has_value());
-    if (parts_->progress.pose) writer(values_of_pose(*parts_->progress.pose));
-    writer(changed_bricks(*parts_));
+    const std::optional<ToolPose>& pose = parts_->progress.pose;
+    writer.presence_of(pose);
+    if (pose) writer.put(values_of_pose(*pose));
+    writer.put(changed_bricks(*parts_));
     replace_file(path, writer.finish());
   });
 }
@@ -127,6 +125,46 @@ Simulation::State Simulation::State::load(const std::string& path) {
     } catch (const DamagedValues&) {
       throw wrong("is damaged: its checksum or length does not fit");
     }
+  });
+}
+
+namespace {
+
+class CallerMonitor final : public RunMonitor {
+ public:
+  explicit CallerMonitor(const RunOptions& options) : options_(options) {}
+
+  void take(const Diagnostics& report) override {
+    warnings.insert(warnings.end(), report.warnings.begin(), report.warnings.end());
+  }
+  void progress(std::int64_t done, std::int64_t total) override {
+    if (options_.progress) options_.progress(done, total);
+  }
+  [[nodiscard]] bool stop_requested() override { return options_.stop && options_.stop(); }
+
+  std::vector<std::string> warnings;
+
+ private:
+  const RunOptions& options_;
+};
+
+}  // namespace
+
+RunResults run_scenario(const std::string& scenario, const RunOptions& options) {
+  return guarded([&]() -> RunResults {
+    RunRequest request;
+    request.scenario = parse_scenario(scenario, options.set);
+    request.dir = options.dir.empty() ? results_dir(request.scenario) : options.dir;
+    request.overwrite = options.overwrite;
+    request.resume = options.resume;
+    RunResources resources;
+    CallerMonitor monitor(options);
+    try {
+      run_scenario(request, resources, monitor, nullptr);
+    } catch (const Interrupted& interrupted) {
+      throw Stopped(interrupted.what());
+    }
+    return {request.dir, std::move(monitor.warnings)};
   });
 }
 

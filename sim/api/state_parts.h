@@ -37,14 +37,12 @@ struct Progress {
   bool uneven = false;  ///< steps had a time of their own
 };
 
-/// In memory a copy of the fill, which shares what has not changed; of a file the bricks that steps have changed.
-using SavedFill = std::variant<FillBricks, std::vector<PlacedBrick>>;
-
 struct Simulation::State::Parts {
   BoneIdentity bone;
   Progress progress;
   FillBricks before;  ///< the fill before the first step; empty in a state from a file
-  SavedFill fill;
+  /// In memory a copy of the fill, which shares what has not changed; of a file the bricks that steps have changed.
+  std::variant<FillBricks, std::vector<PlacedBrick>> fill;
 
   /// For the bone whose fill before the first step is `start`. Throws InputError where a brick lies outside.
   [[nodiscard]] FillBricks fill_on(const FillBricks& start) const;

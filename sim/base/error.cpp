@@ -63,16 +63,11 @@ namespace {
 
 constexpr std::size_t kMostShown = 50;
 
-/// Whether `key` is `above` or below it.
 bool is_within(std::string_view key, std::string_view above) {
   return key.starts_with(above) && (key.size() == above.size() || key[above.size()] == '.');
 }
 
 }  // namespace
-
-void MistakeList::add(const InputError& error) {
-  mistakes_.insert(mistakes_.end(), error.mistakes().begin(), error.mistakes().end());
-}
 
 bool MistakeList::concerns(std::string_view key) const {
   const auto related = [&](std::string_view other) { return is_within(other, key) || is_within(key, other); };

@@ -23,7 +23,6 @@ struct SourceLocation {
   [[nodiscard]] std::string text() const;
 };
 
-/// One mistake in the input.
 struct Mistake {
   SourceLocation where;
   std::string key;
@@ -34,8 +33,7 @@ struct Mistake {
   [[nodiscard]] std::string line() const;
 };
 
-/// The input is wrong (exit status 2). The message has one line per mistake: where, which
-/// key, what was found, what to do.
+/// The input is wrong (exit status 2). The message has one line per mistake: where, key, what was found, what to do.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(const std::string& message) : InputError({}, "", message, "") {}
@@ -44,7 +42,6 @@ class InputError : public std::runtime_error {
   InputError(const SourceLocation& where, const std::string& key, const std::string& found,
              const std::string& expected);
 
-  /// `mistakes`: one or more.
   explicit InputError(std::vector<Mistake> mistakes);
 
   [[nodiscard]] const std::vector<Mistake>& mistakes() const { return *mistakes_; }
@@ -89,7 +86,9 @@ struct Diagnostics {
 /// Collects mistakes, so that all of them are reported at once.
 class MistakeList {
  public:
-  void add(const InputError& error);
+  void add(const InputError& error) {
+    mistakes_.insert(mistakes_.end(), error.mistakes().begin(), error.mistakes().end());
+  }
 
   /// Calls `work` and adds the mistakes of an InputError. Returns whether there were none.
   template <class Work>

@@ -33,7 +33,6 @@ void sync_folder_to_disk(const std::string& dir);
 /// Closes `out`, which writes the file `path`. Throws RunError when anything could not be written.
 void close_file(std::ofstream& out, const std::string& path);
 
-/// Throws the RunError of a file that cannot be written.
 [[noreturn]] void fail_to_write(const std::string& path);
 
 }  // namespace reamsim

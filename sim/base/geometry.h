@@ -61,8 +61,7 @@ struct ScapularAxes {
 };
 
 /// The rotation by the smallest angle that takes direction `from` to direction `to`; where they are opposite, about any
-/// axis across them. Eigen's FromTwoVectors takes six seconds to compile, for a singular value decomposition in that
-/// case.
+/// axis across them. Eigen's FromTwoVectors takes six seconds to compile.
 Quat smallest_rotation(const Vec3& from, const Vec3& to);
 
 using Mat2 = Eigen::Matrix2d;

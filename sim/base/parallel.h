@@ -11,10 +11,9 @@ namespace reamsim {
 /// Work on the items `begin`…`end` − 1.
 using RangeBody = std::function<void(std::size_t begin, std::size_t end)>;
 
-/// Splits the items 0…count − 1 into ranges, calls `body` for each from the host's threads at once and in no order, and
-/// returns when all are done. A range has at least grain/2 items where there are enough. Throws what `body` throws; if
-/// several calls throw, one of the exceptions. All parallel work of the project goes through this function: the thread
-/// sanitizer needs plain threads, because Debian's oneTBB is not instrumented.
+/// Splits the items 0…count − 1 into ranges of at least grain/2 items, calls `body` for each from the host's threads at
+/// once and in no order, and returns when all are done. Throws one of the exceptions of `body`. All parallel work of
+/// the project goes through it: the thread sanitizer needs plain threads, because Debian's oneTBB is not instrumented.
 void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body);
 
 /// Calls body(i) for every item 0…count − 1, as parallel_ranges() does.

@@ -19,9 +19,6 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 
-#ifdef __GLIBC__
-#endif
-
 namespace reamsim {
 
 namespace {

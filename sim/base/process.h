@@ -27,7 +27,6 @@ class MemoryFile {
   int descriptor_;
 };
 
-/// A program to start.
 struct ChildCommand {
   std::vector<std::string> arguments;  ///< the program first, which is looked up in PATH
   std::string dir = {};                ///< its working directory; "" = that of this process
@@ -41,11 +40,9 @@ int spawn(ChildCommand command, pid_t& child);
 /// Waits until the child ends. Returns its status, as waitpid() reports it.
 int wait_for(pid_t child);
 
-/// Whether a child with this status exited with 0.
 bool succeeded(int status);
 
-/// Returns memory that was freed to the system. Call it after a stage with much temporary memory: the C library would
-/// keep it, and the next stage would add to the peak.
+/// Returns freed memory to the system, which the C library would keep. Call it after a stage with much of it.
 void return_free_memory();
 
 /// The limit of the address space of this process (`ulimit -v`), bytes; none: unlimited.

@@ -7,7 +7,6 @@
 
 namespace reamsim {
 
-/// Wall time since construction.
 class Stopwatch {
  public:
   [[nodiscard]] double seconds() const {

@@ -87,14 +87,8 @@ bool Pattern::matches(const std::string& text) const {
 
 namespace {
 
-constexpr std::string_view kHex = "0123456789abcdef";
-
 unsigned char byte_at(std::string_view text, std::size_t at) {
   return static_cast<unsigned char>(text[at]);
-}
-
-bool continues(std::string_view text, std::size_t at) {
-  return at < text.size() && (byte_at(text, at) & 0xC0) == 0x80;
 }
 
 /// Whether a valid character of UTF-8 is a control character or controls the layout of a line.
@@ -109,12 +103,6 @@ bool is_control(std::string_view character) {
   return character.size() == 3 && first == 0xE2 && (line_or_override || isolate);
 }
 
-/// Bytes of the printable character at `at`, or 0.
-std::size_t printable_length(std::string_view text, std::size_t at) {
-  const std::size_t length = utf8_length(text, at);
-  return length > 0 && is_control(text.substr(at, length)) ? 0 : length;
-}
-
 }  // namespace
 
 std::size_t utf8_length(std::string_view text, std::size_t at) {
@@ -123,7 +111,7 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
   const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
   if (first < 0xC2 || first > 0xF4) return 0;
   for (std::size_t i = 1; i < length; ++i) {
-    if (!continues(text, at + i)) return 0;
+    if (at + i >= text.size() || (byte_at(text, at + i) & 0xC0) != 0x80) return 0;
   }
   const unsigned char second = byte_at(text, at + 1);
   const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
@@ -133,21 +121,15 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
 }
 
 bool is_printable(std::string_view text) {
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = printable_length(text, at);
-    if (length == 0) return false;
-    at += length;
-  }
-  return true;
+  return printable(text) == text;
 }
 
 std::string printable(std::string_view text) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = printable_length(text, at);
-    if (length == 0) {
-      const unsigned char byte = byte_at(text, at);
-      out += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
+    const std::size_t length = utf8_length(text, at);
+    if (length == 0 || is_control(text.substr(at, length))) {
+      out += fmt::format("\\x{:02x}", byte_at(text, at));
       ++at;
     } else {
       out += text.substr(at, length);

@@ -25,7 +25,6 @@ std::string rounded_text(double value);
 /// The fewest digits that read back to the same value. Integers up to 2⁵³ have no exponent: "100000", not "1e+05".
 std::string shortest_text(double value);
 
-/// Number of characters of a UTF-8 text.
 std::size_t text_width(const std::string& text);
 
 /// The lines of a table of text: the first column is left-aligned, the others right-aligned. No row has more cells than
@@ -47,7 +46,6 @@ class Pattern {
  public:
   explicit Pattern(const std::string& expression);
 
-  /// Whether the expression describes the whole text.
   [[nodiscard]] bool matches(const std::string& text) const;
 
  private:

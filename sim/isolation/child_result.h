@@ -31,7 +31,6 @@ enum class ChildOutcome : std::uint32_t { died, done, wrong_input, failed, out_o
 /// Memory that child processes share with this one. Its pages are taken from the system when they are written.
 class SharedMemory {
  public:
-  /// By which a child finds it.
   struct Handle {
     int id = -1;
     std::uint64_t capacity = 0;
@@ -65,7 +64,6 @@ class SharedMemory {
   std::uint64_t capacity_ = 0;
 };
 
-/// Thrown in the child when the result exceeds the shared memory.
 class ResultTooLarge {};
 
 /// Writes a result, in the child, and before that the arguments, in the parent.
@@ -94,7 +92,6 @@ class ResultWriter {
 
   /// Says which file is read from now on. The limit of time counts anew, and an error names this file.
   void begin_file(const std::string& path);
-  /// Removes the result so far.
   void clear() { memory_.head().bytes = 0; }
 
   static constexpr std::size_t kAlignment = 16;
@@ -110,7 +107,6 @@ class ResultWriter {
 class ResultReader {
  public:
   ResultReader(const SharedMemory& memory, std::string path, std::string key);
-  /// Reads the arguments.
   explicit ResultReader(const std::vector<std::byte>& bytes) : result_(bytes.data()), bytes_(bytes.size()) {}
 
   template <PlainValue T>
@@ -148,22 +144,21 @@ class ResultReader {
     for_each_block<T>(get<std::uint64_t>(), [&](const T* first, const T* last) { std::for_each(first, last, use); });
   }
   /// The next value by its type.
-  template <PlainValue T>
-  T take_value(std::type_identity<T>) {
-    return get<T>();
+  template <class T>
+  T take() {
+    if constexpr (std::is_same_v<T, std::string>)
+      return text();
+    else if constexpr (std::is_same_v<T, std::vector<std::string>>)
+      return texts();
+    else if constexpr (PlainValue<T>)
+      return get<T>();
+    else
+      return array<typename T::value_type>();
   }
-  template <PlainValue T>
-  std::vector<T> take_value(std::type_identity<std::vector<T>>) {
-    return array<T>();
-  }
-  std::string take_value(std::type_identity<std::string>) { return text(); }
-  std::vector<std::string> take_value(std::type_identity<std::vector<std::string>>) { return texts(); }
-  /// Throws InputError: the result is inconsistent.
   [[noreturn]] void fail() const;
 
  private:
   const std::byte* take(std::uint64_t bytes, std::size_t alignment);
-  /// Returns the whole pages of a range to the system.
   static void give_back(const std::byte* first, std::uint64_t bytes);
 
   const std::byte* result_;
@@ -173,10 +168,8 @@ class ResultReader {
   std::string key_;
 };
 
-/// Writes the mistakes of an error, in the child.
 void put_mistakes(ResultWriter& out, const InputError& error);
 
-/// Throws the error that put_mistakes() wrote, in the parent.
 [[noreturn]] void throw_mistakes(ResultReader& in);
 
 }  // namespace reamsim

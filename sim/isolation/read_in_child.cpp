@@ -3,14 +3,10 @@
 
 #include "sim/isolation/read_in_child.h"
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <poll.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstring>
@@ -18,6 +14,7 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <thread>
 
 #include "sim/base/error.h"
 #include "sim/base/process.h"
@@ -45,8 +42,6 @@ constexpr int kSlowdown = 1;
 #endif
 /// Wall time per second of the processor: other programs, and discs on a network, take the rest.
 constexpr int kClockPerCpu = 10;
-/// How often a stop request and the limits of time are looked at.
-constexpr int kPollMs = 20;
 
 /// For all files. The parent counts for each file, and comes first: it says what happened.
 int cpu_seconds(const ReadLimits& limits) {
@@ -54,30 +49,6 @@ int cpu_seconds(const ReadLimits& limits) {
   const std::int64_t all = std::int64_t{kSlowdown} * limits.seconds * std::max(1, limits.files) + kAfterParent;
   return static_cast<int>(std::min<std::int64_t>(all, std::numeric_limits<int>::max()));
 }
-
-/// A pipe that the child keeps open as long as it lives.
-struct AlivePipe {
-  AlivePipe() {
-    if (pipe2(ends, O_CLOEXEC) != 0) throw RunError(std::string("no child process: ") + std::strerror(errno));
-  }
-  ~AlivePipe() {
-    close(ends[0]);
-    close_writer();
-  }
-  AlivePipe(const AlivePipe&) = delete;
-  AlivePipe& operator=(const AlivePipe&) = delete;
-  void close_writer() {
-    if (ends[1] >= 0) close(ends[1]);
-    ends[1] = -1;
-  }
-  /// Waits a moment. Returns whether the child has ended.
-  [[nodiscard]] bool ended() const {
-    pollfd reader{ends[0], 0, 0};
-    return poll(&reader, 1, kPollMs) > 0;
-  }
-
-  int ends[2] = {-1, -1};
-};
 
 double cpu_seconds_of(pid_t child) {
   clockid_t clock{};
@@ -89,18 +60,16 @@ double cpu_seconds_of(pid_t child) {
 /// `waits`: out of time on the clock, with time of the processor left.
 enum class Ending { by_itself, out_of_time, waits, stopped };
 
-/// Waits for the child; kills it when its time is over or a stop is requested.
 class Watch {
  public:
   Watch(pid_t child, const SharedMemory& memory, const ReadLimits& limits)
       : child_(child), memory_(memory), seconds_(kSlowdown * limits.seconds) {}
 
-  Ending wait(const AlivePipe& alive) {
-    while (!alive.ended()) {
+  Ending wait() {
+    while (!ended()) {
       if (stop_requested()) return killed(Ending::stopped);
       if (const auto end = time_is_over()) return killed(*end);
     }
-    status_ = wait_for(child_);
     return Ending::by_itself;
   }
   [[nodiscard]] int status() const { return status_; }
@@ -111,6 +80,14 @@ class Watch {
     status_ = wait_for(child_);
     return why;
   }
+  /// Waits a moment: the longer the child has run, the longer.
+  bool ended() {
+    using std::chrono::microseconds;
+    const auto run = std::chrono::duration_cast<microseconds>(Clock::now() - begun_);
+    std::this_thread::sleep_for(std::clamp(run / 16, microseconds(20), microseconds(5'000)));
+    return waitpid(child_, &status_, WNOHANG) != 0;
+  }
+
   /// Counts from the file that is being read.
   std::optional<Ending> time_is_over() {
     const double cpu = cpu_seconds_of(child_);
@@ -135,7 +112,6 @@ class Watch {
   Clock::time_point begun_ = Clock::now();
 };
 
-/// The file that the child was reading.
 ForeignFile current_file(const ForeignFile& file, const SharedMemory& memory) {
   const char* path = memory.head().path;
   const std::string current(path, strnlen(path, SharedMemory::Head::kPathBytes));
@@ -198,32 +174,27 @@ std::uint64_t bytes_of_file(const std::string& path) {
   return error ? 0 : bytes;
 }
 
-ChildRun::ChildRun(const ReadLimits& limits)
-    : limits_(limits), memory_(std::make_unique<SharedMemory>(limits.result_bytes)), arguments_(*memory_) {}
-
-ChildResult ChildRun::run(const ForeignFile& file, ChildFunction function) {
-  AlivePipe alive;
-  const pid_t child =
-      start_child({function, limits_.memory_bytes, cpu_seconds(limits_), memory_->handle()}, alive.ends[1]);
-  alive.close_writer();
-  Watch watch(child, *memory_, limits_);
-  const Ending ending = watch.wait(alive);
+ChildResult run_child(std::unique_ptr<SharedMemory> memory, const ForeignFile& file, const ReadLimits& limits,
+                      ChildFunction function) {
+  const pid_t child = start_child({function, limits.memory_bytes, cpu_seconds(limits), memory->handle()});
+  Watch watch(child, *memory, limits);
+  const Ending ending = watch.wait();
   if (ending == Ending::stopped) throw Interrupted();
-  const ForeignFile current = current_file(file, *memory_);
+  const ForeignFile current = current_file(file, *memory);
   if (ending == Ending::out_of_time) {
-    throw_died(current, fmt::format("reading it took more than {} s", limits_.seconds));
+    throw_died(current, fmt::format("reading it took more than {} s", limits.seconds));
   }
   if (ending == Ending::waits) {
     throw InputError(
         {current.path, 0, 0}, current.key,
-        fmt::format("reading it waited for more than {} s", kClockPerCpu * limits_.seconds),
+        fmt::format("reading it waited for more than {} s", kClockPerCpu * limits.seconds),
         "the disc or the network does not answer, or the system is overloaded: try again, or copy the file "
         "to a local disc");
   }
   // Ctrl-C in a terminal reaches the child too.
   if (WIFSIGNALED(watch.status()) && WTERMSIG(watch.status()) == SIGINT) throw Interrupted();
-  throw_unless_done(current, *memory_, limits_, watch.status());
-  return {std::move(memory_), file};
+  throw_unless_done(current, *memory, limits, watch.status());
+  return {std::move(memory), file};
 }
 
 }  // namespace reamsim

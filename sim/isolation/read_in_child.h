@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 #include <tuple>
-#include <type_traits>
 
 #include "sim/isolation/child_result.h"
 #include "sim/isolation/reader_server.h"
@@ -37,7 +36,6 @@ struct ReadLimits {
 /// Length of a file, bytes; 0 if it cannot be found out.
 std::uint64_t bytes_of_file(const std::string& path);
 
-/// The result of a child, until it has been read.
 class ChildResult {
  public:
   ChildResult(std::unique_ptr<SharedMemory> memory, const ForeignFile& file)
@@ -53,20 +51,9 @@ class ChildResult {
 /// Sets the function that says whether the user has asked the program to stop; several times a second it is called.
 void interrupt_reading_when(bool (*stop)());
 
-/// A child before it runs: its arguments are written one after the other.
-class ChildRun {
- public:
-  /// Throws RunError.
-  explicit ChildRun(const ReadLimits& limits);
-  [[nodiscard]] ResultWriter& arguments() { return arguments_; }
-  /// As read_in_child(). Called once.
-  ChildResult run(const ForeignFile& file, ChildFunction function);
-
- private:
-  ReadLimits limits_;
-  std::unique_ptr<SharedMemory> memory_;
-  ResultWriter arguments_;
-};
+/// read_in_child() of a function whose arguments are in `memory`.
+ChildResult run_child(std::unique_ptr<SharedMemory> memory, const ForeignFile& file, const ReadLimits& limits,
+                      ChildFunction function);
 
 /// Calls `Read(result, arguments...)` in a child process and returns what it wrote to `result`, a ResultWriter. The
 /// arguments are plain values, texts and vectors of them, which the child takes as copies. `Read` may throw InputError
@@ -75,11 +62,12 @@ class ChildRun {
 /// a fraction of a second if the function of interrupt_reading_when() says so; RunError if no child can be started.
 template <auto Read, class... Arguments>
 ChildResult read_in_child(const ForeignFile& file, const ReadLimits& limits, const Arguments&... arguments) {
-  ChildRun child(limits);
-  (child.arguments().put(arguments), ...);
-  return child.run(file, [](ResultReader& in, ResultWriter& out) {
+  auto memory = std::make_unique<SharedMemory>(limits.result_bytes);
+  ResultWriter writer(*memory);
+  (writer.put(arguments), ...);
+  return run_child(std::move(memory), file, limits, [](ResultReader& in, ResultWriter& out) {
     // Braces, so that they are taken in their order.
-    const std::tuple<Arguments...> values{in.take_value(std::type_identity<Arguments>())...};
+    const std::tuple<Arguments...> values{in.take<Arguments>()...};
     std::apply([&out](const Arguments&... value) { Read(out, value...); }, values);
   });
 }

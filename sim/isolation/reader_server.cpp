@@ -3,78 +3,161 @@
 
 #include "sim/isolation/reader_server.h"
 
+#include <fcntl.h>
 #include <sched.h>
+#include <seccomp.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <mutex>
 #include <new>
 #include <stdexcept>
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/process.h"
 #include "sim/isolation/child_result.h"
-#include "sim/isolation/sandbox.h"
 
 namespace reamsim {
 
 namespace {
 
-/// A message of a ChildStart, with room for the control message that carries one descriptor.
-struct Message {
-  explicit Message(ChildStart& start) : data{&start, sizeof start} {
-    head.msg_iov = &data;
-    head.msg_iovlen = 1;
-    head.msg_control = control.data();
-    head.msg_controllen = control.size();
+constexpr int kOpenFiles = 32;
+
+/// Calls that reading a file, allocating memory and ending the process need.
+constexpr std::array kAllowed{
+    SCMP_SYS(access),          SCMP_SYS(brk),          SCMP_SYS(clock_gettime), SCMP_SYS(clock_nanosleep),
+    SCMP_SYS(close),           SCMP_SYS(dup),          SCMP_SYS(exit),          SCMP_SYS(exit_group),
+    SCMP_SYS(faccessat),       SCMP_SYS(faccessat2),   SCMP_SYS(fadvise64),     SCMP_SYS(fstat),
+    SCMP_SYS(fstatfs),         SCMP_SYS(futex),        SCMP_SYS(getcwd),        SCMP_SYS(getdents64),
+    SCMP_SYS(getpid),          SCMP_SYS(getppid),      SCMP_SYS(getrandom),     SCMP_SYS(getrusage),
+    SCMP_SYS(gettid),          SCMP_SYS(gettimeofday), SCMP_SYS(lseek),         SCMP_SYS(lstat),
+    SCMP_SYS(madvise),         SCMP_SYS(mremap),       SCMP_SYS(munmap),        SCMP_SYS(nanosleep),
+    SCMP_SYS(newfstatat),      SCMP_SYS(pause),        SCMP_SYS(poll),          SCMP_SYS(ppoll),
+    SCMP_SYS(pread64),         SCMP_SYS(preadv),       SCMP_SYS(read),          SCMP_SYS(readlink),
+    SCMP_SYS(readlinkat),      SCMP_SYS(readv),        SCMP_SYS(rseq),          SCMP_SYS(rt_sigaction),
+    SCMP_SYS(rt_sigprocmask),  SCMP_SYS(rt_sigreturn), SCMP_SYS(sched_yield),   SCMP_SYS(sched_getaffinity),
+    SCMP_SYS(set_robust_list), SCMP_SYS(sigaltstack),  SCMP_SYS(stat),          SCMP_SYS(statx),
+    SCMP_SYS(sysinfo),         SCMP_SYS(time),         SCMP_SYS(uname)};
+
+void set_limit(__rlimit_resource resource, std::uint64_t most) {
+  rlimit limit{};
+  getrlimit(resource, &limit);
+  limit.rlim_max = std::min<rlim_t>(limit.rlim_max, most);
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_cur, limit.rlim_max);
+  setrlimit(resource, &limit);
+}
+
+void set_limits(const ChildStart& start) {
+  set_limit(RLIMIT_AS, address_space_in_use() + start.memory_bytes);
+  set_limit(RLIMIT_CPU, static_cast<std::uint64_t>(start.cpu_seconds));
+  set_limit(RLIMIT_NOFILE, kOpenFiles);
+  set_limit(RLIMIT_FSIZE, 0);
+  set_limit(RLIMIT_CORE, 0);
+}
+
+using Filter = std::unique_ptr<void, decltype(&seccomp_release)>;
+
+int allow(const Filter& filter, int call) {
+  return seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, call, 0);
+}
+
+/// Calls that are allowed with some arguments only.
+int allow_in_part(const Filter& filter) {
+  constexpr scmp_datum_t kWriting = O_ACCMODE | O_CREAT | O_TRUNC | O_APPEND;
+  constexpr scmp_datum_t kExecutable = 4;  // PROT_EXEC
+  scmp_filter_ctx f = filter.get();
+  int error = 0;
+  const auto add = [&](int call, const scmp_arg_cmp& condition) {
+    error |= seccomp_rule_add(f, SCMP_ACT_ALLOW, call, 1, condition);
+  };
+  add(SCMP_SYS(open), SCMP_A1(SCMP_CMP_MASKED_EQ, kWriting, O_RDONLY));
+  add(SCMP_SYS(openat), SCMP_A2(SCMP_CMP_MASKED_EQ, kWriting, O_RDONLY));
+  add(SCMP_SYS(mmap), SCMP_A2(SCMP_CMP_MASKED_EQ, kExecutable, 0));
+  add(SCMP_SYS(mprotect), SCMP_A2(SCMP_CMP_MASKED_EQ, kExecutable, 0));
+  for (const scmp_datum_t stream : {STDOUT_FILENO, STDERR_FILENO}) {
+    add(SCMP_SYS(write), SCMP_A0(SCMP_CMP_EQ, stream));
+    add(SCMP_SYS(writev), SCMP_A0(SCMP_CMP_EQ, stream));
   }
-  Message(const Message&) = delete;
-  Message& operator=(const Message&) = delete;
-  ~Message() = default;
+  for (const scmp_datum_t command : {F_GETFD, F_SETFD, F_GETFL}) {
+    add(SCMP_SYS(fcntl), SCMP_A1(SCMP_CMP_EQ, command));
+  }
+  // OpenVDB starts threads. glibc falls back from clone3(), whose flags a filter cannot see.
+  add(SCMP_SYS(clone), SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, CLONE_THREAD));
+  error |= seccomp_rule_add(f, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
+  add(SCMP_SYS(prlimit64), SCMP_A2(SCMP_CMP_EQ, 0));  // reads a limit
+  // abort() and raise() signal this process.
+  const auto self = static_cast<scmp_datum_t>(getpid());
+  add(SCMP_SYS(tgkill), SCMP_A0(SCMP_CMP_EQ, self));
+  add(SCMP_SYS(kill), SCMP_A0(SCMP_CMP_EQ, self));
+#ifdef __SANITIZE_ADDRESS__  // the sanitizers write to a pipe to know whether memory can be read
+  error |= allow(filter, SCMP_SYS(pipe2)) | allow(filter, SCMP_SYS(write));
+#endif
+  return error;
+}
 
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
-  iovec data;
-  msghdr head{};
-};
+bool restrict_system_calls() {
+  const Filter filter(seccomp_init(SCMP_ACT_ERRNO(EPERM)), &seccomp_release);
+  if (!filter) return false;
+  // Older kernels otherwise switch off speculation, which slows the reader down.
+  seccomp_attr_set(filter.get(), SCMP_FLTATR_CTL_SSB, 1);
+  int error = allow_in_part(filter);
+  for (const int call : kAllowed) error |= allow(filter, call);
+  return error == 0 && seccomp_load(filter.get()) == 0;
+}
 
-/// Sends plain bytes and a descriptor. Returns whether it succeeded.
-bool send_with_descriptor(int socket, const ChildStart& start, int descriptor) {
-  ChildStart copy = start;
-  Message message(copy);
-  cmsghdr* head = CMSG_FIRSTHDR(&message.head);
-  head->cmsg_level = SOL_SOCKET;
-  head->cmsg_type = SCM_RIGHTS;
-  head->cmsg_len = CMSG_LEN(sizeof descriptor);
-  std::memcpy(CMSG_DATA(head), &descriptor, sizeof descriptor);
+/// Connects the standard streams to /dev/null and closes every other file but `keep` (−1: none). Returns the new number
+/// of that one.
+int close_files(int keep) {
+  const int null_device = open("/dev/null", O_RDWR | O_CLOEXEC);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(null_device, stream);
+  constexpr int kKept = STDERR_FILENO + 1;
+  if (keep > kKept) dup2(keep, kKept);
+  close_range(keep < 0 ? kKept : kKept + 1, ~0U, 0);
+  return kKept;
+}
+
+void enter_sandbox(const ChildStart& start) {
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);  // the program may block signals that are to end this process
+  for (const int fatal : {SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGILL, SIGXCPU, SIGINT, SIGTERM, SIGHUP}) {
+    std::signal(fatal, SIG_DFL);
+  }
+  close_files(-1);  // libraries print about damaged files
+  set_limits(start);
+  restrict_system_calls();
+}
+
+template <PlainValue T>
+bool send_value(int socket, const T& value) {
   ssize_t sent = 0;
-  while ((sent = sendmsg(socket, &message.head, MSG_NOSIGNAL)) < 0 && errno == EINTR) {
+  while ((sent = send(socket, &value, sizeof value, MSG_NOSIGNAL)) < 0 && errno == EINTR) {
   }
-  return sent == static_cast<ssize_t>(sizeof start);
+  return sent == static_cast<ssize_t>(sizeof value);
 }
 
-/// Receives what send_with_descriptor() sent. Returns the descriptor; −1 when the other side has ended.
-int receive_with_descriptor(int socket, ChildStart& start) {
-  Message message(start);
+/// Receives what send_value() sent. Returns false when the other side has ended.
+template <PlainValue T>
+bool receive_value(int socket, T& value) {
   ssize_t received = 0;
-  while ((received = recvmsg(socket, &message.head, MSG_CMSG_CLOEXEC)) < 0 && errno == EINTR) {
+  while ((received = recv(socket, &value, sizeof value, 0)) < 0 && errno == EINTR) {
   }
-  const cmsghdr* head = CMSG_FIRSTHDR(&message.head);
-  if (received != static_cast<ssize_t>(sizeof start) || head == nullptr) return -1;
-  int descriptor = -1;
-  std::memcpy(&descriptor, CMSG_DATA(head), sizeof descriptor);
-  return descriptor;
+  return received == static_cast<ssize_t>(sizeof value);
 }
 
-/// Returns how it ended. What a failed attempt wrote is replaced by the error.
 ChildOutcome write_result(ChildFunction function, ResultReader& arguments, ResultWriter& out) {
   try {
     function(arguments, out);
@@ -111,11 +194,11 @@ void live_as_long_as_program() {
   exit_without_program();
 }
 
-[[noreturn]] void work_and_exit(const ChildStart& start, int alive) {
+[[noreturn]] void work_and_exit(const ChildStart& start) {
   live_as_long_as_program();
   try {
     SharedMemory memory(start.memory);
-    enter_sandbox({start.memory_bytes, start.cpu_seconds}, alive);
+    enter_sandbox(start);
     // A copy, because the result takes their place.
     const std::vector<std::byte> bytes(memory.result(), memory.result() + memory.head().bytes);
     ResultReader arguments(bytes);
@@ -141,15 +224,11 @@ pid_t fork_sibling() {
   }
   socket = close_files(socket);
   ChildStart start;
-  for (int alive; (alive = receive_with_descriptor(socket, start)) >= 0;) {
+  while (receive_value(socket, start)) {
     const pid_t child = fork_sibling();
-    if (child == 0) {
-      close(socket);
-      work_and_exit(start, alive);
-    }
+    if (child == 0) work_and_exit(start);
     const pid_t answer = child < 0 ? -errno : child;
-    close(alive);
-    if (send(socket, &answer, sizeof answer, MSG_NOSIGNAL) != static_cast<ssize_t>(sizeof answer)) break;
+    if (!send_value(socket, answer)) break;
   }
   _exit(0);
 }
@@ -206,16 +285,20 @@ void stop_reader_server() {
   }
 }
 
-pid_t start_child(const ChildStart& start, int alive) {
+pid_t start_child(const ChildStart& start) {
   const std::lock_guard lock(server_mutex);
   require_server();
   pid_t child = -EPIPE;  // the server has ended
-  const bool sent = send_with_descriptor(server, start, alive);
-  while (sent && recv(server, &child, sizeof child, 0) < 0 && errno == EINTR) {
-  }
+  if (send_value(server, start)) receive_value(server, child);
   if (child > 0) return child;
   errno = -child;
   fail_to_start();
+}
+
+bool restricts_system_calls() {
+  const pid_t child = fork();
+  if (child == 0) _exit(restrict_system_calls() ? 0 : 1);
+  return child > 0 && wait_for(child) == 0;
 }
 
 }  // namespace reamsim

@@ -19,7 +19,7 @@ using ChildFunction = void (*)(ResultReader& arguments, ResultWriter& result);
 /// What a child is started with.
 struct ChildStart {
   ChildFunction function = nullptr;  ///< at the same address in server and child, which are forks of this process
-  std::uint64_t memory_bytes = 0;    ///< address space for reading
+  std::uint64_t memory_bytes = 0;    ///< address space for reading, beyond what the process has
   int cpu_seconds = 0;
   SharedMemory::Handle memory{};  ///< holds the arguments, and later the result
 };
@@ -28,13 +28,17 @@ struct ChildStart {
 /// Throws RunError.
 void start_reader_server();
 
-/// Ends the server, without which it would be left to the system's first process, which in a container may never wait
-/// for it. Runs when the program exits; call it before _exit(). Does nothing in a fork of the process. Never waits for
-/// another thread.
+/// Ends the server, for which the system's first process may never wait in a container. Runs when the program exits;
+/// call it before _exit(). Does nothing in a fork of the process. Never waits for another thread.
 void stop_reader_server();
 
-/// Starts a child of this process in the sandbox (sandbox.h), with the descriptor `alive` open. Thread-safe.
-/// Throws RunError.
-pid_t start_child(const ChildStart& start, int alive);
+/// Starts a child of this process in a sandbox: limited memory and processor time, few open files, files that are not
+/// written, no core dump; and, where the kernel has seccomp, only the system calls that reading files needs. Others
+/// fail with EPERM, among them network, new processes, programs, ptrace, signals to others, and opening for writing.
+/// Lower limits of the system remain. Thread-safe. Throws RunError.
+pid_t start_child(const ChildStart& start);
+
+/// Whether the sandbox restricts system calls on this kernel. Forks once.
+bool restricts_system_calls();
 
 }  // namespace reamsim

@@ -42,7 +42,6 @@ std::string word_of(const Json& json, const char* key) {
   return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : "";
 }
 
-/// "1.0.0" of "reamsim 1.0.0".
 std::string version_of(const Json& summary) {
   const std::string program = word_of(summary, "program");
   return program.substr(std::min(program.size(), program.find(' ') + 1));
@@ -58,7 +57,6 @@ std::string scalar_at(YamlNodePtr node, std::initializer_list<const char*> path)
   return node->text;
 }
 
-/// Whether the relation of density and HU is the default of reamsim.
 bool has_default_density(const YamlNodePtr& scenario) {
   const DensitySettings usual;
   const auto is = [&](const char* key, double value) {
@@ -88,7 +86,6 @@ void add_density(const YamlNodePtr& scenario, Citation& out) {
   } else {
     add({.key = "density",
          .type = "document",
-         .authors = {},
          .title = "the source of your relation of density and radiodensity",
          .note = "bone.density differs from the default"},
         out.method);
@@ -131,7 +128,6 @@ void add_data(const Json& summary, Citation& out) {
       if (std::ranges::any_of(out.data, is_same)) continue;
       data = {.key = "data" + std::to_string(out.data.size() + 1),
               .type = "dataset",
-              .authors = {},
               .title = title,
               .note = "not a data set that reamsim knows: cite its source" +
                       (sha256.empty() ? std::string() : "; SHA-256 " + sha256)};
@@ -204,12 +200,6 @@ Citation cite_study(const std::string& dir) {
   return out;
 }
 
-void add_section(const char* title, const std::vector<Reference>& list, std::string& out) {
-  if (list.empty()) return;
-  out += std::string("\n") + title + "\n";
-  for (const Reference& reference : list) out += "  " + text_of(reference) + "\n";
-}
-
 /// "Faieghi, M." and a group, as CSL names them.
 Json csl_author(const std::string& author) {
   const std::size_t comma = author.find(", ");
@@ -243,11 +233,10 @@ std::vector<Reference> Citation::all() const {
 }
 
 Citation cite_program() {
-  Citation out{.program = {program_reference(REAMSIM_VERSION)}, .method = {}, .data = {}, .libraries = {}};
-  out.method.push_back(known_reference("faieghi2020", "voxmap, broad phase and contact"));
-  out.libraries.push_back(known_reference("museth2013", "OpenVDB: grids"));
-  out.libraries.push_back(known_reference("eigen", "linear algebra"));
-  return out;
+  return {.program = {program_reference(REAMSIM_VERSION)},
+          .method = {known_reference("faieghi2020", "voxmap, broad phase and contact")},
+          .data = {},
+          .libraries = {known_reference("museth2013", "OpenVDB: grids"), known_reference("eigen", "linear algebra")}};
 }
 
 Citation cite_runs(const std::vector<std::string>& dirs) {
@@ -280,10 +269,14 @@ Citation cite_results(const std::string& dir) {
 
 std::string text_of(const Citation& citation) {
   std::string out = "What a publication of these results should cite\n";
-  add_section("Program", citation.program, out);
-  add_section("Method", citation.method, out);
-  add_section("Data", citation.data, out);
-  add_section("Libraries", citation.libraries, out);
+  const std::pair<const char*, const std::vector<Reference>*> sections[] = {{"Program", &citation.program},
+                                                                            {"Method", &citation.method},
+                                                                            {"Data", &citation.data},
+                                                                            {"Libraries", &citation.libraries}};
+  for (const auto& [title, list] : sections) {
+    if (!list->empty()) out += std::string("\n") + title + "\n";
+    for (const Reference& reference : *list) out += "  " + text_of(reference) + "\n";
+  }
   return out;
 }
 

@@ -8,11 +8,10 @@
 
 namespace reamsim {
 
-/// A work to cite.
 struct Reference {
-  std::string key;                   ///< "faieghi2020"
-  std::string type;                  ///< of CSL: software | article-journal | dataset | webpage
-  std::vector<std::string> authors;  ///< "Faieghi, M."; a group as it calls itself, without a comma
+  std::string key;                       ///< "faieghi2020"
+  std::string type = "article-journal";  ///< of CSL: software | article-journal | dataset | webpage
+  std::vector<std::string> authors{};    ///< "Faieghi, M."; a group as it calls itself, without a comma
   std::string title;
   int year = 0;  ///< 0: unknown
   std::string journal{};
@@ -31,10 +30,7 @@ Reference known_data(const std::string& sha256);
 
 /// One line: authors, year, title, journal, DOI, note.
 std::string text_of(const Reference& reference);
-/// An entry of BibTeX.
 std::string bibtex_of(const Reference& reference);
-
-/// The file of a results folder that says how to cite it.
 inline constexpr const char* kCitationName = "CITATION.txt";
 
 /// What to cite, by what it is cited for.
@@ -47,14 +43,11 @@ struct Citation {
   [[nodiscard]] std::vector<Reference> all() const;
 };
 
-/// The program itself.
 Citation cite_program();
-/// Of runs: each work once. Reads summary.json of each folder, and scenario.yaml where it matters. Throws InputError
-/// where a file is damaged.
+/// Of runs, each work once. Throws InputError where a summary.json, or a scenario.yaml that matters, is damaged.
 Citation cite_runs(const std::vector<std::string>& dirs);
-/// Of the results in DIR: of a run; of a study the runs that runs.csv has as done (without it all), but for damaged
-/// ones, with uq.json the estimators as well; of a benchmark or verification the program. Throws InputError where a
-/// file of a single run is damaged, or DIR is a comparison.
+/// Of a run, a study (its runs that are done and undamaged, and the estimators of uq.json), a benchmark or a
+/// verification. Throws InputError where a file of a single run is damaged, or DIR is a comparison.
 Citation cite_results(const std::string& dir);
 
 /// For people, with the entries of BibTeX below.

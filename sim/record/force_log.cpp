@@ -9,39 +9,20 @@
 #include <cmath>
 #include <deque>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
-#include "sim/record/layer_mean.h"
-#include "sim/record/row_decimator.h"
 
 namespace reamsim {
 
 namespace {
 
-/// First columns of the quantities in kNames.
-enum ForceColumn {
-  kFrame,
-  kTime,
-  kPosition,
-  kOrientation = kPosition + 3,
-  kSpinAngle = kOrientation + 4,
-  kDepth,
-  kForce,
-  kAxial = kForce + 3,
-  kTorque,
-  kRemoved,
-  kEnergy,
-  kFloorEnergy,
-  kBalance,
-  kColumns
-};
-
-constexpr std::array<std::string_view, kColumns> kNames{
+constexpr std::array<std::string_view, 20> kNames{
     "frame",         "time_s",          "tool_x_mm",      "tool_y_mm", "tool_z_mm",       "tool_qw",   "tool_qx",
     "tool_qy",       "tool_qz",         "spin_angle_rad", "depth_mm",  "force_x_n",       "force_y_n", "force_z_n",
     "axial_force_n", "spin_torque_nmm", "removed_mm3",    "energy_mj", "floor_energy_mj", "balance"};
-
 /// Logs of older versions have no passes; only a tool that a hand pushes has the others.
 constexpr std::array<std::string_view, 7> kOptionalNames{"pass",         "feed_mm_s",    "velocity_mm_s", "thrust_n",
                                                          "hand_force_n", "hand_power_w", "drill_power_w"};
@@ -49,39 +30,61 @@ constexpr std::array<std::string_view, 7> kOptionalNames{"pass",         "feed_m
 /// be rotated.
 constexpr double kFarthest_mm = 2e6;
 
-/// `v`: the values of a row, in the order of kNames and kOptionalNames.
-ForceRow make_row(const SourceLocation& where, const std::vector<double>& v) {
-  ForceRow row;
-  row.frame = frame_number(v[kFrame], where);
-  row.pass = std::isnan(v[kColumns]) ? 1 : pass_number(v[kColumns], where);
-  row.time_s = v[kTime];
-  row.pose.position_mm = Vec3(&v[kPosition]);
-  if (!(row.pose.position_mm.cwiseAbs().maxCoeff() <= kFarthest_mm)) {
+/// Counts up to here are whole numbers of a double.
+constexpr double kLargestCount = 1e15, kLargestPass = 1e4;
+
+std::int64_t count_in(double value, double least, double most, const char* column, const SourceLocation& where) {
+  if (value >= least && value <= most) return static_cast<std::int64_t>(value);
+  throw InputError(where, column, "out of range", "expected a forces.csv as reamsim wrote it");
+}
+
+/// The number of a frame or pass. Throw InputError for one that no run writes.
+std::int64_t frame_number(double value, const SourceLocation& where) {
+  return count_in(value, 0, kLargestCount, "frame", where);
+}
+
+int pass_number(double value, const SourceLocation& where) {
+  return static_cast<int>(count_in(value, 1, kLargestPass, "pass", where));
+}
+
+ToolPose checked_pose(const double* position, const double* quaternion, const SourceLocation& where) {
+  ToolPose pose;
+  pose.position_mm = Vec3(position);
+  if (!(pose.position_mm.cwiseAbs().maxCoeff() <= kFarthest_mm)) {
     throw InputError(where, "tool_x_mm", "the position of the tool is out of range",
                      fmt::format("expected at most {:g} mm", kFarthest_mm));
   }
-  row.pose.orientation = Quat(v[kOrientation], v[kOrientation + 1], v[kOrientation + 2], v[kOrientation + 3]);
-  if (std::abs(row.pose.orientation.norm() - 1) > 1e-3) {
+  pose.orientation = Quat(quaternion[0], quaternion[1], quaternion[2], quaternion[3]);
+  if (std::abs(pose.orientation.norm() - 1) > 1e-3) {
     throw InputError(where, "tool_qw", "the quaternion does not have length 1", "expected a rotation");
   }
-  row.pose.orientation.normalize();
-  row.pose.spin_angle_rad = v[kSpinAngle];
-  row.depth_mm = v[kDepth];
-  row.force_n = Vec3(&v[kForce]);
-  row.axial_force_n = v[kAxial];
-  row.spin_torque_nmm = v[kTorque];
-  row.removed_mm3 = v[kRemoved];
-  row.cumulative_energy_mj = v[kEnergy];
-  row.cumulative_floor_mj = v[kFloorEnergy];
-  row.balance = v[kBalance];
-  const double* const push = &v[kColumns + 1];
-  if (std::all_of(push, push + 6, [](double value) { return std::isfinite(value); })) {
-    row.push = PushResult{push[0], push[1], push[2], push[3], push[4], push[5]};
+  pose.orientation.normalize();
+  return pose;
+}
+
+/// `values`: of a row, in the order of kNames and kOptionalNames.
+ForceRow make_row(const SourceLocation& where, const std::vector<double>& values) {
+  ForceRow row;
+  const double* v = values.data();
+  row.frame = frame_number(*v++, where);
+  row.time_s = *v++;
+  row.pose = checked_pose(v, v + 3, where);
+  v += 7;
+  for (double* value : {&row.pose.spin_angle_rad, &row.depth_mm}) *value = *v++;
+  row.force_n = Vec3(v);
+  v += 3;
+  for (double* value : {&row.axial_force_n, &row.spin_torque_nmm, &row.removed_mm3, &row.cumulative_energy_mj,
+                        &row.cumulative_floor_mj, &row.balance}) {
+    *value = *v++;
+  }
+  row.pass = std::isnan(*v) ? 1 : pass_number(*v, where);
+  ++v;
+  if (std::all_of(v, v + 6, [](double value) { return std::isfinite(value); })) {
+    row.push = PushResult{v[0], v[1], v[2], v[3], v[4], v[5]};
   }
   return row;
 }
 
-/// Sets the means of rows in ascending order.
 class LayerMeans {
  public:
   explicit LayerMeans(double travel_mm) : travel_mm_(travel_mm), mean_(travel_mm) {}
@@ -118,7 +121,90 @@ class LayerMeans {
   std::deque<RowPoint> points_;  ///< of the last rows
 };
 
+/// About two buckets per pixel of a printed figure when there are most of them.
+constexpr std::size_t kMaxBuckets = 4096;
+/// Rows that wait in a bucket before it is reduced.
+constexpr std::size_t kWaiting = 256;
+
+constexpr double (*kQuantities[])(const ForceRow&) = {
+    [](const ForceRow& row) { return row.axial_force_n; },
+    [](const ForceRow& row) { return row.spin_torque_nmm; },
+    [](const ForceRow& row) { return row.depth_mm; },
+    [](const ForceRow& row) { return row.layer_axial_force_n; },
+    [](const ForceRow& row) { return row.layer_spin_torque_nmm; },
+    [](const ForceRow& row) { return row.layer_force_n.norm(); },
+    [](const ForceRow& row) { return std::abs(row.balance); },
+    [](const ForceRow& row) { return row.push ? row.push->feed_mm_s : 0; },
+    [](const ForceRow& row) { return row.push ? row.push->drill_power_w : 0; },
+};
+
 }  // namespace
+
+void RowDecimator::add(const ForceRow& row) {
+  last_ = row;
+  if (bucket_rows_ > 1) {
+    add_to_bucket(row);
+    return;
+  }
+  rows_.push_back(row);
+  if (rows_.size() > most_rows_) start_buckets();
+}
+
+std::vector<ForceRow> RowDecimator::finish() {
+  for (Bucket& bucket : buckets_) {
+    reduce(bucket);
+    rows_.insert(rows_.end(), bucket.begin(), bucket.end());
+    bucket = {};
+  }
+  if (!rows_.empty() && rows_.back().frame != last_.frame) rows_.push_back(last_);
+  return std::move(rows_);
+}
+
+void RowDecimator::start_buckets() {
+  const Bucket all = std::exchange(rows_, {});
+  bucket_rows_ = 2;
+  while (all.size() > kMaxBuckets / 2 * static_cast<std::size_t>(bucket_rows_)) bucket_rows_ *= 2;
+  for (const ForceRow& row : all) add_to_bucket(row);
+}
+
+void RowDecimator::add_to_bucket(const ForceRow& row) {
+  if (buckets_.empty() || in_last_ == bucket_rows_) {
+    if (!buckets_.empty()) reduce(buckets_.back());
+    if (buckets_.size() == kMaxBuckets) merge_pairs();
+    buckets_.emplace_back();
+    in_last_ = 0;
+  }
+  Bucket& bucket = buckets_.back();
+  bucket.push_back(row);
+  ++in_last_;
+  if (bucket.size() > kWaiting + keep_.size()) reduce(bucket);
+}
+
+void RowDecimator::merge_pairs() {
+  for (std::size_t i = 0; i < kMaxBuckets; i += 2) {
+    Bucket pair = std::move(buckets_[i]);
+    pair.insert(pair.end(), buckets_[i + 1].begin(), buckets_[i + 1].end());
+    reduce(pair);
+    buckets_[i / 2] = std::move(pair);
+  }
+  buckets_.resize(kMaxBuckets / 2);
+  bucket_rows_ *= 2;
+}
+
+void RowDecimator::reduce(Bucket& bucket) const {
+  std::vector<bool> chosen(bucket.size(), false);
+  chosen[0] = true;
+  for (const auto quantity : kQuantities) {
+    const auto [least, most] = std::ranges::minmax_element(bucket, {}, quantity);
+    chosen[static_cast<std::size_t>(least - bucket.begin())] = true;
+    chosen[static_cast<std::size_t>(most - bucket.begin())] = true;
+  }
+  Bucket out;
+  for (std::size_t i = 0; i < bucket.size(); ++i) {
+    if (chosen[i] || std::ranges::binary_search(keep_, bucket[i].frame)) out.push_back(bucket[i]);
+  }
+  bucket = std::move(out);
+}
 
 const ForceRow& ForceLog::at(std::int64_t frame, const std::string& path) const {
   const auto after = std::upper_bound(rows.begin(), rows.end(), frame,
@@ -182,25 +268,31 @@ KeyResults key_results_of(const ForceLog& log, bool means) {
 
 namespace {
 
-constexpr std::size_t kPlannedColumns = 26, kDeflectedColumns = kPlannedColumns + 3;
-constexpr std::size_t kFrameColumn = 0, kContactsColumn = 20, kPassColumn = 25;
-/// Counts up to here are whole numbers of a double.
-constexpr double kLargestCount = 1e15, kLargestPass = 1e4;
-
-std::int64_t count_in(double value, double least, double most, const char* column, const SourceLocation& where) {
-  if (value >= least && value <= most) return static_cast<std::int64_t>(value);
-  throw InputError(where, column, "out of range", "expected a forces.csv as reamsim wrote it");
+/// Calls visit() for the values of a row, in the order of kForceColumns.
+template <class Result, class Visit>
+void visit_values(Result& r, const Visit& visit) {
+  visit(r.frame);
+  visit(r.time_s);
+  for (auto& coordinate : r.pose.position_mm) visit(coordinate);
+  auto& q = r.pose.orientation;
+  visit(q.w());
+  for (auto& part : q.vec()) visit(part);
+  visit(r.pose.spin_rpm);
+  visit(r.pose.spin_angle_rad);
+  visit(r.depth_mm);
+  for (auto& component : r.force_n) visit(component);
+  for (auto& component : r.torque_nmm) visit(component);
+  visit(r.axial_force_n);
+  visit(r.spin_torque_nmm);
+  visit(r.contacts);
+  visit(r.removed_mm3);
+  visit(r.energy_mj);
+  visit(r.floor_energy_mj);
+  visit(r.balance);
+  visit(r.pass);
 }
 
 }  // namespace
-
-std::int64_t frame_number(double value, const SourceLocation& where) {
-  return count_in(value, 0, kLargestCount, "frame", where);
-}
-
-int pass_number(double value, const SourceLocation& where) {
-  return static_cast<int>(count_in(value, 1, kLargestPass, "pass", where));
-}
 
 std::string force_columns(PoseFeedback feedback) {
   return std::string(kForceColumns) + (feedback.push ? kPushColumns : "") +
@@ -208,34 +300,8 @@ std::string force_columns(PoseFeedback feedback) {
 }
 
 std::vector<double> force_row(const FrameResult& r) {
-  const Vec3 &p = r.pose.position_mm, &f = r.force_n, &t = r.torque_nmm;
-  const Quat& q = r.pose.orientation;
-  std::vector<double> out{static_cast<double>(r.frame),
-                          r.time_s,
-                          p.x(),
-                          p.y(),
-                          p.z(),
-                          q.w(),
-                          q.x(),
-                          q.y(),
-                          q.z(),
-                          r.pose.spin_rpm,
-                          r.pose.spin_angle_rad,
-                          r.depth_mm,
-                          f.x(),
-                          f.y(),
-                          f.z(),
-                          t.x(),
-                          t.y(),
-                          t.z(),
-                          r.axial_force_n,
-                          r.spin_torque_nmm,
-                          static_cast<double>(r.contacts),
-                          r.removed_mm3,
-                          r.energy_mj,
-                          r.floor_energy_mj,
-                          r.balance,
-                          static_cast<double>(r.pass)};
+  std::vector<double> out;
+  visit_values(r, [&](auto value) { out.push_back(static_cast<double>(value)); });
   if (const auto& push = r.push) {
     out.insert(out.end(), {push->feed_mm_s, push->velocity_mm_s, push->thrust_n, push->hand_force_n, push->hand_power_w,
                            push->drill_power_w});
@@ -244,29 +310,23 @@ std::vector<double> force_row(const FrameResult& r) {
   return out;
 }
 
-FrameResult result_of(std::span<const double> v, const SourceLocation& where) {
+FrameResult result_of(std::span<const double> row, const SourceLocation& where) {
   FrameResult out;
-  out.frame = frame_number(v[kFrameColumn], where);
-  out.time_s = v[1];
-  out.pose = {.position_mm = Vec3(&v[2]),
-              .orientation = Quat(v[5], v[6], v[7], v[8]),
-              .spin_angle_rad = v[10],
-              .spin_rpm = v[9]};
-  out.depth_mm = v[11];
-  out.force_n = Vec3(&v[12]);
-  out.torque_nmm = Vec3(&v[15]);
-  out.axial_force_n = v[18];
-  out.spin_torque_nmm = v[19];
-  out.contacts = count_in(v[kContactsColumn], 0, kLargestCount, "contacts", where);
-  out.removed_mm3 = v[21];
-  out.energy_mj = v[22];
-  out.floor_energy_mj = v[23];
-  out.balance = v[24];
-  out.pass = pass_number(v[kPassColumn], where);
-  if (v.size() == kDeflectedColumns) {
-    out.deflection_mm = Vec3(&v[kPlannedColumns]);
-  } else if (v.size() > kPlannedColumns) {
-    out.push = PushResult{v[26], v[27], v[28], v[29], v[30], v[31]};
+  const double* v = row.data();
+  visit_values(out, [&](auto& value) {
+    using Value = std::remove_reference_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, double>) {
+      value = *v++;
+    } else if constexpr (std::is_same_v<Value, int>) {
+      value = pass_number(*v++, where);
+    } else {
+      value = count_in(*v++, 0, kLargestCount, &value == &out.frame ? "frame" : "contacts", where);
+    }
+  });
+  if (const auto more = row.data() + row.size() - v; more == 3) {
+    out.deflection_mm = Vec3(v);
+  } else if (more > 0) {
+    out.push = PushResult{v[0], v[1], v[2], v[3], v[4], v[5]};
   }
   return out;
 }

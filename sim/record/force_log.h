@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -58,29 +59,56 @@ struct ForceLog {
   [[nodiscard]] const ForceRow& at(std::int64_t frame, const std::string& path) const;
 };
 
-/// How a log is read.
 struct LogOptions {
   double mean_travel_mm = 0;                       ///< see add_layer_means()
   std::vector<std::int64_t> keep = {};             ///< frames whose rows are kept, ascending
   std::function<void(const ForceRow&)> each = {};  ///< called with every row
-  std::size_t most_rows = 50'000;                  ///< a log with more is decimated (row_decimator.h)
+  std::size_t most_rows = 50'000;                  ///< a log with more is decimated (RowDecimator)
 };
 
-/// Reads the columns in any order, in one pass. Throws InputError with file, line and column: no such file, a column
-/// missing, not a number, frames not ascending, no row.
+/// Collects the rows of a log in bounded memory. From a long log it keeps the first and the last row, given frames, and
+/// of each of 2048 to 4096 buckets of successive rows the first and those with the extremes of each displayed quantity.
+class RowDecimator {
+ public:
+  /// `keep`: frames, ascending.
+  RowDecimator(std::vector<std::int64_t> keep, std::size_t most_rows) : keep_(std::move(keep)), most_rows_(most_rows) {}
+
+  void add(const ForceRow& row);
+  std::vector<ForceRow> finish();
+  /// Rows per bucket; 1 as long as all rows are kept.
+  [[nodiscard]] std::int64_t bucket_rows() const { return bucket_rows_; }
+
+ private:
+  using Bucket = std::vector<ForceRow>;
+
+  void start_buckets();
+  void add_to_bucket(const ForceRow& row);
+  void merge_pairs();
+  /// Removes rows that are neither first, extreme nor kept.
+  void reduce(Bucket& bucket) const;
+
+  std::vector<std::int64_t> keep_;
+  std::size_t most_rows_;
+  Bucket rows_;  ///< all rows, or none once there are buckets
+  std::vector<Bucket> buckets_;
+  std::int64_t bucket_rows_ = 1;
+  std::int64_t in_last_ = 0;  ///< rows that the last bucket has received
+  ForceRow last_;
+};
+
+/// Reads the columns in any order. Throws InputError: no such file, a column missing, not a number, not ascending, no
+/// row.
 ForceLog read_force_log(const std::string& path, const LogOptions& options = {});
 
 /// Calls visit() with every row of forces.csv, without means. Throws as read_force_log().
 void for_each_force_row(const std::string& path, const std::function<void(const ForceRow&)>& visit);
 
-/// Computes the means over the last `travel_mm` of the tool's travel (sim/record/layer_mean.h); 0: of single frames. A
-/// decimated log keeps the means that it was read with, unless `travel_mm` is 0.
+/// Sets the means over the last `travel_mm` of travel (LayerMean; 0: single frames), but in a decimated log only for 0.
 void add_layer_means(ForceLog& log, double travel_mm);
 
 /// The headline of a log with its means. `means`: they are over a voxel of travel.
 KeyResults key_results_of(const ForceLog& log, bool means);
 
-/// The header of forces.csv.
 inline constexpr const char* kForceColumns =
     "frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_rpm,spin_angle_rad,depth_mm,"
     "force_x_n,force_y_n,force_z_n,torque_x_nmm,torque_y_nmm,torque_z_nmm,axial_force_n,spin_torque_nmm,contacts,"
@@ -101,15 +129,10 @@ struct PoseFeedback {
 /// The header of the forces.csv of a run.
 std::string force_columns(PoseFeedback feedback);
 
-/// The number of a frame or pass in forces.csv. Throw InputError for one that no run writes.
-std::int64_t frame_number(double value, const SourceLocation& where);
-int pass_number(double value, const SourceLocation& where);
-
 /// The values of a row of forces.csv, in the order of its columns.
 std::vector<double> force_row(const FrameResult& result);
 
-/// The result in such a row; without those columns it is that of a run with a prescribed motion. `where`: the place of
-/// the row, for the InputError of a frame, pass or number of contacts that no run writes.
+/// The result in such a row. Throws InputError at `where` for a frame, pass or number of contacts that no run writes.
 FrameResult result_of(std::span<const double> row, const SourceLocation& where);
 
 }  // namespace reamsim

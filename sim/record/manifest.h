@@ -12,7 +12,6 @@ namespace reamsim {
 /// The file of a results folder that lists what reamsim wrote into it.
 inline constexpr const char* kManifestName = "manifest.json";
 
-/// What a command wrote into a results folder.
 struct Manifest {
   std::string kind;             ///< run | comparison | verification | benchmark
   std::set<std::string> files;  ///< relative to the folder, without the manifest
@@ -28,7 +27,6 @@ void write_manifest(const std::string& dir, const Manifest& manifest, bool durab
 /// sorted by path. Throws InputError when a file cannot be read.
 std::string sha256_of(const std::string& path);
 
-/// SHA-256 of a text, in hex.
 std::string sha256_of_text(const std::string& text);
 
 /// What stays in the folder of a run beside scenario.yaml and summary.json.

@@ -33,7 +33,7 @@ namespace {
 
 constexpr std::string_view kBegin = "reamsim ";
 
-[[noreturn]] void refuse_lock(const std::string& path, const std::string& found, const std::string& expected) {
+[[noreturn]] void refuse(const std::string& path, const std::string& found, const std::string& expected) {
   throw InputError({path, 0, 0}, "output folder", found, expected);
 }
 
@@ -45,7 +45,6 @@ bool is_file_of(int descriptor, const std::string& path) {
          held.st_dev == named.st_dev;
 }
 
-/// The first line of a lock.
 std::string holder_of(int descriptor) {
   std::array<char, 256> text{};
   const ssize_t got = pread(descriptor, text.data(), text.size(), 0);
@@ -74,11 +73,11 @@ std::string host_name() {
 FolderLock::FolderLock(const std::string& dir) : path_(dir + ".lock") {
   while (descriptor_ < 0) {
     const int opened = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (opened < 0) refuse_lock(path_, "cannot be created", "choose a writable place with -o");
+    if (opened < 0) refuse(path_, "cannot be created", "choose a writable place with -o");
     const std::string holder = holder_of(opened);
     if (!holder.empty() && !holder.starts_with(kBegin)) {
       close(opened);
-      refuse_lock(path_, "is not a lock of reamsim", "choose another folder with -o");
+      refuse(path_, "is not a lock of reamsim", "choose another folder with -o");
     }
     if (flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       const std::string name = wait_for_holder(opened);
@@ -95,10 +94,6 @@ FolderLock::FolderLock(const std::string& dir) : path_(dir + ".lock") {
   describe_holder();
 }
 
-FolderLock::~FolderLock() {
-  release();
-}
-
 void FolderLock::release() {
   if (descriptor_ < 0) return;
   unlink(path_.c_str());  // before the lock is released, so that nobody else holds it
@@ -113,13 +108,9 @@ void FolderLock::describe_holder() const {
   if (ftruncate(descriptor_, 0) == 0 && pwrite(descriptor_, text.data(), text.size(), 0) < 0) return;
 }
 
-namespace fs = std::filesystem;
-
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& found, const std::string& expected) {
-  throw InputError({path, 0, 0}, "output folder", found, expected);
-}
+namespace fs = std::filesystem;
 
 /// Absolute, links resolved as far as the path exists, without a slash at its end.
 std::string resolved(const std::string& path) {
@@ -135,11 +126,6 @@ const std::string& recordable(const std::string& dir) {
   return dir;
 }
 
-std::string without_suffix(const std::string& text, const std::string& suffix) {
-  return text.ends_with(suffix) ? text.substr(0, text.size() - suffix.size()) : text;
-}
-
-/// Whether `path` is the folder or below it.
 bool is_within_folder(const std::string& path, const std::string& folder) {
   const fs::path inner(path), outer(folder);
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
@@ -152,12 +138,6 @@ std::vector<std::string> homes() {
     out.emplace_back(user->pw_dir);
   }
   return out;
-}
-
-[[noreturn]] void refuse_existing(const std::string& place, bool finished) {
-  if (finished) refuse(place, "exists already", "choose another with -o, or add --overwrite");
-  refuse(place, "was left by an earlier, unfinished run",
-         "choose another with -o, continue that run with `reamsim run --resume`, or add --overwrite");
 }
 
 /// Throws InputError where `dir` holds the current folder, a home or an input.
@@ -198,13 +178,18 @@ void require_ours(const std::string& dir, ResultKind kind, bool must_be_marked) 
     refuse(dir, "is not a finished results folder", expected);
 }
 
+/// Renames with flags. Returns false where the file system has none of them. Throws std::system_error.
+bool renamed(const std::string& from, const std::string& to, unsigned flags) {
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), flags) == 0) return true;
+  if (errno != EINVAL && errno != ENOSYS) throw std::system_error(errno, std::generic_category());
+  return false;
+}
+
 /// Moves `partial` to `dir`, atomically where the file system can, and returns the new path of the old folder.
 /// Allocates nothing once a folder has moved, so that a failure leaves both where they were. Throws std::system_error.
 std::string replace(const std::string& partial, const std::string& dir) {
   std::string exchanged = partial;
-  if (renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, dir.c_str(), RENAME_EXCHANGE) == 0) return exchanged;
-  const int error = errno;
-  if (error != EINVAL && error != ENOSYS) throw std::system_error(error, std::generic_category());
+  if (renamed(partial, dir, RENAME_EXCHANGE)) return exchanged;
   std::string old = dir + ".old-XXXXXX";
   if (mkdtemp(old.data()) == nullptr) throw std::system_error(errno, std::generic_category());
   const fs::path from(partial), to(dir), aside(old);
@@ -214,14 +199,6 @@ std::string replace(const std::string& partial, const std::string& dir) {
   if (!failed) return old;
   fs::rename(aside, to);
   throw std::system_error(failed);
-}
-
-/// Moves `partial` to `dir`, which must not exist. Throws std::system_error.
-void move_without_replacing(const std::string& partial, const std::string& dir) {
-  if (renameat2(AT_FDCWD, partial.c_str(), AT_FDCWD, dir.c_str(), RENAME_NOREPLACE) == 0) return;
-  const int error = errno;
-  if (error != EINVAL && error != ENOSYS) throw std::system_error(error, std::generic_category());
-  fs::rename(partial, dir);  // replaces nothing but an empty folder
 }
 
 /// Removes what reamsim wrote into `dir`. Returns false where anything remains, also for want of memory.
@@ -263,7 +240,13 @@ OutputFolder::OutputFolder(const OutputRequest& request)
     require_no_link(place);
     require_harmless(place, request.inputs);
     const bool resumes = request.resume && place == partial_;
-    if (!overwrite_ && !resumes) refuse_existing(place, place == dir_);
+    if (!overwrite_ && !resumes && place == dir_) {
+      refuse(place, "exists already", "choose another with -o, or add --overwrite");
+    }
+    if (!overwrite_ && !resumes) {
+      refuse(place, "was left by an earlier, unfinished run",
+             "choose another with -o, continue that run with `reamsim run --resume`, or add --overwrite");
+    }
     require_ours(place, kind_, place == dir_);
     complete_ = resumes && read_manifest(place).has_value();
   }
@@ -336,7 +319,8 @@ std::string OutputFolder::finish(const std::function<void()>& remove_unfinished)
 
 std::string OutputFolder::put_in_place() {
   if (!overwrite_ || !fs::exists(dir_)) {
-    move_without_replacing(partial_, dir_);
+    // The other way replaces nothing but an empty folder.
+    if (!renamed(partial_, dir_, RENAME_NOREPLACE)) fs::rename(partial_, dir_);
     return "";
   }
   require_ours(dir_, kind_, true);  // it may have changed since
@@ -344,7 +328,10 @@ std::string OutputFolder::put_in_place() {
 }
 
 ResultUpdate::ResultUpdate(const std::string& dir, ResultKind kind)
-    : dir_(resolved(dir)), kind_(kind), lock_(without_suffix(dir_, ".partial")), foreign_(open_results(dir_, kind)) {}
+    : dir_(resolved(dir)),
+      kind_(kind),
+      lock_(dir_.substr(0, dir_.size() - (dir_.ends_with(".partial") ? 8 : 0))),
+      foreign_(open_results(dir_, kind)) {}
 
 void ResultUpdate::finish() {
   if (read_manifest(dir_)) list_results(dir_, kind_, foreign_);

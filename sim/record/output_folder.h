@@ -13,12 +13,10 @@
 
 namespace reamsim {
 
-/// Which command wrote a results folder.
 enum class ResultKind { run, comparison, verification, benchmark };
 
 /// The first entry below `dir`, relative to it, that no command of this kind wrote: one that its manifest does not list
-/// (in older or unfinished folders: with another name), a link, or an entry that cannot be read. nullopt where there is
-/// none.
+/// (in older or unfinished folders: with another name), a link, or an entry that cannot be read.
 std::optional<std::string> foreign_entry(const std::string& dir, ResultKind kind);
 
 /// Whether `dir` holds a file that marks a finished folder of this kind.
@@ -37,22 +35,19 @@ std::set<std::string> open_results(const std::string& dir, ResultKind kind);
 /// `dir` was removed.
 bool remove_results(const std::string& dir, ResultKind kind);
 
-/// Another process has reserved a results folder.
 class FolderInUse : public InputError {
  public:
   using InputError::InputError;
 };
 
-/// Reserves a results folder for this process while this object exists, so that two runs never write into one folder.
-/// The lock is the file DIR.lock, which names its holder and disappears with this object. After a crash the system
-/// releases it; the file that stays then does not matter.
+/// Reserves a results folder for this process while this object exists: the file DIR.lock, which names its holder.
+/// After a crash the system releases it; the file that stays then does not matter.
 class FolderLock {
  public:
   /// Throws FolderInUse (the message says by which process), or InputError: the file cannot be created, or is not a
   /// lock. On file systems without locks it only creates the file.
   explicit FolderLock(const std::string& dir);
-  ~FolderLock();
-  /// Releases the lock early.
+  ~FolderLock() { release(); }
   void release();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
@@ -64,7 +59,6 @@ class FolderLock {
   int descriptor_ = -1;
 };
 
-/// The output folder that a command asks for.
 struct OutputRequest {
   std::string dir;
   ResultKind kind = ResultKind::run;
@@ -93,16 +87,14 @@ class OutputFolder {
   /// DIR.partial while working.
   [[nodiscard]] const std::string& path() const { return partial_; }
   [[nodiscard]] const std::string& final_path() const { return dir_; }
-  /// Removes what DIR.partial holds.
   void clear();
-  /// Whether it has recorded frames, which are worth keeping after a failure.
+  /// Whether it has recorded frames.
   [[nodiscard]] bool has_frames() const;
   /// Whether the results to be continued are complete: their process ended before it had moved them.
   [[nodiscard]] bool is_complete() const { return complete_; }
-  /// Lists the results in their manifest, moves DIR.partial to DIR, and removes an old DIR only then. Throws RunError,
-  /// which says where the results are. Returns a warning where parts of an old DIR remain, else "". Calls
-  /// `remove_unfinished` once the results are complete, for files that are of use only until then: a process that is
-  /// killed leaves at least one of both.
+  /// Lists the results in their manifest, moves DIR.partial to DIR, and removes an old DIR only then. Calls
+  /// `remove_unfinished` once the results are complete. Throws RunError, which says where the results are. Returns a
+  /// warning where parts of an old DIR remain, else "".
   std::string finish(const std::function<void()>& remove_unfinished = {});
   /// Tidies up for a process that ends at once: releases DIR.lock, and removes DIR.partial unless it has frames.
   void abandon();

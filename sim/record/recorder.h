@@ -4,18 +4,49 @@
 #pragma once
 
 #include <cstdint>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/base/csv.h"
-#include "sim/record/force_basis_file.h"
+#include "sim/base/file.h"
 #include "sim/record/force_log.h"
 #include "sim/record/results.h"
 #include "sim/record/run_totals.h"
 
 namespace reamsim {
+
+inline constexpr const char* kForceBasisName = "force_basis.npy";
+
+/// Writes force_basis.npy, an array of BasisRow (docs/columns.md).
+class ForceBasisWriter {
+ public:
+  /// Throws RunError when the file cannot be created.
+  explicit ForceBasisWriter(const std::string& path);
+  /// Continues a file of which sync() returned `bytes`. Throws InputError where it is shorter, RunError.
+  ForceBasisWriter(const std::string& path, std::uintmax_t bytes);
+
+  void rows(const std::vector<BasisRow>& rows);
+  /// Waits until all rows are on the disk. Returns the length of the file. Throws RunError.
+  std::uintmax_t sync();
+  /// Throws RunError when something could not be written.
+  void close();
+
+ private:
+  void write_header();
+  void check() const {
+    if (!file_) fail_to_write(path_);
+  }
+
+  std::string path_;
+  std::fstream file_;
+  std::uintmax_t count_ = 0;  ///< rows
+};
+
+/// Reads a force basis, in ascending frames. Throws InputError: no such file, or damaged.
+std::vector<BasisRow> read_force_basis(const std::string& path);
 
 /// Lengths of forces.csv, timings.csv and force_basis.npy after a frame, bytes.
 struct LogLengths {
@@ -24,23 +55,21 @@ struct LogLengths {
   std::uintmax_t basis_bytes = 0;  ///< force_basis.npy; 0: not written
 };
 
-/// Writes the results of a run into its folder frame by frame: forces.csv, timings.csv, snapshots/, and
-/// force_basis.npy where asked for.
+/// Writes forces.csv, timings.csv, snapshots/ and, where asked for, force_basis.npy frame by frame.
 class Recorder final : public FrameSink {
  public:
-  /// Opens the files in `dir`. `voxel_mm`: of the bone. Throws RunError when they cannot be written.
-  /// `feedback`: rows have its columns.
+  /// Opens the files in `dir`, with the columns of `feedback`. Throws RunError.
   Recorder(const std::string& dir, double voxel_mm, bool force_basis = false, PoseFeedback feedback = {});
-  /// Continues the files after `frame`: removes what was written later, and adds up the rows again. Throws InputError
-  /// where they are damaged, RunError where they cannot be written.
+  /// Continues the files after `frame`, and adds up the rows again. Throws InputError where they are damaged, RunError.
   Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs, RemovedFrames removed,
            PoseFeedback feedback = {});
 
   void frame(const FrameResult& result, const FrameTimes& times) override;
-  void basis(const std::vector<BasisRow>& rows) override;
-  /// Bricks that changed since the last snapshot.
+  void basis(const std::vector<BasisRow>& rows) override {
+    if (basis_) basis_->rows(rows);
+  }
   void snapshot(std::int64_t frame, FillBricks& fill) override;
-  void removed(const RemovedFrames& voxels) override;
+  void removed(const RemovedFrames& voxels) override { removed_.insert(removed_.end(), voxels.begin(), voxels.end()); }
   /// Waits until all results so far are on the disk. Throws RunError.
   LogLengths sync();
   /// Flushes the logs; RunError when the disk is full.

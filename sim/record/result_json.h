@@ -4,12 +4,31 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+
+template <class Value>
+struct nlohmann::adl_serializer<std::optional<Value>> {
+  template <class Json>
+  static void to_json(Json& json, const std::optional<Value>& value) {
+    json = value ? Json(*value) : Json();
+  }
+};
 
 namespace reamsim {
 
 /// The JSON of a results folder. Discarded (is_discarded()) where the text is damaged or has more levels than results
 /// have: those who read it recurse.
-nlohmann::ordered_json parse_result_json(const std::string& text);
+inline nlohmann::ordered_json parse_result_json(const std::string& text) {
+  using Json = nlohmann::ordered_json;
+  constexpr int kMostLevels = 64;
+  bool too_deep = false;
+  const auto visit = [&](int depth, Json::parse_event_t, Json&) {
+    too_deep = too_deep || depth > kMostLevels;
+    return !too_deep;
+  };
+  Json json = Json::parse(text, visit, /*allow_exceptions=*/false);
+  return too_deep ? Json(Json::value_t::discarded) : json;
+}
 
 }  // namespace reamsim

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "sim/base/file.h"
 #include "sim/tool/pose_sequence.h"
@@ -19,6 +20,11 @@ namespace {
 /// a slow feed have few voxels each.
 constexpr double kHeld = 0.8, kGivesWay = 0.5, kMean_s = 0.01;
 
+/// The tool stands still where its step is below this fraction of the mean step.
+constexpr double kStillFraction = 0.01;
+/// Entries in memory, 2 MB. Where a voxel of travel takes more frames, each entry holds several.
+constexpr std::size_t kMaxEntries = 65'536;
+
 double travel_mm(const FrameResult& from, const FrameResult& to) {
   return (to.pose.position_mm - from.pose.position_mm).norm();
 }
@@ -28,6 +34,69 @@ PushEvent event_of(const FrameResult& row, const std::string& name, double value
 }
 
 }  // namespace
+
+LayerMean::Means& LayerMean::Means::operator+=(const Means& other) {
+  axial_force_n += other.axial_force_n;
+  spin_torque_nmm += other.spin_torque_nmm;
+  frames += other.frames;
+  return *this;
+}
+
+LayerMean::Means& LayerMean::Means::operator-=(const Means& other) {
+  axial_force_n -= other.axial_force_n;
+  spin_torque_nmm -= other.spin_torque_nmm;
+  frames -= other.frames;
+  return *this;
+}
+
+void LayerMean::drop_oldest() {
+  sums_ -= frames_.front().values;
+  frames_.pop_front();
+}
+
+void LayerMean::merge_pairs() {
+  std::deque<Frame> pairs;
+  for (std::size_t i = 0; i + 1 < frames_.size(); i += 2) {
+    pairs.push_back({frames_[i + 1].path_mm, frames_[i].values});
+    pairs.back().values += frames_[i + 1].values;
+  }
+  if (frames_.size() % 2 == 1) pairs.push_back(frames_.back());
+  frames_ = std::move(pairs);
+  frames_per_entry_ *= 2;
+}
+
+void LayerMean::drop_while_still() {
+  ++still_frames_;
+  while (!frames_.empty() && still_frames_ >= frames_.front().values.frames) {
+    still_frames_ -= frames_.front().values.frames;
+    drop_oldest();
+  }
+}
+
+void LayerMean::append(double path_mm, const Means& frame) {
+  if (frames_.empty() || frames_.back().values.frames >= frames_per_entry_) frames_.emplace_back();
+  frames_.back().path_mm = path_mm;
+  frames_.back().values += frame;
+  sums_ += frame;
+}
+
+LayerMean::Means LayerMean::add(const Vec3& position_mm, double axial_force_n, double spin_torque_nmm) {
+  const double step = frames_.empty() ? 0 : (position_mm - last_mm_).norm();
+  const double path = frames_.empty() ? 0 : frames_.back().path_mm + step;
+  if (full_ && step * static_cast<double>(sums_.frames) < kStillFraction * voxel_mm_) drop_while_still();
+  last_mm_ = position_mm;
+  append(path, {axial_force_n, spin_torque_nmm, 1});
+  // A frame is dropped when the travel after its end amounts to a voxel.
+  while (frames_.size() > 1 && path - frames_.front().path_mm >= voxel_mm_ * (1 - 1e-9)) {
+    drop_oldest();
+    full_ = true;
+  }
+  if (frames_.size() > kMaxEntries) merge_pairs();
+  if (frames_per_entry_ > 1 && frames_.size() < kMaxEntries / 4) frames_per_entry_ /= 2;
+  if (!full_) return {};
+  const auto count = static_cast<double>(sums_.frames);
+  return {sums_.axial_force_n / count, sums_.spin_torque_nmm / count, sums_.frames};
+}
 
 void PushTotals::add(const FrameResult& row) {
   const PushResult& push = *row.push;
@@ -122,20 +191,14 @@ void RunTotals::add(const FrameResult& row) {
   const bool deepest = first_contact || row.depth_mm > pass.max_depth_mm;
   if (deepest) deepest_pose = row.pose;
   pass.add(row);
+  if (row.axial_force_n > peak_axial_force_n) peak_advance_mm = (row.pose.position_mm - last_position_mm_).norm();
+  last_position_mm_ = row.pose.position_mm;
+  PassTotals::add(row);
   simulated_s = row.time_s;
-  removed_mm3 += row.removed_mm3;
-  energy_mj += row.energy_mj;
   floor_energy_mj += row.floor_energy_mj;
   balance = row.balance;
-  max_depth_mm = std::max(max_depth_mm, row.depth_mm);
   peak_force_n = std::max(peak_force_n, row.force_n.norm());
-  if (row.axial_force_n > peak_axial_force_n) {
-    peak_axial_force_n = row.axial_force_n;
-    peak_advance_mm = (row.pose.position_mm - last_position_mm_).norm();
-  }
-  last_position_mm_ = row.pose.position_mm;
   peak_torque_nmm = std::max(peak_torque_nmm, row.torque_nmm.norm());
-  peak_spin_torque_nmm = std::max(peak_spin_torque_nmm, std::abs(row.spin_torque_nmm));
   const auto layer = layer_.add(row.pose.position_mm, row.axial_force_n, row.spin_torque_nmm);
   peak_layer_axial_force_n = std::max(peak_layer_axial_force_n, layer.axial_force_n);
   peak_layer_spin_torque_nmm = std::max(peak_layer_spin_torque_nmm, std::abs(layer.spin_torque_nmm));
@@ -149,7 +212,6 @@ void RunTotals::add(const FrameResult& row) {
   }
   if (!row.in_contact()) return;
   ++contact_frames;
-  if (first_contact_frame < 0) first_contact_frame = row.frame;
   last_contact_frame = row.frame;
   sums_.force_n += row.force_n.norm();
   sums_.torque_nmm += row.torque_nmm.norm();
@@ -165,10 +227,6 @@ double RunTotals::rms_force_n() const {
 
 double RunTotals::rms_torque_nmm() const {
   return contact_frames == 0 ? 0 : std::sqrt(torque_squares_ / static_cast<double>(contact_frames));
-}
-
-std::int64_t RunTotals::reaming_frames() const {
-  return first_contact_frame < 0 ? 0 : last_contact_frame - first_contact_frame + 1;
 }
 
 KeyResults RunTotals::headline(bool means) const {

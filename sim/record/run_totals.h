@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "sim/base/text.h"
-#include "sim/record/layer_mean.h"
 #include "sim/record/results.h"
+#include "sim/scenario/scenario.h"
 
 namespace reamsim {
 
@@ -38,6 +38,52 @@ struct KeyResults {
            (means ? "of the means over one voxel of travel" : "of a single frame");
   }
   static constexpr const char* kDepthDefinition = "maximum travel of the tool along its axis since first contact";
+};
+
+/// The tool travel over which displayed forces are averaged, mm: a voxel where whole voxels are removed, otherwise 0.
+inline double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm) {
+  return cutting.erosion == ErosionMode::exact ? 0 : voxel_mm;
+}
+
+/// Running means of axial force and spin torque over the last voxel of the tool's travel. Where voxels are removed
+/// whole, single frames are spikes; only a mean over one layer of voxels compares with a measurement (docs/erosion.md).
+class LayerMean {
+ public:
+  explicit LayerMean(double voxel_mm) : voxel_mm_(voxel_mm) {}
+
+  struct Means {
+    double axial_force_n = 0;
+    double spin_torque_nmm = 0;
+    std::size_t frames = 0;  ///< number of frames in the means
+
+    Means& operator+=(const Means& other);
+    Means& operator-=(const Means& other);
+  };
+
+  /// Adds a frame (position in B). Returns the means over the last voxel of travel, zero until there is one. While the
+  /// tool stands still the number of frames stays constant.
+  Means add(const Vec3& position_mm, double axial_force_n, double spin_torque_nmm);
+
+ private:
+  /// A frame, or several successive ones where there are very many: their sums.
+  struct Frame {
+    double path_mm = 0;  ///< length of the path at the end of the frame
+    Means values;
+  };
+
+  void drop_oldest();
+  /// Keeps the number of frames constant for one more that the tool stands still.
+  void drop_while_still();
+  void append(double path_mm, const Means& frame);
+  void merge_pairs();
+
+  double voxel_mm_;
+  Vec3 last_mm_ = Vec3::Zero();
+  std::deque<Frame> frames_;
+  std::size_t frames_per_entry_ = 1;
+  std::size_t still_frames_ = 0;  ///< for which no frame has been dropped yet
+  Means sums_;
+  bool full_ = false;
 };
 
 /// What happens in a push (docs/columns.md, events.csv).
@@ -89,7 +135,7 @@ class PushTotals {
 /// Writes DIR/events.csv. Throws RunError.
 void write_push_events(const std::string& dir, const PushTotals& push);
 
-/// Sums and extremes over one pass of a run.
+/// Sums and extremes over one pass of a run, or all.
 struct PassTotals {
   std::int64_t first_frame = 0;
   std::int64_t last_frame = 0;
@@ -115,30 +161,24 @@ struct DeflectionTotals {
 };
 
 /// Sums and extremes over a run, for summary.json.
-class RunTotals {
+class RunTotals : public PassTotals {
  public:
   /// `voxel_mm`: the travel of the layer means.
   explicit RunTotals(double voxel_mm) : layer_(voxel_mm) {}
 
   std::int64_t frames = 0;          ///< rows, the first (frame 0) included
   std::int64_t contact_frames = 0;  ///< rows with contact
-  std::int64_t first_contact_frame = -1;
   std::int64_t last_contact_frame = -1;
   double simulated_s = 0;
-  double removed_mm3 = 0;
-  double max_depth_mm = 0;
   ToolPose deepest_pose;  ///< at the first row with the greatest depth of the last pass with contact
   std::vector<PassTotals> passes;
-  double energy_mj = 0;
   double floor_energy_mj = 0;
   double balance = 0;
   double peak_layer_axial_force_n = 0;    ///< of the means over a voxel of travel
   double peak_layer_spin_torque_nmm = 0;  ///< likewise, of its magnitude
-  double peak_force_n = 0;                ///< of single frames, like those below
-  double peak_axial_force_n = 0;
-  double peak_advance_mm = 0;  ///< of the tool in the frame with that force
+  double peak_force_n = 0;                ///< of single frames, like that below
   double peak_torque_nmm = 0;
-  double peak_spin_torque_nmm = 0;
+  double peak_advance_mm = 0;                  ///< of the tool in the frame with peak_axial_force_n
   std::optional<PushTotals> push;              ///< of a tool that a hand pushes
   std::optional<DeflectionTotals> deflection;  ///< of a tool on springs
   double broad_phase_s = 0;
@@ -150,9 +190,11 @@ class RunTotals {
   [[nodiscard]] double rms_force_n() const;
   [[nodiscard]] double rms_torque_nmm() const;
 
-  /// The reaming time in frames: rows from the first to the last with contact. Rows between without contact count,
-  /// because contact of a single frame depends on the rounding of erosion to voxels.
-  [[nodiscard]] std::int64_t reaming_frames() const;
+  /// Rows from the first to the last with contact, with all between: contact of one frame depends on rounding to
+  /// voxels.
+  [[nodiscard]] std::int64_t reaming_frames() const {
+    return first_contact_frame < 0 ? 0 : last_contact_frame - first_contact_frame + 1;
+  }
   /// Means over the reaming time; 0 without contact.
   struct Means {
     double force_n = 0;  ///< of the magnitude; likewise the torque
@@ -161,7 +203,6 @@ class RunTotals {
     double spin_torque_nmm = 0;
   };
   [[nodiscard]] Means means() const;
-  /// `means`: of the means over a voxel of travel, for erosion that removes whole voxels.
   [[nodiscard]] KeyResults headline(bool means) const;
   /// Work of the drive and feed on the bone, −Σ(T·ω + F·v)·Δt, from the energy balance.
   [[nodiscard]] double work_mj() const { return energy_mj * (1 + balance) - floor_energy_mj; }

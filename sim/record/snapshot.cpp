@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/bone/vdb/grids.h"
 #include "sim/bone/vdb/vdb_archive.h"
 
@@ -70,9 +71,8 @@ std::vector<std::int64_t> snapshot_frames(const std::string& dir) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(dir + "/snapshots", error)) {
     const std::string stem = entry.path().stem().string();
-    const bool number =
-        !stem.empty() && std::all_of(stem.begin(), stem.end(), [](char c) { return c >= '0' && c <= '9'; });
-    if (entry.path().extension() == ".vdb" && number && stem.size() < 19) frames.push_back(std::stoll(stem));
+    const bool number = is_whole_number(stem) && stem.size() < 19;
+    if (entry.path().extension() == ".vdb" && number) frames.push_back(std::stoll(stem));
   }
   std::sort(frames.begin(), frames.end());
   return frames;

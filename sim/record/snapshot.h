@@ -22,10 +22,8 @@ std::string tool_path(const std::string& dir, int pass);
 
 /// DIR/snapshots/NNNNNN.vdb
 std::string snapshot_path(const std::string& dir, std::int64_t frame);
-/// Removes the snapshots of frames after this one.
 void remove_snapshots_after(const std::string& dir, std::int64_t frame);
 
-/// Frames that have a snapshot in DIR, ascending.
 std::vector<std::int64_t> snapshot_frames(const std::string& dir);
 
 /// Sets the bricks of one snapshot in `fill`. Throws InputError when the file is missing, truncated, damaged (the

@@ -5,18 +5,16 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/stopwatch.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/record/manifest.h"
-#include "sim/record/metrics_file.h"
 #include "sim/record/result_json.h"
 #include "sim/record/snapshot.h"
-#include "sim/record/vti.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/passes.h"
 #include "sim/scenario/paths.h"
@@ -25,6 +23,8 @@
 namespace reamsim {
 
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 /// Provenance in the metadata of the grids. Without device and time, so that the same scenario gives the same bytes.
 Metadata provenance(const SimulationInput& scene, const RunFacts& facts) {
@@ -61,7 +61,7 @@ double peak_process_mb() {
   return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;  // Linux counts KiB
 }
 
-nlohmann::ordered_json key_results_json(const KeyResults& headline) {
+Json key_results_json(const KeyResults& headline) {
   return {{"force_name", headline.force_name()},
           {"peak_axial_force_n", headline.peak_axial_force_n},
           {"peak_spin_torque_nmm", headline.peak_spin_torque_nmm},
@@ -71,7 +71,7 @@ nlohmann::ordered_json key_results_json(const KeyResults& headline) {
           {"depth_definition", KeyResults::kDepthDefinition}};
 }
 
-nlohmann::ordered_json forces_json(const RunTotals& totals) {
+Json forces_json(const RunTotals& totals) {
   return {{"peak_layer_axial_force_n", totals.peak_layer_axial_force_n},
           {"peak_layer_spin_torque_nmm", totals.peak_layer_spin_torque_nmm},
           {"peak_force_n", totals.peak_force_n},
@@ -86,12 +86,9 @@ nlohmann::ordered_json forces_json(const RunTotals& totals) {
           {"mean_spin_torque_nmm", totals.means().spin_torque_nmm}};
 }
 
-/// The force law of the run, for citation.
-nlohmann::ordered_json force_law_json(const CuttingSettings& cutting) {
-  nlohmann::ordered_json json;
-  json["preset"] =
-      cutting.preset == EnergyPreset::none ? nlohmann::ordered_json() : nlohmann::ordered_json(name_of(cutting.preset));
-  json["changed_from_preset"] = changed_from_preset(cutting);
+Json force_law_json(const CuttingSettings& cutting) {
+  Json json{{"preset", cutting.preset == EnergyPreset::none ? Json() : Json(name_of(cutting.preset))},
+            {"changed_from_preset", changed_from_preset(cutting)}};
   if (cutting.specific_energy_table.empty()) {
     json["specific_energy_j_mm3"] = cutting.specific_energy_j_mm3;
     json["reference_density_g_cm3"] = cutting.reference_density_g_cm3;
@@ -118,49 +115,43 @@ nlohmann::ordered_json force_law_json(const CuttingSettings& cutting) {
   return json;
 }
 
-nlohmann::ordered_json bone_json(const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts) {
+Json bone_json(const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts) {
   const VoxelGrid& grid = scene.bone.voxmap->grid;
   return {{"voxel_mm", grid.voxel_mm},
-          {"dims", {grid.dims.x(), grid.dims.y(), grid.dims.z()}},
+          {"dims", grid.dims},
           {"bone_before_mm3", facts.bone_before_mm3},
           {"bone_after_mm3", scene.bone.view().bone_mm3()},
           {"removed_mm3", totals.removed_mm3}};
 }
 
-/// The segmentation of the scan.
-nlohmann::ordered_json segmentation_json(const Segmentation& s) {
-  nlohmann::ordered_json json;
-  json["method"] = s.method;
-  json["threshold_hu"] = s.threshold_hu;
-  json["bone_mm3"] = s.bone_mm3;
-  json["below_threshold_fraction"] = s.below_threshold_fraction;
-  json["density_lower_bound_fraction"] = s.lower_bound_fraction;
-  json["noise_hu"] = s.noise_hu;
+Json segmentation_json(const Segmentation& s) {
+  Json json{{"method", s.method},
+            {"threshold_hu", s.threshold_hu},
+            {"bone_mm3", s.bone_mm3},
+            {"below_threshold_fraction", s.below_threshold_fraction},
+            {"density_lower_bound_fraction", s.lower_bound_fraction},
+            {"noise_hu", s.noise_hu}};
   if (s.method == "threshold") {
-    json["pieces"] = s.pieces;
-    json["kept"] = s.by_seed ? "seed" : "largest";
-    json["kept_rank"] = s.kept_rank;
-    json["kept_piece_mm3"] = s.kept_piece_mm3;
-    json["largest_piece_mm3"] = s.largest_mm3;
-    json["second_piece_mm3"] = s.second_mm3;
-    json["dropped_mm3"] = s.dropped_mm3;
-    json["cut_mm3"] = s.cut_mm3;
-    json["closed_mm3"] = s.closed_mm3;
-    json["filled_mm3"] = s.filled_mm3;
+    json.update({{"pieces", s.pieces},
+                 {"kept", s.by_seed ? "seed" : "largest"},
+                 {"kept_rank", s.kept_rank},
+                 {"kept_piece_mm3", s.kept_piece_mm3},
+                 {"largest_piece_mm3", s.largest_mm3},
+                 {"second_piece_mm3", s.second_mm3},
+                 {"dropped_mm3", s.dropped_mm3},
+                 {"cut_mm3", s.cut_mm3},
+                 {"closed_mm3", s.closed_mm3},
+                 {"filled_mm3", s.filled_mm3}});
   }
-  const Vec3& p = s.planes_through_mm;
-  json["planes_through_mm"] = {p.x(), p.y(), p.z()};
+  json["planes_through_mm"] = s.planes_through_mm;
   return json;
 }
 
-nlohmann::ordered_json tool_json(const Tool& tool) {
-  nlohmann::ordered_json json = {
-      {"shell_points", nullptr}, {"shell_resolution", nullptr}, {"shell_spacing_mm", nullptr}};
-  if (!tool.shell.codes.empty()) {
-    json = {{"shell_points", tool.shell.codes.size()},
-            {"shell_resolution", tool.shell.resolution},
-            {"shell_spacing_mm", tool.shell.cell_mm}};
-  }
+Json tool_json(const Tool& tool) {
+  const auto of_shell = [&](const auto& value) { return tool.shell.codes.empty() ? Json() : Json(value); };
+  Json json{{"shell_points", of_shell(tool.shell.codes.size())},
+            {"shell_resolution", of_shell(tool.shell.resolution)},
+            {"shell_spacing_mm", of_shell(tool.shell.cell_mm)}};
   if (const auto& teeth = tool.teeth) {
     json["distance_grid"] = {{"spacing_mm", teeth->spacing_mm},
                              {"bricks", teeth->stored_bricks()},
@@ -207,11 +198,8 @@ bool is_result_of(const std::string& dir, const Scenario& scenario) {
     resolved.bone.voxel_mm = written.voxel_mm;
   }
   std::size_t body = 0;
-  for (int line = 0; line < kHeadLines && body != std::string::npos; ++line) {
-    body = text.find('\n', body);
-    if (body != std::string::npos) ++body;
-  }
-  return body != std::string::npos && text.substr(body) == scenario_body(resolved, input_sums(scenario));
+  for (int line = 0; line < kHeadLines; ++line) body = std::min(text.size(), text.find('\n', body)) + 1;
+  return body <= text.size() && text.substr(body) == scenario_body(resolved, input_sums(scenario));
 }
 
 void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
@@ -224,14 +212,12 @@ void write_results(const std::string& dir, const SimulationInput& scene, const R
 
 namespace {
 
-nlohmann::ordered_json plunge_contact_json(const FirstContact& contact) {
-  const Vec3& p = contact.bone_mm;
-  return {{"travel_mm", contact.travel_mm}, {"bone_mm", {p.x(), p.y(), p.z()}}};
+Json plunge_contact_json(const FirstContact& contact) {
+  return {{"travel_mm", contact.travel_mm}, {"bone_mm", contact.bone_mm}};
 }
 
-/// The passes that a run has come to.
-nlohmann::ordered_json passes_json(const SimulationInput& scene, const RunTotals& totals) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+Json passes_json(const SimulationInput& scene, const RunTotals& totals) {
+  Json json = Json::array();
   const std::vector<PassSpec> specs = passes_of(scene.scenario);
   for (std::size_t i = 0; i < totals.passes.size(); ++i) {
     const PassTotals& pass = totals.passes[i];
@@ -250,60 +236,65 @@ nlohmann::ordered_json passes_json(const SimulationInput& scene, const RunTotals
   return json;
 }
 
-nlohmann::ordered_json push_json(const PushTotals& push) {
-  nlohmann::ordered_json events = nlohmann::ordered_json::array();
+Json push_json(const PushTotals& push) {
+  Json events = Json::array();
   for (const PushEvent& e : push.events()) {
     events.push_back(
         {{"frame", e.frame}, {"time_s", e.time_s}, {"depth_mm", e.depth_mm}, {"event", e.event}, {"value", e.value}});
   }
-  nlohmann::ordered_json json{{"mean_feed_mm_s", push.mean_feed_mm_s()},
-                              {"peak_feed_mm_s", push.peak_feed_mm_s},
-                              {"hand_work_mj", push.hand_mj},
-                              {"drill_work_mj", push.drill_mj},
-                              {"peak_hand_power_w", push.peak_hand_power_w},
-                              {"peak_drill_power_w", push.peak_drill_power_w}};
+  Json json{{"mean_feed_mm_s", push.mean_feed_mm_s()},
+            {"peak_feed_mm_s", push.peak_feed_mm_s},
+            {"hand_work_mj", push.hand_mj},
+            {"drill_work_mj", push.drill_mj},
+            {"peak_hand_power_w", push.peak_hand_power_w},
+            {"peak_drill_power_w", push.peak_drill_power_w}};
   if (const auto overshoot = push.overshoot_mm()) json["overshoot_mm"] = *overshoot;
   json["events"] = std::move(events);
   return json;
 }
 
-nlohmann::ordered_json deflection_json(const DeflectionTotals& deflection) {
-  const auto list = [](const Vec3& v) { return nlohmann::ordered_json{v.x(), v.y(), v.z()}; };
+Json deflection_json(const DeflectionTotals& deflection) {
   return {{"peak_mm", deflection.peak_mm},
           {"peak_time_s", deflection.peak_time_s},
           {"peak_lateral_mm", deflection.peak_lateral_mm},
-          {"at_depth_mm", list(deflection.at_depth_mm)},
+          {"at_depth_mm", deflection.at_depth_mm},
           {"lateral_at_depth_mm", deflection.at_depth_mm.head<2>().norm()},
-          {"at_end_mm", list(deflection.at_end_mm)}};
+          {"at_end_mm", deflection.at_end_mm}};
 }
 
-/// What is known after every frame.
-nlohmann::ordered_json totals_json(const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts) {
-  nlohmann::ordered_json json;
-  json["program"] = "reamsim " REAMSIM_VERSION;
-  json["scenario"] = scene.scenario.name;
-  json["device"] = facts.device;
-  json["engine"] = name_of(engine_of(scene.scenario));
-  json["erosion"] = name_of(scene.scenario.cutting.erosion);
-  json["law"] = name_of(scene.scenario.cutting.law);
-  if (scene.scenario.cutting.law == CuttingLaw::energy) json["force_law"] = force_law_json(scene.scenario.cutting);
+/// The figures that depend on the constants of the force law: of `json`, a summary, the old ones are replaced.
+void put_force_law(const CuttingSettings& cutting, const RunTotals& totals, Json& json) {
+  if (cutting.law == CuttingLaw::energy) json["force_law"] = force_law_json(cutting);
   // Where voxels are removed whole, single frames are spikes.
-  json["headline"] = key_results_json(totals.headline(scene.scenario.cutting.erosion != ErosionMode::exact));
-  json["frames"] = totals.frames;
-  json["contact_frames"] = totals.contact_frames;
-  json["first_contact_frame"] = totals.first_contact_frame;
-  json["simulated_s"] = totals.simulated_s;
-  json["reaming_s"] = static_cast<double>(totals.reaming_frames()) * scene.motion.frame_s();
-  json["removed_mm3"] = totals.removed_mm3;
-  json["max_depth_mm"] = totals.max_depth_mm;
+  json["headline"] = key_results_json(totals.headline(cutting.erosion != ErosionMode::exact));
+}
+
+void put_forces(const CuttingSettings& cutting, const RunTotals& totals, Json& json) {
   json["work_mj"] = totals.work_mj();
   json["energy_mj"] = totals.energy_mj;
   json["floor_energy_mj"] = totals.floor_energy_mj;
-  if (scene.scenario.cutting.law == CuttingLaw::energy) {
-    json["friction_energy_mj"] = scene.scenario.cutting.friction_fraction * totals.energy_mj;
-  }
+  if (cutting.law == CuttingLaw::energy) json["friction_energy_mj"] = cutting.friction_fraction * totals.energy_mj;
   json["balance"] = totals.balance;
   json["forces"] = forces_json(totals);
+}
+
+Json totals_json(const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts) {
+  const CuttingSettings& cutting = scene.scenario.cutting;
+  Json json{{"program", "reamsim " REAMSIM_VERSION},
+            {"scenario", scene.scenario.name},
+            {"device", facts.device},
+            {"engine", name_of(engine_of(scene.scenario))},
+            {"erosion", name_of(cutting.erosion)},
+            {"law", name_of(cutting.law)}};
+  put_force_law(cutting, totals, json);
+  json.update({{"frames", totals.frames},
+               {"contact_frames", totals.contact_frames},
+               {"first_contact_frame", totals.first_contact_frame},
+               {"simulated_s", totals.simulated_s},
+               {"reaming_s", static_cast<double>(totals.reaming_frames()) * scene.motion.frame_s()},
+               {"removed_mm3", totals.removed_mm3},
+               {"max_depth_mm", totals.max_depth_mm}});
+  put_forces(cutting, totals, json);
   if (totals.push) json["push"] = push_json(*totals.push);
   if (totals.deflection) json["deflection"] = deflection_json(*totals.deflection);
   if (!scene.scenario.motion.passes.empty()) {
@@ -314,42 +305,31 @@ nlohmann::ordered_json totals_json(const SimulationInput& scene, const RunTotals
   return json;
 }
 
-/// Replaces the figures of `json`, a summary, that depend on the constants of the force law.
-void replace_forces(const CuttingSettings& cutting, const RunTotals& totals, nlohmann::ordered_json& json) {
-  json["force_law"] = force_law_json(cutting);
-  json["headline"] = key_results_json(totals.headline(cutting.erosion != ErosionMode::exact));
-  json["work_mj"] = totals.work_mj();
-  json["energy_mj"] = totals.energy_mj;
-  json["floor_energy_mj"] = totals.floor_energy_mj;
-  json["friction_energy_mj"] = cutting.friction_fraction * totals.energy_mj;
-  json["balance"] = totals.balance;
-  json["forces"] = forces_json(totals);
-  if (!json.contains("passes") || !json["passes"].is_array()) return;
-  for (std::size_t i = 0; i < json["passes"].size() && i < totals.passes.size(); ++i) {
-    json["passes"][i]["energy_mj"] = totals.passes[i].energy_mj;
-    json["passes"][i]["peak_axial_force_n"] = totals.passes[i].peak_axial_force_n;
-    json["passes"][i]["peak_spin_torque_nmm"] = totals.passes[i].peak_spin_torque_nmm;
-  }
-}
-
-std::string text_of_summary(const nlohmann::ordered_json& json) {
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+std::string text_of_summary(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace
 
 std::string reforced_summary(const std::string& dir, const CuttingSettings& cutting, const RunTotals& totals) {
   const std::string path = dir + "/summary.json";
-  nlohmann::ordered_json json = parse_result_json(read_file(path, "the summary of a run"));
+  Json json = parse_result_json(read_file(path, "the summary of a run"));
   if (!json.is_object()) throw InputError({path, 0, 0}, "", "is damaged", "expected the summary of a run");
-  replace_forces(cutting, totals, json);
+  put_force_law(cutting, totals, json);
+  put_forces(cutting, totals, json);
+  const std::size_t passes = json.contains("passes") && json["passes"].is_array() ? json["passes"].size() : 0;
+  for (std::size_t i = 0; i < std::min(passes, totals.passes.size()); ++i) {
+    json["passes"][i]["energy_mj"] = totals.passes[i].energy_mj;
+    json["passes"][i]["peak_axial_force_n"] = totals.passes[i].peak_axial_force_n;
+    json["passes"][i]["peak_spin_torque_nmm"] = totals.passes[i].peak_spin_torque_nmm;
+  }
   json["forces_from_basis"] = true;
   return text_of_summary(json);
 }
 
 void write_summary(const std::string& dir, const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts,
                    bool finished) {
-  nlohmann::ordered_json json = totals_json(scene, totals, facts);
+  Json json = totals_json(scene, totals, facts);
   if (finished) {
     json["metrics"] = metrics_json(facts.metrics);
   } else {
@@ -376,7 +356,7 @@ void write_summary(const std::string& dir, const SimulationInput& scene, const R
   for (const auto& input : facts.inputs) {
     json["inputs"].push_back({{"role", input.role}, {"path", recorded_path(input.path)}, {"sha256", input.sha256}});
   }
-  json["warnings"] = nlohmann::ordered_json::array();
+  json["warnings"] = Json::array();
   for (const std::string& warning : facts.warnings) json["warnings"].push_back(recorded_text(warning));
   write_file(dir + "/summary.json", text_of_summary(json));
 }

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "sim/anatomy/run_metrics.h"
@@ -14,7 +15,6 @@
 
 namespace reamsim {
 
-/// An input file with its role and checksum.
 struct InputSum {
   std::string role;
   std::string path;
@@ -24,7 +24,6 @@ struct InputSum {
 /// Checksums of every input of the scenario, the scenario file first. Throws InputError when one cannot be read.
 std::vector<InputSum> input_sums(const Scenario& scenario);
 
-/// Facts of a run for summary.json.
 struct RunFacts {
   std::string device;
   std::size_t device_bytes = 0;
@@ -44,21 +43,33 @@ struct RunFacts {
   ColumnMap depth_map;
 };
 
-/// Writes the tools of all passes into `dir` (tool_path()), for rendering during the simulation. Throws RunError when
-/// the disk is full.
+/// Writes the tools of all passes into `dir` (tool_path()). Throws RunError.
 void write_tools(const std::string& dir, const SimulationInput& scene);
 
-/// Writes scenario.yaml (resolved, with the checksums and the first contact of a plunge in its head) into `dir`. Throws
-/// RunError when the disk is full.
+/// Writes scenario.yaml, resolved, with checksums and the first contact of a plunge in its head. Throws RunError.
 void write_scenario(const std::string& dir, const SimulationInput& scene, const RunFacts& facts);
 
-/// Whether the scenario.yaml in `dir` is that of this scenario, with the same inputs. Throws InputError when one cannot
-/// be read.
+/// Whether the scenario.yaml in `dir` is that of this scenario, with the same inputs. Throws InputError.
 bool is_result_of(const std::string& dir, const Scenario& scenario);
 
 /// Writes reamed.vdb, reamed.vti and depth_map.csv into `dir`. Throws RunError when the disk is full.
 void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
                    const RunFacts& facts);
+
+/// The object `metrics` of summary.json; missing values are null.
+nlohmann::ordered_json metrics_json(const BoneMetrics& metrics);
+/// Its object `clearance`.
+nlohmann::ordered_json clearance_json(const HolderClearance& clearance, const SimulationInput& scene);
+
+/// Writes depth_map.csv: a row for each column that meets bone. Throws RunError when it cannot be written.
+void write_depth_map(const std::string& path, const ColumnMap& map);
+
+/// Writes clearance.csv. Throws RunError when the disk is full.
+void write_clearance(const std::string& path, const HolderClearance& clearance, double frame_s);
+
+/// Writes density × fill (g/cm³, float32) at the voxel centres as a VTK ImageData file, zlib-compressed, for readers
+/// without OpenVDB (ParaView, 3D Slicer, PyVista). Throws RunError.
+void write_vti(const std::string& path, const BoneView& bone);
 
 /// Writes summary.json into `dir`. `finished` false: of the frames so far, without metrics and times.
 void write_summary(const std::string& dir, const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts,

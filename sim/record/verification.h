@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,8 +30,13 @@ struct Check {
   double tolerance = 0;  ///< of a relative or an absolute error
   std::string reason;    ///< for this tolerance or limit
 
-  [[nodiscard]] double error() const;
-  [[nodiscard]] bool passed() const;
+  [[nodiscard]] double error() const { return measure == Measure::relative ? found / expected - 1 : found - expected; }
+  [[nodiscard]] bool passed() const {
+    if (measure == Measure::at_least) return found >= expected;
+    if (measure == Measure::at_most) return found <= expected;
+    if (measure == Measure::reported) return !std::isnan(found);
+    return std::abs(error()) <= tolerance;
+  }
 };
 
 /// One step of a refinement.
@@ -59,7 +66,6 @@ struct Refinement {
   GridIndex index = {};
 };
 
-/// The results of a case.
 struct CaseFindings {
   std::string id;
   std::string title;
@@ -69,7 +75,8 @@ struct CaseFindings {
   std::vector<Check> checks;
   double seconds = 0;
 
-  [[nodiscard]] bool passed() const;
+  [[nodiscard]] auto failed_checks() const { return std::ranges::count(checks, false, &Check::passed); }
+  [[nodiscard]] bool passed() const { return failed_checks() == 0; }
 };
 
 struct Findings {
@@ -78,8 +85,12 @@ struct Findings {
   std::vector<CaseFindings> cases;
   double seconds = 0;
 
-  [[nodiscard]] bool passed() const;
-  [[nodiscard]] int failed_checks() const;
+  [[nodiscard]] int failed_checks() const {
+    int failed = 0;
+    for (const CaseFindings& row : cases) failed += static_cast<int>(row.failed_checks());
+    return failed;
+  }
+  [[nodiscard]] bool passed() const { return failed_checks() == 0; }
 };
 
 }  // namespace reamsim::verify

@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/record/vti.h"
-
 #include <fmt/core.h>
 #include <zlib.h>
 
@@ -12,6 +10,7 @@
 
 #include "sim/base/file.h"
 #include "sim/base/text.h"
+#include "sim/record/summary.h"
 
 namespace reamsim {
 

@@ -11,6 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/base/text.h"
 #include "sim/run/value_file.h"
 #include "sim/scenario/parse.h"
 
@@ -20,14 +21,9 @@ namespace {
 
 constexpr const char* kStartAgain = "start again with --overwrite, or restore what has changed";
 
-/// Lines of a text.
 std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> out;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    out.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
+  std::vector<std::string> out = split(text, '\n');
+  if (out.back().empty()) out.pop_back();
   return out;
 }
 
@@ -48,13 +44,10 @@ std::string key_at(const std::vector<std::string>& lines, std::size_t at) {
   return key;
 }
 
-/// How often checkpoints are written does not change results.
-bool may_differ(const std::string& line) {
-  return line.find("checkpoint_s:") != std::string::npos;
-}
-
 void require_same_scenario(const std::string& saved, const std::string& current, const std::string& dir) {
   const std::vector<std::string> was = lines_of(saved), is = lines_of(current);
+  // How often checkpoints are written does not change results.
+  const auto may_differ = [](const std::string& line) { return line.find("checkpoint_s:") != std::string::npos; };
   for (std::size_t i = 0; i < std::max(was.size(), is.size()); ++i) {
     const bool both = i < was.size() && i < is.size();
     if (both && (was[i] == is[i] || (may_differ(was[i]) && may_differ(is[i])))) continue;
@@ -77,18 +70,13 @@ std::vector<PlacedBrick> reamed_bricks(const FillBricks& before, const FillBrick
 }
 
 void restore_fill(const Checkpoint& checkpoint, FillBricks& fill, const std::string& dir) {
-  const auto inside = [dims = fill.brick_dims()](const Vec3i& coord) {
-    return (coord.array() >= 0).all() && (coord.array() < dims.array()).all();
+  const auto checked = [&, dims = fill.brick_dims()](const Vec3i& coord) -> const Vec3i& {
+    if ((coord.array() >= 0).all() && (coord.array() < dims.array()).all()) return coord;
+    throw InputError({dir, 0, 0}, "checkpoint", "does not fit the bone", kStartAgain);
   };
-  for (const auto& [coord, brick] : checkpoint.fill) {
-    if (!inside(coord)) throw InputError({dir, 0, 0}, "checkpoint", "does not fit the bone", kStartAgain);
-    fill.put(coord, brick);
-  }
+  for (const auto& [coord, brick] : checkpoint.fill) fill.put(checked(coord), brick);
   fill.take_changed();
-  for (const Vec3i& coord : checkpoint.changed) {
-    if (!inside(coord)) throw InputError({dir, 0, 0}, "checkpoint", "does not fit the bone", kStartAgain);
-    fill.mark_changed(coord);
-  }
+  for (const Vec3i& coord : checkpoint.changed) fill.mark_changed(checked(coord));
 }
 
 void require_same_run(const RunIdentity& saved, const RunIdentity& current, const std::string& dir) {
@@ -116,13 +104,7 @@ void visit_values(Visit& visit, State& c) {
   visit(c.identity.device);
   visit(c.identity.scenario);
   visit(c.identity.inputs);
-  visit(c.simulation.frame);
-  visit(c.simulation.energy.work_mj);
-  visit(c.simulation.energy.floor_mj);
-  visit(c.simulation.energy.cut_mj);
-  visit(c.simulation.energy.first_contact_mm);
-  visit(c.simulation.touched);
-  visit(c.simulation.warned_of_no_spin);
+  visit_step(visit, c.simulation);
   visit(c.simulation.feed);
   visit(c.simulation.springs);
   visit(c.logs.forces_bytes);
@@ -148,10 +130,6 @@ std::optional<Checkpoint> read_checkpoint(const std::string& path) {
 }
 
 }  // namespace
-
-std::string CheckpointFiles::path(int number) const {
-  return dir_ + "/checkpoint-" + std::to_string(number) + ".bin";
-}
 
 std::optional<Checkpoint> CheckpointFiles::read() {
   std::optional<Checkpoint> first = read_checkpoint(path(0)), second = read_checkpoint(path(1));
@@ -215,10 +193,6 @@ Recorder RunCheckpoints::open_logs(double voxel_mm, const Scenario& scenario, Di
   std::error_code ignored;
   std::filesystem::remove(dir_ + "/reamed.vdb", ignored);
   return {dir_, voxel_mm, last_->simulation.frame, last_->logs, std::move(last_->removed), feedback};
-}
-
-std::optional<SimulationState> RunCheckpoints::state() const {
-  return last_ ? std::optional(last_->simulation) : std::nullopt;
 }
 
 bool RunCheckpoints::save(const SimulationState& state, Recorder& recorder, const FillBricks& fill,

@@ -42,35 +42,30 @@ std::vector<PlacedBrick> reamed_bricks(const FillBricks& before, const FillBrick
 /// Sets the fill to that of the checkpoint. `fill`: that before the run. Throws InputError where it has other bricks.
 void restore_fill(const Checkpoint& checkpoint, FillBricks& fill, const std::string& dir);
 
-/// The two checkpoints of a run, DIR/checkpoint-0.bin and DIR/checkpoint-1.bin. A new one replaces the older, so that
-/// one is always complete.
+/// DIR/checkpoint-0.bin and DIR/checkpoint-1.bin: a new one replaces the older, so that one is always complete.
 class CheckpointFiles {
  public:
   explicit CheckpointFiles(std::string dir) : dir_(std::move(dir)) {}
 
-  /// The later undamaged checkpoint, or nullopt.
   [[nodiscard]] std::optional<Checkpoint> read();
   /// Returns its length in bytes, when it is on the disk. Throws RunError.
   std::size_t write(const Checkpoint& checkpoint);
-  /// Warns where that is not possible.
   void remove(Diagnostics& report) const;
 
  private:
-  [[nodiscard]] std::string path(int number) const;
+  [[nodiscard]] std::string path(int number) const { return dir_ + "/checkpoint-" + std::to_string(number) + ".bin"; }
 
   std::string dir_;
   int next_ = 0;  ///< number of the next one to write
 };
 
-/// Throws InputError where `saved` belongs to another run than `current`: the message names the key or input that
-/// differs. The device may differ. `dir`: for messages.
+/// Throws InputError, with the key or input that differs, where `saved` belongs to another run. The device may differ.
 void require_same_run(const RunIdentity& saved, const RunIdentity& current, const std::string& dir);
 
 /// The checkpoints of a run: saves its state from time to time, and continues an interrupted run from the last one.
 class RunCheckpoints {
  public:
-  /// `every_s`: wall time between two checkpoints; 0: none are written. `resume`: the last one, if there is one, is to
-  /// be continued.
+  /// `every_s`: wall time between two checkpoints; 0: none. `resume`: continues the last one, if there is one.
   RunCheckpoints(const std::string& dir, double every_s, bool resume);
 
   /// Sets what identifies the run. Throws InputError where the checkpoint to continue is one of another run.
@@ -82,18 +77,17 @@ class RunCheckpoints {
   /// The logs of the run, new or those of the checkpoint, with what its scenario asks for. `report` gets its warnings.
   Recorder open_logs(double voxel_mm, const Scenario& scenario, Diagnostics& report);
   /// The state to go on from; nullopt at the start.
-  [[nodiscard]] std::optional<SimulationState> state() const;
+  [[nodiscard]] std::optional<SimulationState> state() const {
+    return last_ ? std::optional(last_->simulation) : std::nullopt;
+  }
 
-  /// Whether the time for a checkpoint has come.
   [[nodiscard]] bool due() const { return every_s_ > 0 && since_last_.seconds() >= every_s_; }
   /// Saves the state, unless no checkpoints are wanted. Returns whether it did. Throws RunError.
   bool save(const SimulationState& state, Recorder& recorder, const FillBricks& fill, const Diagnostics& report);
   /// The frame of the last checkpoint, or nullopt.
   [[nodiscard]] std::optional<std::int64_t> saved_frame() const { return saved_frame_; }
-  /// Their number, time and size, in words.
   [[nodiscard]] std::string cost() const;
   [[nodiscard]] double seconds() const { return seconds_; }
-  /// Removes the checkpoints of a run that is complete.
   void remove(Diagnostics& report) const { files_.remove(report); }
 
  private:

@@ -18,9 +18,9 @@ struct TimePlan {
   int windows = 0;
 };
 
-/// For the present pass. Runs short windows of frames, evenly spread over its motion, on the engine of the run for
-/// about `budget_s` seconds, and interpolates the time per frame linearly. A window begins with the remaining bone of
-/// the previous one, less the bone in its first pose. `engine` has the scene's bone; both are reamed afterwards.
+/// Runs short windows of frames, evenly spread over the present pass, for about `budget_s` seconds, and interpolates
+/// the time per frame linearly. A window begins with the remaining bone of the previous one. `engine` has the scene's
+/// bone; both are reamed afterwards.
 TimePlan plan_time(SimulationInput& scene, Engine& engine, double budget_s);
 
 /// Estimate of the peak memory of a run until its results and force plots are written, without pictures.

@@ -23,10 +23,9 @@ class Feed {
   Feed(const Feed&) = delete;
   Feed& operator=(const Feed&) = delete;
 
-  /// Simulates the first pose of the pass.
   virtual void start() = 0;
   /// Continues after a frame of this pass, or of one before it.
-  virtual void resume(const SimulationState& from) = 0;
+  virtual void resume(const SimulationState& /*from*/) {}
   /// Whether the pass ends with this frame, which has been added.
   [[nodiscard]] virtual bool has_ended(std::int64_t frame) const = 0;
   /// Decides the pose of the next frame, and adds it to the stepper's batch.
@@ -34,13 +33,12 @@ class Feed {
   /// Whether the batch has to end with this frame.
   [[nodiscard]] virtual bool ends_batch(std::int64_t frame) const = 0;
   /// Takes the last row of a batch.
-  virtual void take(const FrameResult& row) = 0;
+  virtual void take(const FrameResult& /*row*/) {}
   /// Whether this frame, which has been added, has a picture.
   [[nodiscard]] virtual bool has_picture(std::int64_t frame) const = 0;
   /// The last frame of the run, as far as it is known.
   [[nodiscard]] virtual std::int64_t last_frame() const = 0;
-  /// Warnings of a pass that has ended.
-  virtual void warn_at_end() = 0;
+  virtual void warn_at_end() {}
   /// The state after the frames that are recorded.
   [[nodiscard]] virtual SimulationState state() const = 0;
 };
@@ -65,15 +63,13 @@ class PlannedFeed : public Feed {
 std::unique_ptr<Feed> prescribed_feed(const SimulationInput& scene, FrameStepper& stepper);
 
 /// A feed under a given thrust (`motion.push`). In every frame it tries feed rates on the present bone until the forces
-/// balance (thrust_balance.h), and then cuts once. A feed rate whose advance in a frame is near the smallest loss that
-/// single precision tells would give a force of few voxels at a time; such feed rates are tried over a longer time,
-/// past the first advance, whose force includes what earlier frames left.
+/// balance (balance.h), and then cuts once. Feed rates whose advance in a frame is near the smallest loss that
+/// single precision tells are tried over a longer time.
 std::unique_ptr<Feed> thrust_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report);
 
 /// A tool on springs (`motion.compliance`). A frame has the substeps of the planned motion; in each, deflections are
-/// tried on the present bone until the forces balance (springs.h), and then the tool cuts once. A substep whose motion
-/// is near the smallest loss that single precision tells is tried over a longer time at the same velocity, as that of a
-/// thrust_feed().
+/// tried on the present bone until the forces balance (balance.h), slow ones over a longer time, and the tool cuts
+/// once.
 std::unique_ptr<Feed> spring_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report);
 
 /// Advance of the smallest loss that single precision tells, mm.
@@ -82,13 +78,10 @@ inline double smallest_advance_mm(double voxel_mm) {
 }
 
 /// The force of a slow motion is that between two advances, in smallest losses: the first takes what earlier frames
-/// have left; up to the second the rounding of voxels, which is the same for all on a face along the lattice, is about
-/// 0.2
-/// %.
+/// left; up to the second the rounding of voxels on a face along the lattice is about 0.2 %.
 inline constexpr double kFirstLosses = 8, kSecondLosses = 64;
 
-/// A trial of a slow motion: over these multiples of its time, at the same velocity. The mean force is the difference
-/// of the two impulses over that of the times.
+/// A trial of a slow motion over these multiples of its time. The mean force is the difference of impulses over times.
 struct SlowTrial {
   double first = 0, second = 0;
 };

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -14,68 +15,100 @@
 #include "sim/engine/common/engine.h"
 #include "sim/engine/common/substep.h"
 #include "sim/record/results.h"
-#include "sim/run/energy_balance.h"
 #include "sim/tool/outline.h"
 
 namespace reamsim {
 
 namespace {
 
-/// Sums of one grade over the substeps of a frame, in B.
-struct FrameSums {
-  Vec3 p = Vec3::Zero(), p_torque = Vec3::Zero(), n = Vec3::Zero(), n_torque = Vec3::Zero();
-  double p_work = 0, n_work = 0, energy = 0, floor_energy = 0;
-};
+constexpr double kRadPerRpm_s = 2 * std::numbers::pi / 60;
 
-double work_of(const Substep& substep, const Vec3& force, const Vec3& torque) {
-  return -(torque.dot(substep.angular_velocity) + force.dot(substep.origin_velocity_mm_s)) * substep.duration_s;
+/// The tool's origin at the beginning of a substep, B.
+Vec3 start_of(const Substep& substep, const PendingFrame& frame) {
+  if (frame.substeps == 1) return frame.before.position_mm;
+  return substep.pose.position_mm - substep.duration_s * substep.origin_velocity_mm_s;
 }
 
-void add_substep(const Substep& substep, int substeps, const GradeBasis& basis, FrameSums& sums) {
+}  // namespace
+
+FrameResult EnergyBalance::close(const PendingFrame& frame, const std::vector<SubstepSums>& sums) {
+  FrameResult out;
+  out.frame = frame.frame;
+  out.pass = frame.pass;
+  out.time_s = frame.time_s;
+  out.push = frame.push;
+  out.deflection_mm = frame.deflection_mm;
+  out.pose = frame.pose;
+  rs_i64 removed = 0;
+  std::optional<Vec3> touched_from_mm;  // where the first substep with contact begins
+  for (const auto& [slot, substep] : frame.cut) {
+    const SubstepSums& sum = sums[slot];
+    const Mat3 bone_from_sums = bone_from_shell(substep.pose, sums_rotate_).linear();
+    const Vec3 force = bone_from_sums * force_of(sum);
+    const Vec3 torque = bone_from_sums * torque_of(sum);
+    run_.work_mj += work_of(substep, force, torque);
+    out.force_n += force / frame.substeps;
+    out.torque_nmm += torque / frame.substeps;
+    out.energy_mj += static_cast<double>(sum.energy) / RS_ENERGY_SCALE;
+    out.floor_energy_mj += static_cast<double>(sum.floor_energy) / RS_ENERGY_SCALE;
+    if ((sum.contacts > 0 || !force.isZero(0)) && !touched_from_mm) touched_from_mm = start_of(substep, frame);
+    out.contacts += sum.contacts;
+    removed += sum.removed;
+  }
+  out.removed_mm3 = static_cast<double>(removed) / RS_WHOLE_FILL * voxel_mm3_;
+  run_.floor_mj += out.floor_energy_mj;
+  run_.cut_mj += out.energy_mj;
+  out.balance = balance();
+
+  const Vec3 tool_z = frame.pose.orientation * Vec3::UnitZ();
+  out.axial_force_n = out.force_n.dot(tool_z);
+  // The tool spins about −z of T, so the torque of the bone on it is about +z.
+  out.spin_torque_nmm = out.torque_nmm.dot(tool_z);
+  if (out.push) out.push->drill_power_w = 1e-3 * out.spin_torque_nmm * out.pose.spin_rpm * kRadPerRpm_s;
+  if (touched_from_mm && !run_.first_contact_mm) run_.first_contact_mm = contact_mm_.value_or(*touched_from_mm);
+  if (run_.first_contact_mm) out.depth_mm = -(frame.pose.position_mm - *run_.first_contact_mm).dot(tool_z);
+  return out;
+}
+
+namespace {
+
+/// The values of a BasisRow from p_mm2 on, summed over the substeps of a frame, in B.
+using BasisSums = Eigen::Matrix<double, kBasisRowValues, 1>;
+
+void add_substep(const Substep& substep, int substeps, const GradeBasis& basis, BasisSums& sums) {
   const Mat3 bone_from_tool = bone_from_shell(substep.pose, false).linear();
   const Vec3 p = bone_from_tool * basis.force(), p_torque = bone_from_tool * basis.torque();
   const Vec3 n = bone_from_tool * basis.normal_force(), n_torque = bone_from_tool * basis.normal_torque();
-  sums.p += p / substeps;
-  sums.p_torque += p_torque / substeps;
-  sums.n += n / substeps;
-  sums.n_torque += n_torque / substeps;
-  sums.p_work += work_of(substep, p, p_torque);
-  sums.n_work += work_of(substep, n, n_torque);
-  sums.energy += basis.energy();
-  sums.floor_energy += basis.floor_energy();
+  int at = 0;
+  for (const Vec3* mean : {&p, &p_torque, &n, &n_torque}) sums.segment<3>(3 * at++) += *mean / substeps;
+  sums.tail<4>() +=
+      Vec4(work_of(substep, p, p_torque), work_of(substep, n, n_torque), basis.energy(), basis.floor_energy());
 }
 
-BasisRow row_of(std::int64_t frame, int grade, const FrameSums& sums) {
+BasisRow row_of(std::int64_t frame, int grade, const BasisSums& sums) {
   BasisRow row;
   row.frame = static_cast<std::int32_t>(frame);
   row.grade = grade;
   row.density_g_cm3 = static_cast<float>(DensityMapping::density_from_grade(static_cast<std::uint8_t>(grade)));
-  for (int i = 0; i < 3; ++i) {
-    row.p_mm2[i] = static_cast<float>(sums.p[i]);
-    row.p_torque_mm3[i] = static_cast<float>(sums.p_torque[i]);
-    row.n_mm2[i] = static_cast<float>(sums.n[i]);
-    row.n_torque_mm3[i] = static_cast<float>(sums.n_torque[i]);
-  }
-  row.p_work_mm3 = static_cast<float>(sums.p_work);
-  row.n_work_mm3 = static_cast<float>(sums.n_work);
-  row.energy_mm3 = static_cast<float>(sums.energy);
-  row.floor_energy_mm3 = static_cast<float>(sums.floor_energy);
+  Eigen::Map<Eigen::Matrix<float, kBasisRowValues, 1>>(row.p_mm2) = sums.cast<float>();
   return row;
 }
 
 /// The rows of force_basis.npy of a frame, ascending grades: means of force and torque over the substeps, sums of work
 /// and energies, as EnergyBalance::close() has them. `substeps`: of the batch.
 std::vector<BasisRow> basis_rows(const PendingFrame& frame, const std::vector<SubstepBasis>& substeps) {
-  std::map<int, FrameSums> by_grade;
+  std::map<int, BasisSums> by_grade;
   for (const auto& [place, substep] : frame.cut) {
-    for (const GradeBasis& basis : substeps[place]) add_substep(substep, frame.substeps, basis, by_grade[basis.grade]);
+    for (const GradeBasis& basis : substeps[place]) {
+      BasisSums& sums = by_grade.try_emplace(basis.grade, BasisSums::Zero()).first->second;
+      add_substep(substep, frame.substeps, basis, sums);
+    }
   }
   std::vector<BasisRow> rows;
   for (const auto& [grade, sums] : by_grade) rows.push_back(row_of(frame.frame, grade, sums));
   return rows;
 }
 
-/// The box of the voxels with bone, B, mm.
 Aabb bone_box(const Voxmap& voxmap) {
   const VoxelBox voxels = bone_extent(voxmap);
   const Vec3 corner = voxmap.grid.origin_mm;
@@ -83,15 +116,11 @@ Aabb bone_box(const Voxmap& voxmap) {
           corner + voxmap.grid.voxel_mm * (voxels.last + Vec3i::Ones()).cast<double>()};
 }
 
-/// The box of the shell's points, which may lie half a cell outside the surface.
-Aabb shell_box(const Tool& tool) {
-  const Vec3 margin = Vec3::Constant(0.5 * tool.shell.cell_mm);
-  return {tool.bounds.min - margin, tool.bounds.max + margin};
-}
-
-/// The box of the shell's points, or of the surface where it clips voxels.
+/// The box of the shell's points, which may lie half a cell outside the surface, or of the surface that clips voxels.
 Aabb cutting_box(const SimulationInput& scene) {
-  if (scene.scenario.cutting.erosion != ErosionMode::exact) return shell_box(scene.tool);
+  if (scene.scenario.cutting.erosion != ErosionMode::exact) {
+    return scene.tool.bounds.expanded(0.5 * scene.tool.shell.cell_mm);
+  }
   return scene.tool.clip_bounds().expanded(fit_outline(scene.tool.profile).bulge_mm);
 }
 
@@ -167,10 +196,6 @@ void FrameStepper::snapshot(std::int64_t frame) {
   sink_.snapshot(frame, scene_.bone.fill);
 }
 
-void FrameStepper::read_fill() {
-  engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill);
-}
-
 std::vector<SubstepSums> FrameStepper::evaluate(const std::vector<FrameMotion>& motions) {
   if (uncut_) throw std::logic_error("a part of the batch has not been cut");
   std::vector<SubstepSums> out(motions.size());
@@ -232,19 +257,6 @@ std::string FrameStepper::name_of_pass() const {
   return several ? "pass " + std::to_string(scene_.motion.pass) + ": " : "";
 }
 
-PendingFrame& FrameStepper::open(const FrameMotion& motion) {
-  return pending_.emplace_back(pending_of(motion));
-}
-
-PendingFrame FrameStepper::pending_of(const FrameMotion& motion) const {
-  return {.frame = motion.frame,
-          .pass = scene_.motion.pass,
-          .before = motion.before,
-          .pose = motion.pose,
-          .time_s = motion.time_s,
-          .cut = {}};
-}
-
 void FrameStepper::enqueue_motion(const FrameMotion& motion, int substeps,
                                   const std::shared_ptr<const MotionWindow>& window, PendingFrame& pending) {
   pending.substeps = substeps;
@@ -264,10 +276,6 @@ std::optional<Aabb> FrameStepper::broad_phase(const Substep& substep, PendingFra
   return voi;
 }
 
-SubstepArgs FrameStepper::args_of(const Substep& substep, const Aabb& voi) const {
-  return make_args(substep, voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_);
-}
-
 void FrameStepper::enqueue(const Substep& substep, const SubstepArgs& args, std::shared_ptr<const MotionWindow> window,
                            PendingFrame& pending) {
   if (engine_.full()) collect();
@@ -276,7 +284,6 @@ void FrameStepper::enqueue(const Substep& substep, const SubstepArgs& args, std:
   pending.cut.emplace_back(enqueued_++, substep);
 }
 
-/// Appends the engine's results.
 void FrameStepper::collect() {
   if (!std::exchange(uncut_, false)) return;
   const Batch part = engine_.collect();
@@ -317,7 +324,6 @@ void FrameStepper::clear_batch() {
   removed_.clear();
 }
 
-/// Warns once of conditions that the user may not intend.
 void FrameStepper::warn_of(const FrameResult& result) {
   if (!result.in_contact()) return;
   const std::string at = "frame " + std::to_string(result.frame);

@@ -8,11 +8,79 @@
 #include <vector>
 
 #include "sim/base/stopwatch.h"
+#include "sim/engine/common/substep.h"
 #include "sim/engine/make_engine.h"
-#include "sim/run/energy_balance.h"
+#include "sim/record/results.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {
+
+struct FrameMotion {
+  std::int64_t frame = 0;
+  ToolPose before;  ///< at the start of the frame
+  ToolPose pose;    ///< at its end
+  double duration_s = 1e-3;
+  double time_s = 0;  ///< at its end
+};
+
+/// A frame with substeps in the engine's batch.
+struct PendingFrame : FrameMotion {
+  int pass = 1;
+  int substeps = 1;
+  std::optional<PushResult> push = {};
+  std::optional<Vec3> deflection_mm = {};
+  std::vector<std::pair<std::size_t, Substep>>
+      cut;  ///< (index in the batch, substep) of those that passed the broad phase
+  double broad_phase_s = 0;
+};
+
+/// Force and torque of the bone in the sums of a substep, in their frame.
+inline Vec3 force_of(const SubstepSums& sums) {
+  return Eigen::Map<const Eigen::Matrix<rs_i64, 3, 1>>(sums.force).cast<double>() / RS_FORCE_SCALE;
+}
+inline Vec3 torque_of(const SubstepSums& sums) {
+  return Eigen::Map<const Eigen::Matrix<rs_i64, 3, 1>>(sums.torque).cast<double>() / RS_TORQUE_SCALE;
+}
+
+/// Work on the bone in a substep, mJ.
+inline double work_of(const Substep& substep, const Vec3& force, const Vec3& torque) {
+  return -(torque.dot(substep.angular_velocity) + force.dot(substep.origin_velocity_mm_s)) * substep.duration_s;
+}
+
+/// The energy balance of a run so far, and where it began to cut.
+struct EnergySums {
+  double work_mj = 0;
+  double floor_mj = 0;
+  double cut_mj = 0;
+  std::optional<Vec3> first_contact_mm = {};  ///< of the tool's origin, B
+};
+
+/// Converts the integer sums of the substeps to the rows of forces.csv, and keeps the energy balance: the work on the
+/// bone, −Σ(T·ω + F·v)·Δt + E_floor, against the cutting energy, which is summed independently (docs/physics.md, 5).
+class EnergyBalance {
+ public:
+  /// `sums_rotate`: sums are in the shell's frame, which rotates with resolved cutting edges (law per_point).
+  /// `contact_mm`: the tool's origin at the first contact (B), where that has been found before the run.
+  EnergyBalance(double voxel_mm3, bool sums_rotate, const std::optional<Vec3>& contact_mm = {})
+      : voxel_mm3_(voxel_mm3), sums_rotate_(sums_rotate), contact_mm_(contact_mm) {}
+
+  FrameResult close(const PendingFrame& frame, const std::vector<SubstepSums>& sums);
+
+  /// (work + E_floor − cut)/cut; 0 before contact.
+  [[nodiscard]] double balance() const {
+    return run_.cut_mj > 0 ? (run_.work_mj + run_.floor_mj - run_.cut_mj) / run_.cut_mj : 0;
+  }
+  [[nodiscard]] const EnergySums& sums() const { return run_; }
+  /// The next frame is the first one of another tool.
+  void begin_pass() { run_.first_contact_mm.reset(); }
+  void restore(const EnergySums& sums) { run_ = sums; }
+
+ private:
+  double voxel_mm3_;
+  bool sums_rotate_;
+  std::optional<Vec3> contact_mm_;
+  EnergySums run_;
+};
 
 /// What a simulation has to know to go on after a frame, besides the fill of the bone and the hand that pushes.
 struct StepState {
@@ -22,18 +90,8 @@ struct StepState {
   bool warned_of_no_spin = false;
 };
 
-/// A frame of the tool: from one pose to the next.
-struct FrameMotion {
-  std::int64_t frame = 0;
-  ToolPose before;  ///< at the start of the frame
-  ToolPose pose;    ///< at its end
-  double duration_s = 1e-3;
-  double time_s = 0;  ///< at its end
-};
-
 /// Moves the tool of the present pass frame by frame: broad phase → enqueue for the frames of a batch, collect → record
-/// for all of them. Who calls it decides the poses: of a prescribed motion many frames ahead, of a hand that pushes
-/// when the frame is reached. Results do not depend on batches.
+/// for all of them. The caller decides the poses. Results do not depend on batches.
 class FrameStepper {
  public:
   /// All must outlive the stepper. `scene.bone` is reamed; `sink` receives rows, snapshots and timings.
@@ -67,12 +125,10 @@ class FrameStepper {
 
   /// Gives the fill of the bone to the sink, as a snapshot of `frame`.
   void snapshot(std::int64_t frame);
-  /// Updates the fill of the scene's bone.
-  void read_fill();
+  void read_fill() { engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill); }
 
-  /// The sums of motions from the present fill, which they leave as it is: each begins at that fill. A motion that
-  /// needs several substeps is an error of the caller. Only for the engine `exact`; all of the batch must have been
-  /// cut.
+  /// The sums of motions of a single substep, each from the present fill, which they leave as it is. Only for the
+  /// engine `exact`; all of the batch must have been cut.
   std::vector<SubstepSums> evaluate(const std::vector<FrameMotion>& motions);
 
   /// The row that add() and finish_batch() would record of a motion, which leaves bone and sums as they are. Only for
@@ -85,23 +141,24 @@ class FrameStepper {
   /// Whether the engine can use windows of smooth motion.
   [[nodiscard]] bool can_use_windows() const { return exact_ && !resolved_; }
 
-  /// The last row.
   [[nodiscard]] const FrameResult& last() const { return last_; }
 
   [[nodiscard]] StepState state() const;
   void resume(const StepState& from);
 
-  /// "pass 2: " in a run of several.
   [[nodiscard]] std::string name_of_pass() const;
 
  private:
-  PendingFrame& open(const FrameMotion& motion);
-  [[nodiscard]] PendingFrame pending_of(const FrameMotion& motion) const;
-  /// Enqueues the substeps of a motion.
+  PendingFrame& open(const FrameMotion& motion) { return pending_.emplace_back(pending_of(motion)); }
+  [[nodiscard]] PendingFrame pending_of(const FrameMotion& motion) const {
+    return {motion, scene_.motion.pass, 1, {}, {}, {}, 0};
+  }
   void enqueue_motion(const FrameMotion& motion, int substeps, const std::shared_ptr<const MotionWindow>& window,
                       PendingFrame& pending);
   std::optional<Aabb> broad_phase(const Substep& substep, PendingFrame& pending) const;
-  [[nodiscard]] SubstepArgs args_of(const Substep& substep, const Aabb& voi) const;
+  [[nodiscard]] SubstepArgs args_of(const Substep& substep, const Aabb& voi) const {
+    return make_args(substep, voi, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, resolved_);
+  }
   void enqueue(const Substep& substep, const SubstepArgs& args, std::shared_ptr<const MotionWindow> window,
                PendingFrame& pending);
   void clear_batch();

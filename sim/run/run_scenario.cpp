@@ -13,12 +13,10 @@
 #include "sim/base/stopwatch.h"
 #include "sim/bone/bone.h"
 #include "sim/record/citation.h"
-#include "sim/record/layer_mean.h"
-#include "sim/record/metrics_file.h"
 #include "sim/record/output_folder.h"
+#include "sim/record/run_totals.h"
 #include "sim/record/summary.h"
 #include "sim/run/checkpoint.h"
-#include "sim/run/peak_warnings.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
 #include "sim/scene/contact_forecast.h"
@@ -54,8 +52,8 @@ std::vector<std::string> files_read(const Scenario& scenario) {
 }
 
 /// The same figures, with the same names, as pictures, plots, summary and report have.
-void say_summary(RunMonitor& monitor, const RunTotals& totals, const RunFacts& facts, double mean_mm) {
-  const KeyResults run = totals.headline(mean_mm > 0);
+void say_summary(RunMonitor& monitor, const RunTotals& totals, const RunFacts& facts, bool means) {
+  const KeyResults run = totals.headline(means);
   monitor.say(fmt::format("removed {:.1f} mm3; {} {} mm; {} {} N, {} {} N mm; energy balance {:.1e}",
                           totals.removed_mm3, KeyResults::kDepthName, run.depth_text(), run.force_name(),
                           run.force_text(), run.torque_name(), run.torque_text(), totals.balance));
@@ -69,7 +67,6 @@ void say_summary(RunMonitor& monitor, const RunTotals& totals, const RunFacts& f
   monitor.say(fmt::format("{:.1f} s simulated in {:.1f} s on {}", totals.simulated_s, facts.simulate_s, facts.device));
 }
 
-/// A run of a scenario into a folder: load, simulate, write, render.
 class ScenarioRun {
  public:
   /// `pictures`: nullptr for none.
@@ -94,11 +91,9 @@ class ScenarioRun {
       finish_summary(recorder.totals());
     }
     remove_logs();
-    say_summary(monitor_, recorder.totals(), facts_,
-                averaged_travel_mm(scenario_.cutting, scene_.bone.voxmap->grid.voxel_mm));
+    say_summary(monitor_, recorder.totals(), facts_, scenario_.cutting.erosion != ErosionMode::exact);
   }
 
-  /// Whether frames have been simulated, or are.
   [[nodiscard]] bool simulates() const { return simulates_; }
   /// The warnings of a run that failed: one may name the cause.
   [[nodiscard]] const Diagnostics& report() const { return report_; }
@@ -135,7 +130,6 @@ class ScenarioRun {
   /// The path of a push or of a tool on springs, and so its pictures, are known only at the end.
   [[nodiscard]] bool draws_during_run() const { return pictures_ != nullptr && scenario_.motion.is_prescribed(); }
 
-  /// A run that continues begins with the pass of its checkpoint.
   void skip_finished_passes() {
     const auto state = checkpoints_.state();
     while (state && !scene_.motion.push && state->frame >= scene_.motion.last_frame() && begin_next_pass(scene_)) {
@@ -239,7 +233,6 @@ class ScenarioRun {
     write_summary(dir_, scene_, totals, facts_);
   }
 
-  /// Removes the logs that are not kept.
   void remove_logs() const {
     std::error_code ignored;
     if (!keep_.forces && !keep_.pictures) fs::remove(dir_ + "/forces.csv", ignored);
@@ -280,7 +273,6 @@ InterruptedRun what_remains(const RunCheckpoints& checkpoints, const OutputFolde
   return {false, "interrupted; finished frames are in " + folder.path()};
 }
 
-/// Gives the warnings of a run that fails to the monitor.
 void take_on_error(RunMonitor& monitor, const Diagnostics& report) {
   try {
     monitor.take(report);
@@ -288,7 +280,6 @@ void take_on_error(RunMonitor& monitor, const Diagnostics& report) {
   }
 }
 
-/// Finishes the output folder, and gives its warning to the monitor.
 void finish(OutputFolder& folder, RunMonitor& monitor, const std::function<void()>& remove_unfinished = {}) {
   Diagnostics report;
   if (std::string warning = folder.finish(remove_unfinished); !warning.empty()) report.warn(std::move(warning));

@@ -18,7 +18,6 @@
 
 namespace reamsim {
 
-/// One run of a scenario into a folder.
 struct RunRequest {
   Scenario scenario;
   std::string dir;
@@ -60,7 +59,6 @@ class PictureSink {
   virtual void make_report() = 0;
 };
 
-/// What remains of an interrupted run.
 struct InterruptedRun {
   bool saved = false;  ///< a checkpoint, from which it can be continued
   std::string message = "interrupted";
@@ -82,19 +80,17 @@ class RunMonitor {
   virtual void progress(std::int64_t /*done*/, std::int64_t /*total*/) {}
   /// True interrupts the run: run_scenario() throws Interrupted.
   [[nodiscard]] virtual bool stop_requested() { return false; }
-  /// For a process that a signal may end. While the object exists, the run saves what would be lost.
+  /// While the object exists, the run saves what a signal that ends the process would lose.
   [[nodiscard]] virtual std::shared_ptr<void> saving() { return nullptr; }
-  /// The same. While the object exists, `end` can be called on another thread before the process is ended by force: it
-  /// releases the output folder.
+  /// While the object exists, `end`, on another thread, releases the output folder before the process ends by force.
   [[nodiscard]] virtual std::shared_ptr<void> on_forced_end(std::function<InterruptedRun()> /*end*/) { return nullptr; }
 };
 
 /// The results folder of a scenario for which none is named: its output.dir, else out/NAME.
 std::string results_dir(const Scenario& scenario);
 
-/// Loads, simulates, writes and draws: the way to run a scenario for command line, library and studies. Without
-/// `pictures` the folder has none. Throws InputError, RunError, Interrupted, and Suspended where a checkpoint is left;
-/// the message says what remains. Returns the frame after which an interrupted run was continued.
+/// Loads, simulates, writes and draws (without `pictures`: does not). Throws InputError, RunError, Interrupted, and
+/// Suspended where a checkpoint is left. Returns the frame after which an interrupted run was continued.
 std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources& resources, RunMonitor& monitor,
                                          PictureSink* pictures);
 

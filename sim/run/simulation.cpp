@@ -3,11 +3,72 @@
 
 #include "sim/run/simulation.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
 #include "sim/base/error.h"
+#include "sim/engine/common/motion_windows.h"
 #include "sim/engine/make_engine.h"
 #include "sim/run/feed.h"
+#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
+
+namespace {
+
+class PrescribedFeed : public PlannedFeed {
+ public:
+  PrescribedFeed(const SimulationInput& scene, FrameStepper& stepper)
+      : PlannedFeed(scene),
+        stepper_(stepper),
+        windows_([this](std::int64_t frame) { return args_of(frame); }, scene.motion.last_frame(), stepper.tool_box()),
+        windowed_(stepper.can_use_windows() && scene.scenario.engine.tuning.windows) {}
+
+  void start() override { stepper_.start(motion_of(scene().motion.first_frame)); }
+  void add(std::int64_t frame) override { stepper_.add(motion_of(frame), windowed_ ? windows_.of(frame) : nullptr); }
+  /// Slow frames make small batches, so that a run stops soon when it is asked to.
+  [[nodiscard]] bool ends_batch(std::int64_t frame) const override {
+    constexpr double kMostSeconds = 0.2;
+    const auto count = static_cast<double>(stepper_.batch_frames());
+    return has_ended(frame) || (frame + 1) % scene().scenario.engine.batch_frames == 0 ||
+           count * stepper_.frame_wall_s() > kMostSeconds;
+  }
+  [[nodiscard]] SimulationState state() const override { return {stepper_.state()}; }
+
+ private:
+  [[nodiscard]] FrameMotion motion_of(std::int64_t frame) const {
+    const Motion& motion = scene().motion;
+    return {.frame = frame,
+            .before = motion.pose_of(std::max(frame - 1, motion.first_frame)),
+            .pose = motion.pose_of(frame),
+            .duration_s = motion.frame_s(),
+            .time_s = static_cast<double>(frame) * motion.frame_s()};
+  }
+
+  [[nodiscard]] std::optional<SubstepArgs> args_of(std::int64_t frame) const {
+    if (frame <= scene().motion.first_frame) return std::nullopt;
+    return stepper_.single_args(motion_of(frame));
+  }
+
+  FrameStepper& stepper_;
+  MotionWindows windows_;
+  bool windowed_;
+};
+
+}  // namespace
+
+PlannedFeed::PlannedFeed(const SimulationInput& scene)
+    : scene_(scene), pictures_(picture_frames(scene.scenario.render, scene.last_frame(), scene.contact)) {}
+
+bool PlannedFeed::has_picture(std::int64_t frame) const {
+  return std::ranges::binary_search(pictures_, frame);
+}
+
+std::unique_ptr<Feed> prescribed_feed(const SimulationInput& scene, FrameStepper& stepper) {
+  return std::make_unique<PrescribedFeed>(scene, stepper);
+}
 
 namespace {
 
@@ -99,6 +160,46 @@ RunCost estimate_cost(const SimulationInput& scene) {
   add(scene.tool, scene.motion.poses);
   for (const Pass& pass : scene.later_passes) add(pass.tool, pass.motion.poses);
   return cost;
+}
+
+namespace {
+
+/// More than teeth cause that come and go within a voxel of travel.
+constexpr double kRagged = 0.15;
+
+std::string two_digits_below(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1);
+  return fmt::format("{:.10g}", std::floor(value / unit) * unit);
+}
+
+/// The rounding of losses counts where the tool hardly advances in the frame of the peak force.
+void warn_of_rounding(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report) {
+  const double enough_mm = kFirstLosses * smallest_advance_mm(scene.bone.voxmap->grid.voxel_mm);
+  if (totals.peak_advance_mm == 0 || totals.peak_advance_mm >= enough_mm) return;
+  report.warn(fmt::format(
+      "the tool advances {:.2g} um in the frame of the peak force, near the smallest loss of a voxel: peaks "
+      "of single frames are too large, while volume, energy and means are right; set "
+      "motion.frame_rate_hz to {} or less",
+      1000 * totals.peak_advance_mm,
+      two_digits_below(scene.scenario.motion.frame_rate_hz * totals.peak_advance_mm / enough_mm)));
+}
+
+void warn_of_edges(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report) {
+  const double over_mean = totals.peak_axial_force_n / totals.peak_layer_axial_force_n - 1;
+  if (scene.scenario.tool.spin != ToolSpin::resolved || !(over_mean > kRagged)) return;
+  report.warn(
+      fmt::format("the peak axial force of a single frame is {:.0f} % above the greatest mean over a voxel of "
+                  "travel, {:.1f} N: a resolved edge that lies along the voxels cuts a whole row of them at "
+                  "once; take forces.peak_layer_axial_force_n, or a smaller bone.voxel_mm",
+                  100 * over_mean, totals.peak_layer_axial_force_n));
+}
+
+}  // namespace
+
+void warn_of_peaks(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report) {
+  if (scene.scenario.cutting.erosion != ErosionMode::exact) return;
+  warn_of_rounding(scene, totals, report);
+  warn_of_edges(scene, totals, report);
 }
 
 }  // namespace reamsim

@@ -8,22 +8,21 @@
 #include <memory>
 #include <optional>
 
+#include "sim/base/error.h"
 #include "sim/engine/make_engine.h"
 #include "sim/record/results.h"
+#include "sim/record/run_totals.h"
+#include "sim/run/balance.h"
 #include "sim/run/frame_stepper.h"
-#include "sim/run/springs.h"
-#include "sim/run/thrust_balance.h"
 #include "sim/scene/scene.h"
 
 namespace reamsim {
 
-/// What a simulation has to know to go on after a frame, besides the fill of the bone.
 struct SimulationState : StepState {
   FeedState feed = {};       ///< under thrust
   SpringState springs = {};  ///< of a tool on springs
 };
 
-/// Callbacks of a run.
 struct RunControl {
   /// Called after each batch with (finished frames, all frames).
   std::function<void(std::int64_t, std::int64_t)> progress = [](std::int64_t, std::int64_t) {};
@@ -33,8 +32,7 @@ struct RunControl {
   std::function<bool()> save_due = [] { return false; };
   /// Receives the state after a batch. The fill of the bone is up to date.
   std::function<void(const SimulationState&)> save = [](const SimulationState&) {};
-  /// Continues after this state, which `save` received or the pass before returned; the fill of the bone must be that
-  /// of the state as well.
+  /// Continues after this state, of `save` or of the pass before; the fill of the bone must be that of the state.
   std::optional<SimulationState> from = {};
   /// The user has been warned already that the tool will never touch the bone (contact_forecast.h).
   bool warned_of_no_contact = false;
@@ -42,21 +40,21 @@ struct RunControl {
 
 /// make_engine() for the scene, with mistakes located at their keys. Throws InputError, RunError.
 std::unique_ptr<Engine> load_engine(const SimulationInput& scene, EngineDevices& devices);
-/// The same on a device of its own.
 std::unique_ptr<Engine> load_engine(const SimulationInput& scene);
 
 /// Runs the present pass, the main loop: per substep broad phase → enqueue, per batch collect → record. A feed decides
-/// the poses (feed.h). `scene.bone` is reamed; `sink` receives rows, snapshots and timings. Warns when the tool never
-/// touches, starts inside bone, or cuts without spin. Returns the state after the last frame. The same results whether
-/// a run is one or continues another.
+/// the poses (feed.h). `scene.bone` is reamed. Warns when the tool never touches, starts inside bone, or cuts without
+/// spin. Returns the state after the last frame.
 SimulationState simulate(SimulationInput& scene, Engine& engine, FrameSink& sink, const RunControl& control,
                          Diagnostics& report);
 
-/// Cost of a run, from the motion alone.
 struct RunCost {
   std::int64_t frames = 0;
   std::int64_t substeps = 0;
 };
 RunCost estimate_cost(const SimulationInput& scene);
+
+/// Warns where `exact` gives too large peaks of single frames: tiny advances, or resolved edges along the voxels.
+void warn_of_peaks(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report);
 
 }  // namespace reamsim

@@ -2,30 +2,217 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <fmt/core.h>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
+#include "sim/run/balance.h"
 #include "sim/run/feed.h"
+#include "sim/scenario/motion_settings.h"
 #include "sim/tool/tool_path.h"
 
 namespace reamsim {
 
 namespace {
 
+constexpr double kSpringTolerance = 1e-3;  ///< of the force; what is missing does not add up over frames
+constexpr double kForceFloor_n = 1e-6;     ///< beside it
+constexpr int kMostTrials = 40;
+/// Resistance is measured over this part of the tool's displacement.
+constexpr double kDifference = 0.25;
+
+Vec3 vec_of(const std::array<double, 3>& values) {
+  return Vec3(values.data());
+}
+
+std::array<double, 3> array_of(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+struct Trial {
+  Vec3 mm = Vec3::Zero();
+  Vec3 bone_n = Vec3::Zero();
+  Vec3 excess_n = Vec3::Zero();  ///< of spring and damper over the bone
+};
+
+class SpringSolver {
+ public:
+  SpringSolver(const SpringBalance& balance, const BoneForces& bone, const SpringState& before)
+      : b_(balance),
+        bone_(bone),
+        before_mm_(vec_of(before.deflection_mm)),
+        slope_(Eigen::Map<const Mat3>(before.bone_n_s_mm.data()) / balance.duration_s) {
+    own_n_mm_ = b_.stiffness_n_mm + Vec3::Constant(b_.damping_n_s_mm / b_.duration_s);
+  }
+
+  Deflection solve(const SpringState& before) {
+    best_ = tried({first_guess(before)})[0];
+    if (slope_.isZero() && !best_.bone_n.isZero() && !is_balanced()) rescue({});
+    int failures = 0;
+    while (!is_balanced() && evaluations_ < kMostTrials && failures < 2) {
+      const Vec3 step = bounded(best_.mm + newton_step()) - best_.mm;
+      if (step.norm() <= tiny_mm()) {
+        limited_ = newton_step().norm() > tiny_mm();
+        break;
+      }
+      const Trial from = best_, to = tried({from.mm + step})[0];
+      const double before_n = from.excess_n.norm(), after_n = to.excess_n.norm();
+      learn(from, to);
+      if (after_n < before_n) best_ = to;
+      if (after_n <= 0.5 * before_n) {
+        failures = 0;
+      } else {
+        failures = rescue(step) || after_n < 0.9 * before_n ? 0 : failures + 1;
+      }
+    }
+    return result();
+  }
+
+ private:
+  [[nodiscard]] double tiny_mm() const { return 1e-3 * b_.least_mm; }
+
+  std::vector<Trial> tried(const std::vector<Vec3>& deflections) {
+    ++evaluations_;
+    const std::vector<Vec3> forces = bone_(deflections);
+    std::vector<Trial> out;
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      Vec3 excess = b_.stiffness_n_mm.cwiseProduct(deflections[i]) +
+                    b_.damping_n_s_mm / b_.duration_s * (deflections[i] - before_mm_) - forces[i];
+      for (int axis = 0; axis < 3; ++axis) excess[axis] *= b_.is_rigid(axis) ? 0 : 1;
+      out.push_back({deflections[i], forces[i], excess});
+    }
+    return out;
+  }
+
+  /// The derivative of the excess; 1 along rigid axes.
+  [[nodiscard]] Mat3 jacobian() const {
+    Mat3 out = slope_ + Mat3(own_n_mm_.asDiagonal());
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!b_.is_rigid(axis)) continue;
+      out.row(axis).setZero();
+      out.col(axis).setZero();
+      out(axis, axis) = 1;
+    }
+    return out;
+  }
+
+  /// The step that `slope_` suggests; with springs alone where that has no meaning.
+  [[nodiscard]] Vec3 newton_step() const {
+    const Vec3 step = -jacobian().partialPivLu().solve(best_.excess_n);
+    if (step.allFinite()) return step;
+    return -best_.excess_n.cwiseQuotient(own_n_mm_);
+  }
+
+  [[nodiscard]] Vec3 bounded(const Vec3& mm) const {
+    const Vec3 change = mm - before_mm_;
+    const double length = change.norm();
+    return length <= b_.most_mm ? mm : Vec3(before_mm_ + b_.most_mm / length * change);
+  }
+
+  /// The balance if the bone resists as in the substep before: with its force there and the difference of velocities.
+  [[nodiscard]] Vec3 first_guess(const SpringState& before) const {
+    const Vec3 same_advance = before_mm_ + vec_of(before.tool_mm_s) * b_.duration_s - b_.planned_mm;
+    Vec3 right = vec_of(before.bone_n) + slope_ * same_advance + b_.damping_n_s_mm / b_.duration_s * before_mm_;
+    for (int axis = 0; axis < 3; ++axis) right[axis] *= b_.is_rigid(axis) ? 0 : 1;
+    const Vec3 guess = jacobian().partialPivLu().solve(right);
+    return bounded(guess.allFinite() ? guess : before_mm_);
+  }
+
+  void learn(const Trial& from, const Trial& to) {
+    const Vec3 step = to.mm - from.mm;
+    slope_ += (from.bone_n - to.bone_n - slope_ * step) * step.transpose() / step.squaredNorm();
+  }
+
+  /// Measures the resistance at the best point and tries shorter steps. Returns whether one of them is better.
+  bool rescue(const std::optional<Vec3>& step) {
+    const double size_mm = std::max(kDifference * (b_.planned_mm + best_.mm - before_mm_).norm(), 0.1 * b_.least_mm);
+    std::vector<Vec3> trials;
+    std::vector<int> axes;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (b_.is_rigid(axis)) continue;
+      // Towards the balance: the bone resists on one side only.
+      const double sign = best_.excess_n[axis] > 0 ? -1 : 1;
+      axes.push_back(axis);
+      trials.push_back(best_.mm + sign * size_mm * Vec3::Unit(axis));
+    }
+    constexpr int kShorter = 6;
+    for (int i = 1; step && i <= kShorter; ++i) trials.push_back(best_.mm + std::pow(0.5, i) * *step);
+    const std::vector<Trial> points = tried(trials);
+    const Trial center = best_;
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      slope_.col(axes[i]) = (center.bone_n - points[i].bone_n) / (points[i].mm - center.mm)[axes[i]];
+    }
+    for (const Trial& p : points) {
+      if (p.excess_n.norm() < best_.excess_n.norm()) best_ = p;
+    }
+    return best_.excess_n.norm() < 0.9 * center.excess_n.norm();
+  }
+
+  [[nodiscard]] bool is_balanced() const {
+    const double force = std::max(best_.bone_n.norm(), b_.stiffness_n_mm.cwiseProduct(best_.mm).norm());
+    return best_.excess_n.norm() <= kSpringTolerance * force + kForceFloor_n;
+  }
+
+  [[nodiscard]] Deflection result() const {
+    Deflection out{.mm = best_.mm, .bone_n = best_.bone_n, .limited = limited_, .evaluations = evaluations_};
+    // Bone that has been left is met again with another resistance.
+    out.bone_n_s_mm = best_.bone_n.isZero() ? Mat3::Zero() : Mat3(slope_ * b_.duration_s);
+    out.missing_n = best_.excess_n.norm();
+    constexpr double kNoted = 0.01;
+    out.balanced = limited_ || out.missing_n <= kNoted * best_.bone_n.norm() + kForceFloor_n ||
+                   newton_step().norm() <= b_.least_mm;
+    return out;
+  }
+
+  const SpringBalance& b_;
+  const BoneForces& bone_;
+  Vec3 before_mm_;
+  Mat3 slope_;  ///< −∂F/∂d, N/mm
+  Vec3 own_n_mm_;
+  Trial best_;
+  int evaluations_ = 0;
+  bool limited_ = false;
+};
+
+}  // namespace
+
+bool SpringBalance::is_rigid(int axis) const {
+  return stiffness_n_mm[axis] >= ComplianceSettings::kRigid_n_mm;
+}
+
+Deflection balanced_deflection(const SpringBalance& balance, const BoneForces& bone, const SpringState& before) {
+  return SpringSolver(balance, bone, before).solve(before);
+}
+
+void add_spring_energies(const SpringBalance& b, const Deflection& now, const PartWork& work, SpringState& state) {
+  const Vec3 change = now.mm - vec_of(state.deflection_mm), advance = b.planned_mm + change;
+  Vec3 spring_n = -work.bone_n;  // on the tool
+  double spring_mj = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (b.is_rigid(axis)) continue;
+    const double k = b.stiffness_n_mm[axis], damper_n = b.damping_n_s_mm * change[axis] / b.duration_s;
+    spring_n[axis] = -k * now.mm[axis] - damper_n;
+    spring_mj += 0.5 * k * now.mm[axis] * now.mm[axis];
+    state.damping_mj += damper_n * change[axis];
+    state.lost_mj += 0.5 * k * change[axis] * change[axis];
+  }
+  state.spring_mj = spring_mj;
+  state.carriage_mj += spring_n.dot(b.planned_mm) - (work.torque_nmm + now.mm.cross(work.bone_n)).dot(work.tilt_rad);
+  state.drill_mj += work.torque_nmm.z() * work.spin_rad;
+  state.unbalanced_mj += (spring_n + work.bone_n).dot(advance);
+  state.deflection_mm = array_of(now.mm);
+  state.bone_n = array_of(now.bone_n);
+  state.tool_mm_s = array_of(advance / b.duration_s);
+  Eigen::Map<Mat3>(state.bone_n_s_mm.data()) = now.bone_n_s_mm;
+  state.unbalanced_n = std::max(state.unbalanced_n, now.balanced || now.limited ? 0 : now.missing_n);
+}
+
+namespace {
+
 /// The part of engine.max_step_voxels that is left for the change of the deflection in a substep.
 constexpr double kStepOfDeflection = 0.5;
-
-Vec3 force_of(const SubstepSums& sums) {
-  return Vec3(static_cast<double>(sums.force[0]), static_cast<double>(sums.force[1]),
-              static_cast<double>(sums.force[2])) /
-         RS_FORCE_SCALE;
-}
-
-Vec3 torque_of(const SubstepSums& sums) {
-  return Vec3(static_cast<double>(sums.torque[0]), static_cast<double>(sums.torque[1]),
-              static_cast<double>(sums.torque[2])) /
-         RS_TORQUE_SCALE;
-}
 
 /// The motion over `times` its time at the same velocity.
 FrameMotion prolonged(const FrameMotion& m, double times) {
@@ -53,7 +240,11 @@ class SpringFeed : public PlannedFeed {
         loss_mm_(smallest_advance_mm(scene.bone.voxmap->grid.voxel_mm)) {}
 
   void start() override {
-    release();
+    // The tool of a pass begins without deflection.
+    springs_.lost_mj += springs_.spring_mj;
+    springs_.spring_mj = 0;
+    springs_.deflection_mm = springs_.bone_n = springs_.tool_mm_s = {};
+    springs_.bone_n_s_mm = {};
     const std::int64_t first = scene().motion.first_frame;
     const ToolPose pose = scene().motion.pose_of(first);
     stepper_.start({.frame = first,
@@ -86,7 +277,6 @@ class SpringFeed : public PlannedFeed {
   }
   /// The next deflection depends on the bone that this one leaves.
   [[nodiscard]] bool ends_batch(std::int64_t) const override { return true; }
-  void take(const FrameResult&) override {}
 
   void warn_at_end() override {
     if (!scene().later_passes.empty()) return;
@@ -110,14 +300,6 @@ class SpringFeed : public PlannedFeed {
   }
 
  private:
-  /// The tool of a pass begins without deflection.
-  void release() {
-    springs_.lost_mj += springs_.spring_mj;
-    springs_.spring_mj = 0;
-    springs_.deflection_mm = springs_.bone_n = springs_.tool_mm_s = {};
-    springs_.bone_n_s_mm = {};
-  }
-
   [[nodiscard]] Vec3 deflection_mm() const { return Vec3(springs_.deflection_mm.data()); }
 
   /// Bound of the motion between two poses of the tool or, with the deflection as a lever, of the plan.
@@ -133,7 +315,6 @@ class SpringFeed : public PlannedFeed {
     return out;
   }
 
-  /// Finds the deflection at the end of a part of a frame, and cuts.
   Deflection cut_part(const FrameMotion& plan, int i, int parts) {
     const Mat3 tool_from_bone = plan.pose.orientation.toRotationMatrix().transpose();
     const Vec3 before_mm = deflection_mm();

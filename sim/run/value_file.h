@@ -33,45 +33,55 @@ inline std::uint32_t crc_of(std::string_view bytes, std::uint32_t before = 0) {
   return static_cast<std::uint32_t>(crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
+/// The order of the parts of values, the same in ValueWriter and ValueReader, which are `File`.
+template <class File>
+class ValueVisitor {
+ public:
+  template <class Value>
+  void operator()(Value& v) {
+    using Plain = std::remove_const_t<Value>;
+    File& file = static_cast<File&>(*this);
+    if constexpr (std::is_same_v<Plain, std::string>) {
+      file.length_of(v);
+      file.bytes(v.data(), v.size());
+    } else if constexpr (std::is_same_v<Plain, InputSum>) {
+      for (auto* part : {&v.role, &v.path, &v.sha256}) (*this)(*part);
+    } else if constexpr (std::is_same_v<Plain, std::optional<Vec3>>) {
+      file.presence_of(v);
+      if (v) each(*v);
+    } else if constexpr (std::is_same_v<Plain, Vec3i>) {
+      each(v);
+    } else if constexpr (requires { typename Value::allocator_type; }) {  // a vector
+      file.length_of(v);
+      each(v);
+    } else if constexpr (requires { v.second; }) {
+      (*this)(v.first);
+      (*this)(v.second);
+    } else {
+      static_assert(std::is_trivially_copyable_v<Plain>);
+      file.bytes(&v, sizeof v);
+    }
+  }
+
+ private:
+  template <class List>
+  void each(List& list) {
+    for (auto& item : list) (*this)(item);
+  }
+};
+
 /// Appends values to the text of a file.
-class ValueWriter {
+class ValueWriter : public ValueVisitor<ValueWriter> {
  public:
   explicit ValueWriter(std::string_view magic) : text_(magic) {}
-
-  template <class T>
-  void operator()(const T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    text_.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  void operator()(const std::string& value) {
-    (*this)(value.size());
-    text_ += value;
-  }
-  void operator()(const Vec3i& v) {
-    for (const int i : v) (*this)(i);
-  }
-  void operator()(const std::optional<Vec3>& v) {
-    (*this)(v.has_value());
-    if (!v) return;
-    for (const double d : *v) (*this)(d);
-  }
-  template <class First, class Second>
-  void operator()(const std::pair<First, Second>& pair) {
-    (*this)(pair.first);
-    (*this)(pair.second);
-  }
-  template <class T>
-  void operator()(const std::vector<T>& list) {
-    (*this)(list.size());
-    for (const T& item : list) (*this)(item);
-  }
-  void operator()(const InputSum& input) {
-    for (const std::string* part : {&input.role, &input.path, &input.sha256}) (*this)(*part);
-  }
-
+  void bytes(const void* first, std::size_t count) { text_.append(static_cast<const char*>(first), count); }
+  /// A value that has just been made.
+  void put(const auto& value) { (*this)(value); }
+  void length_of(const auto& list) { put(list.size()); }
+  void presence_of(const auto& value) { put(value.has_value()); }
   /// The text of the file. Called once, after the last value.
   const std::string& finish() {
-    (*this)(crc_of(text_));
+    put(crc_of(text_));
     return text_;
   }
 
@@ -80,63 +90,48 @@ class ValueWriter {
 };
 
 /// Reads them again, in the same order.
-class ValueReader {
+class ValueReader : public ValueVisitor<ValueReader> {
  public:
   explicit ValueReader(std::string_view rest) : rest_(rest) {}
-
-  template <class T>
-  void operator()(T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    std::memcpy(&value, take(sizeof value).data(), sizeof value);
+  void bytes(void* first, std::size_t count) {
+    if (count > rest_.size()) throw DamagedValues();
+    std::memcpy(first, rest_.data(), count);
+    rest_.remove_prefix(count);
   }
-  void operator()(bool& value) {
+  void bytes(bool* value, std::size_t) {
     std::uint8_t byte = 0;
     (*this)(byte);
     if (byte > 1) throw DamagedValues();
-    value = byte == 1;
+    *value = byte == 1;
   }
-  void operator()(std::string& value) { value = take(length()); }
-  void operator()(Vec3i& v) {
-    for (int& i : v) (*this)(i);
+  /// Of a text or a list, each of whose items has a byte or more.
+  void length_of(auto& list) {
+    std::size_t length = 0;
+    (*this)(length);
+    if (length > rest_.size()) throw DamagedValues();
+    list.resize(length);
   }
-  void operator()(std::optional<Vec3>& v) {
+  void presence_of(auto& value) {
     bool has = false;
     (*this)(has);
-    if (!has) return;
-    v.emplace();
-    for (double& d : *v) (*this)(d);
-  }
-  template <class First, class Second>
-  void operator()(std::pair<First, Second>& pair) {
-    (*this)(pair.first);
-    (*this)(pair.second);
-  }
-  template <class T>
-  void operator()(std::vector<T>& list) {
-    list.resize(length());
-    for (T& item : list) (*this)(item);
-  }
-  void operator()(InputSum& input) {
-    for (std::string* part : {&input.role, &input.path, &input.sha256}) (*this)(*part);
+    if (has) value.emplace();
   }
 
  private:
-  std::string_view take(std::size_t bytes) {
-    if (bytes > rest_.size()) throw DamagedValues();
-    const std::string_view out = rest_.substr(0, bytes);
-    rest_.remove_prefix(bytes);
-    return out;
-  }
-  /// The length of a text or a list, each of whose items has a byte or more.
-  std::size_t length() {
-    std::size_t out = 0;
-    (*this)(out);
-    if (out > rest_.size()) throw DamagedValues();
-    return out;
-  }
-
   std::string_view rest_;
 };
+
+/// Visits where a simulation stands, in the order of checkpoints and states.
+template <class Visit, class Step>
+void visit_step(Visit& visit, Step& step) {
+  visit(step.frame);
+  visit(step.energy.work_mj);
+  visit(step.energy.floor_mj);
+  visit(step.energy.cut_mj);
+  visit(step.energy.first_contact_mm);
+  visit(step.touched);
+  visit(step.warned_of_no_spin);
+}
 
 /// The content of a file; nullopt where it cannot be read.
 inline std::optional<std::string> read_whole_file(const std::string& path) {

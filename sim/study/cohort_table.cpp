@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/study/cohort_table.h"
+#include "sim/study/study.h"
 
 #include <algorithm>
 #include <utility>
@@ -20,12 +20,7 @@ bool names_input(const KeyNode& key) {
          (key.info.text == TextKind::input_file || key.info.text == TextKind::input_path);
 }
 
-std::string plain_text(const YamlNode& node) {
-  return node.kind == YamlNode::Kind::scalar ? node.text : flow_text(node);
-}
-
-}  // namespace
-
+/// A node as YAML on one line: 0.25, "a b", [0, 0, 5].
 std::string flow_text(const YamlNode& node) {
   std::string out;
   switch (node.kind) {
@@ -44,6 +39,12 @@ std::string flow_text(const YamlNode& node) {
   }
   return out;
 }
+
+std::string plain_text(const YamlNode& node) {
+  return node.kind == YamlNode::Kind::scalar ? node.text : flow_text(node);
+}
+
+}  // namespace
 
 KeyValue KeyValues::of_node(const std::string& key, const YamlNode& node, const SourceLocation& where) const {
   const KeyNode& known = find_key(key, where);
@@ -79,53 +80,36 @@ class CsvLines {
   bool next(CsvLine& line) {
     while (at_ < text_.size()) {
       line = {.number = number_, .cells = {""}};
-      while (at_ < text_.size() && !end_of_line()) cell_character(line);
+      read_cells(line);
       if (line.cells.size() > 1 || !line.cells[0].empty()) return true;
     }
     return false;
   }
 
  private:
-  bool end_of_line() {
-    const char c = text_[at_];
-    if (c == '\n') {
-      ++number_;
-      ++at_;
-    } else if (text_.compare(at_, 2, "\r\n") == 0) {
-      ++number_;
-      at_ += 2;
-    } else {
-      return false;
-    }
-    return true;
-  }
+  [[nodiscard]] bool precedes(char c) const { return at_ + 1 < text_.size() && text_[at_ + 1] == c; }
 
-  void cell_character(CsvLine& line) {
-    const char c = text_[at_++];
-    if (c == ',') {
-      line.cells.emplace_back();
-    } else if (c == '"' && line.cells.back().empty()) {
-      quoted(line);
-    } else {
-      line.cells.back() += c;
-    }
-  }
-
-  void quoted(CsvLine& line) {
-    for (;; ++at_) {
-      if (at_ >= text_.size()) {
-        throw InputError({file_, line.number, 0}, "", "a quotation mark that is not closed", "close it in the cell");
-      }
-      if (text_[at_] == '\n') ++number_;
-      if (text_[at_] != '"') {
-        line.cells.back() += text_[at_];
-      } else if (text_.compare(at_, 2, "\"\"") == 0) {
-        line.cells.back() += text_[at_++];
-      } else {
-        ++at_;
-        return;
+  void read_cells(CsvLine& line) {
+    bool quoted = false;
+    for (bool ended = false; at_ < text_.size() && !ended; ++at_) {
+      const char c = text_[at_];
+      std::string& cell = line.cells.back();
+      if (c == '\n') ++number_;
+      if (quoted && c == '"') {
+        quoted = precedes('"');
+        if (quoted) cell += text_[at_++];
+      } else if (!quoted && c == ',') {
+        line.cells.emplace_back();
+      } else if (!quoted && c == '"' && cell.empty()) {
+        quoted = true;
+      } else if (!quoted && c == '\n') {
+        ended = true;
+      } else if (quoted || c != '\r' || !precedes('\n')) {
+        cell += c;
       }
     }
+    if (!quoted) return;
+    throw InputError({file_, line.number, 0}, "", "a quotation mark that is not closed", "close it in the cell");
   }
 
   const std::string& text_;
@@ -153,12 +137,12 @@ class TableReader {
     check_header(header);
     while (lines.next(line)) {
       if (is_blank(line)) continue;  // spreadsheets leave such lines below a table
-      if (table_.rows.levels.size() >= kMostRows) {
+      if (table_.levels.size() >= kMostRows) {
         throw InputError({file_, line.number, 0}, "", "more than a million rows", "divide the study");
       }
       mistakes_.attempt([&] { add(header, line); });
     }
-    if (table_.rows.levels.empty() && mistakes_.empty()) {
+    if (table_.levels.empty() && mistakes_.empty()) {
       throw InputError({file_, 0, 0}, "", "has no rows", "expected a row per patient below the header");
     }
     return std::move(table_);
@@ -179,9 +163,9 @@ class TableReader {
       if (name == kLabel) continue;
       // Also finds unknown keys, once instead of in each row.
       static_cast<void>(values_.of_cell(name, "", where));
-      table_.rows.keys.push_back(name);
+      table_.keys.push_back(name);
     }
-    if (table_.rows.keys.empty()) {
+    if (table_.keys.empty()) {
       throw InputError({file_, header.number, 0}, "", "no column is a scenario key",
                        "expected for example bone.ct.path");
     }
@@ -211,7 +195,7 @@ class TableReader {
       }
     }
     table_.mistakes.push_back(std::move(of_row));
-    table_.rows.levels.push_back(std::move(level));
+    table_.levels.push_back(std::move(level));
     table_.places.push_back(file_ + ":" + std::to_string(line.number));
   }
 

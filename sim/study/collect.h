@@ -8,11 +8,52 @@
 #include <utility>
 #include <vector>
 
-#include "sim/study/run_table.h"
 #include "sim/study/study_folder.h"
 #include "sim/study/study_plan.h"
 
 namespace reamsim {
+
+/// A run of a study, with its parameters and results.
+struct CollectedRun {
+  int number = 0;  ///< in the plan, from 1
+  std::string id;  ///< "": its scenario is wrong
+  RunState state = RunState::missing;
+  std::string message;             ///< of a failure; of a run that is done its warnings
+  std::vector<std::string> cells;  ///< by parameter
+  std::vector<double> numbers;     ///< by result; NaN where it is missing
+  bool has_report = false;         ///< report.html is in its folder
+};
+
+/// Runs of a study as a table: what runs.csv has, in memory. Of large studies it holds a part.
+struct RunTable {
+  std::vector<std::string> parameters;  ///< as StudyPlan::columns
+  std::vector<std::string> results;     ///< numbers of summary.json that are not parameters
+  std::vector<CollectedRun> runs;       ///< ascending by number
+  std::size_t all = 0;                  ///< runs of the study
+};
+
+const char* name_of(RunState state);
+
+/// Which of `all` runs a table has: all, or `most` of them drawn at random, the same on every machine.
+std::vector<bool> runs_of_table(std::size_t all, std::size_t most);
+
+/// What people read for a column of runs.csv.
+struct ColumnName {
+  std::string key;   ///< "motion.plunge.depth_mm"
+  std::string text;  ///< "plunge depth"
+  std::string unit;  ///< "mm"; "" without
+
+  [[nodiscard]] std::string title() const;
+};
+
+/// Names of columns: fixed for headline results, otherwise the last parts of the key, as many as tell them apart.
+std::vector<ColumnName> column_names(const std::vector<std::string>& keys);
+
+/// The results that figures and tables of a study show, in this order.
+const std::vector<ColumnName>& headline_results();
+
+/// A cell as tables and figures show it: a path is its file name without extension, a number has four digits.
+std::string shown_cell(const std::string& cell);
 
 /// Messages of runs, each text once, with the first run that has it: of many texts the first ten.
 class RunMessages {
@@ -22,7 +63,6 @@ class RunMessages {
   /// `number`: of a run; each run once.
   void add(int number, const std::vector<std::string>& messages);
 
-  /// How many runs have messages.
   [[nodiscard]] int runs() const { return runs_; }
   /// "run 3 and 2 more: TEXT", at most `most`.
   [[nodiscard]] std::vector<std::string> lines(std::size_t most = kMost) const;
@@ -49,24 +89,18 @@ struct StudyCounts {
 
 StudyCounts count_runs(const StudyFolder& folder, const std::vector<IdentifiedRun>& runs);
 
-/// The warnings of the runs that are done, from their summaries.
 RunMessages warnings_of_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs);
 
-/// Most runs of a table in memory.
 inline constexpr std::size_t kMostRunsOfTable = 50'000;
 
-/// What collect_runs() found.
 struct CollectedStudy {
   StudyCounts counts;
   RunTable table;
   RunMessages warnings;  ///< of runs that are done
 };
 
-/// Writes DIR/runs.csv, a row for each run of the plan: `run`, `id`, `status` (done, failed, interrupted, missing),
-/// `message` (why it failed; of a run that is done its warnings), the columns of the plan, and every number of
-/// summary.json but times and memory, which differ from run to run; nested names are joined by dots. A missing value is
-/// an empty cell. Reads one summary at a time. Returns the rows, at most `most_in_table` (runs_of_table()). Throws
-/// RunError.
+/// Writes DIR/runs.csv (docs/study-files.md), a row for each run of the plan. Reads one summary at a time. Returns the
+/// rows, at most `most_in_table` (runs_of_table()). Throws RunError.
 CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
                             std::size_t most_in_table = kMostRunsOfTable);
 
@@ -79,8 +113,5 @@ struct RunSummary {
 
 /// Reads the summary.json in a folder. Empty where the file is missing or damaged.
 RunSummary read_run_summary(const std::string& run_dir);
-
-/// Its numbers alone.
-std::vector<std::pair<std::string, double>> summary_numbers(const std::string& run_dir);
 
 }  // namespace reamsim

@@ -4,14 +4,18 @@
 #include "sim/study/reforce.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <tuple>
 
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/base/text.h"
 #include "sim/engine/common/tables.h"
-#include "sim/record/force_basis_file.h"
 #include "sim/record/force_log.h"
+#include "sim/record/recorder.h"
 #include "sim/record/result_json.h"
 #include "sim/record/summary.h"
 
@@ -77,14 +81,14 @@ std::array<double, 256> ForceBasis::volume_mm3() const {
 namespace {
 
 DensityMapping mapping_of(const DensitySettings& density) {
-  return {.ash_slope_g_cm3_per_hu = density.ash_slope_g_cm3_per_hu,
-          .ash_offset_g_cm3 = density.ash_offset_g_cm3,
-          .ash_fraction = density.ash_fraction};
+  return {density.ash_slope_g_cm3_per_hu, density.ash_offset_g_cm3, density.ash_fraction};
 }
 
 bool same_calibration(const DensitySettings& a, const DensitySettings& b) {
-  return a.ash_slope_g_cm3_per_hu == b.ash_slope_g_cm3_per_hu && a.ash_offset_g_cm3 == b.ash_offset_g_cm3 &&
-         a.ash_fraction == b.ash_fraction;
+  const auto values = [](const DensitySettings& d) {
+    return std::array{d.ash_slope_g_cm3_per_hu, d.ash_offset_g_cm3, d.ash_fraction};
+  };
+  return values(a) == values(b);
 }
 
 double voxel_of(const std::string& dir) {
@@ -103,13 +107,12 @@ double voxel_of(const std::string& dir) {
   throw InputError({}, "--set", key + " is part of the force basis" + why, "run the scenario again with it");
 }
 
-void require_same_size_effect(const CuttingSettings& was, const CuttingSettings& is) {
-  const auto &a = was.size_effect, &b = is.size_effect;
-  const bool same =
-      a.has_value() == b.has_value() &&
-      (!a || (a->exponent == b->exponent && a->reference_mm == b->reference_mm &&
-              a->cutting_edges == b->cutting_edges && a->least_mm == b->least_mm && a->most_mm == b->most_mm));
-  if (!same) fail_for("cutting.size_effect", ", and forces are not linear in it");
+bool same_size_effect(const CuttingSettings& a, const CuttingSettings& b) {
+  const auto values = [](const SizeEffectSettings& s) {
+    return std::tuple(s.exponent, s.reference_mm, s.cutting_edges, s.least_mm, s.most_mm);
+  };
+  const auto &was = a.size_effect, &is = b.size_effect;
+  return was.has_value() == is.has_value() && (!was || values(*was) == values(*is));
 }
 
 /// Throws InputError where the basis does not hold for `is`.
@@ -117,7 +120,7 @@ void require_linear(const CuttingSettings& was, const CuttingSettings& is) {
   if (was.law != is.law) fail_for("cutting.law", "");
   if (was.erosion != is.erosion) fail_for("cutting.erosion", "");
   if (was.speed_floor_mm_s != is.speed_floor_mm_s) fail_for("cutting.speed_floor_mm_s", "");
-  require_same_size_effect(was, is);
+  if (!same_size_effect(was, is)) fail_for("cutting.size_effect", ", and forces are not linear in it");
   if (is.edge_force && !was.edge_force) {
     throw InputError({}, "--set", "cutting.edge_force: the run had no edge force, so that its basis has no part for it",
                      "run the scenario again with it");
@@ -167,14 +170,17 @@ ClampedVolume clamped_volume(const BasisRun& run, const std::optional<Recalibrat
   return out;
 }
 
-void ReforcedRows::for_each(const std::function<void(const FrameResult&)>& visit) const {
+namespace {
+
+/// Calls visit() with every row of the run's forces.csv, with the forces of other constants.
+template <class Visit>
+void for_each_reforced(const BasisRun& run, const ForceConstants& constants, const Visit& visit) {
   const std::vector<std::string_view> columns = csv_cells(kForceColumns);
-  CsvReader log(run_.dir + "/forces.csv", columns, "the log of a run");
+  CsvReader log(run.dir + "/forces.csv", columns, "the log of a run");
   double work_mj = 0, floor_mj = 0, cut_mj = 0;
-  std::vector<double> row;
-  while (log.next(row)) {
+  for (std::vector<double> row; log.next(row);) {
     FrameResult result = result_of(row, log.where());
-    const FrameForces now = run_.basis.forces(result.frame, constants_);
+    const FrameForces now = run.basis.forces(result.frame, constants);
     work_mj += now.work_mj;
     floor_mj += now.floor_energy_mj;
     cut_mj += now.energy_mj;
@@ -190,6 +196,8 @@ void ReforcedRows::for_each(const std::function<void(const FrameResult&)>& visit
   }
 }
 
+}  // namespace
+
 RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std::string& to) {
   const ForceConstants constants = force_constants(law.cutting, recalibration(run, law));
   RunTotals totals(run.voxel_mm);
@@ -197,7 +205,7 @@ RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std:
   const std::string path = to + "/forces.csv.tmp";
   {
     CsvWriter forces(path, kForceColumns);
-    ReforcedRows(run, constants).for_each([&](const FrameResult& result) {
+    for_each_reforced(run, constants, [&](const FrameResult& result) {
       forces.row(force_row(result));
       totals.add(result);
     });
@@ -210,6 +218,82 @@ RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std:
   replace_file(to + "/scenario.yaml", law.yaml);
   replace_file(to + "/summary.json", summary);
   return totals;
+}
+
+namespace {
+
+constexpr std::array<std::string_view, kForceChannels> kChannelColumns{
+    "force_x_n",    "force_y_n",    "force_z_n",     "torque_x_nmm",
+    "torque_y_nmm", "torque_z_nmm", "axial_force_n", "spin_torque_nmm"};
+
+constexpr const char* kExpected = "a CSV file with time_s and any of axial_force_n, spin_torque_nmm, force_x_n, ...";
+
+std::vector<ForceChannel> channels_in(const std::vector<std::string_view>& names) {
+  const auto has = [&](int channel) {
+    return std::ranges::find(names, kChannelColumns[static_cast<std::size_t>(channel)]) != names.end();
+  };
+  std::vector<ForceChannel> out;
+  for (int i = 0; i < 6; ++i)
+    if (has(i)) out.push_back(static_cast<ForceChannel>(i));
+  if (has(6) && !(has(0) && has(1) && has(2))) out.push_back(ForceChannel::axial_force);
+  if (has(7) && !(has(3) && has(4) && has(5))) out.push_back(ForceChannel::spin_torque);
+  return out;
+}
+
+/// A cell as a number; NaN where it is empty.
+double cell_value(std::string_view cell, const SourceLocation& where, std::string_view column) {
+  if (cell.empty()) return std::nan("");
+  char* end = nullptr;
+  const std::string text(cell);
+  const double value = std::strtod(text.c_str(), &end);
+  if (end == text.c_str() + text.size() && std::isfinite(value)) return value;
+  throw InputError(where, std::string(column), "is not a finite number", "expected a number or an empty cell");
+}
+
+std::size_t place_of(const std::vector<std::string_view>& names, std::string_view name) {
+  return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+}
+
+}  // namespace
+
+std::string column_of(ForceChannel channel) {
+  return std::string(kChannelColumns[static_cast<std::size_t>(channel)]);
+}
+
+MeasuredForces read_measured_forces(const std::string& path) {
+  const std::string text = read_file(path, kExpected);
+  const std::string header = csv_header(text.substr(0, text.find('\n')), {path, 1, 0});
+  const std::vector<std::string_view> names = csv_cells(header);
+  MeasuredForces out{.channels = channels_in(names), .time_s = {}, .values = {}, .file = path};
+  out.values.resize(out.channels.size());
+  const std::size_t time = place_of(names, "time_s");
+  if (time == names.size())
+    throw InputError({path, 1, 0}, "time_s", "column missing", std::string("expected ") + kExpected);
+  if (out.channels.empty())
+    throw InputError({path, 1, 0}, "", "no measured column", std::string("expected ") + kExpected);
+  int number = 1;
+  for (std::size_t begin = text.find('\n'); begin != std::string::npos && begin + 1 < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin + 1), text.size());
+    const std::string_view line(text.data() + begin + 1, end - begin - 1);
+    begin = end;
+    ++number;
+    const std::vector<std::string_view> cells = csv_cells(line);
+    if (line.empty() || line == "\r") continue;
+    const SourceLocation where{path, number, 0};
+    if (cells.size() == 1) refuse_other_separator(line, where);
+    if (cells.size() < names.size())
+      throw InputError(where, "", "has fewer cells than the header", "expected a cell for each column");
+    const double t = cell_value(cells[time], where, "time_s");
+    if (std::isnan(t) || (!out.time_s.empty() && t <= out.time_s.back()))
+      throw InputError(where, "time_s", "does not ascend", "expected ascending times");
+    out.time_s.push_back(t);
+    for (std::size_t c = 0; c < out.channels.size(); ++c) {
+      const std::string column = column_of(out.channels[c]);
+      out.values[c].push_back(cell_value(cells[place_of(names, column)], where, column));
+    }
+  }
+  if (out.time_s.empty()) throw InputError({path, 0, 0}, "", "has no rows", std::string("expected ") + kExpected);
+  return out;
 }
 
 }  // namespace reamsim

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -35,8 +34,7 @@ struct Recalibration {
   [[nodiscard]] double density(int grade) const;
 };
 
-ForceConstants force_constants(const CuttingSettings& cutting,
-                               const std::optional<Recalibration>& recalibration = std::nullopt);
+ForceConstants force_constants(const CuttingSettings& cutting, const std::optional<Recalibration>& recalibration = {});
 
 /// Force and torque of the bone on the tool (B), and energies of a frame.
 struct FrameForces {
@@ -47,7 +45,6 @@ struct FrameForces {
   double work_mj = 0;  ///< on the bone
 };
 
-/// The force basis of a run.
 class ForceBasis {
  public:
   /// `rows`: in ascending frames.
@@ -56,7 +53,6 @@ class ForceBasis {
   [[nodiscard]] const std::vector<BasisRow>& rows() const { return rows_; }
   /// Those of a frame; none without contact.
   [[nodiscard]] std::span<const BasisRow> of(std::int64_t frame) const;
-  /// The forces of a frame.
   [[nodiscard]] FrameForces forces(std::int64_t frame, const ForceConstants& constants) const;
   /// Removed volume by grade over all frames, mm³; with a size effect, weighted by its factor.
   [[nodiscard]] std::array<double, 256> volume_mm3() const;
@@ -73,12 +69,10 @@ struct BasisRun {
   double voxel_mm = 0;
 };
 
-/// Reads scenario.yaml, summary.json and force_basis.npy. Throws InputError where one is missing or damaged, or the run
-/// has no force basis.
+/// Throws InputError where a file of the run is missing or damaged, or it has no force basis.
 BasisRun open_basis_run(const std::string& dir);
 
-/// The settings of the run with overrides. Throws InputError where the basis does not hold for them: its parts contain
-/// the speed floor and the size effect, and those of an edge force only where the run had one.
+/// The settings of the run with overrides. Throws InputError where the basis does not hold for them.
 LawSettings changed_law(const BasisRun& run, const std::vector<std::string>& overrides);
 
 /// The relation from HU to density of `law` where it differs from that of the run.
@@ -92,21 +86,34 @@ struct ClampedVolume {
 };
 ClampedVolume clamped_volume(const BasisRun& run, const std::optional<Recalibration>& recalibration);
 
-/// The rows of the run's forces.csv with the forces of other constants.
-class ReforcedRows {
- public:
-  ReforcedRows(const BasisRun& run, const ForceConstants& constants) : run_(run), constants_(constants) {}
+/// Writes forces.csv, scenario.yaml and summary.json of the run with other constants into `to`, which may be its own
+/// folder. Returns the totals. Throws RunError, and InputError where forces.csv of the run is damaged.
+RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std::string& to);
 
-  /// Calls visit() with every row. Throws InputError where forces.csv is damaged.
-  void for_each(const std::function<void(const FrameResult&)>& visit) const;
+enum class ForceChannel {
+  force_x,
+  force_y,
+  force_z,
+  torque_x,
+  torque_y,
+  torque_z,
+  axial_force,
+  spin_torque,
+};
+inline constexpr int kForceChannels = 8;
 
- private:
-  const BasisRun& run_;
-  const ForceConstants& constants_;
+std::string column_of(ForceChannel channel);
+
+struct MeasuredForces {
+  std::vector<ForceChannel> channels;
+  std::vector<double> time_s;
+  std::vector<std::vector<double>> values;  ///< by channel and time; NaN where nothing was measured
+  std::string file = {};                    ///< for messages
 };
 
-/// Writes forces.csv, scenario.yaml and summary.json of the run with other constants into `to`, which may be its own
-/// folder. Returns the totals. Throws RunError.
-RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std::string& to);
+/// Reads a CSV file with `time_s` and any columns of ForceChannel; others are skipped, and cells may be empty. Axial
+/// force and spin torque are left out where all three components are given, whose projections they are. Throws
+/// InputError: no such file, no column, no row, times not ascending.
+MeasuredForces read_measured_forces(const std::string& path);
 
 }  // namespace reamsim

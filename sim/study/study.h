@@ -10,6 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/record/manifest.h"
+#include "sim/scenario/yaml_tree.h"
 
 namespace reamsim {
 
@@ -25,6 +26,13 @@ struct Variation {
   std::vector<std::vector<KeyValue>> levels;  ///< levels[i][k]: of keys[k]
 };
 
+/// The table of a study, a row per patient.
+struct CohortTable : Variation {
+  std::vector<std::string> labels;             ///< column `label`, by row; empty: no such column
+  std::vector<std::string> places;             ///< by row: file and line, for messages
+  std::vector<std::vector<Mistake>> mistakes;  ///< by row: cells that name no input file
+};
+
 /// How a sampled key is distributed. `a`, `b`: normal: mean, standard deviation; lognormal: median, standard deviation
 /// of the logarithm; uniform: ends; tilt_sd_deg: `a` is the standard deviation of two rotations, degrees, about axes
 /// across a direction; shift_sd_mm: `a` is that of each component of a position, mm.
@@ -35,11 +43,9 @@ struct Distribution {
   double a = 0;
   double b = 0;
 
-  /// How many independent variables it takes.
   [[nodiscard]] int dimensions() const;
 };
 
-/// A key of the scenario with its distribution.
 struct SampledKey {
   std::string key;
   Distribution distribution;
@@ -65,10 +71,7 @@ struct Study {
   std::string base;              ///< absolute path of the scenario
   std::vector<std::string> set;  ///< "key=value", for every run
   std::vector<Variation> vary;
-  std::optional<Variation> table;
-  std::vector<std::string> labels;                   ///< column `label` of the table, by row; empty: it has none
-  std::vector<std::string> table_places;             ///< file and line of each row, for messages
-  std::vector<std::vector<Mistake>> table_mistakes;  ///< of each row: cells that name no input file
+  std::optional<CohortTable> table;
   std::optional<SampleSettings> sample;
   KeptFiles keep{.forces = false, .grids = false, .pictures = false};
 };
@@ -77,7 +80,28 @@ struct Study {
 /// to do. Keys are those of scenarios; whether their values are valid is known only from each run's scenario.
 Study read_study(const std::string& path);
 
-/// assets/study.schema.json.
 std::string study_json_schema();
+
+/// Makes the values of scenario keys from what a study or its table has.
+class KeyValues {
+ public:
+  /// `folder`: of the study file, the base of relative paths in it.
+  explicit KeyValues(std::string folder) : folder_(std::move(folder)) {}
+
+  /// The value of `key` that `node` holds. Throws InputError: unknown key, or a text that names no input file.
+  [[nodiscard]] KeyValue of_node(const std::string& key, const YamlNode& node, const SourceLocation& where) const;
+  /// The value of `key` as the cell of a table has it; an empty one leaves the value of the base scenario.
+  [[nodiscard]] KeyValue of_cell(const std::string& key, const std::string& cell, const SourceLocation& where) const;
+
+ private:
+  std::string folder_;
+};
+
+/// Reads a CSV file whose columns are scenario keys, and one row per patient. An empty cell leaves the value of the
+/// base scenario; a column `label` names the rows and is no key. Cells follow RFC 4180. A row
+/// with a cell that names no input file (it does not exist, is a folder, has a variable that is not set) stays, with
+/// its mistakes, so that the other rows run; values of other keys are checked with the scenario of their run.
+/// `mistakes` gets those of the table itself, with line and key: rows of another length, unknown keys.
+CohortTable read_cohort_table(const std::string& path, const KeyValues& values, MistakeList& mistakes);
 
 }  // namespace reamsim

@@ -37,15 +37,13 @@ class StudyFolder {
   [[nodiscard]] std::string run_dir(const std::string& id) const { return dir_ + "/runs/" + id; }
   /// A run is done where it has all files that the study keeps.
   [[nodiscard]] RunState state(const std::string& id) const;
-  /// The names of the folders of runs, whatever plan they belong to, in order; not those of unfinished runs.
+  /// The names of the folders of finished runs, in order.
   [[nodiscard]] std::vector<std::string> run_names() const;
   /// The message of a run that failed; "" where it did not.
   [[nodiscard]] std::string failure(const std::string& id) const;
-  /// Notes that a run failed. Throws RunError.
   void note_failure(const std::string& id, const std::string& message) const;
-  /// Removes that note, for a run that begins.
   void forget_failure(const std::string& id) const;
-  /// Waits until all results are on the disk. Throws RunError.
+  /// Waits until all results are on the disk.
   void sync() const;
 
  private:
@@ -56,10 +54,8 @@ class StudyFolder {
   KeptFiles keep_;
 };
 
-/// Checksums of input files, each computed once.
 class Checksums {
  public:
-  /// As sha256_of().
   const std::string& of(const std::string& path);
 
  private:
@@ -78,8 +74,7 @@ struct OtherRuns {
   std::vector<std::string> differences;  ///< "bone.voxel_mm is 1 there and 0.5 in this plan", at most three
 };
 
-/// Finds them, and compares one with the run of the plan that is most like it. Of what identifies
-/// a run, version, contents of input files, and the sections output and render are not compared.
+/// Compares one of them with the run of the plan that is most like it, but for version, input files, output and render.
 OtherRuns find_other_runs(const Study& study, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
                           const StudyFolder& folder);
 

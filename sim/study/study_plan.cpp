@@ -14,8 +14,7 @@
 #include "sim/scenario/parse.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/show.h"
-#include "sim/study/cohort_table.h"
-#include "sim/study/sampling.h"
+#include "sim/study/study.h"
 #include "sim/study/study_folder.h"
 
 namespace reamsim {
@@ -28,16 +27,6 @@ std::string vector_text(const Vec3& v) {
   return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]";
 }
 
-/// The names of the independent parts of a tilt or shift.
-std::vector<std::string> part_columns(const SampledKey& sampled) {
-  if (sampled.distribution.kind == Distribution::Kind::tilt_sd_deg) {
-    return {sampled.key + ".tilt_1_deg", sampled.key + ".tilt_2_deg"};
-  }
-  if (sampled.distribution.kind != Distribution::Kind::shift_sd_mm) return {};
-  return {sampled.key + ".shift_x_mm", sampled.key + ".shift_y_mm", sampled.key + ".shift_z_mm"};
-}
-
-/// The node at a path of keys, or nullptr.
 const YamlNode* node_at(const YamlNode* node, std::string_view path) {
   while (node != nullptr && !path.empty()) {
     const std::size_t dot = path.find('.');
@@ -75,7 +64,7 @@ class Planner {
  private:
   void make_columns() {
     auto& columns = plan_.columns;
-    if (!study_.labels.empty()) columns.emplace_back("label");
+    if (study_.table && !study_.table->labels.empty()) columns.emplace_back("label");
     for (const Variation& variation : study_.vary) {
       columns.insert(columns.end(), variation.keys.begin(), variation.keys.end());
     }
@@ -113,12 +102,14 @@ class Planner {
   void combine(const std::vector<const Variation*>& variations, std::size_t depth, const PlannedRun& so_far) {
     if (depth == variations.size()) return add_samples(so_far);
     const Variation& variation = *variations[depth];
-    const bool is_table = &variation == (study_.table ? &*study_.table : nullptr);
+    const CohortTable* const table = study_.table && &variation == &*study_.table ? &*study_.table : nullptr;
     for (std::size_t i = 0; i < variation.levels.size(); ++i) {
       PlannedRun run = so_far;
-      if (is_table) run.place = study_.table_places[i];
-      if (is_table) run.mistakes = study_.table_mistakes[i];
-      if (is_table && !study_.labels.empty()) run.cells.insert(run.cells.begin(), study_.labels[i]);
+      if (table != nullptr) {
+        run.place = table->places[i];
+        run.mistakes = table->mistakes[i];
+        if (!table->labels.empty()) run.cells.insert(run.cells.begin(), table->labels[i]);
+      }
       for (std::size_t k = 0; k < variation.keys.size(); ++k) {
         const KeyValue& value = variation.levels[i][k];
         run.cells.push_back(value.shown);
@@ -135,7 +126,8 @@ class Planner {
       std::size_t at = 0;
       for (const SampledKey& sampled : study_.sample->of) {
         if (sampled.distribution.dimensions() == 1) {
-          add_number(sampled, point[at++], run);
+          run.cells.push_back(number_text(sample_number(sampled.distribution, point[at++])));
+          run.overrides.push_back(sampled.key + "=" + run.cells.back());
         } else {
           add_vector(sampled, point, at, run);
         }
@@ -147,12 +139,6 @@ class Planner {
   void add(PlannedRun run) {
     run.number = static_cast<int>(plan_.runs.size()) + 1;
     plan_.runs.push_back(std::move(run));
-  }
-
-  static void add_number(const SampledKey& sampled, double u, PlannedRun& run) {
-    const std::string value = number_text(sample_number(sampled.distribution, u));
-    run.cells.push_back(value);
-    run.overrides.push_back(sampled.key + "=" + value);
   }
 
   void add_vector(const SampledKey& sampled, const std::vector<double>& point, std::size_t& at, PlannedRun& run) {
@@ -200,6 +186,14 @@ class Planner {
 };
 
 }  // namespace
+
+std::vector<std::string> part_columns(const SampledKey& sampled) {
+  if (sampled.distribution.kind == Distribution::Kind::tilt_sd_deg) {
+    return {sampled.key + ".tilt_1_deg", sampled.key + ".tilt_2_deg"};
+  }
+  if (sampled.distribution.kind != Distribution::Kind::shift_sd_mm) return {};
+  return {sampled.key + ".shift_x_mm", sampled.key + ".shift_y_mm", sampled.key + ".shift_z_mm"};
+}
 
 StudyPlan make_plan(const Study& study, const std::vector<std::string>& overrides) {
   return Planner(study, overrides).plan();

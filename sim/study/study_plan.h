@@ -3,16 +3,41 @@
 
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "sim/base/geometry.h"
 #include "sim/scenario/scenario.h"
 #include "sim/study/study.h"
 
 namespace reamsim {
 
-/// One run of a study.
+/// Points of the open unit cube: points[i][d], `n` of them, or with saltelli n·(dimensions + 2).
+///
+/// sobol: the sequence of Sobol with the direction numbers of Joe and Kuo (2008), randomized by a digital shift;
+/// latin_hypercube: one point in each of n equal intervals of every dimension (McKay et al. 1979); monte_carlo:
+/// independent points; saltelli: the matrices A, B and A with one column of B, for every dimension (Saltelli et al.
+/// 2010), from a sobol sequence of twice the dimensions; rows i·(dimensions + 2) … of the result are A, B, AB₁, AB₂, …
+/// of point i.
+///
+/// The same arguments give the same points on every machine. With sobol, monte_carlo and saltelli, a larger n only adds
+/// points. Throws InputError for more dimensions than the sequence has.
+std::vector<std::vector<double>> unit_points(SampleMethod method, int n, int dimensions, std::uint64_t seed);
+
+/// A sample of a normal, lognormal or uniform distribution from u in (0, 1): the inverse of its cumulative
+/// distribution.
+double sample_number(const Distribution& distribution, double u);
+
+double normal_quantile(double u);
+
+/// `direction`, of unit length, rotated about the axis (a·e₁ + b·e₂) by its length in degrees, where e₁ and e₂ are unit
+/// vectors across the direction: e₁ along direction × x, or direction × y where the direction
+/// lies no nearer to y than to x.
+Vec3 tilted(const Vec3& direction, double a_deg, double b_deg);
+
 struct PlannedRun {
   int number = 0;                      ///< from 1, in the order of the plan
   std::vector<std::string> cells;      ///< by column of the plan
@@ -27,21 +52,23 @@ struct StudyPlan {
   std::vector<PlannedRun> runs;
 };
 
+/// Columns of the independent parts of a tilt or shift: KEY.tilt_1_deg, KEY.tilt_2_deg or KEY.shift_x_mm, _y, _z; none
+/// of a number.
+std::vector<std::string> part_columns(const SampledKey& sampled);
+
 /// Combines every level of `vary`, every row of the table and every sample: the first variation changes slowest,
 /// samples fastest, so that runs with the same bone tend to be neighbours. The samples are the same for every
-/// combination. A tilt or shift changes the vector that the run has otherwise, and adds columns of its independent
-/// parts: KEY.tilt_1_deg, KEY.tilt_2_deg or KEY.shift_x_mm, _y, _z. `overrides`: for every run, after those of the
-/// study. Throws InputError: too many runs, or a vector to change that neither the base scenario nor the study gives.
+/// combination. A tilt or shift changes the vector that the run has otherwise, and adds part_columns(). `overrides`:
+/// for every run, after those of the study. Throws InputError: too many runs, or a vector to change that neither the
+/// base scenario nor the study gives.
 StudyPlan make_plan(const Study& study, const std::vector<std::string>& overrides = {});
 
-/// A planned run with the name of its folder.
 struct IdentifiedRun {
   std::string id;       ///< run_id(); "" where the scenario is wrong
   std::string mistake;  ///< then why: all mistakes of its row and its scenario, on one line
 };
 
-/// Parses the scenario of every run, as a command does that runs it alone. `done`: called with the number of finished
-/// runs.
+/// Parses the scenario of every run. `done`: called with the number of finished runs.
 std::vector<IdentifiedRun> identify_runs(const Study& study, const StudyPlan& plan,
                                          const std::function<void(std::size_t)>& done = {});
 

@@ -23,7 +23,6 @@ struct Submission {
   std::string time_limit;  ///< HH:MM:SS, of a shard
 };
 
-/// A file to write below the folder of a submission.
 struct SubmissionFile {
   std::string path;  ///< relative
   std::string text;
@@ -36,7 +35,6 @@ std::vector<SubmissionFile> submission_files(BatchSystem system, const Submissio
 /// How a person starts them from their folder, a command per line.
 std::vector<std::string> start_commands(BatchSystem system, const Submission& submission);
 
-/// Whether this is the text of such a file.
 bool is_submission_text(const std::string& text);
 
 /// Seconds of HH:MM:SS; −1 where the text is none.
@@ -48,7 +46,6 @@ std::string plain_name(const std::string& name);
 /// A word of a POSIX shell with exactly these bytes.
 std::string shell_word(const std::string& text);
 
-/// A Python string literal of this text.
 std::string python_literal(const std::string& text);
 
 }  // namespace reamsim

@@ -14,7 +14,6 @@
 #include "sim/scenario/find_key.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
-#include "sim/study/sampling.h"
 #include "sim/study/study_plan.h"
 
 namespace reamsim {
@@ -36,7 +35,6 @@ constexpr std::array<std::string_view, 9> kConstants{"cutting.specific_energy_j_
 /// The first line of the study of the runs, by which a folder is known as that of an analysis.
 constexpr std::string_view kRunsMark = "# The runs of an uncertainty analysis; written by reamsim.\n";
 
-/// What the runs have where forces for the constants follow from them.
 constexpr std::string_view kWithBasis = "output.force_basis=true";
 
 std::string runs_file(const std::string& dir) {
@@ -47,15 +45,6 @@ bool is_constant(const SampledKey& sampled) {
   return std::ranges::find(kConstants, sampled.key) != kConstants.end();
 }
 
-std::string name_of_part(const SampledKey& sampled, int part) {
-  static constexpr const char* kTilts[] = {".tilt_1_deg", ".tilt_2_deg"};
-  static constexpr const char* kShifts[] = {".shift_x_mm", ".shift_y_mm", ".shift_z_mm"};
-  if (sampled.distribution.kind == Distribution::Kind::tilt_sd_deg) return sampled.key + kTilts[part];
-  if (sampled.distribution.kind == Distribution::Kind::shift_sd_mm) return sampled.key + kShifts[part];
-  return sampled.key;
-}
-
-/// A cell of a table as RFC 4180 has it.
 std::string quoted_cell(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
@@ -109,19 +98,18 @@ UqDesign::UqDesign(Study study) : study_(std::move(study)) {
   require_samples_alone(study_);
   const SampleSettings& sample = *study_.sample;
   for (std::size_t key = 0; key < sample.of.size(); ++key) {
-    for (int part = 0; part < sample.of[key].distribution.dimensions(); ++part) {
-      inputs_.push_back({name_of_part(sample.of[key], part), key, is_constant(sample.of[key])});
-    }
+    std::vector<std::string> names = part_columns(sample.of[key]);
+    if (names.empty()) names = {sample.of[key].key};
+    for (const std::string& name : names) inputs_.push_back({name, key, is_constant(sample.of[key])});
   }
   const auto count = static_cast<Eigen::Index>(inputs_.size());
   const auto both = unit_points(SampleMethod::sobol, sample.n, 2 * static_cast<int>(count), sample.seed);
   a_.resize(sample.n, count);
   b_.resize(sample.n, count);
   for (Eigen::Index i = 0; i < sample.n; ++i) {
-    for (Eigen::Index d = 0; d < count; ++d) {
-      a_(i, d) = both[static_cast<std::size_t>(i)][static_cast<std::size_t>(d)];
-      b_(i, d) = both[static_cast<std::size_t>(i)][static_cast<std::size_t>(count + d)];
-    }
+    const Eigen::Map<const Eigen::RowVectorXd> row(both[static_cast<std::size_t>(i)].data(), 2 * count);
+    a_.row(i) = row.head(count);
+    b_.row(i) = row.tail(count);
   }
   require_samples_in_range();
   for (const Eigen::VectorXd& point : points()) {
@@ -197,10 +185,6 @@ std::vector<double> UqDesign::run_part(const Eigen::VectorXd& point) const {
     if (!inputs_[d].constant) out.push_back(point[static_cast<Eigen::Index>(d)]);
   }
   return out;
-}
-
-std::size_t UqDesign::run_of(const Eigen::VectorXd& point) const {
-  return run_places_.at(run_part(point));
 }
 
 std::vector<std::pair<std::string, double>> UqDesign::constants(const Eigen::VectorXd& point) const {

@@ -28,8 +28,7 @@ bool has_forces_of_base_law(const Study& runs, const std::string& dir);
 /// Whether a result of a study's table, such as "forces.peak_force_n", follows from the constants of the force law.
 bool depends_on_law(const std::string& name);
 
-/// The points at which the outputs of a study are needed for bands and sensitivity indices, and the runs that they
-/// need.
+/// The points at which bands and sensitivity indices need the outputs of a study, and their runs.
 class UqDesign {
  public:
   /// Throws InputError unless the study consists of samples alone, each within the range of its key.
@@ -41,24 +40,19 @@ class UqDesign {
   [[nodiscard]] const Eigen::MatrixXd& b() const { return b_; }
   /// All points: the rows of `a`, those of `b`, and for every input those of `a` with its column of `b`.
   [[nodiscard]] std::vector<Eigen::VectorXd> points() const;
-  /// The number of different runs.
   [[nodiscard]] std::size_t runs() const { return run_points_.size(); }
   /// The run of a point. Its number in the study of runs is one more.
-  [[nodiscard]] std::size_t run_of(const Eigen::VectorXd& point) const;
-  /// The constants at a point, by their keys.
+  [[nodiscard]] std::size_t run_of(const Eigen::VectorXd& point) const { return run_places_.at(run_part(point)); }
   [[nodiscard]] std::vector<std::pair<std::string, double>> constants(const Eigen::VectorXd& point) const;
   /// Whether forces come from the force basis of the runs: some inputs are constants. Otherwise from their forces.csv.
   [[nodiscard]] bool needs_basis() const;
-  /// Throws InputError where a scenario refuses a run: such a run would fail after the others are simulated, and no
-  /// band or index follows from the rest.
+  /// Throws InputError where a scenario refuses a run: no band or index follows from the rest.
   void require_valid_runs() const;
-  /// Writes DIR/runs.yaml, a study of the runs, with their force basis where it is needed, and its table. Returns its
-  /// path. Throws RunError.
+  /// Writes DIR/runs.yaml, a study of the runs, and its table. Returns its path. Throws RunError.
   [[nodiscard]] std::string write_runs(const std::string& dir) const;
 
  private:
   void require_samples_in_range() const;
-  /// The samples of the inputs that need runs.
   [[nodiscard]] Study study_of_runs() const;
   [[nodiscard]] std::vector<double> run_part(const Eigen::VectorXd& point) const;
 

@@ -14,7 +14,7 @@
 #include "sim/record/manifest.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/recorder.h"
-#include "sim/record/vti.h"
+#include "sim/record/summary.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {

@@ -1,15 +1,14 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/record/row_decimator.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "sim/record/layer_mean.h"
+#include "sim/record/force_log.h"
+#include "sim/record/run_totals.h"
 
 namespace reamsim {
 namespace {

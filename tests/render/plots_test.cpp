@@ -16,7 +16,7 @@
 #include "render/render.h"
 #include "sim/base/error.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/record/layer_mean.h"
+#include "sim/record/run_totals.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The balance of springs (sim/run/springs.h) on bones that are functions.
-#include "sim/run/springs.h"
+// The balance of springs (sim/run/balance.h) on bones that are functions.
+#include "sim/run/balance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The balance of a hand (sim/run/thrust_balance.h) on bones that are functions.
-#include "sim/run/thrust_balance.h"
+// The balance of a hand (sim/run/balance.h) on bones that are functions.
+#include "sim/run/balance.h"
 
 #include <gtest/gtest.h>
 

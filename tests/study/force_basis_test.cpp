@@ -4,7 +4,7 @@
 // The force basis of a run gives the forces of a run with other constants.
 #include <iostream>
 
-#include "sim/record/force_basis_file.h"
+#include "sim/record/recorder.h"
 #include "sim/scenario/presets.h"
 #include "sim/tool/distance_grid.h"
 #include "sim/tool/envelope.h"

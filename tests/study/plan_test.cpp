@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/study/sampling.h"
+#include "sim/study/study_plan.h"
 #include "tests/study/study_fixture.h"
 
 namespace reamsim::test {

@@ -27,7 +27,7 @@ TEST_F(StudyReader, ReadsEveryKey) {
   ASSERT_EQ(read.vary.size(), 2U);
   EXPECT_THAT(read.vary[1].keys, ElementsAre("motion.plunge.spin_rpm", "motion.plunge.dwell_s"));
   EXPECT_EQ(read.vary[1].levels[1][1].applied, "1");
-  EXPECT_THAT(read.labels, ElementsAre("first", "second, \"b\""));
+  EXPECT_THAT(read.table->labels, ElementsAre("first", "second, \"b\""));
   EXPECT_EQ(read.table->levels[1][0].applied, "") << "an empty cell leaves the base scenario's value";
   EXPECT_EQ(read.table->levels[0][1].shown, "convex.stl");
   EXPECT_THAT(read.table->levels[0][1].applied, HasSubstr("/convex.stl")) << "relative to the study";
@@ -43,7 +43,7 @@ TEST_F(StudyReader, ReadsTablesOfSpreadsheets) {
         "  P02 ,,\"[0, 0.5, 0]\"\r\n,,\r\n ,,\r\n");
   const Study read = study("table: cohort.csv\n");
   EXPECT_THAT(read.table->keys, ElementsAre("tool.mesh", "motion.plunge.entry_mm"));
-  EXPECT_THAT(read.labels, ElementsAre("Müller, A.\r\n(left)", "P02"));
+  EXPECT_THAT(read.table->labels, ElementsAre("Müller, A.\r\n(left)", "P02"));
   ASSERT_EQ(read.table->levels.size(), 2U);
   EXPECT_THAT(read.table->levels[0][0].applied, HasSubstr("/convex.stl"));
   EXPECT_EQ(read.table->levels[0][1].applied, "[1, 2, 3]");

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/study/run_table.h"
+#include "sim/study/collect.h"
 
 namespace reamsim::test {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <set>
 
-#include "sim/study/sampling.h"
+#include "sim/study/study_plan.h"
 
 namespace reamsim::test {
 namespace {
