@@ -9,7 +9,6 @@
 
 #include "render/film/encoder.h"
 #include "render/film/film.h"
-#include "render/pictures/captions.h"
 #include "render/pictures/composites.h"
 #include "render/render.h"
 #include "render/render_thread.h"

@@ -9,7 +9,6 @@
 
 #include "render/film/encoder.h"
 #include "render/gl/pixel_image.h"
-#include "render/pictures/captions.h"
 #include "render/pictures/run_view.h"
 #include "sim/record/force_log.h"
 

@@ -7,9 +7,7 @@
 #include <vector>
 
 #include "render/gl/camera.h"
-#include "render/surface/solid_field.h"
-#include "render/surface/unreamed_surface.h"
-#include "sim/bone/voxmap/voxmap.h"
+#include "render/surface/bone_surface.h"
 
 namespace reamsim {
 
@@ -23,9 +21,8 @@ struct CutFace {
 };
 
 /// Samples the cut plane of `camera` within the picture and the bone's box, one texel per pixel but not finer than a
-/// quarter of a voxel. The boundary between the layers of a mesh bone is drawn at its depth below `unreamed`, without
-/// voxel steps. Empty (width 0) when the plane misses the bone.
-CutFace sample_cut_face(const Voxmap& voxmap, const FillBricks& fill, const SolidField& field,
-                        const UnreamedSurface& unreamed, const Camera& camera);
+/// quarter of a voxel. The boundary between the layers of a mesh bone is drawn at its depth below the unreamed surface,
+/// without voxel steps. Empty (width 0) when the plane misses the bone.
+CutFace sample_cut_face(const BoneFields& bone, const Camera& camera);
 
 }  // namespace reamsim

@@ -22,10 +22,11 @@
 
 namespace reamsim {
 
-/// A closed line on a surface, B, mm.
+/// A closed contour line on a surface, B, mm.
 struct SurfaceLine {
   std::vector<Vec3> points_mm;
   bool light = false;  ///< drawn white instead of nearly black
+  double value = 0;    ///< of what is constant along it
 };
 
 /// Lines as ribbons that face the viewer, with one width in the picture.

@@ -6,17 +6,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
-#include <vector>
 
 #include "render/surface/unreamed_surface.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/record/snapshot.h"
 #include "sim/scene/contact_forecast.h"
 #include "sim/tool/envelope.h"
 
 namespace reamsim {
-
 namespace {
 
 Rigid spinning(const ToolPose& pose) {
@@ -38,6 +36,30 @@ std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from
     circle.emplace_back(bone_from_tool * Vec3(radius * std::cos(angle), radius * std::sin(angle), widest.z()));
   }
   return circle;
+}
+
+/// Least fraction of the run's greatest force that is drawn as an arrow.
+constexpr double kMinArrowFraction = 0.01;
+
+/// The tool's path, with the frames of the run.
+ToolPath path_of_pass(const ToolPass& pass) {
+  std::vector<PathSample> path;
+  for (std::size_t i = 0; i < pass.poses.size(); ++i) {
+    path.push_back({pass.poses[i], static_cast<std::size_t>(pass.pose_frames[i])});
+  }
+  return {std::move(path), tool_reach_mm(pass.tool)};
+}
+
+/// Adds a pass after those so far.
+void add_pass(const RunInputs& run, std::size_t index, PredictedRun& out) {
+  const ToolPass& pass = run.passes[index];
+  const Profile tool = envelope_of_revolution(pass.tool).profile;
+  const auto contact = forecast_contact_frames(*run.voxmap, out.bone.fill, tool, path_of_pass(pass));
+  if (contact) out.contact.push_back(*contact);
+  PredictedBone bone = predict_swept_bone(*run.voxmap, out.bone.fill, tool, pass.poses, run.whole_voxels);
+  if (!bone.touches) return;
+  out.bone = std::move(bone);
+  out.pass = index;
 }
 
 }  // namespace
@@ -81,30 +103,41 @@ Labels RunView::labels(const Camera& camera, const std::optional<PlacedTool>& to
   return labels;
 }
 
-namespace {
-
-/// The tool's path, with the frames of the run.
-ToolPath path_of_pass(const ToolPass& pass) {
-  std::vector<PathSample> path;
-  for (std::size_t i = 0; i < pass.poses.size(); ++i) {
-    path.push_back({pass.poses[i], static_cast<std::size_t>(pass.pose_frames[i])});
+Captions::Captions(ForceLog log, double mean_travel_mm, bool arrows)
+    : log_(std::move(log)), mean_(mean_travel_mm > 0 ? "mean " : ""), arrows_(arrows) {
+  add_layer_means(log_, mean_travel_mm);
+  for (const ForceRow& row : log_.rows) {
+    max_force_n_ = std::max(max_force_n_, row.layer_force_n.norm());
   }
-  return {std::move(path), tool_reach_mm(pass.tool)};
 }
 
-/// Adds a pass after those so far.
-void add_pass(const RunInputs& run, std::size_t index, PredictedRun& out) {
-  const ToolPass& pass = run.passes[index];
-  const Profile tool = envelope_of_revolution(pass.tool).profile;
-  const auto contact = forecast_contact_frames(*run.voxmap, out.bone.fill, tool, path_of_pass(pass));
-  if (contact) out.contact.push_back(*contact);
-  PredictedBone bone = predict_swept_bone(*run.voxmap, out.bone.fill, tool, pass.poses, run.whole_voxels);
-  if (!bone.touches) return;
-  out.bone = std::move(bone);
-  out.pass = index;
+Captions::Values Captions::at(const ForceRow& row) const {
+  const bool several = log_.rows.back().pass > 1;
+  Values out{{several ? "pass " + std::to_string(row.pass) + ", time" : "time", fixed_text(row.time_s, 3) + " s"},
+             {"tool depth", depth_text(row.depth_mm)},
+             {mean_ + "axial force", fixed_text(row.layer_axial_force_n, 1) + " N"},
+             {mean_ + "spin torque", fixed_text(row.layer_spin_torque_nmm, 0) + " N·mm"},
+             {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
+  if (row.push) out.insert(out.begin() + 2, {"feed rate", fixed_text(row.push->feed_mm_s, 2) + " mm/s"});
+  return out;
 }
 
-}  // namespace
+Captions::Values Captions::after(double deepest_mm) const {
+  const KeyResults run = headline();
+  return {{KeyResults::kDepthName, run.depth_text() + " mm"},
+          {run.force_name(), run.force_text() + " N"},
+          {run.torque_name(), run.torque_text() + " N·mm"},
+          {"removed", fixed_text(log_.rows.back().removed_mm3, 1) + " mm³"},
+          {"greatest reamed depth", fixed_text(deepest_mm, 2) + " mm"}};
+}
+
+std::optional<ForceArrow> Captions::arrow(const ForceRow& row) const {
+  const double force_n = row.layer_force_n.norm();
+  if (!arrows_ || force_n == 0 || force_n < kMinArrowFraction * max_force_n_) return std::nullopt;
+  // The resultant; a mean has only its axial part.
+  const std::string name = mean_.empty() ? "resultant " : mean_ + "axial force ";
+  return ForceArrow{row.pose.position_mm, row.layer_force_n / max_force_n_, name + fixed_text(force_n, 1) + " N"};
+}
 
 double tool_reach_mm(const TriangleMesh& tool) {
   double reach_mm = 0;
