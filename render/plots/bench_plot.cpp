@@ -1,13 +1,11 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/plots/bench_plot.h"
+#include "render/plots/plots.h"
 
 #include <algorithm>
 #include <set>
 #include <sstream>
-
-#include "render/plots/plots.h"
 
 namespace reamsim {
 namespace embedded {

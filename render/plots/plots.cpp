@@ -18,7 +18,6 @@
 #include "sim/record/force_log.h"
 
 namespace reamsim {
-
 namespace embedded {
 extern const char* const plot_style;
 extern const char* const plot_script;
@@ -26,6 +25,7 @@ extern const char* const depth_plot_script;
 extern const char* const energy_plot_script;
 extern const char* const push_plot_script;
 extern const char* const deflection_plot_script;
+extern const char* const removed_density_script;
 }  // namespace embedded
 namespace {
 
@@ -146,6 +146,34 @@ std::string data_of(const std::string& dir, const ForceLog& log) {
   return out.str();
 }
 
+// All classes have the same number of grades.
+constexpr int kGradesPerClass = 5;
+constexpr std::size_t kClasses = 250 / kGradesPerClass;
+using Histogram = std::array<double, kClasses>;  // mm³
+
+Histogram removed_by_density(const Voxmap& voxmap, const FillBricks& before, const FillBricks& after) {
+  Histogram out{};
+  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& last) {
+    const GradeBricks::Brick* grades = voxmap.grade.brick(coord);
+    if (grades == nullptr) return;
+    const FillBricks::Brick* first = before.brick(coord);
+    for (std::size_t i = 0; i < last.size(); ++i) {
+      if ((*grades)[i] == 0) continue;
+      const int removed = (first == nullptr ? FillBricks::kWhole : (*first)[i]) - last[i];
+      const std::size_t density_class = std::min<std::size_t>(((*grades)[i] - 1) / kGradesPerClass, kClasses - 1);
+      out[density_class] += static_cast<double>(removed) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
+    }
+  });
+  return out;
+}
+
+std::string on_one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  const std::size_t first = text.find_first_not_of(' ');
+  const std::size_t last = text.find_last_not_of(' ');
+  return first == std::string::npos ? std::string("no message") : text.substr(first, last - first + 1);
+}
+
 }  // namespace
 
 CsvWriter plot_csv(const std::string& dir, const std::string& name, const std::string& header) {
@@ -182,34 +210,6 @@ void write_deflection_plot(const std::string& dir) {
   draw_plot(dir, "plots/deflection", "csv = \"forces.csv\"\n\n", embedded::deflection_plot_script);
 }
 
-namespace embedded {
-extern const char* const removed_density_script;
-}
-namespace {
-
-// All classes have the same number of grades.
-constexpr int kGradesPerClass = 5;
-constexpr std::size_t kClasses = 250 / kGradesPerClass;
-using Histogram = std::array<double, kClasses>;  // mm³
-
-Histogram removed_by_density(const Voxmap& voxmap, const FillBricks& before, const FillBricks& after) {
-  Histogram out{};
-  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& last) {
-    const GradeBricks::Brick* grades = voxmap.grade.brick(coord);
-    if (grades == nullptr) return;
-    const FillBricks::Brick* first = before.brick(coord);
-    for (std::size_t i = 0; i < last.size(); ++i) {
-      if ((*grades)[i] == 0) continue;
-      const int removed = (first == nullptr ? FillBricks::kWhole : (*first)[i]) - last[i];
-      const std::size_t density_class = std::min<std::size_t>(((*grades)[i] - 1) / kGradesPerClass, kClasses - 1);
-      out[density_class] += static_cast<double>(removed) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
-    }
-  });
-  return out;
-}
-
-}  // namespace
-
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
                            const FillBricks& after) {
   const Histogram removed = removed_by_density(voxmap, before, after);
@@ -222,17 +222,6 @@ void write_removed_density(const std::string& dir, const Voxmap& voxmap, const F
   csv.close();
   draw_plot(dir, "plots/removed_density", "", embedded::removed_density_script);
 }
-
-namespace {
-
-std::string on_one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  const std::size_t first = text.find_first_not_of(' ');
-  const std::size_t last = text.find_last_not_of(' ');
-  return first == std::string::npos ? std::string("no message") : text.substr(first, last - first + 1);
-}
-
-}  // namespace
 
 std::string gnuplot_string(const std::string& text) {
   std::string out = "'";

@@ -4,13 +4,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/base/csv.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/record/force_log.h"
-#include "sim/scenario/scenario.h"
+#include "sim/record/verification.h"
 
 namespace reamsim {
 
@@ -75,5 +76,38 @@ std::string gnuplot_string(const std::string& text);
 /// be written, gnuplot is missing or fails, or one of `pictures` (names in `dir`) is missing afterwards.
 void run_gnuplot(const std::string& dir, const std::string& script, const std::string& text,
                  const std::vector<std::string>& pictures);
+
+/// Data of a benchmark's figure: times of severe contact by voxmap and shell, and against the VOI.
+struct BenchPlot {
+  struct Point {
+    std::string program;
+    int voxmap = 0;  ///< cells along an edge
+    int shell = 0;
+    double ms = 0;
+    std::optional<double> paper_ms;
+  };
+  struct VoiPoint {
+    std::string program;
+    double percent = 0;  ///< of the tool's box
+    double with_ms = 0;
+    double without_ms = 0;
+  };
+
+  std::string device;
+  std::vector<Point> severe;
+  std::vector<VoiPoint> voi;
+};
+
+/// Writes bench.gp, bench.png and bench.svg into `dir`. Throws RunError when gnuplot is missing or fails.
+void write_bench_plot(const std::string& dir, const BenchPlot& plot);
+
+/// The report of a verification: tables in Markdown, with a reference to verification.png.
+std::string verification_markdown(const verify::Findings& findings);
+/// The report as JSON; see docs/columns.md.
+std::string verification_json(const verify::Findings& findings);
+
+/// Writes verification.md, verification.json, and the figure of the refinements (verification.gp, .png, .svg) into
+/// `dir`. Throws RunError when a file cannot be written, or gnuplot is missing or fails.
+void write_verification(const std::string& dir, const verify::Findings& findings);
 
 }  // namespace reamsim

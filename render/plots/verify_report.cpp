@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/plots/verify_report.h"
+#include "render/plots/plots.h"
 
 #include <fmt/core.h>
 
@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "render/plots/plots.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 
