@@ -5,6 +5,7 @@
 
 #include <dlfcn.h>
 
+#include <functional>
 #include <initializer_list>
 #include <memory>
 #include <string>
@@ -50,7 +51,10 @@ class DynamicLibrary {
 /// Pictures are rendered into framebuffer objects, so the context itself has no size.
 class OffscreenContext {
  public:
-  virtual ~OffscreenContext() = default;
+  /// Makes the context current and loads its functions by `address`. `release` destroys it. Throws RunError.
+  OffscreenContext(RenderContext kind, std::function<void()> make_current, std::function<void()> release,
+                   const std::function<void*(const char*)>& address);
+  ~OffscreenContext() { release_(); }
   OffscreenContext(const OffscreenContext&) = delete;
   OffscreenContext& operator=(const OffscreenContext&) = delete;
 
@@ -60,14 +64,12 @@ class OffscreenContext {
   /// The OpenGL functions of this context.
   [[nodiscard]] const Gl& gl() const { return gl_; }
   /// Makes this context current on the calling thread.
-  virtual void make_current() = 0;
-
- protected:
-  explicit OffscreenContext(RenderContext kind) : kind_(kind) {}
-  Gl gl_;
+  void make_current() const { make_current_(); }
 
  private:
   RenderContext kind_;
+  std::function<void()> make_current_, release_;
+  Gl gl_;
 };
 
 /// Mesa's software rasteriser through libOSMesa. Throws RunError: no library, no OpenGL 4.5.

@@ -15,12 +15,25 @@
 #include "render/gl/cut_face.h"
 #include "render/gl/gl_objects.h"
 #include "render/gl/pixel_image.h"
-#include "render/gl/tile_bounds.h"
 #include "render/surface/bone_surface.h"
 #include "render/surface/surface_smoothing.h"
 #include "sim/scenario/choices.h"
 
 namespace reamsim {
+
+/// Bounding box and normal cone of a part of the bone's surface, for culling.
+struct TileBounds {
+  Eigen::AlignedBox3d box_mm;        ///< in B
+  Vec3 mean_normal = Vec3::UnitZ();  ///< of its triangles, outward
+  double normal_cone_sine = 1;       ///< sine of the largest angle to a normal; 1: a right angle or more
+};
+
+/// Bounds of a surface that has triangles.
+TileBounds tile_bounds(const BoneSurface& surface);
+
+/// Can the camera see any of it? False only if all of it is outside the frustum, cut away, or, without a cut, faces
+/// away.
+bool may_be_visible(const TileBounds& bounds, const Camera& camera);
 
 /// A closed contour line on a surface, B, mm.
 struct SurfaceLine {
@@ -67,9 +80,6 @@ class Scene {
  public:
   /// Throws RunError when a shader does not compile.
   Scene(const Gl& gl, const std::vector<ToolSurface>& tools);
-  ~Scene();
-  Scene(const Scene&) = delete;
-  Scene& operator=(const Scene&) = delete;
 
   /// Uploads the changed tiles of the bone.
   void set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed);
@@ -77,7 +87,10 @@ class Scene {
   [[nodiscard]] PixelImage draw(const DrawCall& call);
 
  private:
-  struct Programs;
+  struct Programs {
+    explicit Programs(const Gl& gl);
+    GlProgram background, bone, cut_face, line, tool, tool_cut;
+  };
   struct Tile {
     GlMesh mesh;
     TileBounds bounds;
@@ -93,7 +106,7 @@ class Scene {
   void draw_translucent(const GlMesh& tool, const GlProgram& program) const;
 
   const Gl& gl_;
-  std::unique_ptr<Programs> programs_;
+  Programs programs_;
   std::map<std::tuple<int, int, bool>, GlTarget> targets_;  ///< by width, height and whether it is multisampled
   std::deque<GlMesh> tools_;
   std::vector<std::unique_ptr<Tile>> bone_;  ///< null where a tile is empty
