@@ -10,8 +10,6 @@
 #include <iterator>
 #include <limits>
 #include <set>
-#include <string>
-#include <vector>
 
 #include "render/plots/plots.h"
 #include "sim/base/csv.h"

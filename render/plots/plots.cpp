@@ -9,13 +9,11 @@
 #include <cstring>
 #include <filesystem>
 #include <sstream>
-#include <string>
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/process.h"
 #include "sim/base/text.h"
-#include "sim/record/force_log.h"
 
 namespace reamsim {
 namespace embedded {
