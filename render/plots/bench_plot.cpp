@@ -24,7 +24,6 @@ std::vector<std::string> programs_of(const BenchPlot& plot) {
   return programs;
 }
 
-/// The data and names that the script plots.
 std::string data_of(const BenchPlot& plot) {
   const auto programs = programs_of(plot);
   const auto number = [&](const std::string& program) {

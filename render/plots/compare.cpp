@@ -3,7 +3,7 @@
 
 #include "render/plots/compare.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -58,9 +58,7 @@ unsigned ramp_color(double fraction) {
 }
 
 std::string array_text(const std::string& name, const std::vector<std::string>& items) {
-  std::string out = "array " + name + "[" + std::to_string(items.size()) + "] = [";
-  for (std::size_t i = 0; i < items.size(); ++i) out += (i == 0 ? "" : ", ") + items[i];
-  return out + "]\n";
+  return fmt::format("array {}[{}] = [{}]\n", name, items.size(), fmt::join(items, ", "));
 }
 
 std::string color_text(unsigned color) {
@@ -83,17 +81,13 @@ std::string shortened(const std::string& text) {
   return out;
 }
 
-/// "3  label": the number is that of runs.csv.
-std::string entry_of(const Comparison& comparison, std::size_t run) {
-  return std::to_string(run + 1) + "  " + shortened(comparison.runs[run].label);
-}
-
 std::string single_styles(const Comparison& comparison) {
   std::vector<std::string> shades, dashes, entries, entry_shades, entry_dashes;
   for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
     shades.push_back(color_text(kCurveColors[i % kCurveColors.size()]));
     dashes.push_back(std::to_string(i / kCurveColors.size() % kDashes + 1));
-    entries.push_back(gnuplot_string(entry_of(comparison, i)));
+    // "3  label": the number is that of runs.csv.
+    entries.push_back(gnuplot_string(std::to_string(i + 1) + "  " + shortened(comparison.runs[i].label)));
   }
   const bool short_entries =
       std::ranges::all_of(entries, [](const std::string& entry) { return text_width(entry) <= kShortEntry + 2; });

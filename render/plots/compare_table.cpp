@@ -171,8 +171,7 @@ void for_each_number(const Json& json, const std::string& key, const Visit& visi
 /// Ends the name of a parameter: the contents of an input file.
 constexpr std::string_view kSumOfInput = " (contents)";
 
-/// Adds the checksums of input files, which are comments of scenario.yaml: "# sha256 SUM  KEY  PATH". Their beginnings
-/// tell files apart.
+/// Adds the beginnings of the checksums of input files, comments of scenario.yaml: "# sha256 SUM  KEY  PATH".
 void add_checksums(const std::string& text, ScenarioValues& out) {
   constexpr std::string_view kBegin = "# sha256 ";
   constexpr std::size_t kShown = 12;

@@ -85,8 +85,7 @@ std::vector<CuttingPass> cutting_passes(const ForceLog& log) {
   return out;
 }
 
-/// What the scripts know of passes: the time before each that they hide, and where to put its number. A run of one pass
-/// has none.
+/// What the scripts know of several passes: the time before each that they hide, and where to put its number.
 std::string pass_block(const ForceLog& log) {
   constexpr double kMargin = 0.05;  // of the time of contact, shown before and after that of a pass
   std::vector<CuttingPass> passes = cutting_passes(log);
