@@ -7,7 +7,6 @@
 #include <future>
 #include <limits>
 
-#include "render/film/encoder.h"
 #include "render/film/film.h"
 #include "render/pictures/composites.h"
 #include "render/render.h"

@@ -14,8 +14,7 @@
 namespace reamsim {
 namespace {
 
-/// Mesa's software rasteriser among the devices of EGL, so that pictures do not depend on the machine's GPU; null
-/// where EGL does not list devices, or has no such one.
+/// Mesa's software rasteriser, so that pictures do not depend on the machine's GPU; null where EGL does not list it.
 EGLDeviceEXT software_device(const DynamicLibrary& egl) {
   const auto address = egl.function<decltype(&eglGetProcAddress)>("eglGetProcAddress");
   const auto query_devices = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(address("eglQueryDevicesEXT"));

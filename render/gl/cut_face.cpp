@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/gl/cut_face.h"
+#include "render/gl/scene.h"
 
 #include <algorithm>
 #include <cmath>

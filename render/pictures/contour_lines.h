@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "render/pictures/page_layout.h"
@@ -67,12 +66,11 @@ struct ContourLine {
   [[nodiscard]] double length_mm() const;
 };
 
-/// All lines of one value: marching squares, then smoothed along the line, against the steps of the raster. The raster
-/// counts as surrounded by lower values, so that every line is closed.
+/// All lines of one value: marching squares, then smoothed along the line. The raster counts as surrounded by lower
+/// values, so that every line is closed.
 std::vector<ContourLine> contour_lines(const RasterField& field, double value);
 
-/// The lines at the ticks of a legend above 0, ascending, as every picture of reamed depth draws them. Rings shorter
-/// than kShortestContour_mm, such as those around the core of a cannula, are left out.
+/// The lines at the ticks of a legend above 0, ascending, without rings as short as those around a cannula's core.
 std::vector<ContourLine> depth_contours(const RasterField& signed_depth_mm, const Scale& scale);
 constexpr double kShortestContour_mm = 12;
 

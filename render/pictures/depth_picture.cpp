@@ -12,7 +12,6 @@
 #include "render/pictures/overlay.h"
 #include "render/pictures/run_view.h"
 #include "render/surface/reamed_mesh.h"
-#include "render/surface/unreamed_surface.h"
 #include "sim/base/parallel.h"
 #include "sim/base/text.h"
 #include "sim/mesh/mesh_io.h"

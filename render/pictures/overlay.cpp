@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/gl/scene.h"
 #include "render/pictures/canvas.h"
 
 namespace reamsim {
@@ -24,20 +25,16 @@ constexpr Rgba kLineColor{0.78, 0.80, 0.83, 1};
 void draw_values(const Canvas& canvas, const PageLayout& layout, const Labels& labels) {
   const double u = layout.unit;
   const Box box = layout.labels();
-  double y = layout.values_y();
+  double y = box.y;
   if (!labels.title.empty()) {
     const TextLine title(canvas, labels.title, kTitle * u, true, box.width);
-    canvas.set_color(kTextColor);
     title.draw(box.x, box.y);
-    y = std::max(y, box.y + title.height + kValueGap * u);
+    y = std::max(layout.values_y(), box.y + title.height + kValueGap * u);
   }
-  if (labels.title.empty()) y = box.y;
   for (const auto& [name, value] : labels.values) {
     const TextLine name_text(canvas, name, kName * u);
     const TextLine number(canvas, value, kValue * u);
-    canvas.set_color(kFaintTextColor);
-    name_text.draw(box.x, y);
-    canvas.set_color(kTextColor);
+    name_text.draw(box.x, y, kFaintTextColor);
     number.draw(box.x, y + name_text.height);
     y += name_text.height + number.height + kValueGap * u;
   }
@@ -48,10 +45,8 @@ void draw_legend(const Canvas& canvas, double u, const Legend& legend, const Box
   cairo_t* c = canvas.get();
   const TextLine title(canvas, legend.title, 0.9 * kName * u);
   const TextLine unit_text(canvas, legend.unit, 0.9 * kName * u);
-  canvas.set_color(kTextColor);
   title.draw(bar.x, bar.y - title.height - unit_text.height - 10 * u);
-  canvas.set_color(kFaintTextColor);
-  unit_text.draw(bar.x, bar.y - unit_text.height - 10 * u);
+  unit_text.draw(bar.x, bar.y - unit_text.height - 10 * u, kFaintTextColor);
   const int rows = static_cast<int>(std::ceil(bar.height));
   for (int row = 0; row < rows; ++row) {
     const Eigen::Vector3f color = legend.colors.at(1 - (row + 0.5) / rows);
@@ -105,8 +100,7 @@ void draw_directions(const Canvas& canvas, const PageLayout& layout, const Camer
   }
 }
 
-/// The column's ground. On a transparent background it is a plate of its own, so that text is legible on any slide; on
-/// a white one a line parts it from bone that the edge of the view cuts off.
+/// The column's ground: a plate on a transparent background, for legibility; a line beside the view on a white one.
 void draw_ground(const Canvas& canvas, const PageLayout& layout, Background background) {
   const double column = layout.width_px - layout.view_width_px;
   const Box box{static_cast<double>(layout.view_width_px), 0, column, static_cast<double>(layout.height_px)};
@@ -148,8 +142,7 @@ void draw_force_text(const Canvas& canvas, const Camera& camera, double u, const
   box.x = std::max(0.0, std::min(box.x, camera.width_px - box.width));
   box.y = std::max(0.0, std::min(box.y, camera.height_px - box.height));
   canvas.fill_panel(box, 5 * u, kPlateColor);
-  canvas.set_color(kForceColor);
-  text.draw(box.x + 8 * u, box.y + 3 * u);
+  text.draw(box.x + 8 * u, box.y + 3 * u, kForceColor);
 }
 
 /// The force on the tool, unless it points at the viewer.

@@ -41,13 +41,9 @@ struct SeenContour {
 
 /// Text and brightness of the contour of a value; without points.
 SeenContour contour_style(double value, const Scale& scale);
-/// Opacity and width of contour lines, in every picture; the width holds for a picture 1080 high.
-constexpr double kContourOpacity = 0.75;
-constexpr double kContourWidth_px = 2.2;
 
-/// Where the number of each contour is drawn: where the line is visible, farthest from the other lines and numbers.
-/// Contours without such a place have no number.
-/// `unit`: pixels per pixel of a picture 1080 high.
+/// Where the number of a contour is drawn: where the line is visible, farthest from other lines and numbers, if there
+/// is such a place. `unit`: pixels per pixel of a picture 1080 high.
 struct ContourNumber {
   std::size_t contour = 0;
   Box box;
@@ -55,7 +51,6 @@ struct ContourNumber {
 std::vector<ContourNumber> place_contour_numbers(const std::vector<SeenContour>& contours, const Camera& camera,
                                                  double unit);
 
-/// The labels of a picture.
 struct Labels {
   std::string title;
   std::vector<std::pair<std::string, std::string>> values;  ///< name and number with unit
@@ -67,21 +62,18 @@ struct Labels {
   double scale_bar_fraction = 0.25;   ///< of the view's width, at most
 };
 
-/// The page of a view: the view with what marks a place in it (outlines, force, numbers of contours), and the column of
-/// all other labels beside it. `view` has the size of the layout's view, `camera` that of the view or, for several
-/// pictures in one view, of one of them. Throws RunError.
+/// The page of a view: the view with its marks, and the column of all other labels beside it. `view` has the size of
+/// the layout's view, `camera` that of the view or of one of several pictures in it. Throws RunError.
 PixelImage labelled_page(PixelImage view, const PageLayout& layout, const Camera& camera, const Labels& labels,
                          Background background);
 /// An empty page: the colour of the column of labels, or nothing on a transparent background.
 PixelImage blank_page(int width_px, int height_px, Background background);
 
-/// Draws what marks a place in a view of the camera's size: outlines, the force and the numbers of contours. `unit`:
-/// pixels per pixel of a picture 1080 high. Throws RunError.
+/// Draws the marks of places in a view of the camera's size: outlines, force, numbers of contours. Throws RunError.
 void draw_marks(PixelImage& view, const Camera& camera, double unit, const Labels& labels);
 
-/// Draws the lines, without numbers. Throws RunError.
+/// Draw the lines without their numbers, and the numbers. Throw RunError.
 void draw_contours(PixelImage& image, double unit, const std::vector<SeenContour>& contours);
-/// Draws the numbers. Throws RunError.
 void draw_contour_numbers(PixelImage& image, const Camera& camera, double unit,
                           const std::vector<SeenContour>& contours);
 

@@ -144,9 +144,8 @@ void smooth_heights(std::vector<Vec3>& line) {
   }
 }
 
-/// The contours of the depth of a reamed surface at the ticks of a legend, by the same rules as those of the depth map:
-/// the depth of the vertices is sampled on a raster across the axis +z of the map, from above, smoothed, and its lines
-/// are laid on the face. `map_from_bone`: rigid; `spacing_mm` of the raster.
+/// The contours of the depth of a reamed surface at the ticks of a legend, as in the depth map: the depth of the
+/// vertices is sampled on a raster across +z of the map, from above, smoothed, and its lines are laid on the face.
 std::vector<SurfaceLine> face_contours(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone,
                                        double spacing_mm, const Scale& scale) {
   const FaceRaster face = rasterized(tiles, map_from_bone, spacing_mm);
@@ -225,24 +224,13 @@ std::vector<SeenContour> Renderer::contours(const Camera& camera) const {
 }
 
 PixelImage Renderer::render(const Camera& camera, const std::optional<PlacedTool>& tool, bool for_film) {
-  const RenderSettings& settings = view_.settings();
-  DrawCall call;
-  call.camera = camera;
-  call.depth_max_mm = view_.depth_scale().max;
-  call.lines = &contours_;
-  call.line_width_px = kContourWidth_px * std::max(0.6, camera.height_px / 1080.0);
-  call.line_opacity = kContourOpacity;
-  call.density_max_g_cm3 = view_.density_scale().max;
-  if (tool) {
-    call.bone_from_spinning_tool = tool->bone_from_tool;
-    call.tool = tool->pass;
-  }
-  // Opaque in a section, like the bone. Other views show the face behind the tool, unless the user selects steel.
-  call.steel = camera.cut_plane || settings.tool_material == ToolMaterial::steel;
-  call.background = settings.background;
-  call.key_direction = settings.light.normalized().cast<float>();
-  call.supersampling = settings.supersampling;
-  call.antialiasing = for_film ? Antialiasing::fxaa : Antialiasing::multisample;
+  DrawCall call{.camera = camera,
+                .settings = view_.settings(),
+                .depth_max_mm = view_.depth_scale().max,
+                .density_max_g_cm3 = view_.density_scale().max,
+                .lines = contours_,
+                .tool = tool,
+                .for_film = for_film};
   CutFace cut_face;
   if (camera.cut_plane) {
     cut_face = sample_cut_face(fields_, camera);

@@ -11,26 +11,21 @@
 #include "render/gl/context.h"
 #include "render/gl/scene.h"
 #include "render/pictures/run_view.h"
-#include "render/surface/bone_tiles.h"
 
 namespace reamsim {
 
-/// Renders the states of a run in ascending order, from the first snapshot on. Only for the thread that constructed it,
-/// which owns the graphics context.
+/// Renders the states of a run in ascending order, from the first snapshot on. Only for the thread that constructed it.
 class Renderer {
  public:
-  /// `view` outlives it. Throws InputError when the first snapshot is missing or damaged, RunError without a graphics
-  /// context.
+  /// `view` outlives it. Throws InputError (first snapshot missing or damaged), RunError (no graphics context).
   explicit Renderer(const RunView& view);
 
   /// Applies all snapshots up to this frame to the bone.
   void advance_to(std::int64_t frame);
   void advance_to_last() { advance_to(view_.frames().back()); }
-  /// Shows the bone with this fill.
   void show(const FillBricks& fill);
 
-  /// The current picture without labels, and without a tool if the camera shows none. `for_film`: antialiasing by a
-  /// filter, in half the time.
+  /// The current picture without labels, and without a tool if the camera shows none. `for_film`: as in DrawCall.
   [[nodiscard]] PixelImage render(const Camera& camera, const std::optional<PlacedTool>& tool, bool for_film = false);
 
   /// The contour lines of the current surface as a camera sees them.
@@ -39,7 +34,6 @@ class Renderer {
   [[nodiscard]] double deepest_mm() const { return tiles_.deepest_mm(); }
   /// A warning if the requested graphics context is not available and the other one is used; else empty.
   [[nodiscard]] const std::string& warning() const { return warning_; }
-  /// What renders (OffscreenContext::description()).
   [[nodiscard]] std::string context() const { return context_->description(); }
 
  private:

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/surface/unreamed_surface.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/record/snapshot.h"
@@ -16,11 +15,6 @@
 
 namespace reamsim {
 namespace {
-
-Rigid spinning(const ToolPose& pose) {
-  // A positive spin is about −z of T.
-  return pose.bone_from_tool() * Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ());
-}
 
 /// The circle swept by the tool's outermost point, in B.
 std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from_tool) {
@@ -80,7 +74,10 @@ Camera RunView::camera(const std::string& name, int width_px, int height_px) con
 
 std::optional<PlacedTool> RunView::tool_at(std::int64_t frame) const {
   if (!settings_.tool) return std::nullopt;
-  return PlacedTool{spinning(run_.inputs().pose_at(frame)), run_.inputs().pass_at(frame)};
+  const ToolPose& pose = run_.inputs().pose_at(frame);
+  // A positive spin is about −z of T.
+  const Rigid bone_from_tool = pose.bone_from_tool() * Eigen::AngleAxisd(-pose.spin_angle_rad, Vec3::UnitZ());
+  return PlacedTool{bone_from_tool, run_.inputs().pass_at(frame)};
 }
 
 Rigid RunView::map_from_bone() const {
@@ -123,7 +120,7 @@ Captions::Values Captions::at(const ForceRow& row) const {
 }
 
 Captions::Values Captions::after(double deepest_mm) const {
-  const KeyResults run = headline();
+  const KeyResults run = key_results_of(log_, !mean_.empty());
   return {{KeyResults::kDepthName, run.depth_text() + " mm"},
           {run.force_name(), run.force_text() + " N"},
           {run.torque_name(), run.torque_text() + " N·mm"},

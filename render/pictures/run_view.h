@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "render/gl/camera.h"
 #include "render/pictures/overlay.h"
 #include "render/pictures/run_data.h"
 #include "sim/bone/voxmap/density.h"
@@ -20,28 +19,19 @@ namespace reamsim {
 /// Which pictures of a run are made, and how.
 struct PictureOptions {
   RenderSettings settings{};
-  /// Tool travel over which forces in pictures, plots and report are averaged; 0: single frames. See
-  /// averaged_travel_mm().
+  /// Tool travel over which forces are averaged, see averaged_travel_mm(); 0: single frames.
   double mean_travel_mm = 0;
   bool film = true;                     ///< of the run, if the settings have one; the turntable has its own
   bool stills = true;                   ///< reamed.png and frames/; the settings decide on the rest
   std::string camera_without_suffix{};  ///< "": the first of the settings
 };
 
-/// A tool of a run in a picture.
-struct PlacedTool {
-  Rigid bone_from_tool;  ///< with the spin where that is seen
-  std::size_t pass = 0;  ///< index
-};
-
-/// What all pictures of a run share and is known before the first: target, cameras and legends. Immutable, so that
-/// several threads may use it.
+/// What all pictures of a run share and is known before the first: target, cameras and legends. Immutable.
 class RunView {
  public:
   /// Throws as RunData does.
   RunView(const RunData& run, const RenderSettings& settings);
 
-  /// The layout of a picture of the settings' size.
   [[nodiscard]] PageLayout page() const { return page_layout(settings_.width_px, settings_.height_px); }
   /// A camera by name, built in or defined by the user. Throws InputError.
   [[nodiscard]] Camera camera(const std::string& name, int width_px, int height_px) const;
@@ -58,7 +48,6 @@ class RunView {
   [[nodiscard]] const Scale& depth_scale() const { return depth_scale_; }
   /// Equal for all bones, so that their pictures compare.
   [[nodiscard]] static Scale density_scale() { return scale_up_to(DensityMapping::kMaxDensity_g_cm3); }
-  /// Frames with a snapshot, ascending.
   [[nodiscard]] const std::vector<std::int64_t>& frames() const { return run_.inputs().frames; }
 
  private:
@@ -84,8 +73,6 @@ class Captions {
 
   /// The log with means.
   [[nodiscard]] const ForceLog& log() const { return log_; }
-  /// Key results of the run.
-  [[nodiscard]] KeyResults headline() const { return key_results_of(log_, !mean_.empty()); }
   /// Prefix of the names of forces: "mean " or empty.
   [[nodiscard]] const std::string& mean() const { return mean_; }
 

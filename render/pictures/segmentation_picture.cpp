@@ -130,16 +130,14 @@ void draw_ring(const Canvas& canvas, const Panel& panel) {
 }
 
 void draw_letters(const Canvas& canvas, const Panel& panel) {
-  canvas.set_color(kTextColor);
   TextLine(canvas, panel.plane.name, kText_px, true).draw(panel.x, panel.y - 32);
-  canvas.set_color(kLetterColor);
   const TextLine left(canvas, panel.plane.left, kText_px), right(canvas, panel.plane.right, kText_px);
   const TextLine top(canvas, panel.plane.top, kText_px), bottom(canvas, panel.plane.bottom, kText_px);
   const double middle_x = panel.x + 0.5 * panel.width, middle_y = panel.y + 0.5 * (panel.height - left.height);
-  left.draw(panel.x + 6, middle_y);
-  right.draw(panel.x + panel.width - right.width - 6, middle_y);
-  top.draw(middle_x - 0.5 * top.width, panel.y + 4);
-  bottom.draw(middle_x - 0.5 * bottom.width, panel.y + panel.height - bottom.height - 4);
+  left.draw(panel.x + 6, middle_y, kLetterColor);
+  right.draw(panel.x + panel.width - right.width - 6, middle_y, kLetterColor);
+  top.draw(middle_x - 0.5 * top.width, panel.y + 4, kLetterColor);
+  bottom.draw(middle_x - 0.5 * bottom.width, panel.y + panel.height - bottom.height - 4, kLetterColor);
 }
 
 std::string legend_of(const Segmentation& segmentation) {

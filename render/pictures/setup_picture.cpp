@@ -12,7 +12,6 @@
 #include "render/pictures/canvas.h"
 #include "render/pictures/renderer.h"
 #include "render/pictures/run_view.h"
-#include "render/surface/unreamed_surface.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
@@ -49,7 +48,6 @@ ViewTarget with_tool_path(ViewTarget target, const RunInputs& run, const PlacedT
   return target;
 }
 
-/// A view and what it says.
 struct SetupView {
   std::string title;
   std::string note;
@@ -58,7 +56,6 @@ struct SetupView {
   bool marks_gap = false;  ///< the smallest distance between tool and bone
 };
 
-/// Draws the panels' lines and texts.
 class SetupPainter {
  public:
   SetupPainter(const RunSetup& setup, PixelImage& image, const SetupView& panel)
@@ -218,10 +215,8 @@ PixelImage drawn(const RunSetup& setup, const RunData& run, std::string& warning
   const Canvas canvas(page);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double x = static_cast<double>(i) * (kSetupView_px + kPanelGap_px) + 12;
-    canvas.set_color(kTextColor);
     TextLine(canvas, views[i].title, kTitle_px, true).draw(x, 8);
-    canvas.set_color(kFaintTextColor);
-    TextLine(canvas, views[i].note, kSmallText_px).draw(x, 38);
+    TextLine(canvas, views[i].note, kSmallText_px).draw(x, 38, kFaintTextColor);
   }
   canvas.finish();
   return page;

@@ -23,8 +23,7 @@ struct PointDistance {
   double minimumOnObject(const Eigen::Vector3d& point) const { return (point - from).squaredNorm(); }
 };
 
-/// The boundary between the layers of a bone (Voxmap::layers) in a plane: at their depth below the unreamed surface,
-/// not between voxels.
+/// The boundary between the layers of a bone (Voxmap::layers) in a plane: at their depth, not between voxels.
 class LayerBoundary {
  public:
   /// For points in the plane through three points, in voxel index space. All must outlive this.
