@@ -8,9 +8,6 @@
 #include <sstream>
 
 namespace reamsim {
-namespace embedded {
-extern const char* const bench_plot_script;
-}
 namespace {
 
 /// Okabe and Ito's colours, safe for colour-blind readers.
@@ -57,7 +54,7 @@ std::string data_of(const BenchPlot& plot) {
 }  // namespace
 
 void write_bench_plot(const std::string& dir, const BenchPlot& plot) {
-  run_gnuplot(dir, "bench.gp", data_of(plot) + embedded::bench_plot_script, {"bench.png", "bench.svg"});
+  run_gnuplot(dir, "bench.gp", data_of(plot) + embedded::script_bench, {"bench.png", "bench.svg"});
 }
 
 }  // namespace reamsim

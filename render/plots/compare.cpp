@@ -19,9 +19,6 @@
 #include "sim/record/force_log.h"
 
 namespace reamsim {
-namespace embedded {
-extern const char* const compare_script;
-}
 namespace {
 
 /// Colours whose least difference is 31 (CIE 1976 L*a*b*), also as seen with protanopia, deuteranopia and tritanopia;
@@ -287,7 +284,7 @@ void write_comparison(const std::string& dir, const Comparison& comparison) {
   write_curves(dir + "/curves.csv", comparison.runs);
   write_file(dir + "/compare.csv", metrics_csv(comparison));
   write_file(dir + "/runs.csv", runs_csv(comparison));
-  draw_plot(dir, "compare", styles, embedded::compare_script);
+  draw_plot(dir, "compare", styles, embedded::script_compare);
 }
 
 }  // namespace reamsim

@@ -16,15 +16,6 @@
 #include "sim/base/text.h"
 
 namespace reamsim {
-namespace embedded {
-extern const char* const plot_style;
-extern const char* const plot_script;
-extern const char* const depth_plot_script;
-extern const char* const energy_plot_script;
-extern const char* const push_plot_script;
-extern const char* const deflection_plot_script;
-extern const char* const removed_density_script;
-}  // namespace embedded
 namespace {
 
 /// Mean cutting power in W over the last `step` rows, or over the frames of the row's means if those are more.
@@ -185,26 +176,26 @@ void draw_plot(const std::string& dir, const std::string& name, const std::strin
                            ".gp\n\n";
   std::error_code error;
   std::filesystem::create_directories(std::filesystem::path(dir + "/" + name).parent_path(), error);
-  run_gnuplot(dir, name + ".gp", head + data + embedded::plot_style + script,
+  run_gnuplot(dir, name + ".gp", head + data + embedded::script_style + script,
               {name + ".png", name + ".svg", name + ".pdf"});
 }
 
 void write_force_plots(const std::string& dir, const ForceLog& log) {
-  draw_plot(dir, "forces", data_of(dir, log), embedded::plot_script);
+  draw_plot(dir, "forces", data_of(dir, log), embedded::script_forces);
 }
 
 void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log) {
   const std::string data = data_of(dir, log);
-  draw_plot(dir, "plots/forces_depth", data, embedded::depth_plot_script);
-  draw_plot(dir, "plots/energy", data, embedded::energy_plot_script);
+  draw_plot(dir, "plots/forces_depth", data, embedded::script_forces_depth);
+  draw_plot(dir, "plots/energy", data, embedded::script_energy);
 }
 
 void write_push_plot(const std::string& dir) {
-  draw_plot(dir, "plots/push", "csv = \"forces.csv\"\n\n", embedded::push_plot_script);
+  draw_plot(dir, "plots/push", "csv = \"forces.csv\"\n\n", embedded::script_push);
 }
 
 void write_deflection_plot(const std::string& dir) {
-  draw_plot(dir, "plots/deflection", "csv = \"forces.csv\"\n\n", embedded::deflection_plot_script);
+  draw_plot(dir, "plots/deflection", "csv = \"forces.csv\"\n\n", embedded::script_deflection);
 }
 
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
@@ -217,7 +208,7 @@ void write_removed_density(const std::string& dir, const Voxmap& voxmap, const F
     csv.row({bound(i), bound(i + 1), removed[i]});
   }
   csv.close();
-  draw_plot(dir, "plots/removed_density", "", embedded::removed_density_script);
+  draw_plot(dir, "plots/removed_density", "", embedded::script_removed_density);
 }
 
 std::string gnuplot_string(const std::string& text) {

@@ -15,6 +15,21 @@
 
 namespace reamsim {
 
+/// The gnuplot scripts, by their files.
+namespace embedded {
+extern const char* const script_style;
+extern const char* const script_forces;
+extern const char* const script_forces_depth;
+extern const char* const script_energy;
+extern const char* const script_push;
+extern const char* const script_deflection;
+extern const char* const script_removed_density;
+extern const char* const script_spectrum;
+extern const char* const script_compare;
+extern const char* const script_bench;
+extern const char* const script_verify;
+}  // namespace embedded
+
 // The functions below throw RunError when gnuplot is missing or fails, or a file cannot be written.
 
 /// Draws DIR/forces.csv against time with gnuplot as DIR/forces .png, .svg, .pdf and the script .gp. `log`: that file,

@@ -15,9 +15,6 @@
 #include "sim/base/text.h"
 
 namespace reamsim {
-namespace embedded {
-extern const char* const spectrum_script;
-}
 namespace {
 
 constexpr std::size_t kMinTurns = 3;     // in contact
@@ -180,7 +177,7 @@ bool write_torque_spectrum(const std::string& dir) {
     csv.row({frequency_hz, frequency_hz / spectrum.spin_hz, torque_nmm});
   }
   csv.close();
-  draw_plot(dir, "plots/spectrum", peaks_block(spectrum), embedded::spectrum_script);
+  draw_plot(dir, "plots/spectrum", peaks_block(spectrum), embedded::script_spectrum);
   return true;
 }
 
