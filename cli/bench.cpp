@@ -14,7 +14,7 @@
 #include "cli/console.h"
 #include "cli/environment.h"
 #include "cli/stop.h"
-#include "render/plots/bench_plot.h"
+#include "render/plots/plots.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/bench/paper.h"

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "render/plots/compare.h"
-#include "render/plots/compare_table.h"
 #include "render/plots/plots.h"
 
 #include <fmt/core.h>

@@ -9,7 +9,7 @@
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/environment.h"
-#include "render/plots/verify_report.h"
+#include "render/plots/plots.h"
 #include "sim/base/error.h"
 #include "sim/device/opencl.h"
 #include "sim/record/citation.h"

@@ -7,9 +7,7 @@
 #include <future>
 #include <limits>
 
-#include "render/film/encoder.h"
 #include "render/film/film.h"
-#include "render/pictures/captions.h"
 #include "render/pictures/composites.h"
 #include "render/render.h"
 #include "render/render_thread.h"

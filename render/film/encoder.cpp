@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/film/encoder.h"
+#include "render/film/film.h"
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -12,11 +12,9 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <iterator>
-#include <sstream>
-#include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 
 namespace reamsim {
 namespace {
@@ -47,11 +45,6 @@ int start_ffmpeg(std::vector<std::string> arguments, int in, const MemoryFile& o
                 .err = output.descriptor(),
                 .own_group = true},
                child);
-}
-
-std::vector<std::string> split(const std::string& words) {
-  std::istringstream in(words);
-  return {std::istream_iterator<std::string>(in), {}};
 }
 
 std::string encoder_options(FilmFormat format, int frames_per_s) {
@@ -103,10 +96,11 @@ FilmEncoder::FilmEncoder(const std::string& path, const RenderSettings& settings
     throw RunError(std::string("no pipe to ffmpeg: ") + std::strerror(errno));
   }
   pictures_fd_ = ends[0];
-  std::vector<std::string> options =
-      split("-f rawvideo -pixel_format bgr0 -video_size " + std::to_string(width_px_) + "x" +
-            std::to_string(height_px_) + " -framerate " + std::to_string(settings.film_rate_hz) + " -i pipe:0 -an " +
-            encoder_options(settings.film, settings.film_rate_hz) + " -fflags +bitexact -flags:v +bitexact -y");
+  std::vector<std::string> options = split(
+      "-f rawvideo -pixel_format bgr0 -video_size " + std::to_string(width_px_) + "x" + std::to_string(height_px_) +
+          " -framerate " + std::to_string(settings.film_rate_hz) + " -i pipe:0 -an " +
+          encoder_options(settings.film, settings.film_rate_hz) + " -fflags +bitexact -flags:v +bitexact -y",
+      ' ');
   options.push_back("file:" + partial_path_);
   const int error = start_ffmpeg(std::move(options), ends[1], messages_, child_);
   close(ends[1]);

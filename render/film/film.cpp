@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "render/film/film.h"
-#include "render/pictures/page_layout.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +11,6 @@
 #include "sim/base/text.h"
 
 namespace reamsim {
-
 namespace {
 
 // Lengths in pixels of a film 1080 high.
@@ -29,6 +27,17 @@ constexpr double kPaleOpacity = 0.28;
 
 Rgba rgba_of(std::uint32_t rgb, double opacity) {
   return {(rgb >> 16 & 255) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0, opacity};
+}
+
+/// Background of transparent pictures.
+constexpr std::uint32_t kBackground_rgb = 0xffffff;
+constexpr double kPanelFraction = 0.36;
+/// Smaller panels would be illegible.
+constexpr int kMinPanel_px = 200;
+
+/// The layout of the bone's part of a film.
+PageLayout page_of(const FilmLayout& film) {
+  return page_layout(static_cast<int>(film.bone.width), static_cast<int>(film.bone.height));
 }
 
 }  // namespace
@@ -105,11 +114,9 @@ void ForcePanel::draw_frame(const Curve& curve) {
     canvas.set_color(tick == 0 ? kFaintTextColor : kGrid);
     canvas.line({box.x, y}, {box.x + box.width, y});
     const TextLine number(canvas, numbers.label(tick), kNumber * unit_);
-    canvas.set_color(kFaintTextColor);
-    number.draw(box.x - 10 * unit_ - number.width, y - 0.5 * number.height);
+    number.draw(box.x - 10 * unit_ - number.width, y - 0.5 * number.height, kFaintTextColor);
   }
   const TextLine title(canvas, curve.title + " (" + curve.unit + ")", kTitle * unit_, true);
-  canvas.set_color(kTextColor);
   title.draw(box.x, box.y - title.height - 16 * unit_);
   canvas.finish();
 }
@@ -128,11 +135,9 @@ void ForcePanel::draw_time_axis() {
       canvas.line({x, curve.box.y}, {x, curve.box.y + curve.box.height});
     }
     const TextLine number(canvas, scale.label(tick), kNumber * unit_);
-    canvas.set_color(kFaintTextColor);
-    number.draw(x - 0.5 * number.width, bottom + 8 * unit_);
+    number.draw(x - 0.5 * number.width, bottom + 8 * unit_, kFaintTextColor);
   }
   const TextLine title(canvas, "Time (s)", kNumber * unit_);
-  canvas.set_color(kTextColor);
   title.draw(lower.x + 0.5 * (lower.width - title.width), bottom + 40 * unit_);
   canvas.finish();
 }
@@ -172,32 +177,11 @@ PixelImage ForcePanel::at(const ForceRow& row) const {
     canvas.set_color({1, 1, 1, 1});
     cairo_stroke(c);
     const TextLine number(canvas, fixed_text(curve.value(row), curve.decimals), kTitle * unit_, true);
-    canvas.set_color(rgba_of(curve.rgb, 1));
-    number.draw(box.x + box.width - number.width, box.y - number.height - 16 * unit_);
+    number.draw(box.x + box.width - number.width, box.y - number.height - 16 * unit_, rgba_of(curve.rgb, 1));
   }
   canvas.finish();
   return image;
 }
-namespace {
-
-/// Background of transparent pictures.
-constexpr std::uint32_t kBackground_rgb = 0xffffff;
-constexpr double kPanelFraction = 0.36;
-/// Smaller panels would be illegible.
-constexpr int kMinPanel_px = 200;
-
-std::vector<std::pair<std::string, std::string>> film_values(const ForceRow& row) {
-  return {{"time", fixed_text(row.time_s, 3) + " s"},
-          {"tool depth", depth_text(row.depth_mm)},
-          {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
-}
-
-/// The layout of the bone's part of a film.
-PageLayout page_of(const FilmLayout& film) {
-  return page_layout(static_cast<int>(film.bone.width), static_cast<int>(film.bone.height));
-}
-
-}  // namespace
 
 FilmLayout film_layout(int width_px, int height_px) {
   FilmLayout out{even_px(width_px), even_px(height_px), {}, {}, 1};
@@ -238,7 +222,9 @@ Film::Film(const std::string& path, const RunView& view, const Captions& caption
 
 void Film::add(PixelImage bone, const ForceRow& row) {
   Labels labels = view_.labels(camera_, view_.tool_at(row.frame));
-  labels.values = film_values(row);
+  labels.values = {{"time", fixed_text(row.time_s, 3) + " s"},
+                   {"tool depth", depth_text(row.depth_mm)},
+                   {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
   labels.force = captions_.arrow(row);
   PixelImage frame = plain_image(layout_.width_px, layout_.height_px, kBackground_rgb);
   frame.paste(labelled_page(std::move(bone), page_of(layout_), camera_, labels, view_.settings().background), 0, 0);

@@ -7,16 +7,52 @@
 #include <string>
 #include <vector>
 
-#include "render/film/encoder.h"
 #include "render/gl/pixel_image.h"
-#include "render/pictures/captions.h"
 #include "render/pictures/run_view.h"
-#include "sim/record/force_log.h"
+#include "sim/base/process.h"
 
 namespace reamsim {
 
-/// Axial force and spin torque against time, and the feed rate of a push, beside a film's pictures: the whole run pale,
-/// the past opaque, and a cursor. The axes span the whole run.
+/// The file extension of this format: ".mp4", ".webp", ".apng".
+std::string film_extension(FilmFormat format);
+
+/// Rounds down to an even number, at least 2.
+int even_px(int px);
+
+/// Throws RunError, with what to install, when no ffmpeg can write this format.
+void require_encoder(FilmFormat format);
+
+/// Pipes pictures to ffmpeg, which writes a film. The file gets its name when it is complete.
+class FilmEncoder {
+ public:
+  /// Odd sizes lose a pixel, because H.264 needs even ones. `path` has the film_extension(). Throws RunError: no
+  /// ffmpeg.
+  FilmEncoder(const std::string& path, const RenderSettings& settings);
+  /// Without finish(): stops ffmpeg and removes its file.
+  ~FilmEncoder();
+  FilmEncoder(const FilmEncoder&) = delete;
+  FilmEncoder& operator=(const FilmEncoder&) = delete;
+
+  /// Adds a frame of the settings' or the film's size. Throws RunError with ffmpeg's message when it has exited.
+  void add(const PixelImage& image);
+  /// Completes the film and renames it. Throws RunError.
+  void finish();
+
+ private:
+  /// Waits for ffmpeg. Returns its message if it failed, else "".
+  std::string wait();
+  [[noreturn]] void fail(const std::string& messages) const;
+
+  int width_px_;
+  int height_px_;
+  std::string path_;
+  std::string partial_path_;
+  int pictures_fd_ = -1;  ///< our end of ffmpeg's standard input
+  MemoryFile messages_;   ///< stderr of ffmpeg
+  pid_t child_ = -1;
+};
+
+/// Axial force, spin torque and the feed rate of a push against time: the whole run pale, the past opaque, a cursor.
 class ForcePanel {
  public:
   /// Draws the static background. `mean`: prefix of the names of averaged forces. Sizes in pixels; `unit`: pixels per
@@ -70,13 +106,11 @@ Camera film_camera(const RunView& view, const std::string& name);
 /// The film of a run: one frame per snapshot, with force and torque beside the bone.
 class Film {
  public:
-  /// Starts the film `path` with the settings' size, rate and format. Throws RunError: no ffmpeg. `view` and `captions`
-  /// outlive it.
+  /// `view` and `captions` outlive it. Throws RunError: no ffmpeg.
   Film(const std::string& path, const RunView& view, const Captions& captions, const Camera& camera);
 
   /// Adds a frame: the bone at this row of the log.
   void add(PixelImage bone, const ForceRow& row);
-  /// Completes the file.
   void finish() { encoder_.finish(); }
 
  private:

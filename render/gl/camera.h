@@ -26,8 +26,13 @@ struct ViewTarget {
   double radius_mm = 0;                      ///< bounds the distance of bone and tool from the focus
 };
 
-/// A camera. Orthographic: every length parallel to the picture plane has the same scale. Perspective: the scale holds
-/// in the plane z = 0 of eye coordinates.
+/// A tool of a run in a picture.
+struct PlacedTool {
+  Rigid bone_from_tool;  ///< with the spin where that is seen
+  std::size_t pass = 0;  ///< index
+};
+
+/// A camera, orthographic or perspective; the scale of the latter holds in the plane z = 0 of eye coordinates.
 struct Camera {
   std::string name;
   int width_px = 0;
@@ -47,8 +52,7 @@ struct Camera {
 };
 
 /// glenoid: en face, superior up, only the tool's outline. oblique: from lateral, anterior and superior. section: cut
-/// along the tool axis, seen from anterior. overview: the oblique view of the whole bone.
-/// Throws InputError for a size below one pixel.
+/// along the tool axis, seen from anterior. overview: oblique, the whole bone. Throws InputError (less than a pixel).
 Camera make_camera(CameraView view, const ViewTarget& target, int width_px, int height_px);
 
 /// A camera defined by the user. Throws InputError when it needs a missing glenoid frame, or looks along `up`.

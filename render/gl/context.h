@@ -5,6 +5,7 @@
 
 #include <dlfcn.h>
 
+#include <functional>
 #include <initializer_list>
 #include <memory>
 #include <string>
@@ -46,28 +47,25 @@ class DynamicLibrary {
   std::string name_;
 };
 
-/// An OpenGL 4.5 core context without a window, current on the thread that made it for as long as it lives.
-/// Pictures are rendered into framebuffer objects, so the context itself has no size.
+/// An OpenGL 4.5 core context without a window or a size, current on the thread that made it as long as it lives.
 class OffscreenContext {
  public:
-  virtual ~OffscreenContext() = default;
+  /// Makes the context current and loads its functions by `address`. `release` destroys it. Throws RunError.
+  OffscreenContext(RenderContext kind, std::function<void()> make_current, std::function<void()> release,
+                   const std::function<void*(const char*)>& address);
+  ~OffscreenContext() { release_(); }
   OffscreenContext(const OffscreenContext&) = delete;
   OffscreenContext& operator=(const OffscreenContext&) = delete;
 
-  /// What renders: the name of the context, OpenGL's renderer and its version, as in "egl: llvmpipe (LLVM 19.1.7,
-  /// 256 bits), 4.5 (Core Profile) Mesa 25.0.7".
+  /// What renders: "egl: llvmpipe (LLVM 19.1.7, 256 bits), 4.5 (Core Profile) Mesa 25.0.7".
   [[nodiscard]] std::string description() const;
-  /// The OpenGL functions of this context.
   [[nodiscard]] const Gl& gl() const { return gl_; }
-  /// Makes this context current on the calling thread.
-  virtual void make_current() = 0;
-
- protected:
-  explicit OffscreenContext(RenderContext kind) : kind_(kind) {}
-  Gl gl_;
+  void make_current() const { make_current_(); }
 
  private:
   RenderContext kind_;
+  std::function<void()> make_current_, release_;
+  Gl gl_;
 };
 
 /// Mesa's software rasteriser through libOSMesa. Throws RunError: no library, no OpenGL 4.5.
@@ -77,9 +75,8 @@ std::unique_ptr<OffscreenContext> make_osmesa_context();
 /// chooses. Throws RunError: no library, no such platform, no OpenGL 4.5.
 std::unique_ptr<OffscreenContext> make_egl_context();
 
-/// The `wanted` context: `automatic` is OSMesa, or EGL where there is no OSMesa. Of a context that was asked for by
-/// name and is not available the other one is made; `fallback` then says so (else empty). Both give the same pictures
-/// on Mesa. Throws RunError with both reasons when neither works.
+/// The `wanted` context (`automatic`: OSMesa), or the other one where it is not available; `fallback` then says so if
+/// it was asked for by name (else empty). Both give the same pictures on Mesa. Throws RunError with both reasons.
 std::unique_ptr<OffscreenContext> make_context(RenderContext wanted, std::string& fallback);
 
 }  // namespace reamsim

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/gl/cut_face.h"
+#include "render/gl/scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +39,7 @@ Rectangle visible_rectangle(const Aabb& bone, const Camera& camera) {
   const Vec2 half = 0.5 * camera.mm_per_px * Vec2(camera.width_px, camera.height_px) / slant;
   Eigen::AlignedBox2d extent;
   for (int i = 0; i < 8; ++i) {
-    const Vec3 corner = Eigen::AlignedBox3d(bone.min, bone.max).corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
+    const Vec3 corner = bone.corner(i);
     extent.extend(Vec2((corner - middle).dot(out.across), (corner - middle).dot(out.upward)));
   }
   const Vec2 low = extent.min().cwiseMax(-half);
@@ -68,9 +68,8 @@ std::vector<std::uint8_t> dilated(const std::vector<std::uint8_t>& marked, int w
 }
 
 /// Draws the boundary between the layers of a bone at its depth. `points` in voxel index space, row by row.
-void draw_layers(const Voxmap& voxmap, const UnreamedSurface& unreamed, const std::vector<Vec3>& points,
-                 double step_voxels, CutFace& face) {
-  const LayerBoundary boundary(voxmap, unreamed, points.front(), points.back(),
+void draw_layers(const BoneFields& bone, const std::vector<Vec3>& points, double step_voxels, CutFace& face) {
+  const LayerBoundary boundary(bone.voxmap, bone.unreamed, points.front(), points.back(),
                                points[static_cast<std::size_t>(face.width) - 1]);
   std::vector<std::uint8_t> mixed(points.size());
   parallel_ranges(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -89,13 +88,9 @@ void draw_layers(const Voxmap& voxmap, const UnreamedSurface& unreamed, const st
 
 }  // namespace
 
-CutFace sample_cut_face(const Voxmap& voxmap, const FillBricks& fill, const SolidField& field,
-                        const UnreamedSurface& unreamed, const Camera& camera) {
-  const VoxelGrid& grid = voxmap.grid;
-  Aabb box = grid.bounds_mm();
-  box.min.array() -= 3 * grid.voxel_mm;
-  box.max.array() += 3 * grid.voxel_mm;
-  const Rectangle rectangle = visible_rectangle(box, camera);
+CutFace sample_cut_face(const BoneFields& bone, const Camera& camera) {
+  const VoxelGrid& grid = bone.voxmap.grid;
+  const Rectangle rectangle = visible_rectangle(grid.bounds_mm().expanded(3 * grid.voxel_mm), camera);
   CutFace out;
   if ((rectangle.size_mm.array() <= 0).any()) return out;
   const double step_mm =
@@ -108,7 +103,7 @@ CutFace sample_cut_face(const Voxmap& voxmap, const FillBricks& fill, const Soli
                     rectangle.origin_mm + upward};
   out.texels.resize(static_cast<std::size_t>(out.width) * out.height * 2);
   // By fill, so that air does not reduce the density at the edge of the cut.
-  const auto by_fill = [&](const Vec3i& voxel) { return static_cast<double>(fill.get(voxel)); };
+  const auto by_fill = [&](const Vec3i& voxel) { return static_cast<double>(bone.fill.get(voxel)); };
   const auto width = static_cast<std::size_t>(out.width);
   std::vector<Vec3> all(width * static_cast<std::size_t>(out.height));
   parallel_items(static_cast<std::size_t>(out.height), [&](std::size_t row) {
@@ -118,14 +113,15 @@ CutFace sample_cut_face(const Voxmap& voxmap, const FillBricks& fill, const Soli
                                                        (static_cast<double>(row) + 0.5) * rectangle.upward);
       points[column] = (mm - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
     }
-    const std::vector<float> fields = field.at(points);
+    const std::vector<float> fields = bone.solid.at(points);
     for (std::size_t column = 0; column < points.size(); ++column) {
       float* texel = out.texels.data() + 2 * (row * points.size() + column);
-      texel[0] = fields[column] < 0.45F ? static_cast<float>(mean_density<double>(voxmap, points[column], by_fill)) : 0;
+      texel[0] =
+          fields[column] < 0.45F ? static_cast<float>(mean_density<double>(bone.voxmap, points[column], by_fill)) : 0;
       texel[1] = -fields[column];
     }
   });
-  if (voxmap.layers) draw_layers(voxmap, unreamed, all, step_mm / grid.voxel_mm, out);
+  if (bone.voxmap.layers) draw_layers(bone, all, step_mm / grid.voxel_mm, out);
   return out;
 }
 

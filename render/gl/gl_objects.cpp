@@ -4,13 +4,10 @@
 #include "render/gl/gl_objects.h"
 
 #include <algorithm>
-#include <array>
-#include <string>
 
 #include "sim/base/error.h"
 
 namespace reamsim {
-
 namespace {
 
 std::string error_name(GLenum code) {
@@ -24,29 +21,6 @@ std::string error_name(GLenum code) {
   const std::size_t i = code - GL_INVALID_ENUM;  // the codes are consecutive
   return i < kNames.size() && kNames[i] != nullptr ? kNames[i] : "unknown error";
 }
-
-}  // namespace
-
-void Gl::load(const std::function<void*(const char*)>& address) {
-// NOLINTBEGIN(bugprone-macro-parentheses): a member's name
-#define REAMSIM_GL_LOAD(name)                                   \
-  name = reinterpret_cast<decltype(name)>(address("gl" #name)); \
-  if (name == nullptr) throw RunError("this OpenGL has no function gl" #name);
-  REAMSIM_GL_FUNCTIONS(REAMSIM_GL_LOAD)
-#undef REAMSIM_GL_LOAD
-  // NOLINTEND(bugprone-macro-parentheses)
-}
-
-void Gl::check(const char* doing) const {
-  const GLenum code = GetError();
-  if (code == GL_NO_ERROR) return;
-  // A lost context reports errors forever, so only a few are drained.
-  for (int i = 0; i < 16 && GetError() != GL_NO_ERROR; ++i) {
-  }
-  throw RunError(std::string("OpenGL failed while ") + doing + ": " + error_name(code));
-}
-
-namespace {
 
 constexpr int kSamples = 4;
 constexpr GLsizei kMaxLog = 4096;
@@ -70,6 +44,25 @@ GLuint compile(const Gl& gl, const std::string& name, GLenum type, const std::ve
 }
 
 }  // namespace
+
+void Gl::load(const std::function<void*(const char*)>& address) {
+// NOLINTBEGIN(bugprone-macro-parentheses): a member's name
+#define REAMSIM_GL_LOAD(name)                                   \
+  name = reinterpret_cast<decltype(name)>(address("gl" #name)); \
+  if (name == nullptr) throw RunError("this OpenGL has no function gl" #name);
+  REAMSIM_GL_FUNCTIONS(REAMSIM_GL_LOAD)
+#undef REAMSIM_GL_LOAD
+  // NOLINTEND(bugprone-macro-parentheses)
+}
+
+void Gl::check(const char* doing) const {
+  const GLenum code = GetError();
+  if (code == GL_NO_ERROR) return;
+  // A lost context reports errors forever, so only a few are drained.
+  for (int i = 0; i < 16 && GetError() != GL_NO_ERROR; ++i) {
+  }
+  throw RunError(std::string("OpenGL failed while ") + doing + ": " + error_name(code));
+}
 
 GlProgram::GlProgram(const Gl& gl, const std::string& name, const std::vector<const char*>& vertex,
                      const std::vector<const char*>& fragment)

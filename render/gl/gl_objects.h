@@ -12,7 +12,6 @@
 #include <functional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace reamsim {
@@ -124,7 +123,6 @@ class GlTarget {
   /// `multisample`: several samples per pixel. Throws RunError when OpenGL cannot make a picture of this size.
   GlTarget(const Gl& gl, int width, int height, bool multisample);
 
-  /// Makes this the current render target.
   void bind() const;
   /// The picture, BGRA as in Cairo, top row first.
   [[nodiscard]] std::vector<std::uint32_t> read() const;

@@ -17,7 +17,6 @@
 #include "sim/base/error.h"
 
 namespace reamsim {
-
 namespace {
 
 /// Premultiplied `over` composited over premultiplied `under`.
@@ -31,54 +30,6 @@ std::uint32_t blended(std::uint32_t over, std::uint32_t under) {
   }
   return out;
 }
-
-}  // namespace
-
-bool PixelImage::has_plain_rows() const {
-  for (int y = 0; y < height_px; ++y) {
-    const auto row = pixels.begin() + std::ptrdiff_t{width_px} * y;
-    if (std::any_of(row, row + width_px, [&](std::uint32_t pixel) { return pixel != *row; })) return false;
-  }
-  return true;
-}
-
-void PixelImage::paste(const PixelImage& part, int x, int y) {
-  const int columns = std::min(part.width_px, width_px - x);
-  const int rows = std::min(part.height_px, height_px - y);
-  if (columns <= 0) return;
-  for (int row = 0; row < rows; ++row) {
-    const auto from = part.pixels.begin() + std::ptrdiff_t{part.width_px} * row;
-    const auto to = pixels.begin() + std::ptrdiff_t{width_px} * (y + row) + x;
-    std::transform(from, from + columns, to, to, blended);
-  }
-}
-
-PixelImage plain_image(int width_px, int height_px, std::uint32_t rgb) {
-  const auto count = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
-  return {width_px, height_px, std::vector<std::uint32_t>(count, 0xff000000U | rgb)};
-}
-
-PixelImage downsampled(PixelImage image, int factor) {
-  if (factor == 1) return image;
-  PixelImage out = plain_image(image.width_px / factor, image.height_px / factor, 0);
-  const auto count = static_cast<std::uint32_t>(factor * factor);
-  for (int y = 0; y < out.height_px; ++y) {
-    for (int x = 0; x < out.width_px; ++x) {
-      std::array<std::uint32_t, 4> sums{};
-      for (int row = y * factor; row < (y + 1) * factor; ++row) {
-        const std::uint32_t* pixel = &image.pixels[image.index(x * factor, row)];
-        for (int column = 0; column < factor; ++column, ++pixel) {
-          for (std::size_t i = 0; i < 4; ++i) sums[i] += *pixel >> (8 * i) & 255U;
-        }
-      }
-      std::uint32_t& mean = out.pixels[out.index(x, y)] = 0;
-      for (std::size_t i = 0; i < 4; ++i) mean |= (sums[i] + count / 2) / count << (8 * i);
-    }
-  }
-  return out;
-}
-
-namespace {
 
 /// Straight (not premultiplied) colours, as in PNG.
 struct Rows {
@@ -138,6 +89,50 @@ bool compress(std::FILE* file, const PixelImage& image, const Rows& rows, std::s
 }
 
 }  // namespace
+
+bool PixelImage::has_plain_rows() const {
+  for (int y = 0; y < height_px; ++y) {
+    const auto row = pixels.begin() + std::ptrdiff_t{width_px} * y;
+    if (std::any_of(row, row + width_px, [&](std::uint32_t pixel) { return pixel != *row; })) return false;
+  }
+  return true;
+}
+
+void PixelImage::paste(const PixelImage& part, int x, int y) {
+  const int columns = std::min(part.width_px, width_px - x);
+  const int rows = std::min(part.height_px, height_px - y);
+  if (columns <= 0) return;
+  for (int row = 0; row < rows; ++row) {
+    const auto from = part.pixels.begin() + std::ptrdiff_t{part.width_px} * row;
+    const auto to = pixels.begin() + std::ptrdiff_t{width_px} * (y + row) + x;
+    std::transform(from, from + columns, to, to, blended);
+  }
+}
+
+PixelImage plain_image(int width_px, int height_px, std::uint32_t rgb) {
+  const auto count = static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px);
+  return {width_px, height_px, std::vector<std::uint32_t>(count, 0xff000000U | rgb)};
+}
+
+PixelImage downsampled(PixelImage image, int factor) {
+  if (factor == 1) return image;
+  PixelImage out = plain_image(image.width_px / factor, image.height_px / factor, 0);
+  const auto count = static_cast<std::uint32_t>(factor * factor);
+  for (int y = 0; y < out.height_px; ++y) {
+    for (int x = 0; x < out.width_px; ++x) {
+      std::array<std::uint32_t, 4> sums{};
+      for (int row = y * factor; row < (y + 1) * factor; ++row) {
+        const std::uint32_t* pixel = &image.pixels[image.index(x * factor, row)];
+        for (int column = 0; column < factor; ++column, ++pixel) {
+          for (std::size_t i = 0; i < 4; ++i) sums[i] += *pixel >> (8 * i) & 255U;
+        }
+      }
+      std::uint32_t& mean = out.pixels[out.index(x, y)] = 0;
+      for (std::size_t i = 0; i < 4; ++i) mean |= (sums[i] + count / 2) / count << (8 * i);
+    }
+  }
+  return out;
+}
 
 void write_png(const std::string& path, const PixelImage& image, const std::string& software) {
   errno = 0;

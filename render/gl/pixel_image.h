@@ -25,8 +25,7 @@ struct PixelImage {
   }
   /// Whether each row has one colour, as a picture of the background alone.
   [[nodiscard]] bool has_plain_rows() const;
-  /// Composites `part` over this picture with its upper left corner at (x, y), both at least 0, clipped to this
-  /// picture.
+  /// Composites `part` over this picture with its upper left corner at (x, y), both at least 0, clipped.
   void paste(const PixelImage& part, int x, int y);
 };
 
@@ -41,8 +40,7 @@ PixelImage downsampled(PixelImage image, int factor);
 /// (T. Lottes, "FXAA", NVIDIA white paper, 2009). Pixels without a step stay identical. Transparency counts as white.
 PixelImage antialiased(const PixelImage& image);
 
-/// Writes the picture as a PNG: RGB where all of it is opaque, RGBA otherwise. `software`, if any, is stored near the
-/// file's beginning. Throws RunError when it cannot be written.
+/// Writes a PNG: RGB if all is opaque, else RGBA; `software`, if any, near the file's beginning. Throws RunError.
 void write_png(const std::string& path, const PixelImage& image, const std::string& software = "");
 
 }  // namespace reamsim

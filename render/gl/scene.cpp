@@ -3,66 +3,22 @@
 
 #include "render/gl/scene.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "render/surface/color_map.h"
 
 namespace reamsim {
-
-namespace {
-
-/// Eye coordinates: unit vector from a point towards the viewer, and the millimetres of a pixel there.
-Vec3 view_at(const Camera& camera, const Vec3& eye) {
-  return camera.eye_mm ? Vec3((Vec3(0, 0, *camera.eye_mm) - eye).normalized()) : Vec3(Vec3::UnitZ());
-}
-
-double mm_per_px_at(const Camera& camera, const Vec3& eye) {
-  return camera.mm_per_px * (camera.eye_mm ? 1 - eye.z() / *camera.eye_mm : 1);
-}
-
-}  // namespace
-
-LineRibbons make_line_ribbons(const std::vector<SurfaceLine>& lines, const Camera& camera, double width_px,
-                              double lift_mm) {
-  LineRibbons out;
-  const Rigid bone_from_eye = camera.eye_from_bone.inverse();
-  for (const SurfaceLine& line : lines) {
-    const std::size_t count = line.points_mm.size();
-    const auto first = static_cast<std::uint32_t>(out.vertices.size() / 5);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Vec3 eye = camera.eye_from_bone * line.points_mm[i];
-      const Vec3 before = camera.eye_from_bone * line.points_mm[(i + count - 1) % count];
-      const Vec3 after = camera.eye_from_bone * line.points_mm[(i + 1) % count];
-      const Vec3 view = view_at(camera, eye);
-      const Vec3 side = (after - before).cross(view).normalized();  // 0 where the line points at the viewer
-      for (const double across : {-1.0, 1.0}) {
-        const Vec3 corner =
-            bone_from_eye * (eye + across * 0.5 * width_px * mm_per_px_at(camera, eye) * side + lift_mm * view);
-        for (const double value : corner) out.vertices.push_back(static_cast<float>(value));
-        out.vertices.push_back(static_cast<float>(across));
-        out.vertices.push_back(line.light ? 1.0F : 0.0F);
-      }
-      const auto a = static_cast<std::uint32_t>(2 * i), b = static_cast<std::uint32_t>(2 * ((i + 1) % count));
-      for (const std::uint32_t corner : {a, a + 1, b, b, a + 1, b + 1}) out.indices.push_back(first + corner);
-    }
-  }
-  return out;
-}
 namespace embedded {
 extern const char* const shader_lighting;
-extern const char* const shader_background_vert;
-extern const char* const shader_background_frag;
-extern const char* const shader_bone_vert;
-extern const char* const shader_bone_frag;
-extern const char* const shader_cut_face_vert;
-extern const char* const shader_cut_face_frag;
-extern const char* const shader_line_vert;
-extern const char* const shader_line_frag;
-extern const char* const shader_tool_vert;
-extern const char* const shader_tool_frag;
-extern const char* const shader_tool_cut_vert;
-extern const char* const shader_tool_cut_frag;
+extern const char* const shader_background;
+extern const char* const shader_bone;
+extern const char* const shader_cut_face;
+extern const char* const shader_line;
+extern const char* const shader_tool;
+extern const char* const shader_tool_cut;
 }  // namespace embedded
 namespace {
 
@@ -77,12 +33,14 @@ constexpr double kLineLift_mm = 0.35;
 /// Bone behind a section fades by 1/e over 25 mm.
 constexpr float kHaze_per_mm = 0.04F;
 
-std::vector<const char*> with_lighting(const char* shader) {
-  return {embedded::shader_lighting, shader};
+GlProgram program_of(const Gl& gl, const char* name, const char* shaders) {
+  return {gl, name, {"#version 450 core\n#define VERTEX\n", shaders}, {embedded::shader_lighting, shaders}};
 }
 
 GlTexture color_texture(const Gl& gl, const ColorMap& map) {
-  return {gl, static_cast<int>(map.stops.size()), 1, 3, map.texels()};
+  std::vector<float> texels;
+  for (const Eigen::Vector3f& stop : map.stops) texels.insert(texels.end(), stop.data(), stop.data() + 3);
+  return {gl, static_cast<int>(map.stops.size()), 1, 3, texels};
 }
 
 /// The cut plane in local coordinates; without one, a plane that clips nothing.
@@ -95,39 +53,135 @@ Eigen::Vector4f local_plane(const Camera& camera, const Rigid& bone_from_local) 
 void use_program(const GlProgram& program, const DrawCall& call) {
   program.use();
   program.set("clip_from_bone", Eigen::Matrix4f(call.camera.clip_from_bone().cast<float>()));
-  program.set("key_direction", call.key_direction);
-  program.set("samples_per_px", static_cast<float>(call.supersampling));
+  program.set("key_direction", Eigen::Vector3f(call.settings.light.normalized().cast<float>()));
+  program.set("samples_per_px", static_cast<float>(call.settings.supersampling));
 }
 
-/// Culls back faces unless the solid is cut open.
-void set_culling(const Gl& gl, bool cut_open) {
-  (cut_open ? gl.Disable : gl.Enable)(GL_CULL_FACE);
-  gl.CullFace(GL_BACK);
+/// Eye coordinates: unit vector from a point towards the viewer, and the millimetres of a pixel there.
+Vec3 view_at(const Camera& camera, const Vec3& eye) {
+  return camera.eye_mm ? Vec3((Vec3(0, 0, *camera.eye_mm) - eye).normalized()) : Vec3(Vec3::UnitZ());
+}
+
+double mm_per_px_at(const Camera& camera, const Vec3& eye) {
+  return camera.mm_per_px * (camera.eye_mm ? 1 - eye.z() / *camera.eye_mm : 1);
+}
+
+/// Closed lines as ribbons that face the viewer, with one width in the picture, moved towards the viewer against
+/// z-fighting with the surface. Per vertex: position in B (mm); place across the ribbon (−1 … 1), brightness (0 or 1).
+GlMesh line_ribbons(const Gl& gl, const std::vector<SurfaceLine>& lines, const Camera& camera, double width_px) {
+  std::vector<float> vertices;
+  std::vector<std::uint32_t> indices;
+  const Rigid bone_from_eye = camera.eye_from_bone.inverse();
+  for (const SurfaceLine& line : lines) {
+    const std::size_t count = line.points_mm.size();
+    const auto first = static_cast<std::uint32_t>(vertices.size() / 5);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3 eye = camera.eye_from_bone * line.points_mm[i];
+      const Vec3 before = camera.eye_from_bone * line.points_mm[(i + count - 1) % count];
+      const Vec3 after = camera.eye_from_bone * line.points_mm[(i + 1) % count];
+      const Vec3 view = view_at(camera, eye);
+      const Vec3 side = (after - before).cross(view).normalized();  // 0 where the line points at the viewer
+      for (const double across : {-1.0, 1.0}) {
+        const Vec3 corner =
+            bone_from_eye * (eye + across * 0.5 * width_px * mm_per_px_at(camera, eye) * side + kLineLift_mm * view);
+        for (const double value : corner) vertices.push_back(static_cast<float>(value));
+        vertices.push_back(static_cast<float>(across));
+        vertices.push_back(line.light ? 1.0F : 0.0F);
+      }
+      const auto a = static_cast<std::uint32_t>(2 * i), b = static_cast<std::uint32_t>(2 * ((i + 1) % count));
+      for (const std::uint32_t corner : {a, a + 1, b, b, a + 1, b + 1}) indices.push_back(first + corner);
+    }
+  }
+  return {gl, vertices, std::array{3, 2}, indices};
+}
+
+/// A triangle seen edge-on to within this sine counts as visible, because its corners are rounded to subpixels.
+constexpr double kEdgeOnSine = 0.02;
+
+Vec3 corner_mm(const BoneSurface& surface, std::uint32_t vertex) {
+  return Eigen::Map<const Eigen::Vector3f>(surface.vertices.data() + vertex * BoneSurface::kStride).cast<double>();
+}
+
+/// The unit normals of all triangles that are not degenerate.
+std::vector<Vec3> triangle_normals(const BoneSurface& surface) {
+  std::vector<Vec3> normals;
+  normals.reserve(surface.indices.size() / 3);
+  for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
+    const Vec3 a = corner_mm(surface, surface.indices[i]);
+    const Vec3 b = corner_mm(surface, surface.indices[i + 1]);
+    const Vec3 c = corner_mm(surface, surface.indices[i + 2]);
+    const Vec3 normal = (b - a).cross(c - a);
+    if (normal.squaredNorm() > 0) normals.push_back(normal.normalized());
+  }
+  return normals;
+}
+
+/// Is the box outside one plane of the view frustum?
+bool outside_frustum(const Eigen::AlignedBox3d& box_mm, const Camera& camera) {
+  const Eigen::Matrix4d clip_from_bone = camera.clip_from_bone();
+  std::array<int, 6> outside{};
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 corner = box_mm.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
+    const Eigen::Vector4d p = clip_from_bone * corner.homogeneous();
+    for (int axis = 0; axis < 3; ++axis) {
+      outside[static_cast<std::size_t>(2 * axis)] += p[axis] > p.w() ? 1 : 0;
+      outside[static_cast<std::size_t>(2 * axis + 1)] += p[axis] < -p.w() ? 1 : 0;
+    }
+  }
+  return std::ranges::any_of(outside, [](int corners) { return corners == 8; });
+}
+
+bool cut_away(const Eigen::AlignedBox3d& box_mm, const Eigen::Vector4d& plane) {
+  const Vec3 normal = plane.head<3>();
+  return normal.dot(box_mm.center()) + plane.w() + normal.cwiseAbs().dot(box_mm.sizes() / 2) < 0;
+}
+
+bool faces_away(const TileBounds& bounds, const Camera& camera) {
+  if (bounds.normal_cone_sine >= 1) return false;
+  const double sine = bounds.normal_cone_sine + kEdgeOnSine;
+  if (!camera.eye_mm) {
+    const Vec3 towards_eye = camera.eye_from_bone.linear().transpose().col(2);
+    return bounds.mean_normal.dot(towards_eye) < -sine;
+  }
+  const Vec3 eye = camera.eye_from_bone.inverse() * Vec3(0, 0, *camera.eye_mm);
+  const Vec3 away = bounds.box_mm.center() - eye;
+  // Over the bounding sphere of the box, the vector to the eye varies by at most the sphere's radius.
+  return bounds.mean_normal.dot(away) > sine * away.norm() + bounds.box_mm.diagonal().norm() / 2;
 }
 
 }  // namespace
 
-struct Scene::Programs {
-  explicit Programs(const Gl& gl)
-      : background(gl, "background", {embedded::shader_background_vert},
-                   with_lighting(embedded::shader_background_frag)),
-        bone(gl, "bone", {embedded::shader_bone_vert}, with_lighting(embedded::shader_bone_frag)),
-        cut_face(gl, "cut_face", {embedded::shader_cut_face_vert}, with_lighting(embedded::shader_cut_face_frag)),
-        line(gl, "line", {embedded::shader_line_vert}, with_lighting(embedded::shader_line_frag)),
-        tool(gl, "tool", {embedded::shader_tool_vert}, with_lighting(embedded::shader_tool_frag)),
-        tool_cut(gl, "tool_cut", {embedded::shader_tool_cut_vert}, with_lighting(embedded::shader_tool_cut_frag)) {}
+TileBounds tile_bounds(const BoneSurface& surface) {
+  TileBounds out;
+  for (const std::uint32_t vertex : surface.indices) out.box_mm.extend(corner_mm(surface, vertex));
+  const std::vector<Vec3> normals = triangle_normals(surface);
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& normal : normals) sum += normal;
+  if (sum.norm() < 1e-9) return out;
+  out.mean_normal = sum.normalized();
+  double cosine = 1;
+  for (const Vec3& normal : normals) cosine = std::min(cosine, normal.dot(out.mean_normal));
+  if (cosine > 0) out.normal_cone_sine = std::sqrt(1 - cosine * cosine);
+  return out;
+}
 
-  GlProgram background;
-  GlProgram bone;
-  GlProgram cut_face;
-  GlProgram line;
-  GlProgram tool;
-  GlProgram tool_cut;
-};
+bool may_be_visible(const TileBounds& bounds, const Camera& camera) {
+  if (outside_frustum(bounds.box_mm, camera)) return false;
+  if (camera.cut_plane) return !cut_away(bounds.box_mm, *camera.cut_plane);
+  return !faces_away(bounds, camera);
+}
+
+Scene::Programs::Programs(const Gl& gl)
+    : background(program_of(gl, "background", embedded::shader_background)),
+      bone(program_of(gl, "bone", embedded::shader_bone)),
+      cut_face(program_of(gl, "cut_face", embedded::shader_cut_face)),
+      line(program_of(gl, "line", embedded::shader_line)),
+      tool(program_of(gl, "tool", embedded::shader_tool)),
+      tool_cut(program_of(gl, "tool_cut", embedded::shader_tool_cut)) {}
 
 Scene::Scene(const Gl& gl, const std::vector<ToolSurface>& tools)
     : gl_(gl),
-      programs_(std::make_unique<Programs>(gl)),
+      programs_(gl),
       depth_colors_(color_texture(gl, reamsim::depth_colors())),
       density_colors_(color_texture(gl, reamsim::density_colors())),
       empty_array_(gl.GenVertexArrays, gl.DeleteVertexArrays) {
@@ -135,8 +189,6 @@ Scene::Scene(const Gl& gl, const std::vector<ToolSurface>& tools)
     tools_.emplace_back(gl, tool.vertices, ToolSurface::kAttributeSizes, tool.indices);
   }
 }
-
-Scene::~Scene() = default;
 
 void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed) {
   bone_.resize(tiles.size());
@@ -151,10 +203,10 @@ void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<st
 }
 
 PixelImage Scene::draw(const DrawCall& call) {
-  const int factor = call.supersampling;
+  const int factor = call.settings.supersampling;
   const int width_px = factor * call.camera.width_px;
   const int height_px = factor * call.camera.height_px;
-  const bool multisample = factor < kSupersamplingAlone && call.antialiasing == Antialiasing::multisample;
+  const bool multisample = factor < kSupersamplingAlone && !call.for_film;
   const GlTarget& target =
       targets_.try_emplace({width_px, height_px, multisample}, gl_, width_px, height_px, multisample).first->second;
   target.bind();
@@ -163,16 +215,16 @@ PixelImage Scene::draw(const DrawCall& call) {
   gl_.DepthMask(GL_TRUE);
   gl_.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
   gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  if (call.background != Background::transparent) draw_background(call.background);
+  if (call.settings.background != Background::transparent) draw_background(call.settings.background);
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthFunc(GL_LEQUAL);
   draw_bone(call);
   if (call.cut_face != nullptr && call.cut_face->width > 0) draw_cut_face(call);
-  if (call.lines != nullptr && !call.lines->empty()) draw_lines(call);
-  if (call.bone_from_spinning_tool && call.camera.shows_tool) draw_tool(call);
+  if (!call.lines.empty()) draw_lines(call);
+  if (call.tool && call.camera.shows_tool) draw_tool(call);
   gl_.check("drawing a picture");
   PixelImage image{width_px, height_px, target.read()};
-  if (call.antialiasing == Antialiasing::fxaa) image = antialiased(image);
+  if (call.for_film) image = antialiased(image);
   return downsampled(std::move(image), factor);
 }
 
@@ -180,14 +232,14 @@ void Scene::draw_background(Background background) const {
   gl_.Disable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
   gl_.Disable(GL_CULL_FACE);
-  programs_->background.use();
-  programs_->background.set("white", background == Background::white ? 1 : 0);
+  programs_.background.use();
+  programs_.background.set("white", background == Background::white ? 1 : 0);
   gl_.BindVertexArray(empty_array_[0]);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void Scene::draw_bone(const DrawCall& call) const {
-  const GlProgram& program = programs_->bone;
+  const GlProgram& program = programs_.bone;
   use_program(program, call);
   program.set("eye_from_bone", Eigen::Matrix4f(call.camera.eye_from_bone.matrix().cast<float>()));
   program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
@@ -195,7 +247,8 @@ void Scene::draw_bone(const DrawCall& call) const {
   program.set("haze_per_mm", call.camera.cut_plane ? kHaze_per_mm : 0.0F);
   program.set("depth_colors", 0);
   depth_colors_.bind(0);
-  set_culling(gl_, call.camera.cut_plane.has_value());
+  (call.camera.cut_plane ? gl_.Disable : gl_.Enable)(GL_CULL_FACE);
+  gl_.CullFace(GL_BACK);
   for (const auto& tile : bone_) {
     if (tile && may_be_visible(tile->bounds, call.camera)) tile->mesh.draw();
   }
@@ -212,7 +265,7 @@ void Scene::draw_cut_face(const DrawCall& call) const {
   }
   const std::array<std::uint32_t, 6> indices{0, 1, 2, 0, 2, 3};
   const GlMesh quad(gl_, vertices, std::array{3, 2}, indices);
-  const GlProgram& program = programs_->cut_face;
+  const GlProgram& program = programs_.cut_face;
   use_program(program, call);
   program.set("density_max_g_cm3", static_cast<float>(call.density_max_g_cm3));
   program.set("face", 0);
@@ -225,13 +278,13 @@ void Scene::draw_cut_face(const DrawCall& call) const {
 }
 
 void Scene::draw_lines(const DrawCall& call) const {
-  const LineRibbons ribbons = make_line_ribbons(*call.lines, call.camera, call.line_width_px + 1, kLineLift_mm);
-  const GlMesh mesh(gl_, ribbons.vertices, LineRibbons::kAttributeSizes, ribbons.indices);
-  const GlProgram& program = programs_->line;
+  const double width_px = kContourWidth_px * std::max(0.6, call.camera.height_px / 1080.0);
+  const GlMesh mesh = line_ribbons(gl_, call.lines, call.camera, width_px + 1);
+  const GlProgram& program = programs_.line;
   use_program(program, call);
   program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
-  program.set("half_width_px", static_cast<float>(0.5 * call.line_width_px));
-  program.set("opacity", static_cast<float>(call.line_opacity));
+  program.set("half_width_px", static_cast<float>(0.5 * width_px));
+  program.set("opacity", static_cast<float>(kContourOpacity));
   gl_.Disable(GL_CULL_FACE);
   gl_.Enable(GL_BLEND);
   gl_.DepthMask(GL_FALSE);
@@ -240,17 +293,18 @@ void Scene::draw_lines(const DrawCall& call) const {
 }
 
 void Scene::draw_tool(const DrawCall& call) const {
-  const Rigid& bone_from_tool = *call.bone_from_spinning_tool;
+  const Rigid& bone_from_tool = call.tool->bone_from_tool;
   const bool cut_open = call.camera.cut_plane.has_value();
-  const GlMesh& tool = tools_.at(call.tool);
-  const GlProgram& program = programs_->tool;
+  const GlMesh& tool = tools_.at(call.tool->pass);
+  const GlProgram& program = programs_.tool;
   use_program(program, call);
   program.set("clip_from_tool",
               Eigen::Matrix4f((call.camera.clip_from_bone() * bone_from_tool.matrix()).cast<float>()));
   program.set("eye_from_tool", Eigen::Matrix4f((call.camera.eye_from_bone * bone_from_tool).matrix().cast<float>()));
   program.set("cut_plane", local_plane(call.camera, bone_from_tool));
   program.set("depth_offset", static_cast<float>(kToolOffset_mm * call.camera.clip_depth_per_mm()));
-  const bool steel = call.steel || cut_open;
+  // Views other than sections show the face behind the tool, unless the user selects steel.
+  const bool steel = cut_open || call.settings.tool_material == ToolMaterial::steel;
   program.set("brushed", steel ? 1 : 0);
   if (!steel) {
     draw_translucent(tool, program);
@@ -283,12 +337,12 @@ void Scene::draw_tool_cut(const GlMesh& tool, const GlProgram& program, const Dr
   gl_.Enable(GL_DEPTH_TEST);
   gl_.StencilFunc(GL_NOTEQUAL, 0, 255);
   gl_.StencilOpSeparate(GL_FRONT_AND_BACK, GL_KEEP, GL_KEEP, GL_KEEP);
-  const GlProgram& cut = programs_->tool_cut;
+  const GlProgram& cut = programs_.tool_cut;
   cut.use();
   const Eigen::Matrix4d bone_from_clip = call.camera.clip_from_bone().inverse();
   cut.set("plane_in_clip", Eigen::Vector4f((bone_from_clip.transpose() * *call.camera.cut_plane).cast<float>()));
   cut.set("depth_offset", static_cast<float>(kToolCutOffset_mm * call.camera.clip_depth_per_mm()));
-  cut.set("samples_per_px", static_cast<float>(call.supersampling));
+  cut.set("samples_per_px", static_cast<float>(call.settings.supersampling));
   gl_.BindVertexArray(empty_array_[0]);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
   gl_.Disable(GL_STENCIL_TEST);

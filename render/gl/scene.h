@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -12,53 +13,62 @@
 #include <vector>
 
 #include "render/gl/camera.h"
-#include "render/gl/cut_face.h"
 #include "render/gl/gl_objects.h"
 #include "render/gl/pixel_image.h"
-#include "render/gl/tile_bounds.h"
 #include "render/surface/bone_surface.h"
 #include "render/surface/surface_smoothing.h"
-#include "sim/scenario/choices.h"
 
 namespace reamsim {
 
-/// A closed line on a surface, B, mm.
+/// Bounding box and normal cone of a part of the bone's surface, for culling.
+struct TileBounds {
+  Eigen::AlignedBox3d box_mm;        ///< in B
+  Vec3 mean_normal = Vec3::UnitZ();  ///< of its triangles, outward
+  double normal_cone_sine = 1;       ///< sine of the largest angle to a normal; 1: a right angle or more
+};
+
+/// Bounds of a surface that has triangles.
+TileBounds tile_bounds(const BoneSurface& surface);
+
+/// False only if all of it is outside the camera's frustum, cut away, or, without a cut, faces away.
+bool may_be_visible(const TileBounds& bounds, const Camera& camera);
+
+/// A closed contour line on a surface, B, mm.
 struct SurfaceLine {
   std::vector<Vec3> points_mm;
   bool light = false;  ///< drawn white instead of nearly black
+  double value = 0;    ///< of what is constant along it
 };
 
-/// Lines as ribbons that face the viewer, with one width in the picture.
-struct LineRibbons {
-  /// Floats per vertex: position in B (mm), place across the ribbon (−1 … 1), brightness (0 or 1).
-  static constexpr std::array kAttributeSizes{3, 2};
-  std::vector<float> vertices;
-  std::vector<std::uint32_t> indices;
+/// The section of the bone by a plane, as a texture in the plane.
+struct CutFace {
+  std::array<Vec3, 4> corners_mm;  ///< in B: of texture (0,0), (1,0), (1,1), (0,1)
+  int width = 0;
+  int height = 0;
+  /// Two channels: density of the remaining bone (g/cm³); smoothed bone fraction − ½.
+  std::vector<float> texels;
 };
 
-/// Ribbons of this width in pixels, moved towards the viewer by `lift_mm`, against z-fighting with the surface.
-LineRibbons make_line_ribbons(const std::vector<SurfaceLine>& lines, const Camera& camera, double width_px,
-                              double lift_mm);
+/// Samples the cut plane of `camera` within the picture and the bone's box, one texel per pixel but not finer than a
+/// quarter of a voxel. The boundary between the layers of a mesh bone is drawn at its depth below the unreamed surface,
+/// without voxel steps. Empty (width 0) when the plane misses the bone.
+CutFace sample_cut_face(const BoneFields& bone, const Camera& camera);
 
-/// Antialiasing by four samples per pixel, or, in half the time, by a filter on the finished picture.
-enum class Antialiasing { multisample, fxaa };
+/// Opacity and width of contour lines, in every picture; the width holds for a picture 1080 high.
+constexpr double kContourOpacity = 0.75;
+constexpr double kContourWidth_px = 2.2;
 
-/// The parameters of one picture.
+/// The parameters of one picture. A section draws the tool as opaque steel, like the bone.
 struct DrawCall {
-  Camera camera;
-  double depth_max_mm = 1;                          ///< upper end of the depth colours
-  double density_max_g_cm3 = 2;                     ///< upper end of the density colours
-  std::optional<Rigid> bone_from_spinning_tool;     ///< without: no tool
-  std::size_t tool = 0;                             ///< index of the scene's tool
-  bool steel = false;                               ///< opaque brushed steel, as always in a section, not translucent
-  const std::vector<SurfaceLine>* lines = nullptr;  ///< contour lines on the reamed face
-  double line_width_px = 1;
-  double line_opacity = 1;
+  const Camera& camera;
+  const RenderSettings& settings;
+  double depth_max_mm;       ///< upper end of the depth colours
+  double density_max_g_cm3;  ///< upper end of the density colours
+  const std::vector<SurfaceLine>& lines;
+  std::optional<PlacedTool> tool{};
   const CutFace* cut_face = nullptr;  ///< section of the bone by the camera's cut plane
-  Background background = Background::studio;
-  Eigen::Vector3f key_direction = Eigen::Vector3f::UnitZ();  ///< towards the key light, eye axes; unit length
-  int supersampling = 1;                                     ///< factor along each axis
-  Antialiasing antialiasing = Antialiasing::multisample;
+  /// Antialiasing by a filter on the finished picture, in half the time of four samples per pixel.
+  bool for_film = false;
 };
 
 /// Meshes, shaders and lights. Its context must be current.
@@ -66,9 +76,6 @@ class Scene {
  public:
   /// Throws RunError when a shader does not compile.
   Scene(const Gl& gl, const std::vector<ToolSurface>& tools);
-  ~Scene();
-  Scene(const Scene&) = delete;
-  Scene& operator=(const Scene&) = delete;
 
   /// Uploads the changed tiles of the bone.
   void set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed);
@@ -76,7 +83,10 @@ class Scene {
   [[nodiscard]] PixelImage draw(const DrawCall& call);
 
  private:
-  struct Programs;
+  struct Programs {
+    explicit Programs(const Gl& gl);
+    GlProgram background, bone, cut_face, line, tool, tool_cut;
+  };
   struct Tile {
     GlMesh mesh;
     TileBounds bounds;
@@ -92,7 +102,7 @@ class Scene {
   void draw_translucent(const GlMesh& tool, const GlProgram& program) const;
 
   const Gl& gl_;
-  std::unique_ptr<Programs> programs_;
+  Programs programs_;
   std::map<std::tuple<int, int, bool>, GlTarget> targets_;  ///< by width, height and whether it is multisampled
   std::deque<GlMesh> tools_;
   std::vector<std::unique_ptr<Tile>> bone_;  ///< null where a tile is empty

@@ -73,7 +73,8 @@ TextLine::TextLine(const Canvas& canvas, const std::string& text, double size_px
   height = static_cast<double>(logical.height) / PANGO_SCALE;
 }
 
-void TextLine::draw(double x, double y) const {
+void TextLine::draw(double x, double y, const Rgba& color) const {
+  cairo_set_source_rgba(cairo_, color.r, color.g, color.b, color.a);
   cairo_move_to(cairo_, x, y);
   pango_cairo_show_layout(cairo_, layout_.get());
 }

@@ -37,7 +37,6 @@ class Canvas {
   void set_color(const Rgba& color) const { cairo_set_source_rgba(get(), color.r, color.g, color.b, color.a); }
   /// Fills a panel with round corners, as a background for text.
   void fill_panel(const Box& box, double radius, const Rgba& color = kPanelColor) const;
-  /// Strokes a straight line.
   void line(const Vec2& from, const Vec2& to) const;
   /// Appends a closed polygon to the path.
   void trace(const std::vector<Vec2>& points) const;
@@ -58,7 +57,7 @@ class TextLine {
   TextLine(const Canvas& canvas, const std::string& text, double size_px, bool bold = false, double wrap_px = 0);
 
   /// Draws it with its upper left corner at (x, y).
-  void draw(double x, double y) const;
+  void draw(double x, double y, const Rgba& color = kTextColor) const;
   /// Appends its outline to the path, in the same place.
   void trace(double x, double y) const;
 

@@ -39,7 +39,6 @@ void draw_half_title(PixelImage& image, const PageLayout& page, const std::strin
   const TextLine text(canvas, title, kHalfTitle * u, true);
   const double y = 0.5 * (kHalfHead * u - text.height);
   canvas.fill_panel({left_px + 8 * u, y - 3 * u, text.width + 24 * u, text.height + 6 * u}, 6 * u, plate);
-  canvas.set_color(kTextColor);
   text.draw(left_px + 20 * u, y);
   canvas.finish();
 }
@@ -134,7 +133,6 @@ void ContactSheet::add(PixelImage cell, const ForceRow& row) {
     const std::string pass = view_.run().inputs().passes.size() > 1 ? "pass " + std::to_string(row.pass) + " · " : "";
     const TextLine text(canvas, pass + fixed_text(row.time_s, 3) + " s · " + depth_text(row.depth_mm), kCaption * u);
     canvas.fill_panel({8 * u, 8 * u, text.width + 16 * u, text.height + 8 * u}, 5 * u);
-    canvas.set_color(kTextColor);
     text.draw(16 * u, 12 * u);
     canvas.finish();
   }

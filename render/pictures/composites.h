@@ -13,12 +13,10 @@
 
 namespace reamsim {
 
-/// The camera `name` for one half of a picture of the bone before and after reaming, side by side below their titles,
-/// of the settings' size.
+/// The camera `name` for one half of a picture of the bone before and after reaming, side by side below their titles.
 Camera half_camera(const RunView& view, const std::string& name);
 
-/// Composes such a picture from its halves. `values` and `contours` of the right half: name and number with unit, one
-/// per line; lines that get their numbers.
+/// Composes such a picture from its halves. `values`, and `contours` that get their numbers, of the right half.
 PixelImage before_and_after(const RunView& view, const Camera& half, const PixelImage& before, const PixelImage& after,
                             const std::vector<std::pair<std::string, std::string>>& values,
                             const std::vector<SeenContour>& contours);
@@ -33,8 +31,7 @@ struct SheetGrid {
 /// The layout with the largest cells that leaves room for title, legend and scale.
 SheetGrid sheet_grid(int cells, int width_px, int height_px);
 
-/// The run on one page: up to twenty small pictures of one camera with time and depth, of the time in contact. The
-/// title says what is not shown.
+/// The run in contact on one page: up to twenty small pictures of one camera. The title says what is not shown.
 class ContactSheet {
  public:
   /// The frames with a cell, ascending.
@@ -47,7 +44,6 @@ class ContactSheet {
 
   /// Adds the next cell: the frame of this row of the log.
   void add(PixelImage cell, const ForceRow& row);
-  /// Returns the labelled page.
   [[nodiscard]] PixelImage finish();
 
  private:

@@ -3,18 +3,14 @@
 
 #include "render/pictures/contour_lines.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <unordered_map>
 
-#include "sim/base/geometry.h"
 #include "sim/base/parallel.h"
 #include "sim/base/statistics.h"
 
 namespace reamsim {
-
 namespace {
 
 constexpr double kWeightSigma_mm = 0.7;  // of the weights in known columns
@@ -35,8 +31,7 @@ struct Window {
   std::vector<double> weights;
 };
 
-/// The fit's value in the middle of a window, and the number of its known columns. `Terms`: 3 for a plane, 6 for a
-/// quadratic.
+/// The fit's value in the middle of a window, and the number of its known columns. 3 terms: a plane; 6: a quadratic.
 template <int Terms>
 std::pair<double, int> fit_in(const RasterField& field, const std::vector<std::uint8_t>& known, const Window& window,
                               std::size_t own) {
@@ -67,57 +62,6 @@ std::pair<double, int> fit_in(const RasterField& field, const std::vector<std::u
   for (int k = 1; k < Terms; ++k) normal(k, k) += kRidge * normal(0, 0);
   return {solve_ldlt(normal, right)(0), count};
 }
-
-}  // namespace
-
-double RasterField::at(const Vec2& place_mm) const {
-  const Vec2 last(raster.nx - 1, raster.ny - 1);
-  const Vec2 index = ((place_mm - corner_mm) / spacing_mm).cwiseMax(Vec2::Zero()).cwiseMin(last);
-  const int i = std::min(static_cast<int>(index.x()), std::max(0, raster.nx - 2));
-  const int j = std::min(static_cast<int>(index.y()), std::max(0, raster.ny - 2));
-  const int next_i = std::min(i + 1, raster.nx - 1), next_j = std::min(j + 1, raster.ny - 1);
-  const double x = index.x() - i, y = index.y() - j;
-  return (1 - y) * ((1 - x) * values[raster.index(i, j)] + x * values[raster.index(next_i, j)]) +
-         y * ((1 - x) * values[raster.index(i, next_j)] + x * values[raster.index(next_i, next_j)]);
-}
-
-RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known,
-                      std::vector<std::uint8_t>& reached) {
-  const double sigma = std::max(kLeastSigma, kWeightSigma_mm / field.spacing_mm);
-  const Window inside(sigma, std::min(kMaxReach, static_cast<int>(std::ceil(2.2 * sigma))));
-  const Window outside(kOutsideSigma, kOutsideReach);
-  RasterField out = field;
-  std::vector<std::uint8_t> found(known.size(), 0);
-  parallel_items(known.size(), [&](std::size_t n) {
-    const auto [value, count] =
-        known[n] != 0 ? fit_in<6>(field, known, inside, n) : fit_in<3>(field, known, outside, n);
-    if (known[n] == 0 && count < kMinKnown) return;
-    out.values[n] = value;
-    found[n] = 1;
-  });
-  reached = std::move(found);
-  return out;
-}
-
-RasterField signed_depth(const RasterField& depth_mm, const std::vector<std::uint8_t>& reamed) {
-  std::vector<std::uint8_t> reached;
-  RasterField out = local_fit(depth_mm, reamed, reached);
-  const double margin_mm = kLeastMargin * depth_mm.spacing_mm;
-  const double far_mm = kOutsideReach * depth_mm.spacing_mm;
-  for (std::size_t n = 0; n < out.values.size(); ++n) {
-    double& value = out.values[n];
-    if (reamed[n] != 0) {
-      value = std::max(value, margin_mm);
-    } else if (reached[n] != 0) {
-      // At a wall the plane is still above zero beyond the rim. Mirrored, it passes zero between the two columns.
-      value = -std::clamp(std::abs(value), margin_mm, far_mm);
-    } else {
-      value = -far_mm;
-    }
-  }
-  return out;
-}
-namespace {
 
 constexpr double kPointSpacing = 0.5;  // of the raster's spacing
 constexpr double kSigma_mm = 0.9;      // of the smoothing along a line
@@ -260,6 +204,54 @@ std::vector<Vec2> smoothed(const std::vector<Vec2>& loop, double spacing_mm) {
 }
 
 }  // namespace
+
+double RasterField::at(const Vec2& place_mm) const {
+  const Vec2 last(raster.nx - 1, raster.ny - 1);
+  const Vec2 index = ((place_mm - corner_mm) / spacing_mm).cwiseMax(Vec2::Zero()).cwiseMin(last);
+  const int i = std::min(static_cast<int>(index.x()), std::max(0, raster.nx - 2));
+  const int j = std::min(static_cast<int>(index.y()), std::max(0, raster.ny - 2));
+  const int next_i = std::min(i + 1, raster.nx - 1), next_j = std::min(j + 1, raster.ny - 1);
+  const double x = index.x() - i, y = index.y() - j;
+  return (1 - y) * ((1 - x) * values[raster.index(i, j)] + x * values[raster.index(next_i, j)]) +
+         y * ((1 - x) * values[raster.index(i, next_j)] + x * values[raster.index(next_i, next_j)]);
+}
+
+RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known,
+                      std::vector<std::uint8_t>& reached) {
+  const double sigma = std::max(kLeastSigma, kWeightSigma_mm / field.spacing_mm);
+  const Window inside(sigma, std::min(kMaxReach, static_cast<int>(std::ceil(2.2 * sigma))));
+  const Window outside(kOutsideSigma, kOutsideReach);
+  RasterField out = field;
+  std::vector<std::uint8_t> found(known.size(), 0);
+  parallel_items(known.size(), [&](std::size_t n) {
+    const auto [value, count] =
+        known[n] != 0 ? fit_in<6>(field, known, inside, n) : fit_in<3>(field, known, outside, n);
+    if (known[n] == 0 && count < kMinKnown) return;
+    out.values[n] = value;
+    found[n] = 1;
+  });
+  reached = std::move(found);
+  return out;
+}
+
+RasterField signed_depth(const RasterField& depth_mm, const std::vector<std::uint8_t>& reamed) {
+  std::vector<std::uint8_t> reached;
+  RasterField out = local_fit(depth_mm, reamed, reached);
+  const double margin_mm = kLeastMargin * depth_mm.spacing_mm;
+  const double far_mm = kOutsideReach * depth_mm.spacing_mm;
+  for (std::size_t n = 0; n < out.values.size(); ++n) {
+    double& value = out.values[n];
+    if (reamed[n] != 0) {
+      value = std::max(value, margin_mm);
+    } else if (reached[n] != 0) {
+      // At a wall the plane is still above zero beyond the rim. Mirrored, it passes zero between the two columns.
+      value = -std::clamp(std::abs(value), margin_mm, far_mm);
+    } else {
+      value = -far_mm;
+    }
+  }
+  return out;
+}
 
 double ContourLine::length_mm() const {
   return length_of(points_mm);

@@ -3,15 +3,36 @@
 
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "render/pictures/page_layout.h"
-#include "render/pictures/smoothed_mask.h"
 #include "sim/base/geometry.h"
 
 namespace reamsim {
+
+/// A raster of nx × ny cells, row by row.
+struct Raster {
+  int nx = 0;
+  int ny = 0;
+
+  [[nodiscard]] std::size_t index(int i, int j) const {
+    return static_cast<std::size_t>(i) + static_cast<std::size_t>(nx) * static_cast<std::size_t>(j);
+  }
+  [[nodiscard]] std::size_t count() const { return index(0, ny); }
+  [[nodiscard]] bool contains(int i, int j) const { return i >= 0 && j >= 0 && i < nx && j < ny; }
+  [[nodiscard]] int column(std::size_t index) const { return static_cast<int>(index) % nx; }
+  [[nodiscard]] int row(std::size_t index) const { return static_cast<int>(index) / nx; }
+  /// Calls visit(index) for each cell at most `reach` cells from `center` along either axis.
+  template <typename Visit>
+  void for_each_near(std::size_t center, int reach, const Visit& visit) const {
+    const int last_i = std::min(column(center) + reach, nx - 1), last_j = std::min(row(center) + reach, ny - 1);
+    for (int j = std::max(row(center) - reach, 0); j <= last_j; ++j) {
+      for (int i = std::max(column(center) - reach, 0); i <= last_i; ++i) visit(index(i, j));
+    }
+  }
+};
 
 /// A scalar on a raster of columns in the plane of a map.
 struct RasterField {
@@ -45,12 +66,11 @@ struct ContourLine {
   [[nodiscard]] double length_mm() const;
 };
 
-/// All lines of one value: marching squares, then smoothed along the line, against the steps of the raster. The raster
-/// counts as surrounded by lower values, so that every line is closed.
+/// All lines of one value: marching squares, then smoothed along the line. The raster counts as surrounded by lower
+/// values, so that every line is closed.
 std::vector<ContourLine> contour_lines(const RasterField& field, double value);
 
-/// The lines at the ticks of a legend above 0, ascending, as every picture of reamed depth draws them. Rings shorter
-/// than kShortestContour_mm, such as those around the core of a cannula, are left out.
+/// The lines at the ticks of a legend above 0, ascending, without rings as short as those around a cannula's core.
 std::vector<ContourLine> depth_contours(const RasterField& signed_depth_mm, const Scale& scale);
 constexpr double kShortestContour_mm = 12;
 

@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
-#include "render/pictures/smoothed_mask.h"
 #include "sim/base/csv.h"
 #include "sim/base/statistics.h"
 
@@ -30,44 +30,132 @@ double least_step(std::vector<double> values) {
   return least;
 }
 
+constexpr int kBlurReach = 5;
+constexpr double kBlurSigma = 1.6;       // cells
+constexpr std::size_t kLargePatch = 40;  // cells; larger patches survive the blur
+constexpr int kPatchHalo = 2;            // cells around a patch that are raised with it
+constexpr double kKeptFraction = 0.52;   // least fraction of the limit in a cell of a patch
+
+/// Convolution along one axis; cells beyond the raster are 0.
+std::vector<double> blurred(const Raster& raster, const std::vector<double>& values, int step_i, int step_j) {
+  const std::vector<double> weights = gaussian_weights(kBlurSigma, kBlurReach);
+  std::vector<double> out(values.size(), 0.0);
+  for (int j = 0; j < raster.ny; ++j) {
+    for (int i = 0; i < raster.nx; ++i) {
+      for (int n = -kBlurReach; n <= kBlurReach; ++n) {
+        const int a = i + n * step_i, b = j + n * step_j;
+        if (!raster.contains(a, b)) continue;
+        out[raster.index(i, j)] += weights[static_cast<std::size_t>(n + kBlurReach)] * values[raster.index(a, b)];
+      }
+    }
+  }
+  return out;
+}
+
+/// The connected cells of equal value around a cell.
+std::vector<std::size_t> patch_of(const Raster& raster, const std::vector<std::uint8_t>& mask, std::size_t first,
+                                  std::vector<std::uint8_t>& seen) {
+  std::vector<std::size_t> patch{first};
+  seen[first] = 1;
+  for (std::size_t k = 0; k < patch.size(); ++k) {
+    raster.for_each_near(patch[k], 1, [&](std::size_t cell) {
+      if (seen[cell] != 0 || mask[cell] != mask[first]) return;
+      seen[cell] = 1;
+      patch.push_back(cell);
+    });
+  }
+  return patch;
+}
+
+/// Raises the values in and around a patch until its cells are on their own side of the contour.
+void raise_patch(const Raster& raster, bool inside, const std::vector<std::size_t>& patch,
+                 const std::vector<double>& limit, std::vector<double>& values) {
+  const auto own = [&](std::size_t cell) { return inside ? values[cell] : limit[cell] - values[cell]; };
+  double least = kKeptFraction;
+  for (const std::size_t cell : patch) {
+    if (limit[cell] > 0.5) least = std::min(least, own(cell) / limit[cell]);
+  }
+  if (least >= kKeptFraction || least <= 0) return;
+  std::vector<std::size_t> halo;
+  for (const std::size_t cell : patch) {
+    raster.for_each_near(cell, kPatchHalo, [&](std::size_t near) { halo.push_back(near); });
+  }
+  std::sort(halo.begin(), halo.end());
+  halo.erase(std::unique(halo.begin(), halo.end()), halo.end());
+  for (const std::size_t cell : halo) {
+    const double raised = std::min(limit[cell], own(cell) * kKeptFraction / least);
+    values[cell] = inside ? raised : limit[cell] - raised;
+  }
+}
+
+/// The mask (1 or 0 per cell), smoothed so that its contour at half of `limit` does not follow the cells' edges.
+/// `limit`: the most that a cell can hold, 1 or the smoothed mask that this one is a part of. Isolated patches of a few
+/// cells, inside or outside, are kept and become round; spurs one cell wide may vanish.
+std::vector<double> smoothed_mask(const Raster& raster, const std::vector<std::uint8_t>& mask,
+                                  const std::vector<double>& limit) {
+  std::vector<double> values = blurred(raster, blurred(raster, {mask.begin(), mask.end()}, 1, 0), 0, 1);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::min(values[i], limit[i]);
+  std::vector<std::uint8_t> seen(mask.size(), 0);
+  for (std::size_t first = 0; first < mask.size(); ++first) {
+    if (seen[first] != 0) continue;
+    const std::vector<std::size_t> patch = patch_of(raster, mask, first, seen);
+    const bool inside = mask[first] != 0;
+    const auto at_border = [&](std::size_t cell) {
+      return !raster.contains(raster.column(cell) - 1, raster.row(cell) - 1) ||
+             !raster.contains(raster.column(cell) + 1, raster.row(cell) + 1);
+    };
+    // A patch of zeros at the border continues beyond it, where all is 0.
+    const bool open = !inside && std::ranges::any_of(patch, at_border);
+    if (patch.size() < kLargePatch && !open) raise_patch(raster, inside, patch, limit, values);
+  }
+  return values;
+}
+
 }  // namespace
 
 DepthField::DepthField(const std::string& path) {
-  CsvReader table(path, kColumnNames, "the depth_map.csv of a run");
-  std::vector<Row> rows;
-  for (std::vector<double> v; table.next(v, "after_z_mm");) {
-    const Cell cell{.bone = true, .perforated = std::isnan(v[3]), .before_mm = v[2], .depth_mm = v[4]};
-    rows.push_back({{v[0], v[1]}, cell});
-  }
-  if (rows.empty()) return;
-  build_raster(rows, path);
+  read_raster(path);
+  if (bone_.empty()) return;
   exclude_rim_from_holes();
-  smooth();
-  smooth_outlines();
+  signed_depth_ = signed_depth(depth_, reamed_);
+  extend_depth();
+  bone_fraction_ = smoothed_mask(depth_.raster, bone_, std::vector<double>(bone_.size(), 1.0));
+  reamed_fraction_ = smoothed_mask(depth_.raster, reamed_, bone_fraction_);
   compute_normals();
   compute_totals();
 }
 
-void DepthField::build_raster(const std::vector<Row>& rows, const std::string& path) {
-  std::vector<double> xs;
-  std::vector<double> ys;
-  for (const Row& row : rows) {
-    xs.push_back(row.place_mm.x());
-    ys.push_back(row.place_mm.y());
+void DepthField::read_raster(const std::string& path) {
+  CsvReader table(path, kColumnNames, "the depth_map.csv of a run");
+  std::vector<std::array<double, kColumnNames.size()>> rows;
+  std::vector<double> xs, ys;
+  for (std::vector<double> v; table.next(v, "after_z_mm");) {
+    std::copy_n(v.begin(), kColumnNames.size(), rows.emplace_back().begin());
+    xs.push_back(v[0]);
+    ys.push_back(v[1]);
   }
+  if (rows.empty()) return;
   const double step = std::min(least_step(xs), least_step(ys));
-  spacing_mm_ = std::isfinite(step) ? step : 1;
-  corner_mm_ = {*std::min_element(xs.begin(), xs.end()), *std::min_element(ys.begin(), ys.end())};
-  const Vec2 last(*std::max_element(xs.begin(), xs.end()), *std::max_element(ys.begin(), ys.end()));
-  const Vec2 size = ((last - corner_mm_) / spacing_mm_).array().round() + 1;
+  depth_.spacing_mm = std::isfinite(step) ? step : 1;
+  depth_.corner_mm = {std::ranges::min(xs), std::ranges::min(ys)};
+  const Vec2 last(std::ranges::max(xs), std::ranges::max(ys));
+  const Vec2 size = ((last - depth_.corner_mm) / depth_.spacing_mm).array().round() + 1;
   if (size.prod() > kMaxCells) {
     throw InputError({path, 0, 0}, "", "columns do not lie on a regular grid", "the depth_map.csv of a run");
   }
-  raster_ = {static_cast<int>(size.x()), static_cast<int>(size.y())};
-  cells_.resize(raster_.count());
-  for (const Row& row : rows) {
-    const Vec2 at = ((row.place_mm - corner_mm_) / spacing_mm_).array().round();
-    cells_[raster_.index(static_cast<int>(at.x()), static_cast<int>(at.y()))] = row.cell;
+  depth_.raster = {static_cast<int>(size.x()), static_cast<int>(size.y())};
+  const std::size_t count = depth_.raster.count();
+  depth_.values.assign(count, 0);
+  before_mm_.assign(count, 0);
+  for (auto* mask : {&bone_, &reamed_, &perforated_}) mask->assign(count, 0);
+  for (const auto& [x, y, before_mm, after_mm, depth_mm] : rows) {
+    const Vec2 at = ((Vec2(x, y) - depth_.corner_mm) / depth_.spacing_mm).array().round();
+    const std::size_t n = depth_.raster.index(static_cast<int>(at.x()), static_cast<int>(at.y()));
+    bone_[n] = 1;
+    reamed_[n] = depth_mm > 0 ? 1 : 0;
+    perforated_[n] = std::isnan(after_mm) ? 1 : 0;
+    before_mm_[n] = before_mm;
+    depth_.values[n] = depth_mm;
   }
 }
 
@@ -75,146 +163,128 @@ void DepthField::build_raster(const std::vector<Row>& rows, const std::string& p
 /// a hole. The bone's edge is air, or an unreamed column below all that was removed here.
 void DepthField::exclude_rim_from_holes() {
   constexpr int kEdgeColumns = 2;
+  const Raster& raster = depth_.raster;
   std::vector<std::size_t> rim;
-  for (std::size_t n = 0; n < cells_.size(); ++n) {
-    const Cell& own = cells_[n];
-    if (!own.perforated) continue;
-    const double below_mm = own.before_mm - own.depth_mm - spacing_mm_;
-    const int i = raster_.column(n), j = raster_.row(n);
+  for (std::size_t n = 0; n < bone_.size(); ++n) {
+    if (perforated_[n] == 0) continue;
+    const double below_mm = before_mm_[n] - depth_.values[n] - spacing_mm();
+    const int i = raster.column(n), j = raster.row(n);
     bool near_edge =
-        !raster_.contains(i - kEdgeColumns, j - kEdgeColumns) || !raster_.contains(i + kEdgeColumns, j + kEdgeColumns);
-    raster_.for_each_near(n, kEdgeColumns, [&](std::size_t k) {
-      const Cell& near = cells_[k];
-      near_edge |= !near.bone || (near.depth_mm <= 0 && near.before_mm < below_mm);
+        !raster.contains(i - kEdgeColumns, j - kEdgeColumns) || !raster.contains(i + kEdgeColumns, j + kEdgeColumns);
+    raster.for_each_near(n, kEdgeColumns, [&](std::size_t k) {
+      near_edge |= bone_[k] == 0 || (reamed_[k] == 0 && before_mm_[k] < below_mm);
     });
     if (near_edge) rim.push_back(n);
   }
-  for (const std::size_t n : rim) cells_[n].perforated = false;
+  for (const std::size_t n : rim) perforated_[n] = 0;
   for (std::size_t k = 0; k < rim.size(); ++k) {
-    raster_.for_each_near(rim[k], 1, [&](std::size_t n) {
-      if (!cells_[n].perforated) return;
-      cells_[n].perforated = false;
+    raster.for_each_near(rim[k], 1, [&](std::size_t n) {
+      if (perforated_[n] == 0) return;
+      perforated_[n] = 0;
       rim.push_back(n);
     });
   }
 }
 
-/// Smooths the depth, and extends it by the mean of the nearest reamed columns to where the smoothed outline may reach.
-void DepthField::smooth() {
+/// Extends the depth by the mean of the nearest reamed columns to where the smoothed outline may reach.
+void DepthField::extend_depth() {
   constexpr int kReach = 4;
   constexpr double kSigma = 0.6;  // columns: approximates the nearest of them
+  const Raster& raster = depth_.raster;
   const std::vector<double> weights = gaussian(kSigma, kReach);
-  std::vector<std::uint8_t> reamed;
-  for (const Cell& c : cells_) reamed.push_back(c.depth_mm > 0 ? 1 : 0);
-  signed_depth_ = signed_depth(field_of([](const Cell& c) { return c.depth_mm; }), reamed);
-  for (std::size_t own = 0; own < cells_.size(); ++own) {
+  for (std::size_t own = 0; own < bone_.size(); ++own) {
     double near_mm = 0, near_weight = 0;
-    raster_.for_each_near(own, kReach, [&](std::size_t n) {
-      if (reamed[n] == 0) return;
-      const int di = raster_.column(n) - raster_.column(own), dj = raster_.row(n) - raster_.row(own);
+    raster.for_each_near(own, kReach, [&](std::size_t n) {
+      if (reamed_[n] == 0) return;
+      const int di = raster.column(n) - raster.column(own), dj = raster.row(n) - raster.row(own);
       const double weight =
           weights[static_cast<std::size_t>(di + kReach)] * weights[static_cast<std::size_t>(dj + kReach)];
-      near_mm += weight * cells_[n].depth_mm;
+      near_mm += weight * depth_.values[n];
       near_weight += weight;
     });
-    cells_[own].smooth_mm = reamed[own] != 0 ? signed_depth_.values[own] : 0;
-    cells_[own].near_mm = near_weight > 0 ? near_mm / near_weight : 0;
+    near_mm_.push_back(near_weight > 0 ? near_mm / near_weight : 0);
   }
 }
 
-RasterField DepthField::field_of(const std::function<double(const Cell&)>& value) const {
-  RasterField out{raster_, corner_mm_, spacing_mm_, {}};
-  for (const Cell& c : cells_) out.values.push_back(value(c));
-  return out;
+RasterField DepthField::with_values(std::vector<double> values) const {
+  return {depth_.raster, depth_.corner_mm, depth_.spacing_mm, std::move(values)};
 }
 
 std::vector<ContourLine> DepthField::bone_outlines() const {
-  return contour_lines(field_of([](const Cell& c) { return c.bone_fraction; }), 0.5);
+  return contour_lines(with_values(bone_fraction_), 0.5);
 }
 
 std::vector<ContourLine> DepthField::reamed_outlines() const {
-  return contour_lines(field_of([](const Cell& c) { return c.reamed_fraction - 0.5 * c.bone_fraction; }), 0);
-}
-
-void DepthField::smooth_outlines() {
-  std::vector<std::uint8_t> bone, reamed;
-  for (const Cell& c : cells_) {
-    bone.push_back(c.bone ? 1 : 0);
-    reamed.push_back(c.depth_mm > 0 ? 1 : 0);
-  }
-  const std::vector<double> bone_fraction = smoothed_mask(raster_, bone, std::vector<double>(cells_.size(), 1.0));
-  const std::vector<double> reamed_fraction = smoothed_mask(raster_, reamed, bone_fraction);
-  for (std::size_t i = 0; i < cells_.size(); ++i) {
-    cells_[i].bone_fraction = bone_fraction[i];
-    cells_[i].reamed_fraction = reamed_fraction[i];
-  }
+  std::vector<double> values = reamed_fraction_;
+  for (std::size_t n = 0; n < values.size(); ++n) values[n] -= 0.5 * bone_fraction_[n];
+  return contour_lines(with_values(std::move(values)), 0);
 }
 
 void DepthField::compute_totals() {
   double sum_mm = 0;
   double columns = 0;
-  for (const Cell& c : cells_) {
-    if (c.depth_mm <= 0) continue;
-    deepest_mm_ = std::max(deepest_mm_, c.depth_mm);
-    sum_mm += c.depth_mm;
+  for (std::size_t n = 0; n < bone_.size(); ++n) {
+    if (reamed_[n] == 0) continue;
+    deepest_mm_ = std::max(deepest_mm_, depth_.values[n]);
+    sum_mm += depth_.values[n];
     ++columns;
-    if (c.perforated) perforated_mm2_ += spacing_mm_ * spacing_mm_;
+    if (perforated_[n] != 0) perforated_mm2_ += spacing_mm() * spacing_mm();
   }
   mean_mm_ = columns > 0 ? sum_mm / columns : 0;
-  area_mm2_ = columns * spacing_mm_ * spacing_mm_;
-}
-
-const DepthField::Cell& DepthField::cell(int i, int j) const {
-  return raster_.contains(i, j) ? cells_[raster_.index(i, j)] : outside_;
+  area_mm2_ = columns * spacing_mm() * spacing_mm();
 }
 
 void DepthField::compute_normals() {
+  const Raster& raster = depth_.raster;
+  const auto bone_at = [&](int i, int j) { return raster.contains(i, j) && bone_[raster.index(i, j)] != 0 ? 1 : 0; };
   // Central differences; one-sided at the bone's edge.
-  const auto slope = [&](const Cell& low, const Cell& own, const Cell& high) {
-    const Cell& from = low.bone ? low : own;
-    const Cell& to = high.bone ? high : own;
-    const int steps = (low.bone ? 1 : 0) + (high.bone ? 1 : 0);
-    return own.bone && steps > 0 ? (to.before_mm - from.before_mm) / (steps * spacing_mm_) : 0.0;
+  const auto slope = [&](int i, int j, int di, int dj) {
+    const int low = bone_at(i - di, j - dj), high = bone_at(i + di, j + dj);
+    if (bone_at(i, j) == 0 || low + high == 0) return 0.0;
+    const double rise_mm =
+        before_mm_[raster.index(i + high * di, j + high * dj)] - before_mm_[raster.index(i - low * di, j - low * dj)];
+    return rise_mm / ((low + high) * spacing_mm());
   };
-  for (std::size_t n = 0; n < cells_.size(); ++n) {
-    const int i = raster_.column(n), j = raster_.row(n);
-    const Vec3 normal(-slope(cell(i - 1, j), cells_[n], cell(i + 1, j)),
-                      -slope(cell(i, j - 1), cells_[n], cell(i, j + 1)), 1);
-    cells_[n].normal = normal.normalized();
+  for (std::size_t n = 0; n < bone_.size(); ++n) {
+    const int i = raster.column(n), j = raster.row(n);
+    normals_.push_back(Vec3(-slope(i, j, 1, 0), -slope(i, j, 0, 1), 1).normalized());
   }
 }
 
 DepthField::Along DepthField::along(int axis, double place_mm) const {
-  const double index = (place_mm - corner_mm_[axis]) / spacing_mm_;
+  const double index = (place_mm - depth_.corner_mm[axis]) / depth_.spacing_mm;
   const double lower = std::floor(index);
   const double high = index - lower;
   return {static_cast<int>(lower), 1 - high, high};
 }
 
-std::array<DepthField::Corner, 4> DepthField::corners(const Along& x, const Along& y) const {
-  const int i = x.column, j = y.column;
-  return {{{cell(i, j), x.low * y.low},
-           {cell(i + 1, j), x.high * y.low},
-           {cell(i, j + 1), x.low * y.high},
-           {cell(i + 1, j + 1), x.high * y.high}}};
+template <class Visit>
+void DepthField::for_each_corner(const Along& x, const Along& y, const Visit& visit) const {
+  const auto at = [&](int i, int j, double weight) {
+    if (depth_.raster.contains(i, j)) visit(depth_.raster.index(i, j), weight);
+  };
+  at(x.column, y.column, x.low * y.low);
+  at(x.column + 1, y.column, x.high * y.low);
+  at(x.column, y.column + 1, x.low * y.high);
+  at(x.column + 1, y.column + 1, x.high * y.high);
 }
 
 DepthField::Sample DepthField::at(const Along& x, const Along& y) const {
   Sample out;
   double reamed = 0, near = 0, near_mm = 0;
-  for (const auto& [c, weight] : corners(x, y)) {
-    out.bone += weight * c.bone_fraction;
-    out.reamed += weight * c.reamed_fraction;
-    if (c.perforated) out.perforated += weight;  // not smoothed: the smallest hole counts
-    if (c.near_mm > 0) {
+  for_each_corner(x, y, [&](std::size_t n, double weight) {
+    out.bone += weight * bone_fraction_[n];
+    out.reamed += weight * reamed_fraction_[n];
+    if (perforated_[n] != 0) out.perforated += weight;  // not smoothed: the smallest hole counts
+    if (near_mm_[n] > 0) {
       near += weight;
-      near_mm += weight * c.near_mm;
+      near_mm += weight * near_mm_[n];
     }
-    if (c.depth_mm <= 0) continue;
+    if (reamed_[n] == 0) return;
     reamed += weight;
-    out.depth_mm += weight * c.depth_mm;
-    out.smooth_mm += weight * c.smooth_mm;
-  }
+    out.depth_mm += weight * depth_.values[n];
+    out.smooth_mm += weight * signed_depth_.values[n];
+  });
   if (reamed > 0) {
     out.depth_mm /= reamed;
     out.smooth_mm /= reamed;
@@ -226,9 +296,9 @@ DepthField::Sample DepthField::at(const Along& x, const Along& y) const {
 
 Vec3 DepthField::normal_before(const Along& x, const Along& y) const {
   Vec3 sum = Vec3::Zero();
-  for (const auto& [c, weight] : corners(x, y)) {
-    if (c.bone) sum += weight * c.normal;
-  }
+  for_each_corner(x, y, [&](std::size_t n, double weight) {
+    if (bone_[n] != 0) sum += weight * normals_[n];
+  });
   return sum.isZero() ? Vec3(Vec3::UnitZ()) : Vec3(sum.normalized());
 }
 

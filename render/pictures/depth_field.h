@@ -3,9 +3,7 @@
 
 #pragma once
 
-#include <array>
-#include <functional>
-#include <optional>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -28,8 +26,7 @@ class DepthField {
     double depth_mm = 0;    ///< of the reamed columns
     double smooth_mm = 0;   ///< their smoothed depth, for colours and contour lines
   };
-  /// Where a point lies along an axis of the raster: the column before it, and the weights of that and of the next one.
-  /// A picture computes it once for all samples with the same coordinate.
+  /// Where points with one coordinate lie along an axis: the column before, and the weights of that and the next one.
   struct Along {
     int column;
     double low, high;
@@ -50,9 +47,11 @@ class DepthField {
   [[nodiscard]] std::vector<ContourLine> bone_outlines() const;
   [[nodiscard]] std::vector<ContourLine> reamed_outlines() const;
 
-  [[nodiscard]] double spacing_mm() const { return spacing_mm_; }
-  [[nodiscard]] Vec2 min_mm() const { return corner_mm_ - Vec2::Constant(0.5 * spacing_mm_); }
-  [[nodiscard]] Vec2 max_mm() const { return corner_mm_ + spacing_mm_ * Vec2(raster_.nx - 0.5, raster_.ny - 0.5); }
+  [[nodiscard]] double spacing_mm() const { return depth_.spacing_mm; }
+  [[nodiscard]] Vec2 min_mm() const { return depth_.corner_mm - Vec2::Constant(0.5 * spacing_mm()); }
+  [[nodiscard]] Vec2 max_mm() const {
+    return depth_.corner_mm + spacing_mm() * Vec2(depth_.raster.nx - 0.5, depth_.raster.ny - 0.5);
+  }
   [[nodiscard]] double deepest_mm() const { return deepest_mm_; }
   [[nodiscard]] double mean_mm() const { return mean_mm_; }
   /// Area of the reamed columns, projected along z of the map.
@@ -61,43 +60,23 @@ class DepthField {
   [[nodiscard]] double perforated_mm2() const { return perforated_mm2_; }
 
  private:
-  struct Cell {
-    bool bone = false;
-    bool perforated = false;
-    double bone_fraction = 0;  ///< smoothed masks
-    double reamed_fraction = 0;
-    double before_mm = 0;
-    double depth_mm = 0;
-    double smooth_mm = 0;
-    double near_mm = 0;    ///< depth of the nearest reamed columns
-    Vec3 normal{0, 0, 1};  ///< of the unreamed surface
-  };
-  /// A corner of the square of columns around a point, with its bilinear weight.
-  struct Corner {
-    const Cell& cell;
-    double weight;
-  };
-  struct Row {
-    Vec2 place_mm;
-    Cell cell;
-  };
-
-  void build_raster(const std::vector<Row>& rows, const std::string& path);
+  void read_raster(const std::string& path);
   void exclude_rim_from_holes();
-  void smooth();
-  [[nodiscard]] RasterField field_of(const std::function<double(const Cell&)>& value) const;
-  void smooth_outlines();
+  void extend_depth();
   void compute_normals();
   void compute_totals();
-  [[nodiscard]] const Cell& cell(int i, int j) const;
-  [[nodiscard]] std::array<Corner, 4> corners(const Along& x, const Along& y) const;
+  [[nodiscard]] RasterField with_values(std::vector<double> values) const;
+  /// Calls visit(column, bilinear weight) for those of the four columns around a point that are in the raster.
+  template <class Visit>
+  void for_each_corner(const Along& x, const Along& y, const Visit& visit) const;
 
-  double spacing_mm_ = 1;
-  Vec2 corner_mm_ = Vec2::Zero();
-  Raster raster_;
-  std::vector<Cell> cells_;
-  Cell outside_;  ///< stands for all that are not in the raster
+  // By column of the raster.
+  RasterField depth_;  ///< mm
   RasterField signed_depth_;
+  std::vector<std::uint8_t> bone_, reamed_, perforated_;
+  std::vector<double> before_mm_, near_mm_;  ///< height of the unreamed surface; depth of the nearest reamed columns
+  std::vector<double> bone_fraction_, reamed_fraction_;  ///< smoothed masks
+  std::vector<Vec3> normals_;                            ///< of the unreamed surface
   double deepest_mm_ = 0, mean_mm_ = 0, area_mm2_ = 0, perforated_mm2_ = 0;
 };
 

@@ -8,11 +8,13 @@
 #include <filesystem>
 
 #include "render/pictures/canvas.h"
-#include "render/pictures/contour_labels.h"
 #include "render/pictures/depth_field.h"
 #include "render/pictures/overlay.h"
+#include "render/pictures/run_view.h"
+#include "render/surface/reamed_mesh.h"
 #include "sim/base/parallel.h"
 #include "sim/base/text.h"
+#include "sim/mesh/mesh_io.h"
 
 namespace reamsim {
 namespace {
@@ -212,6 +214,20 @@ void write_depth_picture(const RunData& run, double depth_max_mm) {
   draw_contours(image, page.unit, labels.contours);
   image = labelled_page(std::move(image), page, camera, labels, Background::studio);
   write_png(run.dir() + "/depth_map.png", image);
+}
+
+void write_meshes(const RunData& run, double depth_max_mm, Diagnostics& report) {
+  const std::string& dir = run.dir();
+  const double remaining_mm3 = BoneView(run.voxmap(), run.last_fill()).bone_mm3();
+  const ReamedMesh reamed = make_reamed_mesh(dir + "/reamed.vdb", run.voxmap().grid, remaining_mm3, run.unreamed());
+  if (reamed.mesh.triangles.empty()) {
+    std::filesystem::remove(dir + "/reamed.glb");
+    std::filesystem::remove(dir + "/reamed.stl");
+    report.warn("no bone remains: reamed.glb and reamed.stl are not written");
+    return;
+  }
+  write_glb(dir + "/reamed.glb", reamed, depth_scale(run, depth_max_mm).max);
+  write_stl(dir + "/reamed.stl", reamed.mesh);
 }
 
 }  // namespace reamsim

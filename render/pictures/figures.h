@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "render/pictures/run_data.h"
@@ -15,18 +14,16 @@
 
 namespace reamsim {
 
-/// Draws DIR/depth_map.csv as DIR/depth_map.png. `depth_max_mm` ends the legend; 0: the greatest depth does. Does
-/// nothing when nothing was reamed or the run wrote no map. Throws InputError when a file is damaged, RunError when the
-/// picture cannot be written.
+/// Draws DIR/depth_map.csv as DIR/depth_map.png, if there is a map with reamed columns. `depth_max_mm` ends the legend;
+/// 0: the greatest depth does. Throws InputError (damaged file), RunError (picture cannot be written).
 void write_depth_picture(const RunData& run, double depth_max_mm);
 
 /// Writes DIR/reamed.glb (depth colours up to `depth_max_mm`; 0: as in the pictures) and DIR/reamed.stl: the closed
-/// surface of DIR/reamed.vdb, B, mm. When no bone remains, `report` gets a warning instead. Throws InputError when a
-/// result is missing or damaged, RunError when a file cannot be written.
+/// surface of DIR/reamed.vdb, B, mm; or warns that no bone remains. Throws InputError (damaged result), RunError.
 void write_meshes(const RunData& run, double depth_max_mm, Diagnostics& report);
 
-/// Writes DIR/segmentation.png: three planes of the CT with the outline of the segmented bone, to scale, in the
-/// radiological convention. Does nothing without planes. Throws RunError when it cannot be written.
+/// Writes DIR/segmentation.png, if there are planes: the CT with the outline of the segmented bone, to scale, in the
+/// radiological convention. Throws RunError.
 void write_segmentation_picture(const std::string& dir, const Segmentation& segmentation);
 
 /// What a picture of a scenario shows before it is run.
@@ -37,10 +34,9 @@ struct RunSetup {
   RenderSettings settings;
 };
 
-/// Writes bone, reamer and path of a scenario as a PNG of three views. Where the tool touches bone: at the start; and
-/// at the greatest depth en face and in a section, with the bone that the swept volume of the tool leaves. Where it
-/// never does: from three sides at the smallest distance, with that distance. Replaces a file of this name once the
-/// picture is complete. Returns a warning if the requested graphics context is not available; else "". Throws RunError.
+/// Writes bone, reamer and path of a scenario as a PNG of three views: at the start, and at the greatest depth en face
+/// and in a section, with the predicted bone; without contact from three sides at the smallest distance. Replaces a
+/// file of this name. Returns a warning if the requested graphics context is not available; else "". Throws RunError.
 std::string write_setup_picture(const std::string& path, const RunSetup& setup);
 
 /// Whether a file begins as such a picture does.

@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "render/gl/scene.h"
 #include "render/pictures/canvas.h"
 
 namespace reamsim {
-
 namespace {
 
 // Lengths in pixels of a picture 1080 high.
@@ -24,20 +25,16 @@ constexpr Rgba kLineColor{0.78, 0.80, 0.83, 1};
 void draw_values(const Canvas& canvas, const PageLayout& layout, const Labels& labels) {
   const double u = layout.unit;
   const Box box = layout.labels();
-  double y = layout.values_y();
+  double y = box.y;
   if (!labels.title.empty()) {
     const TextLine title(canvas, labels.title, kTitle * u, true, box.width);
-    canvas.set_color(kTextColor);
     title.draw(box.x, box.y);
-    y = std::max(y, box.y + title.height + kValueGap * u);
+    y = std::max(layout.values_y(), box.y + title.height + kValueGap * u);
   }
-  if (labels.title.empty()) y = box.y;
   for (const auto& [name, value] : labels.values) {
     const TextLine name_text(canvas, name, kName * u);
     const TextLine number(canvas, value, kValue * u);
-    canvas.set_color(kFaintTextColor);
-    name_text.draw(box.x, y);
-    canvas.set_color(kTextColor);
+    name_text.draw(box.x, y, kFaintTextColor);
     number.draw(box.x, y + name_text.height);
     y += name_text.height + number.height + kValueGap * u;
   }
@@ -48,10 +45,8 @@ void draw_legend(const Canvas& canvas, double u, const Legend& legend, const Box
   cairo_t* c = canvas.get();
   const TextLine title(canvas, legend.title, 0.9 * kName * u);
   const TextLine unit_text(canvas, legend.unit, 0.9 * kName * u);
-  canvas.set_color(kTextColor);
   title.draw(bar.x, bar.y - title.height - unit_text.height - 10 * u);
-  canvas.set_color(kFaintTextColor);
-  unit_text.draw(bar.x, bar.y - unit_text.height - 10 * u);
+  unit_text.draw(bar.x, bar.y - unit_text.height - 10 * u, kFaintTextColor);
   const int rows = static_cast<int>(std::ceil(bar.height));
   for (int row = 0; row < rows; ++row) {
     const Eigen::Vector3f color = legend.colors.at(1 - (row + 0.5) / rows);
@@ -105,8 +100,7 @@ void draw_directions(const Canvas& canvas, const PageLayout& layout, const Camer
   }
 }
 
-/// The column's ground. On a transparent background it is a plate of its own, so that text is legible on any slide; on
-/// a white one a line parts it from bone that the edge of the view cuts off.
+/// The column's ground: a plate on a transparent background, for legibility; a line beside the view on a white one.
 void draw_ground(const Canvas& canvas, const PageLayout& layout, Background background) {
   const double column = layout.width_px - layout.view_width_px;
   const Box box{static_cast<double>(layout.view_width_px), 0, column, static_cast<double>(layout.height_px)};
@@ -117,35 +111,6 @@ void draw_ground(const Canvas& canvas, const PageLayout& layout, Background back
   const double x = box.x + std::max(1.0, layout.unit);
   canvas.line({x, 0}, {x, box.height});
 }
-
-}  // namespace
-
-PixelImage blank_page(int width_px, int height_px, Background background) {
-  PixelImage page = plain_image(width_px, height_px, background == Background::studio ? kColumnRgb : 0xffffff);
-  if (background == Background::transparent) page.pixels.assign(page.pixels.size(), 0);
-  return page;
-}
-
-PixelImage labelled_page(PixelImage view, const PageLayout& layout, const Camera& camera, const Labels& labels,
-                         Background background) {
-  if (!layout.labelled()) return view;
-  draw_marks(view, camera, layout.unit, labels);
-  PixelImage page = blank_page(layout.width_px, layout.height_px, background);
-  page.paste(view, 0, 0);
-  const Canvas canvas(page);
-  draw_ground(canvas, layout, background);
-  draw_values(canvas, layout, labels);
-  const int count = static_cast<int>(labels.legends.size());
-  for (int i = 0; i < count; ++i) {
-    draw_legend(canvas, layout.unit, labels.legends[static_cast<std::size_t>(i)], layout.legend_bar(i));
-  }
-  draw_directions(canvas, layout, camera, labels);
-  draw_scale_bar(canvas, layout, camera, labels.scale_bar_fraction);
-  canvas.finish();
-  return page;
-}
-
-namespace {
 
 constexpr double kText = 24;        // pixels of a picture 1080 high, as all lengths
 constexpr double kMaxArrow = 0.22;  // of the view's width
@@ -177,8 +142,7 @@ void draw_force_text(const Canvas& canvas, const Camera& camera, double u, const
   box.x = std::max(0.0, std::min(box.x, camera.width_px - box.width));
   box.y = std::max(0.0, std::min(box.y, camera.height_px - box.height));
   canvas.fill_panel(box, 5 * u, kPlateColor);
-  canvas.set_color(kForceColor);
-  text.draw(box.x + 8 * u, box.y + 3 * u);
+  text.draw(box.x + 8 * u, box.y + 3 * u, kForceColor);
 }
 
 /// The force on the tool, unless it points at the viewer.
@@ -209,7 +173,82 @@ void stroke_outlines(const Canvas& canvas, const Camera& camera, double u, const
   }
 }
 
+constexpr double kTextHeight = 19;   // pixels of a picture 1080 high
+constexpr double kCharWidth = 0.62;  // of the height
+constexpr double kLeastRoom = 0.55;  // of the height: the least distance of a number's middle from other lines
+constexpr double kWantedRoom = 2;    // of the height: more room is no better
+constexpr double kDarkBelow = 0.5;   // luminance of the colours below which a line is light
+const Rgba kLightLine{1, 1, 1, kContourOpacity};
+const Rgba kDarkLine{0.05, 0.07, 0.10, kContourOpacity};
+constexpr Rgba kHalo{1, 1, 1, 0.85};
+
+Box around(const Vec2& middle, double width, double height) {
+  return {middle.x() - 0.5 * width, middle.y() - 0.5 * height, width, height};
+}
+
+bool overlap(const Box& a, const Box& b) {
+  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+}
+
+Vec2 middle_of(const Box& box) {
+  return {box.x + 0.5 * box.width, box.y + 0.5 * box.height};
+}
+
+/// Is a contour visible as far as its number reaches to both sides of one of its points?
+bool visible_around(const SeenContour& contour, std::size_t point, double reach_px) {
+  const std::size_t count = contour.points_px.size();
+  for (const std::size_t step : {std::size_t{1}, count - 1}) {
+    for (std::size_t n = point; (contour.points_px[n] - contour.points_px[point]).norm() < reach_px;) {
+      if (!contour.visible[n]) return false;
+      n = (n + step) % count;
+      if (n == point) break;
+    }
+  }
+  return true;
+}
+
+/// Distance of a place on one contour from the others.
+double room_at(const Vec2& place, const std::vector<SeenContour>& contours, std::size_t own) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < contours.size(); ++k) {
+    if (k == own) continue;
+    for (std::size_t n = 0; n < contours[k].points_px.size(); n += 2) {
+      least = std::min(least, (contours[k].points_px[n] - place).squaredNorm());
+    }
+  }
+  return std::sqrt(least);
+}
+
+bool inside(const Box& box, const Camera& camera) {
+  return box.x >= 0 && box.y >= 0 && box.x + box.width <= camera.width_px && box.y + box.height <= camera.height_px;
+}
+
 }  // namespace
+
+PixelImage blank_page(int width_px, int height_px, Background background) {
+  PixelImage page = plain_image(width_px, height_px, background == Background::studio ? kColumnRgb : 0xffffff);
+  if (background == Background::transparent) page.pixels.assign(page.pixels.size(), 0);
+  return page;
+}
+
+PixelImage labelled_page(PixelImage view, const PageLayout& layout, const Camera& camera, const Labels& labels,
+                         Background background) {
+  if (!layout.labelled()) return view;
+  draw_marks(view, camera, layout.unit, labels);
+  PixelImage page = blank_page(layout.width_px, layout.height_px, background);
+  page.paste(view, 0, 0);
+  const Canvas canvas(page);
+  draw_ground(canvas, layout, background);
+  draw_values(canvas, layout, labels);
+  const int count = static_cast<int>(labels.legends.size());
+  for (int i = 0; i < count; ++i) {
+    draw_legend(canvas, layout.unit, labels.legends[static_cast<std::size_t>(i)], layout.legend_bar(i));
+  }
+  draw_directions(canvas, layout, camera, labels);
+  draw_scale_bar(canvas, layout, camera, labels.scale_bar_fraction);
+  canvas.finish();
+  return page;
+}
 
 void draw_marks(PixelImage& view, const Camera& camera, double unit, const Labels& labels) {
   const Canvas canvas(view);
@@ -217,6 +256,71 @@ void draw_marks(PixelImage& view, const Camera& camera, double unit, const Label
   if (labels.force) draw_force(canvas, camera, unit, *labels.force);
   canvas.finish();
   draw_contour_numbers(view, camera, unit, labels.contours);
+}
+
+SeenContour contour_style(double value, const Scale& scale) {
+  const Eigen::Vector3f color = depth_colors().at(value / scale.max);
+  const double luminance = color.dot(Eigen::Vector3f(0.2126F, 0.7152F, 0.0722F));
+  return {scale.label(static_cast<int>(std::lround(value / scale.step))), luminance < kDarkBelow, {}, {}};
+}
+
+std::vector<ContourNumber> place_contour_numbers(const std::vector<SeenContour>& contours, const Camera& camera,
+                                                 double unit) {
+  const double height = kTextHeight * unit;
+  std::vector<ContourNumber> out;
+  for (std::size_t k = 0; k < contours.size(); ++k) {
+    const SeenContour& contour = contours[k];
+    const double width = (kCharWidth * static_cast<double>(contour.text.size()) + 0.4) * height;
+    double best = -1;
+    Box best_box;
+    for (std::size_t n = 0; n < contour.points_px.size(); ++n) {
+      if (!visible_around(contour, n, width)) continue;
+      const Box box = around(contour.points_px[n], width, height);
+      if (!inside(box, camera)) continue;
+      if (std::ranges::any_of(out, [&](const ContourNumber& other) { return overlap(box, other.box); })) continue;
+      const double room = room_at(contour.points_px[n], contours, k);
+      if (room < kLeastRoom * height) continue;
+      double away = 8 * height;
+      for (const ContourNumber& other : out) away = std::min(away, (middle_of(other.box) - middle_of(box)).norm());
+      const double score = std::min(room, kWantedRoom * height) + 0.25 * away;
+      if (score <= best) continue;
+      best = score;
+      best_box = box;
+    }
+    if (best >= 0) out.push_back({k, best_box});
+  }
+  return out;
+}
+
+void draw_contours(PixelImage& image, double unit, const std::vector<SeenContour>& contours) {
+  const Canvas canvas(image);
+  cairo_t* c = canvas.get();
+  cairo_set_line_width(c, std::max(1.0, kContourWidth_px * unit));
+  cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
+  for (const SeenContour& contour : contours) {
+    canvas.set_color(contour.light ? kLightLine : kDarkLine);
+    canvas.trace(contour.points_px);
+    cairo_stroke(c);
+  }
+  canvas.finish();
+}
+
+void draw_contour_numbers(PixelImage& image, const Camera& camera, double unit,
+                          const std::vector<SeenContour>& contours) {
+  const Canvas canvas(image);
+  cairo_t* c = canvas.get();
+  for (const ContourNumber& number : place_contour_numbers(contours, camera, unit)) {
+    const TextLine text(canvas, contours[number.contour].text, kTextHeight * 0.92 * unit);
+    const Vec2 middle = middle_of(number.box);
+    text.trace(middle.x() - 0.5 * text.width, middle.y() - 0.5 * text.height);
+    canvas.set_color(kHalo);
+    cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
+    cairo_set_line_width(c, 5 * unit);
+    cairo_stroke_preserve(c);
+    canvas.set_color(kTextColor);
+    cairo_fill(c);
+  }
+  canvas.finish();
 }
 
 }  // namespace reamsim

@@ -8,7 +8,6 @@
 #include <cmath>
 
 namespace reamsim {
-
 namespace {
 
 // Lengths in pixels of a picture 1080 high.

@@ -17,8 +17,7 @@ constexpr int kMinLabelled_px = 200;
 /// Pixels of a picture per pixel of one 1080 high and at least 1440 wide: the unit of text and lines.
 double picture_unit(int width_px, int height_px);
 
-/// The two parts of a picture: the view of the bone on the left, and a column for title, values, legends, directions
-/// and scale bar on the right, so that none of these covers the bone.
+/// The two parts of a picture: the view of the bone, and a column of labels on its right, so that none covers the bone.
 struct PageLayout {
   int width_px, height_px;  ///< of the page
   int view_width_px;        ///< of the view, which is as high as the page
@@ -33,8 +32,7 @@ struct PageLayout {
   [[nodiscard]] Box legend_bar(int index) const;
   /// Centre of the arrows of directions.
   [[nodiscard]] Vec2 directions_px() const;
-  /// The scale bar of a view and its length in mm: a round number that fits into the column and is at most this
-  /// fraction of the view.
+  /// The scale bar and its length in mm: a round number that fits into the column and this fraction of the view.
   [[nodiscard]] std::pair<Box, double> scale_bar(const Camera& camera, double fraction = 0.25) const;
 };
 

@@ -7,26 +7,11 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <vector>
 
-#include "render/gl/camera.h"
-#include "render/gl/context.h"
-#include "render/gl/scene.h"
-#include "render/pictures/contour_labels.h"
 #include "render/pictures/contour_lines.h"
-#include "render/pictures/page_layout.h"
-#include "render/surface/bone_surface.h"
-#include "render/surface/bone_tiles.h"
 #include "sim/record/snapshot.h"
 
 namespace reamsim {
-
-/// A contour line on the reamed face, in B, mm.
-struct FaceContour {
-  double value_mm = 0;
-  std::vector<Vec3> points_mm;  ///< closed
-};
-
 namespace {
 
 constexpr float kReamedFrom = 0.5F;      // certainty of removal
@@ -129,14 +114,10 @@ Vec3 towards_viewer(const Camera& camera, const Vec3& point_mm) {
   return (camera.eye_from_bone.inverse() * Vec3(0, 0, *camera.eye_mm) - point_mm).normalized();
 }
 
-/// Points into the kept half; 0 without a cut.
-Vec3 cut_normal(const Camera& camera) {
-  return camera.cut_plane ? Vec3(camera.cut_plane->head<3>().normalized()) : Vec3(Vec3::Zero());
-}
-
 bool is_visible(const Vec3& point_mm, const Camera& camera, const BoneFields& bone) {
   const auto kept = [&](const Vec3& p) { return !camera.cut_plane || camera.cut_plane->dot(p.homogeneous()) >= 0; };
-  if (!kept(point_mm - kCutMargin_mm * cut_normal(camera))) return false;
+  if (camera.cut_plane && !kept(point_mm - kCutMargin_mm * Vec3(camera.cut_plane->head<3>().normalized())))
+    return false;
   const VoxelGrid& grid = bone.voxmap.grid;
   const Vec3 way = towards_viewer(camera, point_mm);
   std::vector<Vec3> points;
@@ -163,19 +144,18 @@ void smooth_heights(std::vector<Vec3>& line) {
   }
 }
 
-/// The contours of the depth of a reamed surface at the ticks of a legend, by the same rules as those of the depth map:
-/// the depth of the vertices is sampled on a raster across the axis +z of the map, from above, smoothed, and its lines
-/// are laid on the face. `map_from_bone`: rigid; `spacing_mm` of the raster.
-std::vector<FaceContour> face_contours(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone,
+/// The contours of the depth of a reamed surface at the ticks of a legend, as in the depth map: the depth of the
+/// vertices is sampled on a raster across +z of the map, from above, smoothed, and its lines are laid on the face.
+std::vector<SurfaceLine> face_contours(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone,
                                        double spacing_mm, const Scale& scale) {
   const FaceRaster face = rasterized(tiles, map_from_bone, spacing_mm);
-  std::vector<FaceContour> out;
+  std::vector<SurfaceLine> out;
   if (std::ranges::count(face.reamed, std::uint8_t{1}) == 0) return out;
   std::vector<std::uint8_t> reached;
   const RasterField height = local_fit(face.height_mm, face.reamed, reached);
   const Rigid bone_from_map = map_from_bone.inverse();
   for (const ContourLine& line : depth_contours(signed_depth(face.depth_mm, face.reamed), scale)) {
-    FaceContour& contour = out.emplace_back(FaceContour{line.value, {}});
+    SurfaceLine& contour = out.emplace_back(SurfaceLine{{}, contour_style(line.value, scale).light, line.value});
     for (const Vec2& p : line.points_mm) {
       const double z = height.at(p);
       if (std::isfinite(z)) contour.points_mm.emplace_back(p.x(), p.y(), z);
@@ -187,11 +167,11 @@ std::vector<FaceContour> face_contours(const std::vector<BoneSurface>& tiles, co
 }
 
 /// The contours as a camera sees them. `bone`: what may hide them.
-std::vector<SeenContour> seen_contours(const std::vector<FaceContour>& contours, const Camera& camera,
+std::vector<SeenContour> seen_contours(const std::vector<SurfaceLine>& contours, const Camera& camera,
                                        const BoneFields& bone, const Scale& scale) {
   std::vector<SeenContour> out;
-  for (const FaceContour& contour : contours) {
-    SeenContour& seen = out.emplace_back(contour_style(contour.value_mm, scale));
+  for (const SurfaceLine& contour : contours) {
+    SeenContour& seen = out.emplace_back(contour_style(contour.value, scale));
     for (const Vec3& p : contour.points_mm) {
       seen.points_px.push_back(camera.pixel(p));
       seen.visible.push_back(is_visible(p, camera, bone));
@@ -208,102 +188,55 @@ std::vector<ToolSurface> tool_surfaces(const RunInputs& run) {
 
 }  // namespace
 
-struct Renderer::State {
-  explicit State(const RunView& view)
-      : context(make_context(view.settings().context, warning)),
-        fields(view.run().voxmap(), fill_at(view.run().inputs(), view.frames().front()), view.run().unreamed()),
-        tiles(fields),
-        scene(context->gl(), tool_surfaces(view.run().inputs())) {
-    std::vector<std::size_t> all(tiles.surfaces().size());
-    std::iota(all.begin(), all.end(), std::size_t{0});
-    scene.set_bone(tiles.surfaces(), all);
-  }
-
-  std::string warning;
-  std::unique_ptr<OffscreenContext> context;
-  BoneFields fields;
-  BoneTiles tiles;
-  Scene scene;
-  std::size_t shown = 0;  ///< index of the snapshot
-  std::vector<FaceContour> contours;
-  std::vector<SurfaceLine> lines;  ///< the same, to draw
-};
-
-Renderer::Renderer(const RunView& view) : view_(view), state_(std::make_unique<State>(view)) {}
-
-Renderer::~Renderer() = default;
+Renderer::Renderer(const RunView& view)
+    : view_(view),
+      context_(make_context(view.settings().context, warning_)),
+      fields_(view.run().voxmap(), fill_at(view.run().inputs(), view.frames().front()), view.run().unreamed()),
+      tiles_(fields_),
+      scene_(context_->gl(), tool_surfaces(view.run().inputs())) {
+  std::vector<std::size_t> all(tiles_.surfaces().size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  scene_.set_bone(tiles_.surfaces(), all);
+}
 
 void Renderer::advance_to(std::int64_t frame) {
   const std::vector<std::int64_t>& frames = view_.frames();
-  while (state_->shown + 1 < frames.size() && frames[state_->shown + 1] <= frame) {
-    apply_snapshot(view_.run().dir(), frames[++state_->shown], state_->fields.fill);
+  while (shown_ + 1 < frames.size() && frames[shown_ + 1] <= frame) {
+    apply_snapshot(view_.run().dir(), frames[++shown_], fields_.fill);
   }
   update_bone();
 }
 
 void Renderer::show(const FillBricks& fill) {
-  state_->fields.fill = fill;
+  fields_.fill = fill;
   update_bone();
 }
 
 void Renderer::update_bone() {
-  const auto changed = state_->tiles.update(state_->fields, state_->fields.update());
-  state_->scene.set_bone(state_->tiles.surfaces(), changed);
-  update_contours();
-}
-
-void Renderer::update_contours() {
-  const Scale& scale = view_.depth_scale();
-  state_->contours =
-      face_contours(state_->tiles.surfaces(), view_.map_from_bone(), view_.run().voxmap().grid.voxel_mm, scale);
-  state_->lines.clear();
-  for (const FaceContour& contour : state_->contours) {
-    state_->lines.push_back({contour.points_mm, contour_style(contour.value_mm, scale).light});
-  }
+  const auto changed = tiles_.update(fields_, fields_.update());
+  scene_.set_bone(tiles_.surfaces(), changed);
+  contours_ =
+      face_contours(tiles_.surfaces(), view_.map_from_bone(), fields_.voxmap.grid.voxel_mm, view_.depth_scale());
 }
 
 std::vector<SeenContour> Renderer::contours(const Camera& camera) const {
-  return seen_contours(state_->contours, camera, state_->fields, view_.depth_scale());
+  return seen_contours(contours_, camera, fields_, view_.depth_scale());
 }
 
 PixelImage Renderer::render(const Camera& camera, const std::optional<PlacedTool>& tool, bool for_film) {
-  const RenderSettings& settings = view_.settings();
-  DrawCall call;
-  call.camera = camera;
-  call.depth_max_mm = view_.depth_scale().max;
-  call.lines = &state_->lines;
-  call.line_width_px = kContourWidth_px * std::max(0.6, camera.height_px / 1080.0);
-  call.line_opacity = kContourOpacity;
-  call.density_max_g_cm3 = view_.density_scale().max;
-  if (tool) {
-    call.bone_from_spinning_tool = tool->bone_from_tool;
-    call.tool = tool->pass;
-  }
-  // Opaque in a section, like the bone. Other views show the face behind the tool, unless the user selects steel.
-  call.steel = camera.cut_plane || settings.tool_material == ToolMaterial::steel;
-  call.background = settings.background;
-  call.key_direction = settings.light.normalized().cast<float>();
-  call.supersampling = settings.supersampling;
-  call.antialiasing = for_film ? Antialiasing::fxaa : Antialiasing::multisample;
+  DrawCall call{.camera = camera,
+                .settings = view_.settings(),
+                .depth_max_mm = view_.depth_scale().max,
+                .density_max_g_cm3 = view_.density_scale().max,
+                .lines = contours_,
+                .tool = tool,
+                .for_film = for_film};
   CutFace cut_face;
   if (camera.cut_plane) {
-    cut_face = sample_cut_face(view_.run().voxmap(), state_->fields.fill, state_->fields.solid, view_.run().unreamed(),
-                               camera);
+    cut_face = sample_cut_face(fields_, camera);
     call.cut_face = &cut_face;
   }
-  return state_->scene.draw(call);
-}
-
-double Renderer::deepest_mm() const {
-  return state_->tiles.deepest_mm();
-}
-
-std::string Renderer::context() const {
-  return state_->context->description();
-}
-
-const std::string& Renderer::warning() const {
-  return state_->warning;
+  return scene_.draw(call);
 }
 
 }  // namespace reamsim

@@ -6,38 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <future>
 #include <stdexcept>
 #include <utility>
 
-#include "render/gl/camera.h"
 #include "render/pictures/run_view.h"
-#include "render/surface/unreamed_surface.h"
 #include "sim/base/error.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/record/snapshot.h"
 
 namespace reamsim {
-
-struct RunData::Outcome {
-  FillBricks fill;
-  ForceLog log;
-  std::optional<RunInputs> inputs;  ///< where they were read with it
-};
-
-struct RunData::Prediction {
-  UnreamedSurface unreamed;
-  ViewTarget target;
-  FrameSpans contact;
-};
-
-struct RunData::State {
-  std::string dir;
-  std::shared_future<Outcome> outcome;
-  std::shared_future<RunInputs> inputs;
-  std::shared_future<Prediction> prediction;
-};
 
 namespace {
 
@@ -128,8 +106,7 @@ void include_tools(ViewTarget& target, const RunInputs& run, std::size_t deepest
   }
 }
 
-/// The target of the cameras: the glenoid if known; else the tool at its greatest depth, seen along its axis. `bone`:
-/// the unreamed surface, voxel index space.
+/// The glenoid if known; else the tool at its greatest depth, seen along its axis. `bone`: unreamed, voxel index space.
 ViewTarget make_view_target(const RunInputs& run, const PredictedRun& predicted, const IsoSurface& bone) {
   ViewTarget target;
   target.bone_from_tool = predicted.bone.deepest.bone_from_tool();
@@ -165,8 +142,8 @@ void RunPath::add(const ToolPose& pose, std::int64_t frame, int pass) {
 }
 
 void RunPath::give(RunInputs& run) {
-  std::size_t used = 0;  // an interrupted run has not come to its last passes
-  while (used < used_.size() && used_[used]) ++used;
+  // An interrupted run has not come to its last passes.
+  const auto used = static_cast<std::size_t>(std::ranges::find(used_, false) - used_.begin());
   run.passes.resize(used);
   for (std::size_t i = 0; i < used; ++i) {
     for (const PathSample& sample : paths_[i].finish()) {
@@ -227,14 +204,14 @@ RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
   return {std::move(unreamed), std::move(target), predicted.contact};
 }
 
-RunData::RunData(std::string dir) : state_(new State{std::move(dir), {}, {}, {}}) {
+RunData::RunData(std::string dir) : state_(new State{std::move(dir)}) {
   State& state = *state_;
   state.outcome = lazily([dir = state.dir] { return read_outcome(dir); });
   state.inputs = lazily([outcome = state.outcome] { return *outcome.get().inputs; });
   state.prediction = lazily([inputs = state.inputs] { return predict_outcome(inputs.get()); });
 }
 
-RunData::RunData(RunInputs inputs) : state_(new State{inputs.dir, {}, {}, {}}) {
+RunData::RunData(RunInputs inputs) : state_(new State{inputs.dir}) {
   std::promise<RunInputs> known;
   known.set_value(std::move(inputs));
   state_->inputs = known.get_future().share();
@@ -248,45 +225,13 @@ void RunData::predict() {
 
 void RunData::finish(FillBricks fill) {
   state_->outcome = lazily([dir = state_->dir, inputs = state_->inputs, fill = std::move(fill)]() mutable {
-    return Outcome{std::move(fill), read_force_log(log_path(dir), log_options(inputs.get())), std::nullopt};
+    return Outcome{std::move(fill), read_force_log(log_path(dir), log_options(inputs.get()))};
   });
-}
-
-const std::string& RunData::dir() const {
-  return state_->dir;
-}
-
-const RunInputs& RunData::inputs() const {
-  return state_->inputs.get();
-}
-
-const UnreamedSurface& RunData::unreamed() const {
-  return state_->prediction.get().unreamed;
-}
-
-const ViewTarget& RunData::target() const {
-  return state_->prediction.get().target;
-}
-
-const FrameSpans& RunData::contact() const {
-  return state_->prediction.get().contact;
 }
 
 const RunData::Outcome& RunData::outcome() const {
   if (!state_->outcome.valid()) throw std::logic_error("the run has not ended");
   return state_->outcome.get();
-}
-
-const FillBricks& RunData::last_fill() const {
-  return outcome().fill;
-}
-
-const ForceLog& RunData::log() const {
-  return outcome().log;
-}
-
-const ForceRow& RunData::row_of(std::int64_t frame) const {
-  return log().at(frame, log_path(dir()));
 }
 
 }  // namespace reamsim

@@ -4,11 +4,14 @@
 #pragma once
 
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "render/gl/camera.h"
+#include "render/surface/unreamed_surface.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/mesh/triangle_mesh.h"
 #include "sim/record/force_log.h"
@@ -16,9 +19,6 @@
 #include "sim/tool/tool_path.h"
 
 namespace reamsim {
-
-struct ViewTarget;
-class UnreamedSurface;
 
 /// A tool of a run on its path.
 struct ToolPass {
@@ -44,7 +44,7 @@ struct RunInputs {
   [[nodiscard]] const ToolPose& pose_at(std::int64_t frame) const;
 };
 
-/// Chooses the poses of a long run that pictures need, in bounded memory and one pass (sim/tool/bounded_path.h).
+/// Chooses the poses of a long run that pictures need, in bounded memory and one pass (BoundedPath).
 class RunPath {
  public:
   /// Voxmap, frames with a snapshot and tools of `run` are set.
@@ -75,26 +75,37 @@ class RunData {
   /// Marks the run as ended with this fill and a complete forces.csv.
   void finish(FillBricks fill);
 
-  [[nodiscard]] const std::string& dir() const;
+  [[nodiscard]] const std::string& dir() const { return state_->dir; }
   // These throw InputError when a file is missing or damaged, or the tool sweeps no volume.
-  [[nodiscard]] const RunInputs& inputs() const;
+  [[nodiscard]] const RunInputs& inputs() const { return state_->inputs.get(); }
   [[nodiscard]] const Voxmap& voxmap() const { return *inputs().voxmap; }
-  [[nodiscard]] const UnreamedSurface& unreamed() const;
-  [[nodiscard]] const ViewTarget& target() const;
+  [[nodiscard]] const UnreamedSurface& unreamed() const { return state_->prediction.get().unreamed; }
+  [[nodiscard]] const ViewTarget& target() const { return state_->prediction.get().target; }
   /// The frames in which the tools are expected to touch bone.
-  [[nodiscard]] const FrameSpans& contact() const;
+  [[nodiscard]] const FrameSpans& contact() const { return state_->prediction.get().contact; }
   // These also throw std::logic_error before the run has ended.
-  [[nodiscard]] const FillBricks& last_fill() const;
-  /// With the means over a voxel of travel where the run removes voxels as a whole; decimated for a long run, with the
-  /// rows of all snapshots.
-  [[nodiscard]] const ForceLog& log() const;
-  /// The log's row of a frame.
-  [[nodiscard]] const ForceRow& row_of(std::int64_t frame) const;
+  [[nodiscard]] const FillBricks& last_fill() const { return outcome().fill; }
+  /// With means over a voxel of travel if voxels are removed as a whole; of a long run decimated, with all snapshots.
+  [[nodiscard]] const ForceLog& log() const { return outcome().log; }
+  [[nodiscard]] const ForceRow& row_of(std::int64_t frame) const { return log().at(frame, dir() + "/forces.csv"); }
 
  private:
-  struct Outcome;
-  struct Prediction;
-  struct State;
+  struct Outcome {
+    FillBricks fill;
+    ForceLog log;
+    std::optional<RunInputs> inputs{};  ///< where they were read with it
+  };
+  struct Prediction {
+    UnreamedSurface unreamed;
+    ViewTarget target;
+    FrameSpans contact;
+  };
+  struct State {
+    std::string dir;
+    std::shared_future<Outcome> outcome{};
+    std::shared_future<RunInputs> inputs{};
+    std::shared_future<Prediction> prediction{};
+  };
 
   static Outcome read_outcome(const std::string& dir);
   static Prediction predict_outcome(const RunInputs& inputs);
@@ -103,8 +114,7 @@ class RunData {
   std::shared_ptr<State> state_;
 };
 
-/// The fill after the snapshot of a frame, which must be the first snapshot; of a run without a folder the fill at its
-/// start. Throws InputError.
+/// The fill after the first snapshot, that of `frame`; without a folder the fill at the start. Throws InputError.
 FillBricks fill_at(const RunInputs& run, std::int64_t frame);
 /// The tools in DIR/snapshots, without poses: tool.stl, and tool_2.stl … of later passes.
 std::vector<ToolPass> read_tools(const std::string& dir);

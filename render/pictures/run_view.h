@@ -5,8 +5,9 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "render/gl/camera.h"
 #include "render/pictures/overlay.h"
 #include "render/pictures/run_data.h"
 #include "sim/bone/voxmap/density.h"
@@ -18,28 +19,19 @@ namespace reamsim {
 /// Which pictures of a run are made, and how.
 struct PictureOptions {
   RenderSettings settings{};
-  /// Tool travel over which forces in pictures, plots and report are averaged; 0: single frames. See
-  /// averaged_travel_mm().
+  /// Tool travel over which forces are averaged, see averaged_travel_mm(); 0: single frames.
   double mean_travel_mm = 0;
   bool film = true;                     ///< of the run, if the settings have one; the turntable has its own
   bool stills = true;                   ///< reamed.png and frames/; the settings decide on the rest
   std::string camera_without_suffix{};  ///< "": the first of the settings
 };
 
-/// A tool of a run in a picture.
-struct PlacedTool {
-  Rigid bone_from_tool;  ///< with the spin
-  std::size_t pass = 0;  ///< index
-};
-
-/// What all pictures of a run share and is known before the first: target, cameras and legends. Immutable, so that
-/// several threads may use it.
+/// What all pictures of a run share and is known before the first: target, cameras and legends. Immutable.
 class RunView {
  public:
   /// Throws as RunData does.
   RunView(const RunData& run, const RenderSettings& settings);
 
-  /// The layout of a picture of the settings' size.
   [[nodiscard]] PageLayout page() const { return page_layout(settings_.width_px, settings_.height_px); }
   /// A camera by name, built in or defined by the user. Throws InputError.
   [[nodiscard]] Camera camera(const std::string& name, int width_px, int height_px) const;
@@ -56,13 +48,39 @@ class RunView {
   [[nodiscard]] const Scale& depth_scale() const { return depth_scale_; }
   /// Equal for all bones, so that their pictures compare.
   [[nodiscard]] static Scale density_scale() { return scale_up_to(DensityMapping::kMaxDensity_g_cm3); }
-  /// Frames with a snapshot, ascending.
   [[nodiscard]] const std::vector<std::int64_t>& frames() const { return run_.inputs().frames; }
 
  private:
   RunData run_;
   RenderSettings settings_;
   Scale depth_scale_;
+};
+
+/// Labels of a run's pictures from its force log. They need the complete log: the greatest force scales the arrows.
+class Captions {
+ public:
+  using Values = std::vector<std::pair<std::string, std::string>>;  ///< name and number with unit
+
+  /// `mean_travel_mm`: the tool's travel over which forces are averaged; 0: single frames. `arrows`: draw force arrows.
+  Captions(ForceLog log, double mean_travel_mm, bool arrows);
+
+  /// Values of a picture during the run.
+  [[nodiscard]] Values at(const ForceRow& row) const;
+  /// Values of a picture of the final state.
+  [[nodiscard]] Values after(double deepest_mm) const;
+  /// The bone's force on the tool, at the tool's tip; none if negligible.
+  [[nodiscard]] std::optional<ForceArrow> arrow(const ForceRow& row) const;
+
+  /// The log with means.
+  [[nodiscard]] const ForceLog& log() const { return log_; }
+  /// Prefix of the names of forces: "mean " or empty.
+  [[nodiscard]] const std::string& mean() const { return mean_; }
+
+ private:
+  ForceLog log_;
+  std::string mean_;
+  bool arrows_;
+  double max_force_n_ = 0;
 };
 
 /// The depth legend of a run: it ends at `depth_max_mm`, or, if 0, just above the greatest predicted depth.

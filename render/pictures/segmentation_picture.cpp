@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "render/pictures/figures.h"
-#include "render/pictures/page_layout.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <cmath>
 
 #include "render/pictures/canvas.h"
+#include "render/pictures/contour_lines.h"
 #include "sim/base/parallel.h"
 #include "sim/base/text.h"
 
@@ -67,24 +67,15 @@ std::vector<Panel> panels_of(const std::vector<ScanPlane>& planes) {
   return out;
 }
 
-/// HU, interpolated bilinearly between voxel centres.
-double hu_at(const ScanPlane& plane, double column, double row) {
-  const double c = std::clamp(column, 0.0, plane.columns - 1.0), r = std::clamp(row, 0.0, plane.rows - 1.0);
-  const int c0 = static_cast<int>(c), r0 = static_cast<int>(r);
-  const int c1 = std::min(c0 + 1, plane.columns - 1), r1 = std::min(r0 + 1, plane.rows - 1);
-  const double u = c - c0, v = r - r0;
-  const auto hu = [&](int i, int j) { return double{plane.hu[plane.at(i, j)]}; };
-  return (1 - v) * ((1 - u) * hu(c0, r0) + u * hu(c1, r0)) + v * ((1 - u) * hu(c0, r1) + u * hu(c1, r1));
-}
-
 void paint(const Panel& panel, PixelImage& image) {
   const ScanPlane& plane = panel.plane;
+  const RasterField hu{{plane.columns, plane.rows}, Vec2::Zero(), 1, {plane.hu.begin(), plane.hu.end()}};
   parallel_items(static_cast<std::size_t>(panel.height), [&](std::size_t line) {
     const double row = (static_cast<double>(line) + 0.5) / (panel.px_per_mm * plane.spacing_mm.y()) - 0.5;
     const std::size_t start = (static_cast<std::size_t>(panel.y) + line) * static_cast<std::size_t>(image.width_px);
     for (int i = 0; i < panel.width; ++i) {
       const double column = (i + 0.5) / (panel.px_per_mm * plane.spacing_mm.x()) - 0.5;
-      const double bright = (hu_at(plane, column, row) - kBlack_hu) / (kWhite_hu - kBlack_hu);
+      const double bright = (hu.at({column, row}) - kBlack_hu) / (kWhite_hu - kBlack_hu);
       const auto gray = static_cast<std::uint32_t>(std::lround(255 * std::clamp(bright, 0.0, 1.0)));
       image.pixels[start + static_cast<std::size_t>(panel.x + i)] = 0xff000000U | gray << 16 | gray << 8 | gray;
     }
@@ -139,16 +130,14 @@ void draw_ring(const Canvas& canvas, const Panel& panel) {
 }
 
 void draw_letters(const Canvas& canvas, const Panel& panel) {
-  canvas.set_color(kTextColor);
   TextLine(canvas, panel.plane.name, kText_px, true).draw(panel.x, panel.y - 32);
-  canvas.set_color(kLetterColor);
   const TextLine left(canvas, panel.plane.left, kText_px), right(canvas, panel.plane.right, kText_px);
   const TextLine top(canvas, panel.plane.top, kText_px), bottom(canvas, panel.plane.bottom, kText_px);
   const double middle_x = panel.x + 0.5 * panel.width, middle_y = panel.y + 0.5 * (panel.height - left.height);
-  left.draw(panel.x + 6, middle_y);
-  right.draw(panel.x + panel.width - right.width - 6, middle_y);
-  top.draw(middle_x - 0.5 * top.width, panel.y + 4);
-  bottom.draw(middle_x - 0.5 * bottom.width, panel.y + panel.height - bottom.height - 4);
+  left.draw(panel.x + 6, middle_y, kLetterColor);
+  right.draw(panel.x + panel.width - right.width - 6, middle_y, kLetterColor);
+  top.draw(middle_x - 0.5 * top.width, panel.y + 4, kLetterColor);
+  bottom.draw(middle_x - 0.5 * bottom.width, panel.y + panel.height - bottom.height - 4, kLetterColor);
 }
 
 std::string legend_of(const Segmentation& segmentation) {

@@ -3,20 +3,15 @@
 
 #include "render/pictures/figures.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "render/pictures/canvas.h"
 #include "render/pictures/renderer.h"
 #include "render/pictures/run_view.h"
-#include "render/surface/unreamed_surface.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
@@ -45,30 +40,22 @@ Camera square_camera(CameraView view, const ViewTarget& target) {
   return camera;
 }
 
-/// A tool of the run in a pose.
-struct PosedTool {
-  std::size_t pass = 0;
-  ToolPose pose;
-};
-
 /// The target with the tool, and its path, in the picture.
-ViewTarget with_tool_path(ViewTarget target, const RunInputs& run, const PosedTool& tool) {
+ViewTarget with_tool_path(ViewTarget target, const RunInputs& run, const PlacedTool& tool) {
   const ToolPass& pass = run.passes[tool.pass];
-  for (const Vec3& v : pass.tool.vertices) target.tool_head_mm.emplace_back(tool.pose.bone_from_tool() * v);
+  for (const Vec3& v : pass.tool.vertices) target.tool_head_mm.emplace_back(tool.bone_from_tool * v);
   for (const ToolPose& on_path : pass.poses) target.tool_head_mm.push_back(on_path.position_mm);
   return target;
 }
 
-/// A view and what it says.
 struct SetupView {
   std::string title;
   std::string note;
   Camera camera;
-  PosedTool tool;
+  PlacedTool tool;
   bool marks_gap = false;  ///< the smallest distance between tool and bone
 };
 
-/// Draws the panels' lines and texts.
 class SetupPainter {
  public:
   SetupPainter(const RunSetup& setup, PixelImage& image, const SetupView& panel)
@@ -119,7 +106,7 @@ class SetupPainter {
     constexpr int kPoints = 96;
     cairo_new_path(canvas_.get());
     for (int i = 0; i <= kPoints; ++i) {
-      line_to(panel_.tool.pose.bone_from_tool() * (Eigen::AngleAxisd(2 * M_PI * i / kPoints, Vec3::UnitZ()) * widest));
+      line_to(panel_.tool.bone_from_tool * (Eigen::AngleAxisd(2 * M_PI * i / kPoints, Vec3::UnitZ()) * widest));
     }
     stroke_with_halo(1.5);
   }
@@ -127,7 +114,7 @@ class SetupPainter {
   /// A dashed line between the bone and the tool where they are nearest.
   void draw_gap() {
     const Vec3& bone_mm = setup_.contact.bone_mm;
-    const Rigid bone_from_tool = panel_.tool.pose.bone_from_tool();
+    const Rigid& bone_from_tool = panel_.tool.bone_from_tool;
     const Vec3 at_t = bone_from_tool.inverse() * bone_mm;
     const std::vector<Vec3>& vertices = pass().tool.vertices;
     const Vec3 tool_t = *std::ranges::min_element(vertices, {}, [&](const Vec3& v) { return (v - at_t).norm(); });
@@ -141,9 +128,7 @@ class SetupPainter {
   }
 
   void draw_scale_bar() {
-    const double third_mm = 0.3 * panel_.camera.width_px * panel_.camera.mm_per_px;
-    const double decade = std::pow(10, std::floor(std::log10(third_mm)));
-    const double length_mm = decade * (third_mm >= 5 * decade ? 5 : third_mm >= 2 * decade ? 2 : 1);
+    const double length_mm = round_down(0.3 * panel_.camera.width_px * panel_.camera.mm_per_px);
     const double length_px = length_mm / panel_.camera.mm_per_px;
     const double y = panel_.camera.height_px - 20;
     const TextLine text(canvas_, shortest_text(length_mm) + " mm", kSmallText_px);
@@ -166,9 +151,10 @@ std::string setup_time(const RunSetup& setup, std::int64_t frame) {
 
 /// From three sides, at the smallest distance.
 std::vector<SetupView> views_without_contact(const RunSetup& setup, const ViewTarget& target) {
-  const PosedTool nearest{setup.inputs.pass_at(setup.contact.frame), setup.inputs.pose_at(setup.contact.frame)};
-  const PosedTool first{nearest.pass, setup.inputs.passes[nearest.pass].poses.front()};
-  const ViewTarget wide = with_tool_path(with_tool_path(target, setup.inputs, nearest), setup.inputs, first);
+  const RunInputs& run = setup.inputs;
+  const PlacedTool nearest{run.pose_at(setup.contact.frame).bone_from_tool(), run.pass_at(setup.contact.frame)};
+  const PlacedTool first{run.passes[nearest.pass].poses.front().bone_from_tool(), nearest.pass};
+  const ViewTarget wide = with_tool_path(with_tool_path(target, run, nearest), run, first);
   ViewTarget other = wide;
   other.anterior = wide.anterior ? -*wide.anterior : Vec3(wide.outward.cross(wide.superior));
   ViewTarget above = wide;
@@ -183,9 +169,9 @@ std::vector<SetupView> views_without_contact(const RunSetup& setup, const ViewTa
 }
 
 /// At the start; and at the greatest depth en face and in a section.
-std::vector<SetupView> views_with_contact(const RunSetup& setup, const ViewTarget& target, const PosedTool& deepest,
+std::vector<SetupView> views_with_contact(const RunSetup& setup, const ViewTarget& target, const PlacedTool& deepest,
                                           double depth_mm) {
-  const PosedTool first{0, setup.inputs.passes.front().poses.front()};
+  const PlacedTool first{setup.inputs.passes.front().poses.front().bone_from_tool()};
   std::string contact;
   if (setup.contact.start_mm3 > setup.inputs.voxmap->grid.voxel_mm3()) {
     contact = "; the tool starts in the bone";
@@ -209,7 +195,7 @@ PixelImage drawn(const RunSetup& setup, const RunData& run, std::string& warning
   settings.supersampling = 1;
   const RunView view(run, settings);
   const PredictedRun after = predict_run(setup.inputs);
-  const PosedTool deepest{after.pass, after.bone.deepest};
+  const PlacedTool deepest{after.bone.deepest.bone_from_tool(), after.pass};
   const std::vector<SetupView> views =
       setup.contact.touches ? views_with_contact(setup, run.target(), deepest, run.unreamed().deepest_mm())
                             : views_without_contact(setup, run.target());
@@ -221,7 +207,7 @@ PixelImage drawn(const RunSetup& setup, const RunData& run, std::string& warning
   for (const SetupView& panel : views) {
     if (images.size() == 1) renderer.show(after.bone.fill);
     std::optional<PlacedTool> tool;
-    if (panel.camera.shows_tool) tool = PlacedTool{panel.tool.pose.bone_from_tool(), panel.tool.pass};
+    if (panel.camera.shows_tool) tool = panel.tool;
     images.push_back(renderer.render(panel.camera, tool));
     SetupPainter(setup, images.back(), panel).paint();
     page.paste(images.back(), static_cast<int>(images.size() - 1) * (kSetupView_px + kPanelGap_px), kTitles_px);
@@ -229,10 +215,8 @@ PixelImage drawn(const RunSetup& setup, const RunData& run, std::string& warning
   const Canvas canvas(page);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double x = static_cast<double>(i) * (kSetupView_px + kPanelGap_px) + 12;
-    canvas.set_color(kTextColor);
     TextLine(canvas, views[i].title, kTitle_px, true).draw(x, 8);
-    canvas.set_color(kFaintTextColor);
-    TextLine(canvas, views[i].note, kSmallText_px).draw(x, 38);
+    TextLine(canvas, views[i].note, kSmallText_px).draw(x, 38, kFaintTextColor);
   }
   canvas.finish();
   return page;

@@ -14,13 +14,9 @@ only(i, v) = column(1) == i && column(2) == v
 panels = words(voxmaps) + has_voi + 1
 
 do for [format in "png svg"] {
-  if (format eq "png") {
-    set terminal pngcairo size 1600,1000 background rgb "white" font "DejaVu Sans,15" linewidth 1.4
-    set output "bench.png"
-  } else {
-    set terminal svg size 1600,1000 background rgb "white" font "DejaVu Sans,15" linewidth 1.4 dynamic
-    set output "bench.svg"
-  }
+  eval "set terminal " . (format eq "png" ? "pngcairo" : "svg dynamic") . \
+       " size 1600,1000 background rgb 'white' font 'DejaVu Sans,15' linewidth 1.4"
+  set output "bench." . format
   set multiplot layout (panels > 3 ? 2 : 1),3 title "Whole frame in severe contact on " . device . "; dashed: the paper, GTX 970" \
     noenhanced font ",17" margins char 9, char 3, char 4, char 4 spacing char 11, char 5.5
 

@@ -1,18 +1,13 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/plots/bench_plot.h"
+#include "render/plots/plots.h"
 
 #include <algorithm>
 #include <set>
 #include <sstream>
 
-#include "render/plots/plots.h"
-
 namespace reamsim {
-namespace embedded {
-extern const char* const bench_plot_script;
-}
 namespace {
 
 /// Okabe and Ito's colours, safe for colour-blind readers.
@@ -26,7 +21,6 @@ std::vector<std::string> programs_of(const BenchPlot& plot) {
   return programs;
 }
 
-/// The data and names that the script plots.
 std::string data_of(const BenchPlot& plot) {
   const auto programs = programs_of(plot);
   const auto number = [&](const std::string& program) {
@@ -60,7 +54,7 @@ std::string data_of(const BenchPlot& plot) {
 }  // namespace
 
 void write_bench_plot(const std::string& dir, const BenchPlot& plot) {
-  run_gnuplot(dir, "bench.gp", data_of(plot) + embedded::bench_plot_script, {"bench.png", "bench.svg"});
+  run_gnuplot(dir, "bench.gp", data_of(plot) + embedded::script_bench, {"bench.png", "bench.svg"});
 }
 
 }  // namespace reamsim

@@ -3,15 +3,13 @@
 
 #include "render/plots/compare.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <set>
-#include <string>
-#include <vector>
 
 #include "render/plots/plots.h"
 #include "sim/base/csv.h"
@@ -21,7 +19,6 @@
 #include "sim/record/force_log.h"
 
 namespace reamsim {
-
 namespace {
 
 /// Colours whose least difference is 31 (CIE 1976 L*a*b*), also as seen with protanopia, deuteranopia and tritanopia;
@@ -58,9 +55,7 @@ unsigned ramp_color(double fraction) {
 }
 
 std::string array_text(const std::string& name, const std::vector<std::string>& items) {
-  std::string out = "array " + name + "[" + std::to_string(items.size()) + "] = [";
-  for (std::size_t i = 0; i < items.size(); ++i) out += (i == 0 ? "" : ", ") + items[i];
-  return out + "]\n";
+  return fmt::format("array {}[{}] = [{}]\n", name, items.size(), fmt::join(items, ", "));
 }
 
 std::string color_text(unsigned color) {
@@ -83,17 +78,13 @@ std::string shortened(const std::string& text) {
   return out;
 }
 
-/// "3  label": the number is that of runs.csv.
-std::string entry_of(const Comparison& comparison, std::size_t run) {
-  return std::to_string(run + 1) + "  " + shortened(comparison.runs[run].label);
-}
-
 std::string single_styles(const Comparison& comparison) {
   std::vector<std::string> shades, dashes, entries, entry_shades, entry_dashes;
   for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
     shades.push_back(color_text(kCurveColors[i % kCurveColors.size()]));
     dashes.push_back(std::to_string(i / kCurveColors.size() % kDashes + 1));
-    entries.push_back(gnuplot_string(entry_of(comparison, i)));
+    // "3  label": the number is that of runs.csv.
+    entries.push_back(gnuplot_string(std::to_string(i + 1) + "  " + shortened(comparison.runs[i].label)));
   }
   const bool short_entries =
       std::ranges::all_of(entries, [](const std::string& entry) { return text_width(entry) <= kShortEntry + 2; });
@@ -174,58 +165,6 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
   return xx > 0 && yy > 0 ? xy / std::sqrt(xx * yy) : 0;
 }
 
-}  // namespace
-
-std::optional<RampKey> colored_by(const Comparison& comparison) {
-  const auto has_number = [](const std::vector<double>& values) {
-    return std::ranges::any_of(values, [](double value) { return std::isfinite(value); });
-  };
-  if (!comparison.color_by.empty()) {
-    for (const ComparedParameter& parameter : comparison.parameters) {
-      if (parameter.key == comparison.color_by && has_number(parameter.numbers))
-        return {{parameter.key, parameter.numbers}};
-    }
-    for (const ComparedMetric& metric : comparison.metrics) {
-      if (metric.key == comparison.color_by && has_number(metric.values)) return {{metric.key, metric.values}};
-    }
-    throw InputError({}, "--color-by", comparison.color_by + " is no number that differs between the runs",
-                     "give a numeric column of runs.csv, such as removed_mm3");
-  }
-  if (comparison.runs.size() <= kLineStyles) return std::nullopt;
-  const auto force = std::ranges::find(comparison.metrics, "headline.peak_axial_force_n", &ComparedMetric::key);
-  const ComparedParameter* best = nullptr;
-  double best_correlation = -1;
-  for (const ComparedParameter& parameter : comparison.parameters) {
-    if (!parameter.is_number()) continue;
-    const double correlation =
-        force == comparison.metrics.end() ? 0 : std::abs(rank_correlation(parameter.numbers, force->values));
-    if (correlation <= best_correlation) continue;
-    best = &parameter;
-    best_correlation = correlation;
-  }
-  if (best != nullptr) return {{best->key, best->numbers}};
-  RampKey order;
-  for (std::size_t i = 0; i < comparison.runs.size(); ++i) order.values.push_back(static_cast<double>(i + 1));
-  return order;
-}
-
-namespace {
-
-/// How the curves of a comparison look, as arrays for the gnuplot script: `shade` (colour) and `dash` (1 to 4) of each
-/// run, the entries of the legend, and the colour ramp if there is one.
-std::string curve_styles(const Comparison& comparison) {
-  const std::optional<RampKey> ramp = colored_by(comparison);
-  return "runs = " + std::to_string(comparison.runs.size()) + "\n" +
-         (ramp ? ramp_styles(comparison, *ramp) : single_styles(comparison)) + "\n";
-}
-
-}  // namespace
-
-namespace embedded {
-extern const char* const compare_script;
-}
-namespace {
-
 std::string number_cell(double value) {
   return std::isfinite(value) ? shortest_text(value) : std::string();
 }
@@ -303,12 +242,49 @@ void write_curves(const std::string& path, const std::vector<ComparedRun>& runs)
 
 }  // namespace
 
+std::optional<RampKey> colored_by(const Comparison& comparison) {
+  const auto has_number = [](const std::vector<double>& values) {
+    return std::ranges::any_of(values, [](double value) { return std::isfinite(value); });
+  };
+  if (!comparison.color_by.empty()) {
+    for (const ComparedParameter& parameter : comparison.parameters) {
+      if (parameter.key == comparison.color_by && has_number(parameter.numbers))
+        return {{parameter.key, parameter.numbers}};
+    }
+    for (const ComparedMetric& metric : comparison.metrics) {
+      if (metric.key == comparison.color_by && has_number(metric.values)) return {{metric.key, metric.values}};
+    }
+    throw InputError({}, "--color-by", comparison.color_by + " is no number that differs between the runs",
+                     "give a numeric column of runs.csv, such as removed_mm3");
+  }
+  if (comparison.runs.size() <= kLineStyles) return std::nullopt;
+  const auto force = std::ranges::find(comparison.metrics, "headline.peak_axial_force_n", &ComparedMetric::key);
+  const ComparedParameter* best = nullptr;
+  double best_correlation = -1;
+  for (const ComparedParameter& parameter : comparison.parameters) {
+    if (!parameter.is_number()) continue;
+    const double correlation =
+        force == comparison.metrics.end() ? 0 : std::abs(rank_correlation(parameter.numbers, force->values));
+    if (correlation <= best_correlation) continue;
+    best = &parameter;
+    best_correlation = correlation;
+  }
+  if (best != nullptr) return {{best->key, best->numbers}};
+  RampKey order;
+  for (std::size_t i = 0; i < comparison.runs.size(); ++i) order.values.push_back(static_cast<double>(i + 1));
+  return order;
+}
+
 void write_comparison(const std::string& dir, const Comparison& comparison) {
-  const std::string styles = curve_styles(comparison);
+  // How the curves look, as arrays for the script: `shade` (colour) and `dash` (1 to 4) of each run, the entries of the
+  // legend, and the colour ramp if there is one.
+  const std::optional<RampKey> ramp = colored_by(comparison);
+  const std::string styles = "runs = " + std::to_string(comparison.runs.size()) + "\n" +
+                             (ramp ? ramp_styles(comparison, *ramp) : single_styles(comparison)) + "\n";
   write_curves(dir + "/curves.csv", comparison.runs);
   write_file(dir + "/compare.csv", metrics_csv(comparison));
   write_file(dir + "/runs.csv", runs_csv(comparison));
-  draw_plot(dir, "compare", styles, embedded::compare_script);
+  draw_plot(dir, "compare", styles, embedded::script_compare);
 }
 
 }  // namespace reamsim

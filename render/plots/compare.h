@@ -9,7 +9,6 @@
 
 namespace reamsim {
 
-/// One of the compared runs.
 struct ComparedRun {
   std::string dir;            ///< results folder
   std::string label;          ///< in legends and tables
@@ -34,13 +33,10 @@ struct ComparedParameter {
   std::vector<double> numbers;      ///< the same as numbers; NaN where the value is none
   std::vector<std::string> shown;   ///< of paths the file name, where no two paths share one; else as `values`
 
-  /// Whether all values are numbers.
   [[nodiscard]] bool is_number() const;
-  /// The number of different values.
   [[nodiscard]] std::size_t distinct() const;
 };
 
-/// All that is compared.
 struct Comparison {
   std::vector<ComparedRun> runs;
   std::vector<ComparedParameter> parameters;
@@ -48,8 +44,7 @@ struct Comparison {
   std::string color_by;  ///< key of a parameter or metric that colours the curves; "": chosen by colored_by()
 };
 
-/// All numbers of the runs' summary.json in file order, those of the first run first. Throws InputError: missing,
-/// damaged, not the summary of a run.
+/// All numbers of the runs' summary.json in file order, those of the first run first. Throws InputError.
 std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& runs);
 
 /// The keys of the runs' scenario.yaml that differ, in file order, without those that change no number: `version`,
@@ -73,8 +68,18 @@ constexpr std::size_t kLineStyles = 20;
 
 /// Writes to DIR: compare.csv (a row for each metric and run), runs.csv (a row for each run: parameters, then metrics),
 /// curves.csv, and compare.png, .svg, .pdf and .gp: force, torque and removed volume of every run against time and
-/// depth since first contact. Throws InputError when a forces.csv is missing or damaged, or as colored_by(); RunError
-/// when a file cannot be written or gnuplot fails.
+/// depth since first contact. Throws InputError (a damaged forces.csv, or as colored_by()), RunError (gnuplot, disk).
 void write_comparison(const std::string& dir, const Comparison& comparison);
+
+struct RunColumn {
+  std::string key;                 ///< "motion.plunge.depth_mm"
+  std::vector<std::string> cells;  ///< one per run
+};
+
+/// The lines of a table of runs, none wider than `width` characters. A row per column where that fits; otherwise a row
+/// per run, wrapped into blocks of columns. Keys are shortened to their last parts, as many as tell them apart. What is
+/// longer still is replaced by a number or letter, and listed below the table. Texts must be printable.
+std::vector<std::string> run_table(const std::vector<std::string>& labels, const std::vector<RunColumn>& columns,
+                                   std::size_t width);
 
 }  // namespace reamsim

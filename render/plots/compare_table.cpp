@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/plots/compare_table.h"
+#include "render/plots/compare.h"
 
 #include <algorithm>
 #include <charconv>
@@ -12,7 +12,6 @@
 #include <set>
 #include <sstream>
 
-#include "render/plots/compare.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
@@ -20,7 +19,6 @@
 #include "sim/scenario/show.h"
 
 namespace reamsim {
-
 namespace {
 
 /// Most characters of a header, a cell and a label; longer ones are listed below the table.
@@ -143,16 +141,6 @@ std::vector<std::string> row_per_run(const std::vector<std::string>& labels, con
   return out;
 }
 
-}  // namespace
-
-std::vector<std::string> run_table(const std::vector<std::string>& labels, const std::vector<RunColumn>& columns,
-                                   std::size_t width) {
-  std::vector<std::string> lines = row_per_column(labels, columns);
-  return widest(lines) <= width ? lines : row_per_run(labels, columns, width);
-}
-
-namespace {
-
 using Json = nlohmann::ordered_json;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -180,34 +168,10 @@ void for_each_number(const Json& json, const std::string& key, const Visit& visi
   }
 }
 
-}  // namespace
-
-double ComparedMetric::relative(std::size_t i) const {
-  return values[0] == 0 ? kNone : difference(i) / std::abs(values[0]);
-}
-
-std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& runs) {
-  std::vector<ComparedMetric> out;
-  std::map<std::string, std::size_t> places;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    for_each_number(read_summary(runs[i].dir + "/summary.json"), "", [&](const std::string& key, double value) {
-      const auto [found, is_new] = places.try_emplace(key, out.size());
-      if (is_new) out.push_back({key, std::vector<double>(runs.size(), kNone)});
-      out[found->second].values[i] = value;
-    });
-  }
-  return out;
-}
-
-namespace {
-
-constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
-
 /// Ends the name of a parameter: the contents of an input file.
 constexpr std::string_view kSumOfInput = " (contents)";
 
-/// Adds the checksums of input files, which are comments of scenario.yaml: "# sha256 SUM  KEY  PATH". Their beginnings
-/// tell files apart.
+/// Adds the beginnings of the checksums of input files, comments of scenario.yaml: "# sha256 SUM  KEY  PATH".
 void add_checksums(const std::string& text, ScenarioValues& out) {
   constexpr std::string_view kBegin = "# sha256 ";
   constexpr std::size_t kShown = 12;
@@ -235,7 +199,7 @@ double as_number(const std::string& text) {
   double value = 0;
   const char* end = text.data() + text.size();
   const auto read = std::from_chars(text.data(), end, value);
-  return read.ec == std::errc() && read.ptr == end && std::isfinite(value) ? value : kNoNumber;
+  return read.ec == std::errc() && read.ptr == end && std::isfinite(value) ? value : kNone;
 }
 
 /// File names where they tell the paths apart.
@@ -252,6 +216,29 @@ std::vector<std::string> shown_values(const std::vector<std::string>& values) {
 }
 
 }  // namespace
+
+std::vector<std::string> run_table(const std::vector<std::string>& labels, const std::vector<RunColumn>& columns,
+                                   std::size_t width) {
+  std::vector<std::string> lines = row_per_column(labels, columns);
+  return widest(lines) <= width ? lines : row_per_run(labels, columns, width);
+}
+
+double ComparedMetric::relative(std::size_t i) const {
+  return values[0] == 0 ? kNone : difference(i) / std::abs(values[0]);
+}
+
+std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& runs) {
+  std::vector<ComparedMetric> out;
+  std::map<std::string, std::size_t> places;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    for_each_number(read_summary(runs[i].dir + "/summary.json"), "", [&](const std::string& key, double value) {
+      const auto [found, is_new] = places.try_emplace(key, out.size());
+      if (is_new) out.push_back({key, std::vector<double>(runs.size(), kNone)});
+      out[found->second].values[i] = value;
+    });
+  }
+  return out;
+}
 
 bool ComparedParameter::is_number() const {
   return std::ranges::none_of(numbers, [](double number) { return std::isnan(number); });

@@ -1,3 +1,6 @@
+#include "run.gp"
+t_min = T_min
+t_max = T_max > T_min ? T_max : T_min + 1
 
 # ---- the time axis: the time of contact with a margin, where the rest is more than a few per cent of the run
 if (!exists("whole_run")) whole_run = 0  # 1: the whole run; also gnuplot -e "whole_run = 1"

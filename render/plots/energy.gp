@@ -1,16 +1,7 @@
-# ---- what the run holds
-if (!exists("csv")) csv = "forces.csv"
-if (!exists("bucket_rows")) bucket_rows = 1
-stats csv using "time_s" nooutput name "T"
-rows = T_records
-t_min = T_min
-t_max = T_max > T_min ? T_max : T_min + 1
-frame_s = rows > 1 && T_max > T_min ? (T_max - T_min) / (rows - 1) : 1
 #include "contact.gp"
 stats csv using "energy_mj" nooutput name "E"
 stats csv using "floor_energy_mj" nooutput name "L"
 stats $mean using 5 nooutput name "P"
-step = bucket_rows > 1 ? 1 : int(ceil(rows / 12000.0))
 
 # The balance divides by what has been cut so far, so that its first frames say little: its scale begins at 1 % of all.
 cut = 0.0

@@ -9,24 +9,13 @@
 #include <cstring>
 #include <filesystem>
 #include <sstream>
-#include <string>
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/process.h"
 #include "sim/base/text.h"
-#include "sim/record/force_log.h"
 
 namespace reamsim {
-
-namespace embedded {
-extern const char* const plot_style;
-extern const char* const plot_script;
-extern const char* const depth_plot_script;
-extern const char* const energy_plot_script;
-extern const char* const push_plot_script;
-extern const char* const deflection_plot_script;
-}  // namespace embedded
 namespace {
 
 /// Mean cutting power in W over the last `step` rows, or over the frames of the row's means if those are more.
@@ -87,8 +76,7 @@ std::vector<CuttingPass> cutting_passes(const ForceLog& log) {
   return out;
 }
 
-/// What the scripts know of passes: the time before each that they hide, and where to put its number. A run of one pass
-/// has none.
+/// What the scripts know of several passes: the time before each that they hide, and where to put its number.
 std::string pass_block(const ForceLog& log) {
   constexpr double kMargin = 0.05;  // of the time of contact, shown before and after that of a pass
   std::vector<CuttingPass> passes = cutting_passes(log);
@@ -146,47 +134,6 @@ std::string data_of(const std::string& dir, const ForceLog& log) {
   return out.str();
 }
 
-}  // namespace
-
-CsvWriter plot_csv(const std::string& dir, const std::string& name, const std::string& header) {
-  std::error_code error;
-  std::filesystem::create_directories(dir + "/plots", error);
-  return {dir + "/plots/" + name, header};
-}
-
-void draw_plot(const std::string& dir, const std::string& name, const std::string& data, const char* script) {
-  const std::string head = "# Makes " + name +
-                           ".png, .svg and .pdf. Edit it, and run it again in the results folder:\n# gnuplot " + name +
-                           ".gp\n\n";
-  std::error_code error;
-  std::filesystem::create_directories(std::filesystem::path(dir + "/" + name).parent_path(), error);
-  run_gnuplot(dir, name + ".gp", head + data + embedded::plot_style + script,
-              {name + ".png", name + ".svg", name + ".pdf"});
-}
-
-void write_force_plots(const std::string& dir, const ForceLog& log) {
-  draw_plot(dir, "forces", data_of(dir, log), embedded::plot_script);
-}
-
-void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log) {
-  const std::string data = data_of(dir, log);
-  draw_plot(dir, "plots/forces_depth", data, embedded::depth_plot_script);
-  draw_plot(dir, "plots/energy", data, embedded::energy_plot_script);
-}
-
-void write_push_plot(const std::string& dir) {
-  draw_plot(dir, "plots/push", "csv = \"forces.csv\"\n\n", embedded::push_plot_script);
-}
-
-void write_deflection_plot(const std::string& dir) {
-  draw_plot(dir, "plots/deflection", "csv = \"forces.csv\"\n\n", embedded::deflection_plot_script);
-}
-
-namespace embedded {
-extern const char* const removed_density_script;
-}
-namespace {
-
 // All classes have the same number of grades.
 constexpr int kGradesPerClass = 5;
 constexpr std::size_t kClasses = 250 / kGradesPerClass;
@@ -208,7 +155,48 @@ Histogram removed_by_density(const Voxmap& voxmap, const FillBricks& before, con
   return out;
 }
 
+std::string on_one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  const std::size_t first = text.find_first_not_of(' ');
+  const std::size_t last = text.find_last_not_of(' ');
+  return first == std::string::npos ? std::string("no message") : text.substr(first, last - first + 1);
+}
+
 }  // namespace
+
+CsvWriter plot_csv(const std::string& dir, const std::string& name, const std::string& header) {
+  std::error_code error;
+  std::filesystem::create_directories(dir + "/plots", error);
+  return {dir + "/plots/" + name, header};
+}
+
+void draw_plot(const std::string& dir, const std::string& name, const std::string& data, const char* script) {
+  const std::string head = "# Makes " + name +
+                           ".png, .svg and .pdf. Edit it, and run it again in the results folder:\n# gnuplot " + name +
+                           ".gp\n\n";
+  std::error_code error;
+  std::filesystem::create_directories(std::filesystem::path(dir + "/" + name).parent_path(), error);
+  run_gnuplot(dir, name + ".gp", head + data + embedded::script_style + script,
+              {name + ".png", name + ".svg", name + ".pdf"});
+}
+
+void write_force_plots(const std::string& dir, const ForceLog& log) {
+  draw_plot(dir, "forces", data_of(dir, log), embedded::script_forces);
+}
+
+void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log) {
+  const std::string data = data_of(dir, log);
+  draw_plot(dir, "plots/forces_depth", data, embedded::script_forces_depth);
+  draw_plot(dir, "plots/energy", data, embedded::script_energy);
+}
+
+void write_push_plot(const std::string& dir) {
+  draw_plot(dir, "plots/push", "csv = \"forces.csv\"\n\n", embedded::script_push);
+}
+
+void write_deflection_plot(const std::string& dir) {
+  draw_plot(dir, "plots/deflection", "csv = \"forces.csv\"\n\n", embedded::script_deflection);
+}
 
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
                            const FillBricks& after) {
@@ -220,19 +208,8 @@ void write_removed_density(const std::string& dir, const Voxmap& voxmap, const F
     csv.row({bound(i), bound(i + 1), removed[i]});
   }
   csv.close();
-  draw_plot(dir, "plots/removed_density", "", embedded::removed_density_script);
+  draw_plot(dir, "plots/removed_density", "", embedded::script_removed_density);
 }
-
-namespace {
-
-std::string on_one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  const std::size_t first = text.find_first_not_of(' ');
-  const std::size_t last = text.find_last_not_of(' ');
-  return first == std::string::npos ? std::string("no message") : text.substr(first, last - first + 1);
-}
-
-}  // namespace
 
 std::string gnuplot_string(const std::string& text) {
   std::string out = "'";

@@ -15,9 +15,6 @@
 #include "sim/base/text.h"
 
 namespace reamsim {
-namespace embedded {
-extern const char* const spectrum_script;
-}
 namespace {
 
 constexpr std::size_t kMinTurns = 3;     // in contact
@@ -53,8 +50,7 @@ Contact longest_contact(const RowPass& pass) {
   return longest;
 }
 
-/// Calls visit() with the torque of the contact minus its centred mean over `turn` frames; half a revolution at each
-/// end is dropped.
+/// Calls visit() with the torque of the contact minus its centred mean over `turn` frames, half a `turn` from each end.
 template <class Visit>
 void for_each_without_mean(const RowPass& pass, const Contact& contact, std::size_t turn, const Visit& visit) {
   std::deque<double> torque_nmm;  // of the last revolution
@@ -119,20 +115,15 @@ class Welch {
   std::size_t windows_ = 0;
 };
 
-/// Cutting edges are periodic with the spin, so their lines are at its multiples. Other lines are artefacts of the
-/// voxels.
-bool multiple_of_spin(double frequency_hz, double spin_hz) {
-  const double order = frequency_hz / spin_hz;
-  return order > 0.5 && std::abs(order - std::round(order)) < 0.1;
-}
-
-/// The highest lines at multiples of the spin, ascending in frequency.
+/// The highest lines at multiples of the spin, where cutting edges have theirs, ascending in frequency. Other lines are
+/// artefacts of the voxels.
 std::vector<TorqueSpectrum::Line> find_peaks(const std::vector<TorqueSpectrum::Line>& lines, double spin_hz) {
   using Line = TorqueSpectrum::Line;
   std::vector<Line> out;
   for (std::size_t i = 1; i + 1 < lines.size(); ++i) {
     const bool top = lines[i].torque_nmm > lines[i - 1].torque_nmm && lines[i].torque_nmm >= lines[i + 1].torque_nmm;
-    if (top && multiple_of_spin(lines[i].frequency_hz, spin_hz)) out.push_back(lines[i]);
+    const double order = lines[i].frequency_hz / spin_hz;
+    if (top && order > 0.5 && std::abs(order - std::round(order)) < 0.1) out.push_back(lines[i]);
   }
   std::sort(out.begin(), out.end(), [](const Line& a, const Line& b) { return a.torque_nmm > b.torque_nmm; });
   if (out.size() > kMaxPeaks) out.resize(kMaxPeaks);
@@ -142,18 +133,13 @@ std::vector<TorqueSpectrum::Line> find_peaks(const std::vector<TorqueSpectrum::L
   return out;
 }
 
-/// "25.0 Hz" and, on a line below, "6 × spin".
-std::string peak_label(double frequency_hz, double spin_hz) {
-  return fmt::format("{:.3g} Hz\\n{:.0f} × spin", frequency_hz, std::round(frequency_hz / spin_hz));
-}
-
 /// The peaks and the end of the axis for the script.
 std::string peaks_block(const TorqueSpectrum& spectrum) {
   double last_hz = 10 * spectrum.spin_hz;
   std::string out = "# The highest peaks: frequency (Hz), amplitude (N·mm), label\n$peaks << END\n";
   for (const auto& [frequency_hz, torque_nmm] : spectrum.peaks) {
-    out += shortest_text(frequency_hz) + "," + shortest_text(torque_nmm) + ",\"" +
-           peak_label(frequency_hz, spectrum.spin_hz) + "\"\n";
+    out += shortest_text(frequency_hz) + "," + shortest_text(torque_nmm) +
+           fmt::format(",\"{:.3g} Hz\\n{:.0f} × spin\"\n", frequency_hz, std::round(frequency_hz / spectrum.spin_hz));
     last_hz = std::max(last_hz, frequency_hz);
   }
   if (spectrum.peaks.empty()) out += "-1,0,\"\"\n";
@@ -191,7 +177,7 @@ bool write_torque_spectrum(const std::string& dir) {
     csv.row({frequency_hz, frequency_hz / spectrum.spin_hz, torque_nmm});
   }
   csv.close();
-  draw_plot(dir, "plots/spectrum", peaks_block(spectrum), embedded::spectrum_script);
+  draw_plot(dir, "plots/spectrum", peaks_block(spectrum), embedded::script_spectrum);
   return true;
 }
 

@@ -13,13 +13,9 @@ array title_of[2] = ["Volumes", "Forces and torques"]
 only(i, p) = column(1) == i && column(2) == p
 
 do for [format in "png svg"] {
-  if (format eq "png") {
-    set terminal pngcairo size 1800,900 background rgb "white" font "DejaVu Sans,14" linewidth 1.4
-    set output "verification.png"
-  } else {
-    set terminal svg size 1800,900 background rgb "white" font "DejaVu Sans,14" linewidth 1.4 dynamic
-    set output "verification.svg"
-  }
+  eval "set terminal " . (format eq "png" ? "pngcairo" : "svg dynamic") . \
+       " size 1800,900 background rgb 'white' font 'DejaVu Sans,14' linewidth 1.4"
+  set output "verification." . format
   set multiplot layout 1,2 title "Error against the closed form under refinement; grey: first and second order" font ",17"
   set key bottom right reverse Left samplen 2 font ",11" textcolor rgb "#202020"
   set ylabel "error (%)" offset 1

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/plots/verify_report.h"
+#include "render/plots/plots.h"
 
 #include <fmt/core.h>
 
@@ -11,14 +11,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "render/plots/plots.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 
 namespace reamsim {
-namespace embedded {
-extern const char* const verify_plot_script;
-}
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -240,7 +236,7 @@ std::string verification_json(const Findings& findings) {
 void write_verification(const std::string& dir, const Findings& findings) {
   write_file(dir + "/verification.json", verification_json(findings));
   write_file(dir + "/verification.md", verification_markdown(findings));
-  run_gnuplot(dir, "verification.gp", plot_data(findings) + embedded::verify_plot_script,
+  run_gnuplot(dir, "verification.gp", plot_data(findings) + embedded::script_verify,
               {"verification.png", "verification.svg"});
 }
 

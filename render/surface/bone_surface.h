@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -12,8 +13,7 @@
 
 namespace reamsim {
 
-/// Ambient occlusion of surface points from the bone fraction, averaged over a hierarchy of cells. It does not depend
-/// on the view, so it does not flicker between pictures.
+/// Ambient occlusion of surface points from the bone fraction in a hierarchy of cells, independent of the view.
 class AmbientOcclusion {
  public:
   explicit AmbientOcclusion(const Occupancy& occupancy);
@@ -69,7 +69,6 @@ struct BoneFields {
   BoneFields(const Voxmap& bone, FillBricks fill_now, const UnreamedSurface& unreamed_surface);
   BoneFields(const BoneFields&) = delete;
   BoneFields& operator=(const BoneFields&) = delete;
-  ~BoneFields() = default;
 
   /// Updates the fields after changes of `fill`. Returns the changed bricks.
   std::vector<Vec3i> update();
@@ -88,12 +87,35 @@ BoneSurface make_bone_surface(const BoneFields& fields);
 /// The number of edges over which a vertex affects others in add_vertex_attributes().
 constexpr int kAttributeReach = 6;
 /// Moves the vertices of `iso`, where the field is zero, by up to 0.4 voxel until they fit their normals, and adds
-/// normals, depth and reaming; triangles stay the same. add_density_and_ambient() adds the attributes that do not
-/// depend on neighbours.
+/// normals, depth and reaming. add_density_and_ambient() adds the attributes that do not depend on neighbours.
 BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& fields);
 /// Adds density and ambient accessibility of each vertex, and the greatest depth of the surface.
 void add_density_and_ambient(const BoneFields& fields, BoneSurface& surface);
-/// Recomputes the ambient accessibility of each vertex.
 void update_ambient(const BoneFields& fields, BoneSurface& surface);
+
+/// The bone's surface in tiles of the lattice, so that only tiles near changed bone are meshed again. Together they are
+/// the surface of make_bone_surface(): neighbouring tiles mesh what crosses their border alike.
+class BoneTiles {
+ public:
+  static constexpr int kSideBricks = 4;
+
+  explicit BoneTiles(const BoneFields& fields);
+
+  /// Updates the tiles after `bricks` of the fields have changed. Returns the changed tiles in ascending order.
+  std::vector<std::size_t> update(const BoneFields& fields, const std::vector<Vec3i>& bricks);
+
+  /// One per tile; most are empty.
+  [[nodiscard]] const std::vector<BoneSurface>& surfaces() const { return surfaces_; }
+  /// Of the reamed vertices, mm; 0 when nothing is reamed.
+  [[nodiscard]] double deepest_mm() const;
+
+ private:
+  /// Marks tiles at most `reach` bricks from any of `bricks`.
+  [[nodiscard]] std::vector<bool> tiles_within(const std::vector<Vec3i>& bricks, int reach) const;
+  [[nodiscard]] BoneSurface mesh(const BoneFields& fields, std::size_t tile) const;
+
+  BrickLattice tiles_;  ///< the first tile begins one brick below the lattice, as the surface may
+  std::vector<BoneSurface> surfaces_;
+};
 
 }  // namespace reamsim

@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/surface/bone_tiles.h"
+#include "render/surface/bone_surface.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "render/surface/scalar_grid.h"
@@ -17,8 +16,7 @@ namespace {
 constexpr int kSide = FillBricks::kSide;
 constexpr int kTileVoxels = BoneTiles::kSideBricks * kSide;
 static_assert(kAttributeReach + 2 <= kSide, "the one-brick halo of a tile must contain all that affects its vertices");
-/// How far a changed voxel affects vertices: three voxels by the field, three by the gradient, and the rest by
-/// smoothing.
+/// How far a changed voxel affects vertices: three voxels each by field and gradient, the rest by smoothing.
 constexpr int kChangeReach_bricks = 2;
 
 openvdb::Coord to_coord(const Vec3i& v) {
@@ -100,11 +98,7 @@ std::vector<bool> BoneTiles::tiles_within(const std::vector<Vec3i>& bricks, int 
   for (const Vec3i& brick : bricks) {
     const Vec3i low = ((brick.array() + 1 - reach).max(0)) / kSideBricks;
     const Vec3i high = ((brick.array() + 1 + reach) / kSideBricks).min(tiles_.dims.array() - 1);
-    for (int z = low.z(); z <= high.z(); ++z) {
-      for (int y = low.y(); y <= high.y(); ++y) {
-        for (int x = low.x(); x <= high.x(); ++x) near[tiles_.index({x, y, z})] = true;
-      }
-    }
+    for_each_voxel(low, high, [&](const Vec3i& tile) { near[tiles_.index(tile)] = true; });
   }
   return near;
 }

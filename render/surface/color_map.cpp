@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace reamsim {
 namespace {
@@ -28,12 +27,6 @@ Eigen::Vector3f ColorMap::at(double x) const {
   const auto lower = std::min(static_cast<std::size_t>(position), stops.size() - 2);
   const auto fraction = static_cast<float>(position - static_cast<double>(lower));
   return (1 - fraction) * stops[lower] + fraction * stops[lower + 1];
-}
-
-std::vector<float> ColorMap::texels() const {
-  std::vector<float> out;
-  for (const Eigen::Vector3f& stop : stops) out.insert(out.end(), stop.data(), stop.data() + 3);
-  return out;
 }
 
 ColorMap depth_colors() {

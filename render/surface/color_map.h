@@ -5,8 +5,6 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <string>
-#include <vector>
 
 namespace reamsim {
 
@@ -15,16 +13,12 @@ struct ColorMap {
   std::span<const Eigen::Vector3f> stops;
 
   [[nodiscard]] Eigen::Vector3f at(double x) const;
-  /// The stops as texels.
-  [[nodiscard]] std::vector<float> texels() const;
 };
 
-/// Depth: viridis (van der Walt and Smith 2015, matplotlib, released as CC0), at eleven points: perceptually
-/// uniform and safe for colour-blind readers.
+/// Depth: viridis (van der Walt and Smith 2015, matplotlib, CC0) at eleven points, safe for colour-blind readers.
 ColorMap depth_colors();
 
-/// Density: from the dark red-brown of marrow over tan to ivory, like cut bone. Lightness increases monotonically,
-/// faster in the range of trabecular bone. No colour occurs in the depth map.
+/// Density: red-brown over tan to ivory, like cut bone, ever lighter, fastest for trabecular bone; none a depth colour.
 ColorMap density_colors();
 
 }  // namespace reamsim

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -18,7 +17,6 @@
 #include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
-
 namespace {
 
 constexpr int kMeshSmoothingRounds = 5;
@@ -40,8 +38,8 @@ TriangleMesh mesh_at(const openvdb::FloatGrid& surface, double level_mm) {
 }
 
 Vec3 doubled_area(const TriangleMesh& mesh, const std::array<std::int32_t, 3>& t) {
-  const Vec3& a = mesh.vertices[static_cast<std::size_t>(t[0])];
-  return (mesh.vertices[static_cast<std::size_t>(t[1])] - a).cross(mesh.vertices[static_cast<std::size_t>(t[2])] - a);
+  const auto [a, b, c] = mesh.corners(t);
+  return (b - a).cross(c - a);
 }
 
 double area_mm2(const TriangleMesh& mesh) {
@@ -50,8 +48,7 @@ double area_mm2(const TriangleMesh& mesh) {
   return doubled / 2;
 }
 
-/// The mesh at the level where it encloses `volume_mm3`, by Newton's method: the derivative of the volume with respect
-/// to the level is the surface area.
+/// The mesh at the level where it encloses `volume_mm3`, by Newton's method: dV/dlevel is the surface area.
 TriangleMesh mesh_of_volume(const openvdb::FloatGrid& surface, double volume_mm3, double voxel_mm) {
   double level_mm = 0;
   TriangleMesh mesh = mesh_at(surface, level_mm);
@@ -100,19 +97,6 @@ void add_reaming(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& 
   out.reamed = std::move(reaming.reamed);
 }
 
-}  // namespace
-
-ReamedMesh make_reamed_mesh(const std::string& path, const VoxelGrid& grid, double bone_mm3,
-                            const UnreamedSurface& unreamed) {
-  ReamedMesh out;
-  out.mesh = mesh_of_volume(*VdbFile(path).read("surface"), bone_mm3, grid.voxel_mm);
-  out.normals = vertex_normals(out.mesh);
-  add_reaming(out, grid, unreamed);
-  return out;
-}
-
-namespace {
-
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
@@ -138,34 +122,28 @@ Eigen::Vector3f color_of(float depth_mm, float reamed, const ColorMap& map, doub
 }
 
 /// The binary chunk with its views and accessors.
-class Buffer {
- public:
+struct Buffer {
+  std::vector<char> data;
+  Json views = Json::array();
+  Json accessors = Json::array();
+
   /// Appends values as one view with one accessor of `count` elements; returns the accessor's index.
   template <class Value>
   std::size_t add(const std::vector<Value>& values, int target, int component, std::size_t count, const char* type,
                   const Json& more = Json::object()) {
     const std::size_t bytes = values.size() * sizeof(Value);
-    views_.push_back({{"buffer", 0}, {"byteOffset", data_.size()}, {"byteLength", bytes}, {"target", target}});
+    views.push_back({{"buffer", 0}, {"byteOffset", data.size()}, {"byteLength", bytes}, {"target", target}});
     const auto* begin = reinterpret_cast<const char*>(values.data());
-    data_.insert(data_.end(), begin, begin + bytes);
-    data_.resize((data_.size() + 3) / 4 * 4);
-    accessors_.push_back({{"bufferView", views_.size() - 1},
-                          {"byteOffset", 0},
-                          {"componentType", component},
-                          {"count", count},
-                          {"type", type}});
-    accessors_.back().update(more);
-    return accessors_.size() - 1;
+    data.insert(data.end(), begin, begin + bytes);
+    data.resize((data.size() + 3) / 4 * 4);
+    accessors.push_back({{"bufferView", views.size() - 1},
+                         {"byteOffset", 0},
+                         {"componentType", component},
+                         {"count", count},
+                         {"type", type}});
+    accessors.back().update(more);
+    return accessors.size() - 1;
   }
-
-  [[nodiscard]] const std::vector<char>& data() const { return data_; }
-  [[nodiscard]] const Json& views() const { return views_; }
-  [[nodiscard]] const Json& accessors() const { return accessors_; }
-
- private:
-  std::vector<char> data_;
-  Json views_ = Json::array();
-  Json accessors_ = Json::array();
 };
 
 std::size_t add_positions(Buffer& buffer, const TriangleMesh& mesh) {
@@ -214,9 +192,9 @@ Json document(const Buffer& buffer, const Json& attributes, std::size_t indices,
   out["meshes"] = list_of({{"name", "reamed bone"}, {"primitives", list_of(triangles)}});
   out["materials"] =
       list_of({{"name", "bone"}, {"pbrMetallicRoughness", {{"metallicFactor", 0}, {"roughnessFactor", 0.6}}}});
-  out["buffers"] = list_of({{"byteLength", buffer.data().size()}});
-  out["bufferViews"] = buffer.views();
-  out["accessors"] = buffer.accessors();
+  out["buffers"] = list_of({{"byteLength", buffer.data.size()}});
+  out["bufferViews"] = buffer.views;
+  out["accessors"] = buffer.accessors;
   return out;
 }
 
@@ -244,6 +222,15 @@ void write_chunks(const std::string& path, const std::string& json, const std::v
 
 }  // namespace
 
+ReamedMesh make_reamed_mesh(const std::string& path, const VoxelGrid& grid, double bone_mm3,
+                            const UnreamedSurface& unreamed) {
+  ReamedMesh out;
+  out.mesh = mesh_of_volume(*VdbFile(path).read("surface"), bone_mm3, grid.voxel_mm);
+  out.normals = vertex_normals(out.mesh);
+  add_reaming(out, grid, unreamed);
+  return out;
+}
+
 void write_glb(const std::string& path, const ReamedMesh& reamed, double depth_max_mm) {
   Buffer buffer;
   Json attributes;
@@ -255,7 +242,7 @@ void write_glb(const std::string& path, const ReamedMesh& reamed, double depth_m
       buffer.add(reamed.mesh.triangles, kIndices, kUnsignedInt, 3 * reamed.mesh.triangles.size(), "SCALAR");
   std::string json = document(buffer, attributes, indices, depth_max_mm).dump();
   json.resize((json.size() + 3) / 4 * 4, ' ');
-  write_chunks(path, json, buffer.data());
+  write_chunks(path, json, buffer.data);
 }
 
 }  // namespace reamsim

@@ -30,8 +30,7 @@ ReamedMesh make_reamed_mesh(const std::string& path, const VoxelGrid& grid, doub
 
 /// Writes a binary glTF 2.0: one mesh with POSITION (B, mm), NORMAL, COLOR_0 (bone, or the depth colour where it was
 /// reamed, `depth_max_mm` at the end of the map) and _DEPTH_MM. A node rotates +z of B to +y of glTF, which is up. The
-/// unit is mm, as in all results, and not glTF's metre; asset.extras states it. Not assimp, whose exporter supports no
-/// custom attributes.
+/// unit is mm, not glTF's metre; asset.extras states it. Not assimp, whose exporter supports no custom attributes.
 /// Throws RunError when the file cannot be written or exceeds the 4 GiB limit of GLB.
 void write_glb(const std::string& path, const ReamedMesh& reamed, double depth_max_mm);
 

@@ -13,8 +13,7 @@
 #include "render/surface/unreamed_surface.h"
 #include "sim/base/parallel.h"
 
-// Only for the source files of this folder: OpenVDB's headers take ten seconds to compile, so no other header includes
-// them.
+// Only for the source files of this folder, because OpenVDB's headers take ten seconds to compile.
 namespace reamsim {
 
 struct ScalarGrid {
@@ -57,8 +56,7 @@ class ReamingSampler {
   /// Certainty that material was removed at a point where the field of the current bone is zero, 0…1: that of the
   /// unreamed bone is zero where none was removed, and falls to −½ inside. `voxel`: voxel index space.
   [[nodiscard]] float fraction(const openvdb::Vec3d& voxel) const { return certainty(-sample(field_, voxel)); }
-  /// The fraction of removed material, smoothed as the fields are; exactly 0 away from it. `now`: field of the current
-  /// bone.
+  /// The fraction of removed material, smoothed as the fields are; 0 away from it. `now`: field of the current bone.
   [[nodiscard]] double removed(const openvdb::FloatGrid::ConstAccessor& now, const openvdb::Vec3d& voxel) const {
     return sample(now, voxel) - sample(field_, voxel);
   }

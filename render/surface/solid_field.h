@@ -40,8 +40,7 @@ class Occupancy {
   std::vector<Kind> kinds_;
 };
 
-/// The mean density in g/cm³ of the eight voxels nearest to `point` (voxel index space), weighted trilinearly and by
-/// weight(voxel); 0 without bone.
+/// Mean density, g/cm³, of the eight voxels about `point` (voxel index space), trilinear and by weight(voxel); or 0.
 template <typename Real, class Weight>
 Real mean_density(const Voxmap& voxmap, const Eigen::Matrix<Real, 3, 1>& point, const Weight& weight) {
   const Eigen::Matrix<Real, 3, 1> base = point.array().floor();
@@ -65,8 +64,7 @@ Real mean_density(const Voxmap& voxmap, const Eigen::Matrix<Real, 3, 1>& point, 
 struct ScalarGrid;
 
 /// The solid as a smooth implicit field, negative inside: ½ − (bone fraction, smoothed by a Gaussian of
-/// kSmoothing_voxels). Smoothing removes voxel steps and does not displace a flat face. In voxel index space: voxel
-/// (i,j,k) has its centre at (i,j,k).
+/// kSmoothing_voxels), which does not displace a flat face. Voxel index space: the centre of voxel (i,j,k) is (i,j,k).
 class SolidField {
  public:
   static constexpr double kSmoothing_voxels = 1.0;
@@ -86,7 +84,6 @@ class SolidField {
   std::shared_ptr<ScalarGrid> grid_;
 };
 
-/// An isosurface from OpenVDB's mesher.
 struct IsoSurface {
   std::vector<Eigen::Vector3f> points;
   std::vector<std::uint32_t> indices;  ///< three per triangle

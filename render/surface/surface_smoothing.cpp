@@ -4,12 +4,10 @@
 #include "render/surface/surface_smoothing.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sim/base/parallel.h"
 
 namespace reamsim {
-
 namespace {
 
 /// Crease weights are 1 below the angle of the first cosine (14°) and 0 above that of the second (32°).
@@ -22,6 +20,18 @@ constexpr float kMinEdge_voxels = 1e-3F;
 /// Weight of a neighbour by its normal: 0 across a crease, 1 on the same face.
 float crease_weight(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return std::clamp((a.dot(b) - kCreaseCosine) / (kSameCosine - kCreaseCosine), 0.0F, 1.0F);
+}
+
+/// Replaces each value, `rounds` times, by step(its index), which reads the values of the round before.
+template <class Value, class Step>
+void repeat(std::vector<Value>& values, int rounds, const Step& step) {
+  std::vector<Value> next(values.size());
+  for (int round = 0; round < rounds; ++round) {
+    parallel_ranges(values.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) next[i] = step(i);
+    });
+    values.swap(next);
+  }
 }
 
 }  // namespace
@@ -43,55 +53,40 @@ Neighbours::Neighbours(std::size_t vertices, std::span<const std::uint32_t> indi
 
 void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& normals, int rounds) {
   const std::vector<Eigen::Vector3f> original = normals;
-  std::vector<Eigen::Vector3f> next(normals.size());
-  for (int round = 0; round < rounds; ++round) {
-    parallel_ranges(normals.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const Eigen::Vector3f own = normals[i];
-        Eigen::Vector3f sum = own;
-        for (const std::uint32_t other : neighbours.of(i)) {
-          sum += crease_weight(own, normals[other]) * normals[other];
-        }
-        next[i] = sum.normalized();
-      }
-    });
-    normals.swap(next);
-  }
+  repeat(normals, rounds, [&](std::size_t i) -> Eigen::Vector3f {
+    Eigen::Vector3f sum = normals[i];
+    for (const std::uint32_t other : neighbours.of(i)) {
+      sum += crease_weight(normals[i], normals[other]) * normals[other];
+    }
+    return sum.normalized();
+  });
   // Across an edge smoothing would make each normal that of one face or of the other, and triangles do not end at the
   // edge: it would be a row of bright and dark teeth.
-  parallel_ranges(normals.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      float same_face = 1;
-      for (const std::uint32_t other : neighbours.of(i)) {
-        same_face = std::min(same_face, crease_weight(original[i], original[other]));
-      }
-      normals[i] = (same_face * normals[i] + (1 - same_face) * original[i]).normalized();
+  repeat(normals, 1, [&](std::size_t i) -> Eigen::Vector3f {
+    float same_face = 1;
+    for (const std::uint32_t other : neighbours.of(i)) {
+      same_face = std::min(same_face, crease_weight(original[i], original[other]));
     }
+    return (same_face * normals[i] + (1 - same_face) * original[i]).normalized();
   });
 }
 
 void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& normals,
                     std::vector<Eigen::Vector3f>& points, int rounds, float max_displacement) {
   const std::vector<Eigen::Vector3f> original = points;
-  std::vector<Eigen::Vector3f> next(points.size());
-  for (int round = 0; round < rounds; ++round) {
-    parallel_ranges(points.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        Eigen::Vector3f move = Eigen::Vector3f::Zero();
-        float weights = 1;
-        for (const std::uint32_t other : neighbours.of(i)) {
-          const float weight = crease_weight(normals[i], normals[other]);
-          // A chord of a round surface is perpendicular to the mean of the normals at its ends.
-          const Eigen::Vector3f between = (normals[i] + normals[other]).normalized();
-          move += weight * between.dot(points[other] - points[i]) * between;
-          weights += weight;
-        }
-        const Eigen::Vector3f away = points[i] + move / weights - original[i];
-        next[i] = original[i] + away * std::min(1.0F, max_displacement / std::max(away.norm(), 1e-9F));
-      }
-    });
-    points.swap(next);
-  }
+  repeat(points, rounds, [&](std::size_t i) -> Eigen::Vector3f {
+    Eigen::Vector3f move = Eigen::Vector3f::Zero();
+    float weights = 1;
+    for (const std::uint32_t other : neighbours.of(i)) {
+      const float weight = crease_weight(normals[i], normals[other]);
+      // A chord of a round surface is perpendicular to the mean of the normals at its ends.
+      const Eigen::Vector3f between = (normals[i] + normals[other]).normalized();
+      move += weight * between.dot(points[other] - points[i]) * between;
+      weights += weight;
+    }
+    const Eigen::Vector3f away = points[i] + move / weights - original[i];
+    return original[i] + away * std::min(1.0F, max_displacement / std::max(away.norm(), 1e-9F));
+  });
 }
 
 std::vector<float> mean_value_weights(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points) {
@@ -121,24 +116,18 @@ std::vector<float> mean_value_weights(const Neighbours& neighbours, const std::v
 
 void smooth_values(const Neighbours& neighbours, const std::vector<float>& edge_weights,
                    const std::vector<float>& weights, std::vector<float>& values, int rounds) {
-  std::vector<float> next(values.size());
-  for (int round = 0; round < rounds; ++round) {
-    parallel_ranges(values.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        float sum = weights[i] * values[i];
-        float total = weights[i];
-        const auto ring = neighbours.of(i);
-        const auto own = neighbours.part_of(edge_weights, i);
-        for (std::size_t n = 0; n < ring.size(); ++n) {
-          const float weight = own[n] * weights[ring[n]];
-          sum += weight * values[ring[n]];
-          total += weight;
-        }
-        next[i] = total > 0 ? sum / total : values[i];
-      }
-    });
-    values.swap(next);
-  }
+  repeat(values, rounds, [&](std::size_t i) {
+    float sum = weights[i] * values[i];
+    float total = weights[i];
+    const auto ring = neighbours.of(i);
+    const auto own = neighbours.part_of(edge_weights, i);
+    for (std::size_t n = 0; n < ring.size(); ++n) {
+      const float weight = own[n] * weights[ring[n]];
+      sum += weight * values[ring[n]];
+      total += weight;
+    }
+    return total > 0 ? sum / total : values[i];
+  });
 }
 
 ToolSurface make_tool_surface(const TriangleMesh& mesh) {

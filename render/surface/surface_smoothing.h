@@ -64,8 +64,7 @@ struct ToolSurface {
   std::vector<std::uint32_t> indices;
 };
 
-/// Each corner gets the mean normal of the adjacent triangles within the crease angle: turned faces are shaded
-/// smoothly, and cutting edges stay sharp.
+/// Each corner gets the mean normal of adjacent triangles within the crease angle, so that cutting edges stay sharp.
 ToolSurface make_tool_surface(const TriangleMesh& mesh);
 
 }  // namespace reamsim

@@ -24,16 +24,9 @@ constexpr double kClosing_mm = 1.8;
 /// Number of depth cells inside the bone. More cost time without benefit, because a distance varies smoothly.
 constexpr double kInteriorCells = 400'000;
 
-double cell_size_mm(const Voxmap& voxmap) {
-  const double bone_mm3 = static_cast<double>(voxmap.grade.count()) * voxmap.grid.voxel_mm3();
-  return std::max(voxmap.grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
-}
-
-/// The surface offset outwards by kClosing_mm, which closes narrow holes (morphological closing), and its distance
-/// field. Both are empty when the surface is.
+/// The surface offset outwards by kClosing_mm, which closes narrow holes (morphological closing).
 struct OffsetSurface {
-  double cell_mm = 0;
-  openvdb::FloatGrid::Ptr distance_mm;  ///< from the surface; cells of `cell_mm`
+  openvdb::FloatGrid::Ptr distance_mm;  ///< from the surface
   IsoSurface surface;                   ///< in the space of voxel indices times voxel_mm
 };
 
@@ -41,7 +34,6 @@ OffsetSurface offset_outwards(const IsoSurface& surface, double voxel_mm, double
   const auto transform = openvdb::math::Transform::createLinearTransform(cell_mm);
   const double outside_cells = kClosing_mm / cell_mm + 3;
   OffsetSurface out;
-  out.cell_mm = cell_mm;
   if (surface.indices.empty()) {  // less than a voxel of bone
     out.distance_mm = make_float_grid(static_cast<float>(outside_cells) * static_cast<float>(cell_mm));
     out.distance_mm->setTransform(transform);
@@ -124,7 +116,8 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBrick
 
 openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxmap, const FillBricks& before,
                                    const FillBricks& after) {
-  const double cell_mm = cell_size_mm(voxmap);
+  const double bone_mm3 = static_cast<double>(voxmap.grade.count()) * voxmap.grid.voxel_mm3();
+  const double cell_mm = std::max(voxmap.grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
   auto depth = cells_of_changed_bricks(voxmap.grid.voxel_mm, after, before, cell_mm);
   if (depth->empty()) return depth;
   const OffsetSurface offset = offset_outwards(surface, voxmap.grid.voxel_mm, cell_mm);

@@ -9,14 +9,12 @@
 
 namespace reamsim {
 
-/// The bone before a run, and the depth of points below its surface in the region that the run reams. Built once per
-/// run from its actual or predicted final state.
+/// The bone before a run, and the depth below its surface where its actual or predicted final state lacks bone.
 class UnreamedSurface {
  public:
   /// Fill before the run, from which depth is measured, and after it.
   UnreamedSurface(const Voxmap& voxmap, FillBricks before, const FillBricks& after);
 
-  /// Fill of the unreamed bone.
   [[nodiscard]] const FillBricks& before() const { return before_; }
   /// Field of the unreamed bone, voxel index space.
   [[nodiscard]] const ScalarGrid& field() const { return field_.grid(); }

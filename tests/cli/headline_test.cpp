@@ -4,7 +4,7 @@
 // One force, one torque and one depth: what a run prints of them, wherever it does.
 #include <nlohmann/json.hpp>
 
-#include "render/pictures/captions.h"
+#include "render/pictures/run_view.h"
 #include "sim/base/text.h"
 #include "sim/record/force_log.h"
 #include "tests/cli/cli_fixture.h"

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "render/pictures/contour_labels.h"
 #include "render/pictures/contour_lines.h"
+#include "render/pictures/overlay.h"
 
 namespace reamsim {
 namespace {

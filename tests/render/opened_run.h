@@ -5,7 +5,6 @@
 
 #include <string>
 
-#include "render/pictures/captions.h"
 #include "render/pictures/renderer.h"
 #include "render/pictures/run_data.h"
 

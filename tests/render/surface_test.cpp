@@ -7,7 +7,7 @@
 #include <array>
 #include <map>
 
-#include "render/surface/bone_tiles.h"
+#include "render/surface/bone_surface.h"
 #include "tests/render/ball_surface.h"
 
 namespace reamsim::test {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Which parts of a surface are left out of a picture, against each of their triangles.
-#include "render/gl/tile_bounds.h"
+#include "render/gl/scene.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Shared by all fragment shaders: light in eye space (x right, y up, z towards the viewer), linear colours.
+// Before the text of each fragment shader: light in eye space (x right, y up, z towards the viewer), linear colours.
 #version 450 core
 
 uniform vec3 key_direction;  // towards the key light

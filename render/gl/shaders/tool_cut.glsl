@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#version 450 core
+#ifdef VERTEX
 // One triangle in the cut plane that covers the picture; no vertex buffer.
 uniform vec4 plane_in_clip;  // zero on the cut plane, clip coordinates
 uniform float depth_offset;  // towards the viewer: in front of the cut face of the bone
@@ -12,3 +12,14 @@ void main() {
   gl_Position = vec4(place, depth - depth_offset, 1.0);
   gl_ClipDistance[0] = 1.0;
 }
+#else
+out vec4 color;
+
+const vec3 kCutSteel = vec3(0.42, 0.50, 0.60);
+const float kHatch_px = 18.0;  // of the output picture
+
+void main() {
+  float hatch = abs(fract((gl_FragCoord.x + gl_FragCoord.y) / (kHatch_px * samples_per_px)) - 0.5);
+  color = vec4(srgb_from_linear(kCutSteel * (hatch < 0.06 ? 0.6 : 1.0)), 1.0);
+}
+#endif

@@ -1,6 +1,20 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#ifdef VERTEX
+layout(location = 0) in vec3 position_mm;
+layout(location = 1) in vec2 texture_coordinates;
+
+uniform mat4 clip_from_bone;
+
+out vec2 uv;
+
+void main() {
+  gl_Position = clip_from_bone * vec4(position_mm, 1.0);
+  gl_ClipDistance[0] = 1.0;
+  uv = texture_coordinates;
+}
+#else
 in vec2 uv;
 out vec4 color;
 
@@ -20,3 +34,4 @@ void main() {
   float edge = 1.0 - smoothstep(1.5, 2.8, texel.g / (width * samples_per_px));
   color = vec4(mix(map, vec3(0.12, 0.13, 0.16), 0.85 * edge), cover);
 }
+#endif
