@@ -15,7 +15,7 @@
 
 #include "cli/console.h"
 #include "cli/environment.h"
-#include "cli/run_console.h"
+#include "cli/outputs.h"
 #include "cli/sweep.h"
 #include "cli/sweep_estimate.h"
 #include "cli/sweep_workers.h"
@@ -106,7 +106,7 @@ class RunWorker {
     request.keep = study_.keep;
     request.durable = false;
     RunConsole monitor(console_);
-    RunPictures pictures(console_);
+    Outputs pictures(console_);
     const auto continued_after = run_scenario(request, resources_, monitor, &pictures);
     return continued_after ? "continued after frame " + std::to_string(*continued_after) : "";
   }
