@@ -12,7 +12,6 @@
 #include "cli/commands.h"
 #include "cli/lab.h"
 #include "cli/sweep.h"
-#include "cli/sweep_estimate.h"
 #include "cli/sweep_workers.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
@@ -127,13 +126,12 @@ void plan_command(const PlanOptions& options, const Console& console) {
   const auto answered = [&](const WorkerAnswer& answer) {
     progress.update(++checked, static_cast<std::int64_t>(valid.size()));
     if (answer.outcome == WorkerAnswer::Outcome::done) {
-      estimate.add(sweep.plan.runs[answer.run].number, RunEstimate::parse(answer.text));
-    } else if (answer.outcome == WorkerAnswer::Outcome::failed) {
+      estimate.add(sweep.plan.runs[answer.run].number, nlohmann::json::parse(answer.text).get<RunEstimate>());
+    } else if (answer.has_failed()) {
       mistakes.add(sweep.plan.runs[answer.run].number, {answer.text});
     }
   };
-  SweepWorkers workers(options.sweep, "", WorkerTask::check, options.jobs);
-  const bool all = workers.work(sweep, valid, answered);
+  const bool all = work_on(sweep, valid, options.sweep, "", options.jobs, answered);
   progress.finish();
   if (!all) throw Interrupted();
   warn_of_runs(estimate.warnings, fmt::format("{} of {} runs have warnings", estimate.warnings.runs(), valid.size()),
@@ -254,11 +252,11 @@ class StudyRun {
     note_wrong_scenarios();
     for (const std::size_t i : runs) folder_.forget_failure(sweep_.runs[i].id);
     Progress progress(console_, "sweep", "runs");
-    SweepWorkers workers(options_.sweep, folder_.path(), WorkerTask::simulate, options_.jobs);
-    const bool all = workers.work(sweep_, runs, [&](const WorkerAnswer& answer) {
-      note(answer);
-      progress.update(++answered_, static_cast<std::int64_t>(runs.size()));
-    });
+    const bool all =
+        work_on(sweep_, runs, options_.sweep, folder_.path(), options_.jobs, [&](const WorkerAnswer& answer) {
+          note(answer);
+          progress.update(++answered_, static_cast<std::int64_t>(runs.size()));
+        });
     progress.finish();
     for (const std::string& line : continued_) console_.say(line);
     folder_.sync();
@@ -283,12 +281,12 @@ class StudyRun {
 
   void note(const WorkerAnswer& answer) {
     const int number = sweep_.plan.runs[answer.run].number;
-    if (answer.outcome == WorkerAnswer::Outcome::failed) {
+    if (answer.has_failed()) {
       folder_.note_failure(sweep_.runs[answer.run].id, answer.text);
       // Each row that is this run, as runs.csv counts them.
       for (const std::size_t row : rows_of_run(sweep_.runs, answer.run)) {
         failures_.add(sweep_.plan.runs[row].number, {answer.text});
-        wrong_ += answer.wrong_input ? 1 : 0;
+        wrong_ += answer.outcome == WorkerAnswer::Outcome::wrong_input ? 1 : 0;
       }
     }
     if (answer.outcome == WorkerAnswer::Outcome::busy) ++busy_;
