@@ -38,8 +38,6 @@ struct CompareOptions {
 /// With more runs the table has no relative differences, and no metric that is the same in all of them.
 constexpr std::size_t kMostWithDifferences = 8;
 
-/// Characters of a line on the terminal.
-
 /// The metrics on the terminal; runs.csv has all.
 constexpr std::array kShown{
     "removed_mm3",         "headline.depth_mm",  "headline.peak_axial_force_n", "headline.peak_spin_torque_nmm",

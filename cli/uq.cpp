@@ -10,7 +10,6 @@
 #include "cli/commands.h"
 #include "cli/lab.h"
 #include "cli/sweep.h"
-#include "sim/base/error.h"
 #include "sim/record/citation.h"
 #include "sim/scenario/show.h"
 #include "sim/study/collect.h"
