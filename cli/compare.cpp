@@ -153,9 +153,7 @@ void add_compare_command(CLI::App& app, Console& console) {
   auto options = std::make_shared<CompareOptions>();
   command->add_option("DIR", options->dirs, "Results folders of finished runs; differences are relative to the first")
       ->required();
-  command->add_option("-o,--output", options->output, "Output folder (default: out/compare)")
-      ->type_name("DIR")
-      ->check(refuse_empty);
+  add_output(*command, options->output, "Output folder (default: out/compare)");
   command
       ->add_option("--color-by", options->color_by,
                    "Colour the curves by a number: a differing key of the scenario, or a key of summary.json")

@@ -40,9 +40,7 @@ void add_run_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("run", "Simulate a scenario and write forces, pictures, plots and grids");
   auto options = std::make_shared<RunOptions>();
   options->scenario.add_to(*command);
-  command->add_option("-o,--output", options->output, "Output folder (default: out/NAME)")
-      ->type_name("DIR")
-      ->check(refuse_empty);
+  add_output(*command, options->output, "Output folder (default: out/NAME)");
   command->add_flag("--overwrite", options->overwrite, "Replace an existing results folder once the run succeeds");
   command->add_flag("--resume", options->resume,
                     "Continue an interrupted run from its last checkpoint; without one, start at the first frame");
