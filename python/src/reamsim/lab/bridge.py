@@ -36,8 +36,8 @@ def fit(job: Job, folder: str, file: str, output: str, residuals: str) -> Job:
 
 
 def _fit_json(found: Any) -> Job:
-    out: Job = {"constants": [{key: getattr(one, key) for key in ("name", "value", "standard_error", "unit", "fitted", "at_bound")}
-                              for one in found.constants],
+    keys = ("name", "value", "standard_error", "unit", "fitted", "at_bound")
+    out: Job = {"constants": [{key: getattr(one, key) for key in keys} for one in found.constants],
                 "covariance_of": [found.constants[place].name for place in found.free]}
     if found.free:
         out["covariance"] = found.covariance.tolist()

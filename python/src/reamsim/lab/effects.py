@@ -207,7 +207,8 @@ def figure_data(effects: MainEffects) -> dict[str, Any]:
     # Drawn at random, the same on every machine: every second run would be one level of the fastest parameter.
     dots = numpy.sort(numpy.random.RandomState(1).permutation(count)[:_MOST_DOTS])
     parameters = [{"title": one.column.title, "numeric": one.numeric, "levels": one.levels, "x": one.x[dots].tolist(),
-                   "range": [float(one.x.min()), float(one.x.max())], "spread": float(numpy.diff(numpy.unique(one.x)).min()),  # least distance of levels
+                   "range": [float(one.x.min()), float(one.x.max())],
+                   "spread": float(numpy.diff(numpy.unique(one.x)).min()),  # least distance of levels
                    "groups": [[[group.x, group.mean, group.sd, group.level] for group in effect.groups]
                               for effect in of_parameter[:MOST_RESULTS]],
                    "explained": [effect.explained for effect in of_parameter[:MOST_RESULTS]]}
