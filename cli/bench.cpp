@@ -3,7 +3,6 @@
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -186,11 +185,7 @@ void add_bench_command(CLI::App& app, Console& console) {
       ->check(refuse_empty)
       ->type_name("FILE")
       ->excludes(latency);
-  command
-      ->add_option("-o,--output", options->output,
-                   "Output folder for bench.png, bench.svg and bench.gp (default: out/bench)")
-      ->type_name("DIR")
-      ->check(refuse_empty)
+  add_output(*command, options->output, "Output folder for bench.png, bench.svg and bench.gp (default: out/bench)")
       ->excludes(exact)
       ->excludes(latency);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing figure and JSON file")->excludes(latency);

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -59,6 +58,12 @@ inline void finish(OutputFolder& folder, const Console& console, const std::func
 /// For CLI11's check(): refuses the name "".
 inline std::string refuse_empty(const std::string& name) {
   return name.empty() ? "empty name; give a file or folder" : "";
+}
+
+/// The option -o DIR of a command. A template, so that this header needs no CLI11.
+template <class App>
+auto* add_output(App& command, std::string& dir, const char* description) {
+  return command.add_option("-o,--output", dir, description)->type_name("DIR")->check(refuse_empty);
 }
 
 }  // namespace reamsim

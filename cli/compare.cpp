@@ -37,8 +37,6 @@ struct CompareOptions {
 /// With more runs the table has no relative differences, and no metric that is the same in all of them.
 constexpr std::size_t kMostWithDifferences = 8;
 
-/// Characters of a line on the terminal.
-
 /// The metrics on the terminal; runs.csv has all.
 constexpr std::array kShown{
     "removed_mm3",         "headline.depth_mm",  "headline.peak_axial_force_n", "headline.peak_spin_torque_nmm",
@@ -154,9 +152,7 @@ void add_compare_command(CLI::App& app, Console& console) {
   auto options = std::make_shared<CompareOptions>();
   command->add_option("DIR", options->dirs, "Results folders of finished runs; differences are relative to the first")
       ->required();
-  command->add_option("-o,--output", options->output, "Output folder (default: out/compare)")
-      ->type_name("DIR")
-      ->check(refuse_empty);
+  add_output(*command, options->output, "Output folder (default: out/compare)");
   command
       ->add_option("--color-by", options->color_by,
                    "Colour the curves by a number: a differing key of the scenario, or a key of summary.json")

@@ -69,17 +69,17 @@ Json json_of(const cl::DeviceInfo& device, const Choice& choice) {
           {"selected", device.id == choice.id}};
 }
 
-void devices_command_with_json(const Console& console) {
-  run_with_json(console, [](const Console& silent) {
-    const auto kernels = prepare_opencl("auto", silent);
-    const Choice choice = automatic_choice();
-    Json out{{"program", "reamsim " REAMSIM_VERSION}, {"ok", true}, {"mistakes", Json::array()}};
-    out["auto"] = choice.name.empty() ? Json() : Json(choice.name);
-    out["why"] = choice.why;
-    out["devices"] = Json::array();
-    for (const auto& device : cl::list_devices()) out["devices"].push_back(json_of(device, choice));
-    print_json(out);
-  });
+void print_devices_as_json(const Console& console) {
+  const auto kernels = prepare_opencl("auto", console);
+  const Choice choice = automatic_choice();
+  Json devices = Json::array();
+  for (const auto& device : cl::list_devices()) devices.push_back(json_of(device, choice));
+  print_json({{"program", "reamsim " REAMSIM_VERSION},
+              {"ok", true},
+              {"mistakes", Json::array()},
+              {"auto", choice.name.empty() ? Json() : Json(choice.name)},
+              {"why", choice.why},
+              {"devices", devices}});
 }
 
 }  // namespace
@@ -88,7 +88,8 @@ void add_devices_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("devices", "List OpenCL devices and mark the one that `auto` selects");
   auto json = std::make_shared<bool>(false);
   command->add_flag("--json", *json, "Print one JSON document");
-  command->callback([json, &console] { *json ? devices_command_with_json(console) : devices_command(console); });
+  command->callback(
+      [json, &console] { *json ? run_with_json(console, print_devices_as_json) : devices_command(console); });
 }
 
 }  // namespace reamsim

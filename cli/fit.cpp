@@ -11,7 +11,6 @@
 #include "cli/lab.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/base/text.h"
 #include "sim/record/force_log.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/result_json.h"

@@ -87,8 +87,8 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-/// Prints the error that is being handled. Returns its exit status.
-int complain_of_error() {
+/// Prints the error that is being handled, also where there is no memory for its message. Returns its exit status.
+int complain_of_error() try {
   try {
     throw;
   } catch (const reamsim::InputError& error) {
@@ -102,15 +102,8 @@ int complain_of_error() {
   } catch (const std::exception& error) {
     return complain(reamsim::printable(reamsim::message_of(error)).c_str(), kFailed);
   }
-}
-
-/// complain_of_error(), also where there is no memory for its message.
-int complain_of_error_always() {
-  try {
-    return complain_of_error();
-  } catch (const std::bad_alloc&) {
-    return complain("out of memory; use a larger bone.voxel_mm or a smaller crop", kFailed);
-  }
+} catch (const std::bad_alloc&) {
+  return complain("out of memory; use a larger bone.voxel_mm or a smaller crop", kFailed);
 }
 
 }  // namespace
@@ -127,7 +120,7 @@ int main(int argc, char** argv) {
     reamsim::install_stop_handler();
     status = run(argc, argv);
   } catch (...) {
-    status = complain_of_error_always();
+    status = complain_of_error();
   }
   return reamsim::end_with(reamsim::flush_standard_output(status));
 }

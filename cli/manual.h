@@ -4,14 +4,7 @@
 #pragma once
 
 #include <array>
-#include <string>
 #include <string_view>
-
-#include "cli/command_line.h"
-
-namespace CLI {
-class App;
-}
 
 namespace reamsim {
 
@@ -68,31 +61,5 @@ inline constexpr std::array<Entry, 5> kExamples{
      {"reamsim run my.yaml --set bone.voxel_mm=0.3 -o out/fine", "The same with smaller voxels."},
      {"reamsim render out/my --film", "Makes a film of the finished run."},
      {"reamsim cite out/my", "Prints what a paper about this run should cite."}}};
-
-/// What a shell can complete for the value of an argument.
-enum class Completed { nothing, choices, commands, scenarios, studies, folders, files, files_and_scenarios };
-
-/// By the name of its value, such as DIR or FILE.csv.
-inline Completed completed_by(const ArgumentText& argument) {
-  if (!argument.choices.empty()) return Completed::choices;
-  const std::string& value = argument.value;
-  if (value == "COMMAND") return Completed::commands;
-  if (value.starts_with("SCENARIO")) return Completed::scenarios;
-  if (value == "STUDY") return Completed::studies;
-  // A bone, which may also be that of a scenario: the description says where a name is taken.
-  if (value == "INPUT" && argument.description.find("shipped") != std::string::npos) {
-    return Completed::files_and_scenarios;
-  }
-  if (value == "DIR") return Completed::folders;
-  const bool file = value.starts_with("FILE") || value == "MESH" || value == "INPUT" || value == "MEASURED.csv";
-  return file ? Completed::files : Completed::nothing;
-}
-
-/// Completes commands, options, their values and files of `root` in bash and in zsh.
-std::string bash_completion(const CLI::App& root);
-std::string zsh_completion(const CLI::App& root);
-
-/// reamsim(1) for man(7): all commands and options of `root`.
-std::string man_page(const CLI::App& root);
 
 }  // namespace reamsim

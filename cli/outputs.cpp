@@ -75,13 +75,32 @@ RunInputs inputs_so_far(const SimulationInput& scene, const std::string& dir, st
   });
 }
 
-}  // namespace
-
+/// What pictures of a run need before it begins. DIR/snapshots/tool.stl must exist.
 RunInputs inputs_of(const SimulationInput& scene, const std::string& dir) {
   return inputs_with(scene, dir, read_tools(dir),
                      picture_frames(scene.scenario.render, scene.last_frame(), scene.contact),
                      [&](RunPath& path) { add_planned_path(scene, path); });
 }
+
+OutputOptions output_options_of(const SimulationInput& scene) {
+  const Scenario& scenario = scene.scenario;
+  const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap->grid.voxel_mm);
+  return {.pictures = {.settings = scenario.render, .mean_travel_mm = mean_mm},
+          .render = scenario.render.enabled,
+          .all_plots = scenario.render.enabled,
+          .torque_spectrum = scenario.tool.spin == ToolSpin::resolved,
+          .meshes = scenario.output.meshes,
+          .report = scenario.render.enabled && scenario.render.report};
+}
+
+/// Whether forces.csv has the columns of a tool on springs.
+bool has_deflections(const std::string& dir) {
+  constexpr std::uintmax_t kHeader = 4096;
+  const std::string start = read_file_start(dir + "/forces.csv", kHeader);
+  return start.substr(0, start.find('\n')).find("deflection_x_mm") != std::string::npos;
+}
+
+}  // namespace
 
 RunInputs inputs_without_folder(const SimulationInput& scene) {
   std::vector<ToolPass> tools{{.tool = scene.tool.mesh}};
@@ -109,84 +128,92 @@ RunData open_run(const std::string& dir) {
   return run;
 }
 
-namespace {
-
-OutputOptions output_options_of(const SimulationInput& scene) {
-  const Scenario& scenario = scene.scenario;
-  const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap->grid.voxel_mm);
-  return {.pictures = {.settings = scenario.render, .mean_travel_mm = mean_mm},
-          .render = scenario.render.enabled,
-          .all_plots = scenario.render.enabled,
-          .torque_spectrum = scenario.tool.spin == ToolSpin::resolved,
-          .meshes = scenario.output.meshes,
-          .report = scenario.render.enabled && scenario.render.report};
+void Outputs::draw_segmentation(const SimulationInput& scene, const std::string& dir) {
+  if (scene.scenario.render.enabled) write_segmentation_picture(dir, *scene.bone.segmentation);
 }
 
-/// Whether forces.csv has the columns of a tool on springs.
-bool has_deflections(const std::string& dir) {
-  constexpr std::uintmax_t kHeader = 4096;
-  const std::string start = read_file_start(dir + "/forces.csv", kHeader);
-  return start.substr(0, start.find('\n')).find("deflection_x_mm") != std::string::npos;
-}
-
-}  // namespace
-
-Outputs::Outputs(const SimulationInput& scene, const std::string& dir)
-    : run_(inputs_of(scene, dir)), options_(output_options_of(scene)) {
-  if (options_.render || options_.meshes) run_.predict();
-  if (options_.render) render_thread_ = std::make_unique<RenderThread>(run_, options_.pictures);
-}
-
-Outputs Outputs::of_finished(const SimulationInput& scene, const std::string& dir) {
-  return {RunData(dir), output_options_of(scene)};
+void Outputs::begin(const SimulationInput& scene, const std::string& dir) {
+  options_ = output_options_of(scene);
+  run_.emplace(inputs_of(scene, dir));
+  if (options_.render || options_.meshes) run_->predict();
+  if (options_.render) render_thread_ = std::make_unique<RenderThread>(*run_, options_.pictures);
 }
 
 void Outputs::snapshots_written(std::int64_t frame) {
   if (render_thread_) render_thread_->snapshots_written(frame);
 }
 
+void Outputs::end(const SimulationInput& scene, const std::string& dir) {
+  if (run_) return run_->finish(scene.bone.fill);
+  options_ = output_options_of(scene);
+  run_.emplace(dir);
+}
+
 ForceLog Outputs::log_with_means() const {
-  ForceLog log = run_.log();
-  add_layer_means(log, mean_travel_mm());
+  ForceLog log = run_->log();
+  add_layer_means(log, options_.pictures.mean_travel_mm);
   return log;
 }
 
 void Outputs::make_figures(Diagnostics& report) const {
-  const std::string& dir = run_.dir();
+  const std::string& dir = run_->dir();
   if (options_.force_plots) write_force_plots(dir, log_with_means());
-  if (options_.all_plots && options_.finished) write_depth_picture(run_, options_.pictures.settings.depth_max_mm);
-  if (options_.meshes && options_.finished) write_meshes(run_, options_.pictures.settings.depth_max_mm, report);
+  if (options_.all_plots && options_.finished) write_depth_picture(*run_, options_.pictures.settings.depth_max_mm);
+  if (options_.meshes && options_.finished) write_meshes(*run_, options_.pictures.settings.depth_max_mm, report);
   if (!options_.all_plots) return;
   write_depth_and_energy_plots(dir, log_with_means());
   if (std::filesystem::exists(dir + "/events.csv")) write_push_plot(dir);  // only a push has events
   if (has_deflections(dir)) write_deflection_plot(dir);
-  write_removed_density(dir, run_.voxmap(), run_.inputs().fill, run_.last_fill());
+  write_removed_density(dir, run_->voxmap(), run_->inputs().fill, run_->last_fill());
   if (options_.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
 }
 
-void Outputs::make_pictures(Diagnostics& report, const Console& console) {
-  Progress progress(console, "render", "pictures");
+void Outputs::make_pictures(Diagnostics& report) {
+  Progress progress(console_, "render", "pictures");
   const auto tell = [&](int done, int total, const std::string&) {
     progress.update(done, total);
     if (stop_requested()) throw Interrupted();
   };
-  render_context_ = render_pictures(run_, options_.pictures, tell, &report, render_thread_.get());
+  render_context_ = render_pictures(*run_, options_.pictures, tell, &report, render_thread_.get());
   progress.finish();
 }
 
-void Outputs::make(Diagnostics& report, const Console& console) {
+void Outputs::make(Diagnostics& report) {
   Diagnostics of_figures;
   std::future<void> figures = std::async(std::launch::async, [&] { make_figures(of_figures); });
-  if (options_.render) make_pictures(report, console);
+  if (options_.render) make_pictures(report);
   figures.get();
   report.warnings.insert(report.warnings.end(), of_figures.warnings.begin(), of_figures.warnings.end());
 }
 
-void Outputs::make_report() const {
+void Outputs::make_report() {
   if (!options_.report || !options_.finished) return;
   PictureOptions pictures = options_.pictures;
   if (!options_.report_cameras.empty()) pictures.settings.cameras = options_.report_cameras;
-  write_report(run_, pictures);
+  write_report(*run_, pictures);
+}
+
+void RunConsole::say(const std::string& line) {
+  progress_.reset();
+  console_.say(line);
+}
+
+void RunConsole::take(const Diagnostics& report) {
+  progress_.reset();
+  Diagnostics printed = report;
+  console_.print(printed);
+}
+
+void RunConsole::progress(std::int64_t done, std::int64_t total) {
+  if (!progress_) progress_.emplace(console_, "simulate", "frames");
+  if (done > 0) progress_->update(done, total);
+}
+
+std::shared_ptr<void> RunConsole::on_forced_end(std::function<InterruptedRun()> end) {
+  return std::make_shared<ForcedStop>([end = std::move(end)]() -> StopOutcome {
+    const InterruptedRun remains = end();
+    return {remains.saved ? kSuspendedStatus : kInterruptedStatus, remains.message};
+  });
 }
 
 }  // namespace reamsim

@@ -3,10 +3,12 @@
 
 #pragma once
 
+#include <optional>
+
 #include "cli/console.h"
 #include "render/pictures/run_view.h"
 #include "render/render_thread.h"
-#include "sim/scene/scene.h"
+#include "sim/run/run_scenario.h"
 
 namespace reamsim {
 
@@ -23,9 +25,7 @@ struct OutputOptions {
   bool finished = true;  ///< false: a run with a checkpoint only; no depth map, meshes or report can be made
 };
 
-/// What pictures of a run need before it begins. DIR/snapshots/tool.stl must exist.
-RunInputs inputs_of(const SimulationInput& scene, const std::string& dir);
-/// The same of a scene that is only looked at: without a folder, and with the snapshot of frame 0 only.
+/// What pictures need of a scene that is only looked at: without a folder, and with the snapshot of frame 0 only.
 RunInputs inputs_without_folder(const SimulationInput& scene);
 
 /// Whether DIR holds a run that can only be rendered from its checkpoint.
@@ -33,42 +33,53 @@ bool is_unfinished(const std::string& dir);
 /// The run in DIR. The bone of an unfinished one is loaded again. Throws InputError.
 RunData open_run(const std::string& dir);
 
-/// Makes pictures, plots, meshes and report of a run. A separate thread renders frames, during a simulation as soon as
-/// their snapshots are written.
-class Outputs {
+/// A run on the terminal: its lines and progress, and the signals that interrupt it.
+class RunConsole : public RunMonitor {
  public:
+  explicit RunConsole(const Console& console) : console_(console) {}
+
+  void say(const std::string& line) override;
+  void take(const Diagnostics& report) override;
+  void progress(std::int64_t done, std::int64_t total) override;
+  [[nodiscard]] bool stop_requested() override { return reamsim::stop_requested(); }
+  [[nodiscard]] std::shared_ptr<void> saving() override { return std::make_shared<StopGrace>(); }
+  [[nodiscard]] std::shared_ptr<void> on_forced_end(std::function<InterruptedRun()> end) override;
+
+ private:
+  const Console& console_;
+  std::optional<Progress> progress_;  ///< of the simulation
+};
+
+/// Makes pictures, plots, meshes and report of a run, with progress on the terminal. A separate thread renders frames,
+/// during a simulation as soon as their snapshots are written.
+class Outputs : public PictureSink {
+ public:
+  /// For a run that is simulated, with all outputs that its scenario asks for.
+  explicit Outputs(const Console& console) : console_(console) {}
   /// For a finished run.
-  Outputs(RunData run, OutputOptions options) : run_(std::move(run)), options_(std::move(options)) {}
-  /// For a run that is about to begin. DIR/snapshots/tool.stl must exist.
-  Outputs(const SimulationInput& scene, const std::string& dir);
+  Outputs(const Console& console, RunData run, OutputOptions options)
+      : console_(console), options_(std::move(options)), run_(std::move(run)) {}
 
-  /// For a run that has just ended in DIR, with all outputs that its scenario asks for.
-  static Outputs of_finished(const SimulationInput& scene, const std::string& dir);
-
-  /// All snapshots up to and including this frame's are on disk.
-  void snapshots_written(std::int64_t frame);
-  /// Fill of the bone before the run.
-  [[nodiscard]] const FillBricks& fill_before() const { return run_.inputs().fill; }
-  /// The run has ended with this fill, and all its results are on disk.
-  void finish_run(const FillBricks& fill) { run_.finish(fill); }
-  /// Makes everything but the report, with progress on the console. Another thread makes plots and meshes meanwhile.
-  /// `report` gets all warnings. Throws InputError when a result is missing or damaged, RunError when an output cannot
-  /// be made or written, and Interrupted; always after both threads have ended.
-  void make(Diagnostics& report, const Console& console);
-  /// After make(): what rendered the pictures, empty where there are none.
-  [[nodiscard]] const std::string& render_context() const { return render_context_; }
-  /// Writes report.html if the options ask for it. DIR/summary.json must be complete.
-  void make_report() const;
-
-  [[nodiscard]] double mean_travel_mm() const { return options_.pictures.mean_travel_mm; }
+  void draw_segmentation(const SimulationInput& scene, const std::string& dir) override;
+  void begin(const SimulationInput& scene, const std::string& dir) override;
+  void snapshots_written(std::int64_t frame) override;
+  [[nodiscard]] const FillBricks& fill_before() const override { return run_->inputs().fill; }
+  void end(const SimulationInput& scene, const std::string& dir) override;
+  /// Another thread makes plots and meshes meanwhile. Throws InputError when a result is missing or damaged, RunError
+  /// when an output cannot be made or written, and Interrupted; always after both threads have ended.
+  void make(Diagnostics& report) override;
+  [[nodiscard]] std::string render_context() const override { return render_context_; }
+  /// Writes report.html if the options ask for it.
+  void make_report() override;
 
  private:
   [[nodiscard]] ForceLog log_with_means() const;
   void make_figures(Diagnostics& report) const;
-  void make_pictures(Diagnostics& report, const Console& console);
+  void make_pictures(Diagnostics& report);
 
-  RunData run_;
+  const Console& console_;
   OutputOptions options_;
+  std::optional<RunData> run_;
   std::string render_context_;
   std::unique_ptr<RenderThread> render_thread_;  ///< during a simulation with pictures
 };

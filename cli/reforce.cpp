@@ -98,9 +98,7 @@ void add_reforce_command(CLI::App& app, Console& console) {
       ->type_name("KEY.PATH=VALUE")
       ->expected(1)
       ->take_all();
-  command->add_option("-o,--output", options->output, "Folder for forces.csv, summary.json and scenario.yaml")
-      ->type_name("DIR")
-      ->check(refuse_empty);
+  add_output(*command, options->output, "Folder for forces.csv, summary.json and scenario.yaml");
   command->add_flag("--overwrite", options->overwrite,
                     "Replace the forces of DIR, or with -o an existing results folder");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");

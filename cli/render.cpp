@@ -237,18 +237,19 @@ void render_command(const RenderOptions& options, const Console& console) {
   const RunData run = open_run(options.dir);
   require_drawable(options, pictures, run);
   pictures.mean_travel_mm = averaged_travel_mm(settings.cutting, run.voxmap().grid.voxel_mm);
-  Outputs outputs(run, {.pictures = pictures,
-                        .force_plots = options.wants("plots"),
-                        .all_plots = options.wants("plots"),
-                        .torque_spectrum = settings.tool_spin == ToolSpin::resolved,
-                        .meshes = options.wants("meshes") && (settings.output.meshes || !options.only.empty()),
-                        .report = pictures.settings.report,
-                        .report_cameras = settings.render.cameras,
-                        .finished = !is_unfinished(options.dir)});
+  Outputs outputs(console, run,
+                  {.pictures = pictures,
+                   .force_plots = options.wants("plots"),
+                   .all_plots = options.wants("plots"),
+                   .torque_spectrum = settings.tool_spin == ToolSpin::resolved,
+                   .meshes = options.wants("meshes") && (settings.output.meshes || !options.only.empty()),
+                   .report = pictures.settings.report,
+                   .report_cameras = settings.render.cameras,
+                   .finished = !is_unfinished(options.dir)});
   ResultUpdate update(options.dir, ResultKind::run);
   Diagnostics report;
   const PrintOnError warnings_of_error(report, console);
-  outputs.make(report, console);
+  outputs.make(report);
   outputs.make_report();
   update.finish();
   console.print(report);

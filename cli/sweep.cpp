@@ -12,7 +12,6 @@
 #include "cli/commands.h"
 #include "cli/lab.h"
 #include "cli/sweep.h"
-#include "cli/sweep_estimate.h"
 #include "cli/sweep_workers.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
@@ -23,9 +22,7 @@ namespace reamsim {
 void SweepOptions::add_to(CLI::App& command) {
   take_shipped_names(*command.add_option("STUDY", file, "Study file (YAML), or the name of a shipped one")->required(),
                      ShippedKind::study);
-  command.add_option("-o,--output", output, "Folder of the study (default: out/NAME)")
-      ->type_name("DIR")
-      ->check(refuse_empty);
+  add_output(command, output, "Folder of the study (default: out/NAME)");
   command.add_option("--set", overrides, "Override a key of every run, for example engine.device=serial; repeatable")
       ->type_name("KEY.PATH=VALUE")
       ->expected(1)
@@ -66,9 +63,11 @@ void say_lines_of(const std::vector<std::string>& lines, const Console& console)
 
 // --- plan ---
 
-struct PlanOptions {
+/// Of all commands that work on the runs; `shard`: of `run` alone.
+struct StudyOptions {
   SweepOptions sweep;
   int jobs = 1;
+  std::string shard;
 };
 
 /// Sums of the estimates of runs.
@@ -108,7 +107,7 @@ void print_estimate(const Console& console, const Study& study, const StudyEstim
   console.say("disk: about " + megabytes(static_cast<std::size_t>(disk_bytes(study, estimate, runs))) + more);
 }
 
-void plan_command(const PlanOptions& options, const Console& console) {
+void plan_command(const StudyOptions& options, const Console& console) {
   const SweepRuns sweep = load_sweep(options.sweep);
   std::vector<std::size_t> valid;
   RunMessages mistakes;
@@ -127,13 +126,12 @@ void plan_command(const PlanOptions& options, const Console& console) {
   const auto answered = [&](const WorkerAnswer& answer) {
     progress.update(++checked, static_cast<std::int64_t>(valid.size()));
     if (answer.outcome == WorkerAnswer::Outcome::done) {
-      estimate.add(sweep.plan.runs[answer.run].number, RunEstimate::parse(answer.text));
-    } else if (answer.outcome == WorkerAnswer::Outcome::failed) {
+      estimate.add(sweep.plan.runs[answer.run].number, nlohmann::json::parse(answer.text).get<RunEstimate>());
+    } else if (answer.has_failed()) {
       mistakes.add(sweep.plan.runs[answer.run].number, {answer.text});
     }
   };
-  SweepWorkers workers(options.sweep, "", WorkerTask::check, options.jobs);
-  const bool all = workers.work(sweep, valid, answered);
+  const bool all = work_on(sweep, valid, options.sweep, "", options.jobs, answered);
   progress.finish();
   if (!all) throw Interrupted();
   warn_of_runs(estimate.warnings, fmt::format("{} of {} runs have warnings", estimate.warnings.runs(), valid.size()),
@@ -169,9 +167,9 @@ void warn_of_other_plan(const SweepRuns& sweep, const StudyFolder& folder, const
   if (others.count > 0) console.warn(sentence_of(others, folder.path() + "/runs"));
 }
 
-void status_command(const SweepOptions& options, const Console& console) {
-  const SweepRuns sweep = load_sweep(options);
-  const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
+void status_command(const StudyOptions& options, const Console& console) {
+  const SweepRuns sweep = load_sweep(options.sweep);
+  const StudyFolder folder = StudyFolder::open(sweep.study, options.sweep.dir(sweep.study));
   const StudyCounts counts = count_runs(folder, sweep.runs);
   console.say(counts_text(counts));
   const RunMessages warnings = warnings_of_runs(folder, sweep.plan, sweep.runs);
@@ -184,22 +182,17 @@ void status_command(const SweepOptions& options, const Console& console) {
   warn_of_other_plan(sweep, folder, console);
 }
 
-void collect_command(const SweepOptions& options, const Console& console) {
-  const SweepRuns sweep = load_sweep(options);
-  keep_results_of_uq(options, options.dir(sweep.study));
-  const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
+void collect_command(const StudyOptions& options, const Console& console) {
+  const SweepRuns sweep = load_sweep(options.sweep);
+  const std::string dir = options.sweep.dir(sweep.study);
+  keep_results_of_uq(options.sweep, dir);
+  const StudyFolder folder = StudyFolder::open(sweep.study, dir);
   collect_and_show(sweep, folder, console);
   print(failures_of(sweep, folder), console);
   warn_of_other_plan(sweep, folder, console);
 }
 
 // --- run ---
-
-struct RunOptionsOfSweep {
-  SweepOptions sweep;
-  int jobs = 1;
-  std::string shard;
-};
 
 /// A part of the runs: those whose place among the different runs is i modulo n.
 struct Shard {
@@ -238,7 +231,7 @@ StudyFolder folder_to_run(const SweepOptions& options, const Study& study) {
 /// Simulates what is missing. Returns whether all is done that could be.
 class StudyRun {
  public:
-  StudyRun(RunOptionsOfSweep options, const Console& console)
+  StudyRun(StudyOptions options, const Console& console)
       : options_(std::move(options)),
         console_(console),
         shard_(parse_shard(options_.shard)),
@@ -254,11 +247,11 @@ class StudyRun {
     note_wrong_scenarios();
     for (const std::size_t i : runs) folder_.forget_failure(sweep_.runs[i].id);
     Progress progress(console_, "sweep", "runs");
-    SweepWorkers workers(options_.sweep, folder_.path(), WorkerTask::simulate, options_.jobs);
-    const bool all = workers.work(sweep_, runs, [&](const WorkerAnswer& answer) {
-      note(answer);
-      progress.update(++answered_, static_cast<std::int64_t>(runs.size()));
-    });
+    const bool all =
+        work_on(sweep_, runs, options_.sweep, folder_.path(), options_.jobs, [&](const WorkerAnswer& answer) {
+          note(answer);
+          progress.update(++answered_, static_cast<std::int64_t>(runs.size()));
+        });
     progress.finish();
     for (const std::string& line : continued_) console_.say(line);
     folder_.sync();
@@ -283,12 +276,12 @@ class StudyRun {
 
   void note(const WorkerAnswer& answer) {
     const int number = sweep_.plan.runs[answer.run].number;
-    if (answer.outcome == WorkerAnswer::Outcome::failed) {
+    if (answer.has_failed()) {
       folder_.note_failure(sweep_.runs[answer.run].id, answer.text);
       // Each row that is this run, as runs.csv counts them.
       for (const std::size_t row : rows_of_run(sweep_.runs, answer.run)) {
         failures_.add(sweep_.plan.runs[row].number, {answer.text});
-        wrong_ += answer.wrong_input ? 1 : 0;
+        wrong_ += answer.outcome == WorkerAnswer::Outcome::wrong_input ? 1 : 0;
       }
     }
     if (answer.outcome == WorkerAnswer::Outcome::busy) ++busy_;
@@ -314,7 +307,7 @@ class StudyRun {
     return fmt::format("for {} of them {}; {}", wrong_, correct, repeat);
   }
 
-  RunOptionsOfSweep options_;
+  StudyOptions options_;
   const Console& console_;
   Shard shard_;
   SweepRuns sweep_;
@@ -326,6 +319,10 @@ class StudyRun {
   int wrong_ = 0;  ///< of the failures: those by wrong input
 };
 
+void run_command(const StudyOptions& options, const Console& console) {
+  StudyRun(options, console).run();
+}
+
 }  // namespace
 
 SweepRuns simulate_study(const SweepOptions& options, int jobs, const Console& console) {
@@ -334,46 +331,25 @@ SweepRuns simulate_study(const SweepOptions& options, int jobs, const Console& c
   return study.runs();
 }
 
-void add_sweep_plan(CLI::App& sweep, Console& console) {
-  auto* command = sweep.add_subcommand("plan", "Validate every run and estimate time, memory and disk; write nothing");
-  auto options = std::make_shared<PlanOptions>();
-  options->sweep.add_to(*command);
-  add_jobs(*command, options->jobs);
-  command->callback([options, &console] { plan_command(*options, console); });
-}
-
-void add_sweep_run(CLI::App& sweep, Console& console) {
-  auto* command = sweep.add_subcommand("run", "Simulate the runs that are not done yet, then collect them");
-  auto options = std::make_shared<RunOptionsOfSweep>();
-  options->sweep.add_to(*command);
-  add_jobs(*command, options->jobs);
-  command->add_option("--shard", options->shard, "Simulate part i of n only, and collect nothing")->type_name("i/n");
-  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  command->callback([options, &console] { StudyRun(*options, console).run(); });
-}
-
-void add_sweep_status(CLI::App& sweep, Console& console) {
-  auto* command = sweep.add_subcommand("status", "Count finished, failed and missing runs");
-  auto options = std::make_shared<SweepOptions>();
-  options->add_to(*command);
-  command->callback([options, &console] { status_command(*options, console); });
-}
-
-void add_sweep_collect(CLI::App& sweep, Console& console) {
-  auto* command =
-      sweep.add_subcommand("collect", "Write the table of runs, plots of main effects and a page to look at them");
-  auto options = std::make_shared<SweepOptions>();
-  options->add_to(*command);
-  command->callback([options, &console] { collect_command(*options, console); });
-}
-
 void add_sweep_command(CLI::App& app, Console& console) {
   auto* sweep = app.add_subcommand("sweep", "Simulate a study: many runs of one scenario from one file");
   sweep->require_subcommand(1);
-  add_sweep_plan(*sweep, console);
-  add_sweep_run(*sweep, console);
-  add_sweep_status(*sweep, console);
-  add_sweep_collect(*sweep, console);
+  const auto add = [&](const char* name, const char* description, void (*call)(const StudyOptions&, const Console&)) {
+    auto options = std::make_shared<StudyOptions>();
+    auto* command = sweep->add_subcommand(name, description);
+    options->sweep.add_to(*command);
+    command->callback([options, call, &console] { call(*options, console); });
+    return std::pair(command, options);
+  };
+  const auto [plan, plan_options] =
+      add("plan", "Validate every run and estimate time, memory and disk; write nothing", plan_command);
+  add_jobs(*plan, plan_options->jobs);
+  const auto [run, run_options] = add("run", "Simulate the runs that are not done yet, then collect them", run_command);
+  add_jobs(*run, run_options->jobs);
+  run->add_option("--shard", run_options->shard, "Simulate part i of n only, and collect nothing")->type_name("i/n");
+  run->add_flag("--quiet", console.quiet, "Print only warnings and errors");
+  add("status", "Count finished, failed and missing runs", status_command);
+  add("collect", "Write the table of runs, plots of main effects and a page to look at them", collect_command);
   add_sweep_submit(*sweep, console);
   add_sweep_worker(*sweep);
 }

@@ -44,11 +44,7 @@ SweepRuns simulate_study(const SweepOptions& options, int jobs, const Console& c
 /// The option --jobs.
 void add_jobs(CLI::App& command, int& jobs);
 
-/// Each adds one command below `reamsim sweep`.
-void add_sweep_plan(CLI::App& sweep, Console& console);
-void add_sweep_run(CLI::App& sweep, Console& console);
-void add_sweep_status(CLI::App& sweep, Console& console);
-void add_sweep_collect(CLI::App& sweep, Console& console);
+/// Each adds one command below `reamsim sweep`; the others are in sweep.cpp.
 void add_sweep_submit(CLI::App& sweep, Console& console);
 void add_sweep_worker(CLI::App& sweep);
 

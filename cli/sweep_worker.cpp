@@ -6,33 +6,83 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "cli/console.h"
 #include "cli/environment.h"
-#include "cli/run_console.h"
+#include "cli/outputs.h"
 #include "cli/sweep.h"
-#include "cli/sweep_estimate.h"
 #include "cli/sweep_workers.h"
 #include "sim/base/error.h"
+#include "sim/base/stopwatch.h"
 #include "sim/base/text.h"
 #include "sim/record/output_folder.h"
+#include "sim/run/cost_estimate.h"
+#include "sim/run/simulation.h"
+#include "sim/scenario/passes.h"
+#include "sim/scene/clearance.h"
+#include "sim/scene/contact_forecast.h"
 #include "sim/study/study_folder.h"
 
 namespace reamsim {
 
 namespace {
 
-/// The arguments of a worker, which SweepWorkers gives it.
+/// The arguments of a worker, which work_on() gives it. Without the study's folder it only checks.
 struct WorkerOptions {
   SweepOptions sweep;
   std::string part;  ///< "i/n": its part of the processors
-  bool check = false;
+};
+
+constexpr double kEstimateTiming_s = 0.1;
+
+/// Validates runs as `reamsim check` does, and estimates their cost. Of runs with the same bone, tool and force basis,
+/// only the first is timed.
+class RunEstimator {
+ public:
+  /// `resources` must have a cache of bones. Throws InputError with every mistake of the scenario.
+  RunEstimate estimate(const Scenario& scenario, RunResources& resources) {
+    const Stopwatch watch;
+    Diagnostics report;
+    MistakeList mistakes;
+    SimulationInput scene = load_scene(scenario, report, mistakes, resources.bones);
+    mistakes.throw_if_any();
+    RunEstimate out{.load_s = watch.seconds(), .frames = scene.last_frame(), .warnings = {}};
+    const std::vector<ContactForecast> contacts = forecast_passes(scene);
+    warn_of_contact(scene, contacts, report);
+    if (const auto clearance = find_clearance(scene)) warn_of_clearance(*clearance, scene, report);
+    out.warnings = report.warnings;
+    do {
+      out.memory_bytes = std::max(out.memory_bytes, plan_memory(scene).process_bytes);
+      out.simulate_s += simulate_s(scene, resources);
+    } while (begin_next_pass(scene));
+    return out;
+  }
+
+ private:
+  double simulate_s(SimulationInput& scene, RunResources& resources) {
+    const auto frames = static_cast<double>(scene.motion.last_frame() - scene.motion.first_frame + 1);
+    const std::vector<PassSpec> passes = passes_of(scene.scenario);
+    const std::tuple key{resources.bones->loaded(), passes[static_cast<std::size_t>(scene.motion.pass) - 1].tool.mesh,
+                         scene.scenario.output.force_basis};
+    const auto known = s_per_frame_.find(key);
+    if (known != s_per_frame_.end()) return known->second * frames;
+    const auto engine = load_engine(scene, resources.devices);  // also finds what does not fit the device
+    const double seconds = plan_time(scene, *engine, kEstimateTiming_s).simulate_s;
+    s_per_frame_[key] = seconds / std::max(1.0, frames);
+    return seconds;
+  }
+
+  /// By bone (BoneCache::loaded), tool, and whether a force basis is written, which takes longer than the frames.
+  std::map<std::tuple<int, std::string, bool>, double> s_per_frame_;
 };
 
 /// Leaves this process its part of the processors it may use.
@@ -54,14 +104,12 @@ void take_processors(const std::string& part) {
 }
 
 /// Works on runs that it reads from standard input, line by line ("INDEX ID"), and answers each with a line on standard
-/// output: a letter for the outcome (SweepWorkers), a space, and a text.
+/// output (WorkerAnswer).
 class RunWorker {
  public:
   explicit RunWorker(const WorkerOptions& options)
-      : study_(read_study(options.sweep.file)),
-        plan_(make_plan(study_, options.sweep.overrides)),
-        checks_(options.check) {
-    if (!checks_) folder_ = StudyFolder::open(study_, options.sweep.output);
+      : study_(read_study(options.sweep.file)), plan_(make_plan(study_, options.sweep.overrides)) {
+    if (!options.sweep.output.empty()) folder_ = StudyFolder::open(study_, options.sweep.output);
     console_.quiet = true;
     resources_.bones = &bones_;
   }
@@ -70,24 +118,26 @@ class RunWorker {
     std::size_t run = 0;
     std::string id;
     while (!stop_requested() && std::cin >> run >> id) {
-      const auto [letter, text] = outcome_of(run, id);
-      std::printf("%c %s\n", letter, printable(text).c_str());
+      const auto [outcome, text] = outcome_of(run, id);
+      std::printf("%c %s\n", static_cast<char>(outcome), printable(text).c_str());
       std::fflush(stdout);
     }
   }
 
  private:
-  std::pair<char, std::string> outcome_of(std::size_t run, const std::string& id) {
+  using Outcome = WorkerAnswer::Outcome;
+
+  std::pair<Outcome, std::string> outcome_of(std::size_t run, const std::string& id) {
     try {
-      return {'d', done(run, id)};
+      return {Outcome::done, done(run, id)};
     } catch (const FolderInUse& error) {
-      return {'b', message_of(error)};
+      return {Outcome::busy, message_of(error)};
     } catch (const Interrupted& error) {
-      return {'i', message_of(error)};
+      return {Outcome::interrupted, message_of(error)};
     } catch (const InputError& error) {
-      return {kWrongInput, message_of(error)};
+      return {Outcome::wrong_input, message_of(error)};
     } catch (const std::exception& error) {
-      return {'f', message_of(error)};
+      return {Outcome::failed, message_of(error)};
     }
   }
 
@@ -99,21 +149,23 @@ class RunWorker {
       throw RunError("the study or one of its files has changed while it was running; run it again");
     }
     if (!kernels_) kernels_ = prepare_opencl(request.scenario.engine.device, console_);
-    if (checks_) return estimator_.estimate(request.scenario, resources_).text();
+    if (!folder_) {
+      const nlohmann::json estimate = estimator_.estimate(request.scenario, resources_);
+      return estimate.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    }
     request.dir = folder_->run_dir(id);
     request.overwrite = true;
     request.resume = true;
     request.keep = study_.keep;
     request.durable = false;
     RunConsole monitor(console_);
-    RunPictures pictures(console_);
+    Outputs pictures(console_);
     const auto continued_after = run_scenario(request, resources_, monitor, &pictures);
     return continued_after ? "continued after frame " + std::to_string(*continued_after) : "";
   }
 
   Study study_;
   StudyPlan plan_;
-  bool checks_;
   std::optional<StudyFolder> folder_;  ///< not where it only checks
   Console console_;
   Checksums checksums_;
@@ -133,11 +185,10 @@ void worker_command(const WorkerOptions& options) {
 }  // namespace
 
 void add_sweep_worker(CLI::App& sweep) {
-  auto* command = sweep.add_subcommand("worker", "")->group("");  // not listed: only SweepWorkers starts it
+  auto* command = sweep.add_subcommand("worker", "")->group("");  // not listed: only work_on() starts it
   auto options = std::make_shared<WorkerOptions>();
   options->sweep.add_to(*command);
   command->add_option("--part", options->part);
-  command->add_flag("--check", options->check);
   command->callback([options] { worker_command(*options); });
 }
 

@@ -3,14 +3,12 @@
 
 #include "cli/sweep_workers.h"
 
-#include <fcntl.h>
 #include <poll.h>
-#include <sched.h>
 #include <signal.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
@@ -29,29 +27,6 @@ constexpr int kPoll_ms = 100;
 /// How often in a row a worker may end before it has finished a run.
 constexpr int kMostDeaths = 20;
 
-/// A pipe between two processes; programs that this one starts do not inherit its ends.
-struct Pipe {
-  int read = -1, write = -1;
-
-  Pipe() {
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw RunError(std::string("no pipe to a worker: ") + std::strerror(errno));
-    read = ends[0];
-    write = ends[1];
-  }
-  ~Pipe() {
-    close_end(read);
-    close_end(write);
-  }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
-
-  static void close_end(int& end) {
-    if (end >= 0) close(end);
-    end = -1;
-  }
-};
-
 /// How a process ended, in words.
 std::string cause_of(int status) {
   if (WIFSIGNALED(status)) {
@@ -67,14 +42,22 @@ std::string cause_of(int status) {
 class Worker {
  public:
   explicit Worker(const std::vector<std::string>& command) {
-    const int error = spawn({.arguments = command, .in = to_.read, .out = from_.write, .own_group = true}, pid_);
-    if (error != 0) throw RunError(std::string("no worker can be started: ") + std::strerror(error));
-    Pipe::close_end(to_.read);
-    Pipe::close_end(from_.write);
+    int ends[2];  // programs that this one starts do not inherit them
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+      throw RunError(std::string("no connection to a worker: ") + std::strerror(errno));
+    }
+    socket_ = ends[0];
+    const int error = spawn({.arguments = command, .in = ends[1], .out = ends[1], .own_group = true}, pid_);
+    close(ends[1]);
+    if (error != 0) {
+      close(socket_);
+      throw RunError(std::string("no worker can be started: ") + std::strerror(error));
+    }
   }
   ~Worker() {
-    Pipe::close_end(to_.write);  // ends it
+    shutdown(socket_, SHUT_WR);  // ends it
     if (pid_ > 0) wait_for(pid_);
+    close(socket_);
   }
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
@@ -83,16 +66,16 @@ class Worker {
   void begin(std::size_t run, const std::string& id) {
     run_ = run;
     const std::string line = std::to_string(run) + " " + id + "\n";
-    // Where it has ended, end of file on the other pipe says so.
-    if (write(to_.write, line.data(), line.size()) < 0) return;
+    // Where it has ended, end of file says so.
+    if (write(socket_, line.data(), line.size()) < 0) return;
   }
   [[nodiscard]] const std::optional<std::size_t>& run() const { return run_; }
-  [[nodiscard]] int answers() const { return from_.read; }
+  [[nodiscard]] int answers() const { return socket_; }
 
   /// Reads what has come. Returns false at the end of file.
   bool read_more() {
     char buffer[4096];
-    const ssize_t got = read(from_.read, buffer, sizeof buffer);
+    const ssize_t got = read(socket_, buffer, sizeof buffer);
     if (got > 0) text_.append(buffer, static_cast<std::size_t>(got));
     return got > 0;
   }
@@ -100,11 +83,8 @@ class Worker {
   std::optional<WorkerAnswer> take_answer() {
     const std::size_t end = text_.find('\n');
     if (end == std::string::npos || !run_) return std::nullopt;
-    WorkerAnswer answer{.run = *run_, .outcome = WorkerAnswer::Outcome::failed, .text = text_.substr(2, end - 2)};
-    const std::string_view kinds = "dfbi";  // in the order of Outcome
-    const std::size_t kind = kinds.find(text_[0]);
-    if (kind != std::string_view::npos) answer.outcome = static_cast<WorkerAnswer::Outcome>(kind);
-    answer.wrong_input = text_[0] == kWrongInput;
+    WorkerAnswer answer{
+        .run = *run_, .outcome = static_cast<WorkerAnswer::Outcome>(text_[0]), .text = text_.substr(2, end - 2)};
     text_.erase(0, end + 1);
     run_.reset();
     return answer;
@@ -118,7 +98,7 @@ class Worker {
   }
 
  private:
-  Pipe to_, from_;
+  int socket_ = -1;
   pid_t pid_ = -1;
   std::optional<std::size_t> run_;
   std::string text_;
@@ -245,21 +225,17 @@ void divide_processors(int jobs) {
 
 }  // namespace
 
-SweepWorkers::SweepWorkers(const SweepOptions& options, std::string dir, WorkerTask task, int jobs)
-    : options_(options), dir_(std::move(dir)), task_(task), jobs_(jobs) {}
-
-bool SweepWorkers::work(const SweepRuns& sweep, const std::vector<std::size_t>& runs,
-                        const std::function<void(const WorkerAnswer&)>& answered) {
+bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
+             const std::string& dir, int jobs, const std::function<void(const WorkerAnswer&)>& answered) {
   if (runs.empty()) return true;
-  const int jobs = std::min(jobs_, static_cast<int>(runs.size()));
+  jobs = std::min(jobs, static_cast<int>(runs.size()));
   if (jobs > 1) divide_processors(jobs);
   std::vector<std::vector<std::string>> commands;
   for (int i = 0; i < jobs; ++i) {
-    std::vector<std::string> command{"/proc/self/exe", "sweep", "worker", options_.file};
-    if (!dir_.empty()) command.insert(command.end(), {"-o", dir_});
-    for (const std::string& text : options_.overrides) command.insert(command.end(), {"--set", text});
+    std::vector<std::string> command{"/proc/self/exe", "sweep", "worker", options.file};
+    if (!dir.empty()) command.insert(command.end(), {"-o", dir});
+    for (const std::string& text : options.overrides) command.insert(command.end(), {"--set", text});
     command.insert(command.end(), {"--part", std::to_string(i) + "/" + std::to_string(jobs)});
-    if (task_ == WorkerTask::check) command.emplace_back("--check");
     commands.push_back(std::move(command));
   }
   return Work(std::move(commands), sweep, runs, answered).run();

@@ -10,7 +10,6 @@
 #include "cli/commands.h"
 #include "cli/lab.h"
 #include "cli/sweep.h"
-#include "sim/base/error.h"
 #include "sim/record/citation.h"
 #include "sim/scenario/show.h"
 #include "sim/study/collect.h"
@@ -132,9 +131,7 @@ void add_uq_command(CLI::App& app, Console& console) {
       *command->add_option("STUDY", options->file, "Study file (YAML) with a sample, or the name of a shipped one")
            ->required(),
       ShippedKind::study);
-  command->add_option("-o,--output", options->output, "Folder of the study (default: out/NAME)")
-      ->type_name("DIR")
-      ->check(refuse_empty);
+  add_output(*command, options->output, "Folder of the study (default: out/NAME)");
   add_jobs(*command, options->jobs);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { uq_command(*options, console); });

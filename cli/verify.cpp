@@ -91,11 +91,8 @@ void add_verify_command(CLI::App& app, Console& console) {
       app.add_subcommand("verify", "Verify this build against analytical solutions and write a citable report");
   auto options = std::make_shared<VerifyOptions>();
   command->add_flag("--quick", options->quick, "Short suite: coarser voxels, fewer runs");
-  command
-      ->add_option("-o,--output", options->output,
-                   "Output folder for verification.md, .json, .png and .svg (default: out/verify)")
-      ->type_name("DIR")
-      ->check(refuse_empty);
+  add_output(*command, options->output,
+             "Output folder for verification.md, .json, .png and .svg (default: out/verify)");
   command->add_flag("--overwrite", options->overwrite, "Replace an existing report once the new one is complete");
   command->add_option("--device", options->device, "auto, serial, or part of the name of an OpenCL device")
       ->type_name("NAME");

@@ -4,16 +4,126 @@
 // The module reamsim._simulation: what python/src/reamsim/simulation.py needs of reamsim/simulation.h.
 #include <pthread.h>
 #include <pybind11/functional.h>
+#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
+#include <reamsim/simulation.h>
 
+#include <array>
 #include <atomic>
+#include <memory>
 #include <optional>
-
-#include "python/native/results.h"
+#include <string>
+#include <tuple>
+#include <vector>
 
 namespace reamsim::python {
 
 namespace {
+
+namespace py = pybind11;
+
+/// Columns of a pose, without and with the spin angle.
+constexpr py::ssize_t kColumns = 8, kColumnsWithAngle = 9;
+
+/// Position, quaternion, spindle speed and spin angle.
+auto values_of(const Pose& pose) {
+  const std::tuple rest{pose.spin_rpm, pose.spin_angle_rad.value_or(0)};
+  return std::tuple_cat(pose.position_mm, pose.quaternion, rest);
+}
+
+/// A row of forces.csv (docs/columns.md): whole numbers where the column has them.
+auto values_of(const StepResult& s) {
+  constexpr int kOnlyPass = 1;
+  const std::tuple start{s.frame, s.time_s};
+  const std::tuple rest{s.axial_force_n, s.spin_torque_nmm, s.contacts, s.removed_mm3,
+                        s.energy_mj,     s.floor_energy_mj, s.balance,  kOnlyPass};
+  return std::tuple_cat(start, values_of(s.pose), std::tuple{s.depth_mm}, s.force_n, s.torque_nmm, rest);
+}
+
+/// The values of each item, a row.
+template <class Item>
+py::array_t<double> array_of(const std::vector<Item>& items) {
+  constexpr std::size_t kCount = std::tuple_size_v<decltype(values_of(items[0]))>;
+  py::array_t<double> out({items.size(), kCount});
+  double* at = out.mutable_data();
+  for (const Item& item : items) {
+    std::apply([&](auto... values) { ((*at++ = static_cast<double>(values)), ...); }, values_of(item));
+  }
+  return out;
+}
+
+/// The values as a read-only array of shape `dims`, without a copy; the centre of the first voxel, mm; the edge of a
+/// voxel, mm.
+py::tuple grid_of(Volume volume) {
+  auto owned = std::make_unique<std::vector<float>>(std::move(volume.values));
+  const float* data = owned->data();
+  const py::capsule owner(owned.get(), [](void* values) { delete static_cast<std::vector<float>*>(values); });
+  owned.release();  // NOLINT: the capsule owns it
+  const auto [nx, ny, nz] = volume.dims;
+  constexpr py::ssize_t kBytes = sizeof(float);
+  const py::array_t<float> values({nx, ny, nz}, {kBytes, kBytes * nx, kBytes * nx * ny}, data, owner);
+  values.attr("flags").attr("writeable") = false;
+  std::array<double, 3> center = volume.origin_mm;
+  for (double& x : center) x += 0.5 * volume.voxel_mm;
+  return py::make_tuple(values, py::make_tuple(center[0], center[1], center[2]), volume.voxel_mm);
+}
+
+std::string shown(const py::handle& value) {
+  return py::repr(value).cast<std::string>();
+}
+
+[[noreturn]] void fail(const char* name, const py::handle& found, const std::string& expected) {
+  PyErr_Clear();
+  throw BadInput(std::string(name) + ": found " + shown(found) + "; expected " + expected);
+}
+
+/// Numbers of a sequence or an array. Throws BadInput with `name` for another length and for what is no number.
+template <std::size_t N>
+std::array<double, N> numbers_of(const py::handle& values, const char* name) {
+  const std::string expected = std::to_string(N) + " numbers";
+  const auto sequence = py::reinterpret_steal<py::object>(PySequence_Fast(values.ptr(), ""));
+  if (!sequence || PySequence_Fast_GET_SIZE(sequence.ptr()) != py::ssize_t{N}) fail(name, values, expected);
+  std::array<double, N> out{};
+  for (std::size_t i = 0; i < N; ++i) {
+    out[i] = PyFloat_AsDouble(PySequence_Fast_GET_ITEM(sequence.ptr(), static_cast<py::ssize_t>(i)));
+    if (out[i] == -1 && PyErr_Occurred() != nullptr) fail(name, values, expected);
+  }
+  return out;
+}
+
+double number_of(const py::handle& value, const char* name) {
+  const double out = PyFloat_AsDouble(value.ptr());
+  if (out == -1 && PyErr_Occurred() != nullptr) fail(name, value, "a number");
+  return out;
+}
+
+std::optional<double> optional_number_of(const py::handle& value, const char* name) {
+  return value.is_none() ? std::nullopt : std::optional(number_of(value, name));
+}
+
+Pose pose_of(const py::handle& position_mm, const py::handle& quaternion, const py::handle& spin_rpm,
+             const py::handle& spin_angle_rad) {
+  return {.position_mm = numbers_of<3>(position_mm, "position_mm"),
+          .quaternion = numbers_of<4>(quaternion, "quaternion"),
+          .spin_rpm = number_of(spin_rpm, "spin_rpm"),
+          .spin_angle_rad = optional_number_of(spin_angle_rad, "spin_angle_rad")};
+}
+
+/// The rows of an array. Throws BadInput for another shape.
+std::vector<Pose> poses_of(const py::array_t<double, py::array::c_style>& rows) {
+  if (rows.ndim() != 2 || (rows.shape(1) != kColumns && rows.shape(1) != kColumnsWithAngle)) {
+    throw BadInput("poses: found an array of shape " + shown(rows.attr("shape")) +
+                   "; expected (n, 8): position, quaternion, spindle speed; or (n, 9), with the spin angle");
+  }
+  std::vector<Pose> out(static_cast<std::size_t>(rows.shape(0)));
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+    const double* v = rows.data(i, 0);
+    Pose& pose = out[static_cast<std::size_t>(i)];
+    pose = {.position_mm = {v[0], v[1], v[2]}, .quaternion = {v[3], v[4], v[5], v[6]}, .spin_rpm = v[7]};
+    if (rows.shape(1) == kColumnsWithAngle) pose.spin_angle_rad = v[8];
+  }
+  return out;
+}
 
 // Global: a fork concerns the whole process. The threads of OpenCL and TBB do not exist in it, and a wait for them
 // never ends.
@@ -142,17 +252,17 @@ class Guarded {
 
 /// Simulation::step and peek.
 template <auto kMember>
-py::tuple move(Guarded& guarded, const py::object& position, const py::object& quaternion, const py::object& spin,
-               const py::object& angle, const py::object& dt) {
+py::object move(Guarded& guarded, const py::object& position, const py::object& quaternion, const py::object& spin,
+                const py::object& angle, const py::object& dt) {
   const Pose pose = pose_of(position, quaternion, spin, angle);
   const std::optional<double> dt_s = optional_number_of(dt, "dt_s");
-  return tuple_of(guarded.step([&](Simulation& s) { return (s.*kMember)(pose, dt_s); }));
+  return py::cast(values_of(guarded.step([&](Simulation& s) { return (s.*kMember)(pose, dt_s); })));
 }
 
-py::tuple start(Guarded& guarded, const py::object& position, const py::object& quaternion, const py::object& spin,
-                const py::object& angle) {
+py::object start(Guarded& guarded, const py::object& position, const py::object& quaternion, const py::object& spin,
+                 const py::object& angle) {
   const Pose pose = pose_of(position, quaternion, spin, angle);
-  return tuple_of(guarded.step([&](Simulation& s) { return s.start(pose); }));
+  return py::cast(values_of(guarded.step([&](Simulation& s) { return s.start(pose); })));
 }
 
 /// A signal of the user, such as Ctrl-C, ends the steps and is raised.

@@ -15,8 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "sim/base/text.h"
-
 namespace reamsim {
 namespace embedded {
 extern const char* const scene_script;

@@ -108,12 +108,10 @@ std::string caption_of(const std::string& name, const std::string& first) {
   if (name == "depth_map") return "Depth of the removed bone, seen along the axis of the glenoid";
   if (name == "segmentation") return "The CT with the outline of the segmented bone, in three planes";
   const std::string camera = name == "reamed" ? first : name.substr(std::string("reamed_").size());
-  const auto view = from_name<CameraView>(camera);
-  if (view == CameraView::oblique) return "The reamed bone, oblique";
-  if (view == CameraView::glenoid) return "The reamed bone, en face";
-  if (view == CameraView::section) return "The reamed bone, section along the tool axis";
-  if (view == CameraView::overview) return "The whole bone";
-  return "The reamed bone: " + camera;
+  if (camera == "overview") return "The whole bone";
+  if (camera == "oblique") return "The reamed bone, oblique";
+  if (camera == "glenoid") return "The reamed bone, en face";
+  return "The reamed bone" + (camera == "section" ? ", section along the tool axis" : ": " + camera);
 }
 
 /// The final pictures of a folder: reamed.png, the other reamed_*.png by name, depth_map.png, segmentation.png.
@@ -167,10 +165,10 @@ std::vector<std::string> figures_html(const std::string& dir, const std::string&
   std::vector<std::string> out;
   for (const PagePicture& picture : page_pictures(final_pictures(dir), kPicture_px, kMaxPictureBytes)) {
     const std::string caption = escape_html(caption_of(picture.name, first_camera));
-    out.push_back(std::string(out.empty() ? "<figure id=\"bone-still\">" : "<figure>") + "<img alt=\"" + caption +
-                  "\" width=\"" + std::to_string(picture.width_px) + "\" height=\"" +
-                  std::to_string(picture.height_px) + "\" src=\"data:image/jpeg;base64," + picture.jpeg_base64 +
-                  "\"><figcaption>" + caption + "</figcaption></figure>\n");
+    out.push_back(fmt::format(
+        "<figure{0}><img alt=\"{1}\" width=\"{2}\" height=\"{3}\" src=\"data:image/jpeg;base64,{4}\"><figcaption>{1}"
+        "</figcaption></figure>\n",
+        out.empty() ? " id=\"bone-still\"" : "", caption, picture.width_px, picture.height_px, picture.jpeg_base64));
   }
   return out;
 }
@@ -192,7 +190,7 @@ Json frames_json(const RunData& run, const std::vector<std::string>& cameras) {
     for (const std::int64_t frame : frames) {
       paths.push_back(frame_path(dir, frame, camera == cameras.front() ? "" : "_" + camera));
     }
-    if (!std::all_of(paths.begin(), paths.end(), [](const std::string& path) { return fs::exists(path); })) continue;
+    if (!std::ranges::all_of(paths, [](const std::string& path) { return fs::exists(path); })) continue;
     const auto pictures = page_pictures(paths, kFrame_px, kMaxFrameBytes / cameras.size());
     Json view{{"name", camera}, {"width_px", pictures.front().width_px}, {"height_px", pictures.front().height_px}};
     for (const PagePicture& picture : pictures) view["jpegs"].push_back(picture.jpeg_base64);

@@ -6,7 +6,6 @@
 #include <fmt/core.h>
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -28,7 +27,6 @@
 #include "sim/tool/tool.h"
 
 namespace reamsim {
-
 namespace {
 
 /// The bone of a preview.
@@ -43,14 +41,13 @@ struct PreviewBone {
   std::vector<Mistake> mistakes;  ///< those that stop a run
 };
 
-/// The data of the page's script, with a volume of at most `most_voxels` voxels, and the warnings of `report`, which
-/// gets those of tool and motion.
-nlohmann::ordered_json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::int64_t most_voxels,
-                                    Diagnostics& report);
-
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxPoses = 240;
+constexpr std::size_t kMaxBytes = 14'500'000;
+/// A CT cropped to a shoulder. The page opens within three seconds on two cores (docs/preview.md).
+constexpr std::int64_t kMaxVoxels = 8'000'000;
+constexpr const char* kMark = "<meta name=\"generator\" content=\"reamsim preview";
 
 Json optional_json(const std::optional<Vec3>& v) {
   return v ? vector_json(*v) : Json();
@@ -144,9 +141,7 @@ Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistak
   Json json;
   attempt(mistakes, [&] {
     const Tool tool = load_tool(settings, voxel_mm, ShellUse::none, report);
-    Json profile = Json::array();
-    for (const Vec2& p : tool.profile.points) profile.push_back({short_number(p.x()), short_number(p.y())});
-    json = {{"profile", profile}};
+    for (const Vec2& p : tool.profile.points) json["profile"].push_back({short_number(p.x()), short_number(p.y())});
   });
   return json;
 }
@@ -157,14 +152,12 @@ Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistak
 Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes, Diagnostics& report) {
   Json json{
       {"frame", name_of(settings.frame)}, {"time_s", Json::array()}, {"poses", Json::array()}, {"contact", Json()}};
-  const auto& plunge = settings.plunge;
-  if (plunge && plunge->from == PlungeStart::contact) {
-    json["contact"] = {{"along", vector_json(plunge->axis.normalized())}, {"approach_mm", plunge->approach_mm}};
-  }
-  const auto& push = settings.push;
-  if (push && push->from == PlungeStart::contact) {
-    json["contact"] = {{"along", vector_json(push->axis.normalized())}, {"approach_mm", push->approach_mm}};
-  }
+  const auto count_from_contact = [&](const auto& feed) {
+    if (!feed || feed->from != PlungeStart::contact) return;
+    json["contact"] = {{"along", vector_json(feed->axis.normalized())}, {"approach_mm", feed->approach_mm}};
+  };
+  count_from_contact(settings.plunge);
+  count_from_contact(settings.push);
   attempt(mistakes, [&] {
     const Motion motion = build_motion(settings, GlenoidFrame{}, report);
     for (const std::size_t k : evenly_spaced(motion.poses.size(), kMaxPoses)) {
@@ -218,6 +211,8 @@ PreviewBone load_preview_bone(const Scenario& scenario, Diagnostics& report) {
   return out;
 }
 
+/// The data of the page's script, with a volume of at most `most_voxels` voxels, and the warnings of `report`, which
+/// gets those of tool and motion.
 Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::int64_t most_voxels,
                   Diagnostics& report) {
   const Scenario& scenario = request.scenario;
@@ -237,25 +232,15 @@ Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::i
   json["volume"] =
       volume_json(bone.bone ? preview_of_voxmap(*bone.bone, most_voxels) : preview_of_scan(bone.scan, most_voxels));
   json["problems"] = Json::array();
-  for (const Mistake& mistake : mistakes) {
+  for (Mistake& mistake : mistakes) {
     // The file's name suffices, and says nothing about the machine.
-    Mistake shown = mistake;
-    shown.where = {std::filesystem::path(mistake.where.file).filename().string(), 0, 0};
-    json["problems"].push_back(recorded_text(shown.line()));
+    mistake.where = {std::filesystem::path(mistake.where.file).filename().string(), 0, 0};
+    json["problems"].push_back(recorded_text(mistake.line()));
   }
   json["warnings"] = Json::array();
   for (const std::string& warning : report.warnings) json["warnings"].push_back(recorded_text(warning));
   return json;
 }
-
-}  // namespace
-
-namespace {
-
-constexpr std::size_t kMaxBytes = 14'500'000;
-/// A CT cropped to a shoulder. The page opens within three seconds on two cores (docs/preview.md).
-constexpr std::int64_t kMaxVoxels = 8'000'000;
-constexpr const char* kMark = "<meta name=\"generator\" content=\"reamsim preview";
 
 }  // namespace
 

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
+#include <span>
 #include <vector>
 
 #include "render/plots/plots.h"
@@ -102,23 +104,20 @@ std::string page_html(const RunData& run, const PictureOptions& options) {
 std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows) {
   const std::size_t bucket = 1 + (rows.size() - 1) / kMaxBuckets;
   std::vector<std::size_t> out;
-  const auto force = [](const ForceRow& a, const ForceRow& b) { return a.axial_force_n < b.axial_force_n; };
-  const auto torque = [](const ForceRow& a, const ForceRow& b) { return a.spin_torque_nmm < b.spin_torque_nmm; };
-  const auto feed = [](const ForceRow& a, const ForceRow& b) {
-    return a.push && b.push && a.push->feed_mm_s < b.push->feed_mm_s;
-  };
+  const auto force = [](const ForceRow& row) { return row.axial_force_n; };
+  const auto torque = [](const ForceRow& row) { return row.spin_torque_nmm; };
+  const auto feed = [](const ForceRow& row) { return row.push.value_or(PushResult{}).feed_mm_s; };
   for (std::size_t from = 0; from < rows.size(); from += bucket) {
-    const auto begin = rows.begin() + static_cast<std::ptrdiff_t>(from);
-    const auto end = rows.begin() + static_cast<std::ptrdiff_t>(std::min(rows.size(), from + bucket));
-    const auto [least_force, most_force] = std::minmax_element(begin, end, force);
-    const auto [least_torque, most_torque] = std::minmax_element(begin, end, torque);
-    const auto [least_feed, most_feed] = std::minmax_element(begin, end, feed);
-    std::vector<std::size_t> chosen{from};
-    for (const auto& row : {least_force, most_force, least_torque, most_torque, least_feed, most_feed}) {
-      chosen.push_back(static_cast<std::size_t>(row - rows.begin()));
-    }
-    std::sort(chosen.begin(), chosen.end());
-    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+    const auto group = std::span(rows).subspan(from, std::min(bucket, rows.size() - from));
+    std::set<std::size_t> chosen{from};
+    const auto choose_extremes = [&](const auto& value) {
+      const auto [least, most] = std::ranges::minmax_element(group, {}, value);
+      chosen.insert({from + static_cast<std::size_t>(least - group.begin()),
+                     from + static_cast<std::size_t>(most - group.begin())});
+    };
+    choose_extremes(force);
+    choose_extremes(torque);
+    choose_extremes(feed);
     out.insert(out.end(), chosen.begin(), chosen.end());
   }
   if (out.back() != rows.size() - 1) out.push_back(rows.size() - 1);

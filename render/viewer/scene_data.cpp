@@ -168,13 +168,6 @@ std::vector<double> bone_in(const Columns& columns, const Voxmap& voxmap, const 
   return out;
 }
 
-/// Heights over the final surface, where the columns hold `now_mm` of bone, and in the end `last_mm`.
-std::vector<double> heights(std::vector<double> now_mm, const std::vector<double>& last_mm, const Columns& columns,
-                            double voxel_mm) {
-  for (std::size_t i = 0; i < now_mm.size(); ++i) now_mm[i] -= last_mm[i];
-  return smoothed(std::move(now_mm), columns, voxel_mm);
-}
-
 constexpr std::size_t kMaxToolTriangles = 12'000;
 
 /// The tool with shared vertices, as a surface without attributes: zeros take no room when compressed.
@@ -250,8 +243,7 @@ DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells) {
   out.cell_mm = n * voxmap.grid.voxel_mm;
   const Vec3i first = bone.first - Vec3i::Constant(n * kPadding_cells);
   out.origin_mm = voxmap.grid.origin_mm + voxmap.grid.voxel_mm * first.cast<double>();
-  std::vector<std::uint32_t> sums(cells.count());
-  std::vector<std::uint32_t> counts(sums.size());
+  std::vector<std::uint32_t> sums(cells.count()), counts(sums.size());
   voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       const std::uint8_t grade = grades[static_cast<std::size_t>(offset)];
@@ -276,18 +268,16 @@ Json bone_data(const RunData& run, const RenderSettings& settings) {
   const BoneSurface before = surface_of(voxmap, unreamed.before(), unreamed);
   const Scale depth = depth_scale(run, settings.depth_max_mm);
   const Eigen::AlignedBox3f box = bounds_of(before).merged(bounds_of(after));
-  Json json;
-  json["look"] = view_json(run.target());
-  json["box_mm"] = box_json(box.min(), box.max());
-  json["grade_per_g_cm3"] = DensityMapping::kMaxGrade / DensityMapping::kMaxDensity_g_cm3;
-  json["deepest_mm"] = short_number(after.deepest_mm);
-  json["depth_colors"] = colors_json(depth_colors(), depth);
-  json["density_colors"] = colors_json(density_colors(), scale_up_to(DensityMapping::kMaxDensity_g_cm3));
-  json["before"] = mesh_json(before, box, depth.max);
-  json["after"] = mesh_json(after, box, depth.max);
-  json["reaming"] = reaming_data(run, after);
-  json["density"] = volume_json(density_volume(voxmap, kMaxDensityCells));
-  return json;
+  return {{"look", view_json(run.target())},
+          {"box_mm", box_json(box.min(), box.max())},
+          {"grade_per_g_cm3", DensityMapping::kMaxGrade / DensityMapping::kMaxDensity_g_cm3},
+          {"deepest_mm", short_number(after.deepest_mm)},
+          {"depth_colors", colors_json(depth_colors(), depth)},
+          {"density_colors", colors_json(density_colors(), scale_up_to(DensityMapping::kMaxDensity_g_cm3))},
+          {"before", mesh_json(before, box, depth.max)},
+          {"after", mesh_json(after, box, depth.max)},
+          {"reaming", reaming_data(run, after)},
+          {"density", volume_json(density_volume(voxmap, kMaxDensityCells))}};
 }
 
 Json reaming_data(const RunData& run, const BoneSurface& after) {
@@ -303,7 +293,9 @@ Json reaming_data(const RunData& run, const BoneSurface& after) {
   for (const std::size_t chosen : evenly_spaced(frames.size(), kMaxStates)) {
     while (applied < chosen) apply_snapshot(run.dir(), frames[++applied], fill);
     times.push_back(short_number(run.row_of(frames[chosen]).time_s));
-    states.push_back(heights(bone_in(columns, voxmap, fill), last_mm, columns, voxmap.grid.voxel_mm));
+    std::vector<double> heights_mm = bone_in(columns, voxmap, fill);  // over the final surface
+    for (std::size_t i = 0; i < last_mm.size(); ++i) heights_mm[i] -= last_mm[i];
+    states.push_back(smoothed(std::move(heights_mm), columns, voxmap.grid.voxel_mm));
   }
   double most_mm = 0;
   for (const auto& state : states) most_mm = std::max(most_mm, *std::ranges::max_element(state));

@@ -291,26 +291,26 @@ class Results {
 /// The headline figures, as in pictures and plots, then others.
 Json key_figures(const Results& results) {
   KeyResults run{.means = from_name<ErosionMode>(results.text("erosion")) != ErosionMode::exact};
-  // Earlier versions wrote these numbers without the section "headline".
-  const auto force = run.means ? "/forces/peak_layer_axial_force_n" : "/forces/peak_axial_force_n";
-  const auto torque = run.means ? "/forces/peak_layer_spin_torque_nmm" : "/forces/peak_spin_torque_nmm";
-  const auto first_of = [&](const char* pointer, const char* earlier) {
-    const auto number = results.number(pointer);
-    return number ? number : results.number(earlier);
-  };
   Json out = Json::array();
-  if (const auto depth = first_of("/headline/depth_mm", "/max_depth_mm")) {
-    run.tool_depth_mm = *depth;
-    out.push_back(Json::array({KeyResults::kDepthName, run.depth_text(), "mm"}));
-  }
-  if (const auto peak = first_of("/headline/peak_axial_force_n", force)) {
-    run.peak_axial_force_n = *peak;
-    out.push_back(Json::array({run.force_name(), run.force_text(), "N"}));
-  }
-  if (const auto peak = first_of("/headline/peak_spin_torque_nmm", torque)) {
-    run.peak_spin_torque_nmm = *peak;
-    out.push_back(Json::array({run.torque_name(), run.torque_text(), "N·mm"}));
-  }
+  // Earlier versions wrote these numbers without the section "headline".
+  const auto add = [&](const char* pointer, const char* earlier, double& value, const auto& row) {
+    auto number = results.number(pointer);
+    if (!number) number = results.number(earlier);
+    if (!number) return;
+    value = *number;
+    out.push_back(row());
+  };
+  add("/headline/depth_mm", "/max_depth_mm", run.tool_depth_mm, [&] {
+    return Json::array({KeyResults::kDepthName, run.depth_text(), "mm"});
+  });
+  add("/headline/peak_axial_force_n", run.means ? "/forces/peak_layer_axial_force_n" : "/forces/peak_axial_force_n",
+      run.peak_axial_force_n, [&] {
+        return Json::array({run.force_name(), run.force_text(), "N"});
+      });
+  add("/headline/peak_spin_torque_nmm",
+      run.means ? "/forces/peak_layer_spin_torque_nmm" : "/forces/peak_spin_torque_nmm", run.peak_spin_torque_nmm, [&] {
+        return Json::array({run.torque_name(), run.torque_text(), "N·mm"});
+      });
   for (Json& row : results.rows(kKeyFigures)) out.push_back(std::move(row));
   return out;
 }

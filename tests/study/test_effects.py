@@ -10,7 +10,7 @@ import sys
 
 import numpy
 import pytest
-from reamsim.lab import effects_figure, effects_files
+from reamsim.lab import effects, effects_figure
 from reamsim.lab.effects import Column, main_effects
 from reamsim.lab.effects_table import study_table, two_lines
 from reamsim.lab.script import draw_with_script
@@ -102,7 +102,7 @@ def test_rounding_is_no_variation():
 
 def test_files_have_the_numbers(tmp_path):
     found = main_effects(*grid(20))
-    effects_files.write_table(str(tmp_path), found)
+    effects.write_table(str(tmp_path), found)
     with open(tmp_path / "effects.csv", encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == ["parameter", "result", "level", "from", "to", "runs", "mean", "sd", "explained"]
@@ -115,7 +115,7 @@ def test_files_have_the_numbers(tmp_path):
 
 
 def test_figure_and_script_draw_the_same(tmp_path):
-    draw_with_script(effects_figure, effects_files.figure_data(main_effects(*grid(20))), str(tmp_path), "effects")
+    draw_with_script(effects_figure, effects.figure_data(main_effects(*grid(20))), str(tmp_path), "effects")
     names = [f"effects.{ending}" for ending in ("png", "svg", "pdf")]
     before = [(tmp_path / name).read_bytes() for name in names]
     svg = before[1].decode()
@@ -129,7 +129,7 @@ def test_figure_and_script_draw_the_same(tmp_path):
 def test_names_are_no_formulas_and_no_code(tmp_path):
     evil = ["$\\frac{1}{$", "it's \"\"\" + exit(1) + r\"\"\", \\n {name} %s"]
     found = main_effects([parameter("label", evil * 3, "$\\bad$ {0}")], [result("removed_mm3", range(6))])
-    draw_with_script(effects_figure, effects_files.figure_data(found), str(tmp_path), "effects")
+    draw_with_script(effects_figure, effects.figure_data(found), str(tmp_path), "effects")
     png = (tmp_path / "effects.png").read_bytes()
     subprocess.run([sys.executable, tmp_path / "effects.py"], check=True)
     assert (tmp_path / "effects.png").read_bytes() == png
@@ -140,7 +140,7 @@ def test_figure_of_many_parameters_has_those_that_explain_most():
     x = numpy.random.RandomState(5).uniform(size=(12, 400))
     found = main_effects([parameter(f"number {p}", x[p]) for p in range(12)],
                          [result("removed_mm3", (x * numpy.arange(12)[:, None]).sum(axis=0))])
-    data = effects_files.figure_data(found)
+    data = effects.figure_data(found)
     titles = [one["title"] for one in data["parameters"]]
     assert len(titles) == 6 and {"number 11", "number 10", "number 9", "number 8"} < set(titles) and "number 1" not in titles
     assert len(data["results"][0]["y"]) == 300

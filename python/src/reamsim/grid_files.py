@@ -21,12 +21,8 @@ _MOST_VOXELS = 2**33  # of a lattice; more is taken for a damaged file
 
 
 def read_vdb(path: pathlib.Path, name: str, unit: str) -> Grid:
-    """The grid `name` of reamed.vdb on the whole lattice; 4 bytes a voxel.
-
-    Raises:
-        MissingPackage: OpenVDB's Python module is not installed.
-        ResultsError: the file is missing, damaged or has no such grid.
-    """
+    """The grid `name` of reamed.vdb on the whole lattice; 4 bytes a voxel. Raises MissingPackage where OpenVDB's
+    Python module is not installed; ResultsError where the file is missing, damaged or has no such grid."""
     openvdb = _openvdb(f"the grid {name} of {path.name}")
     if not path.is_file():
         raise ResultsError(f"{path}: no such file; the run did not write or keep it")
@@ -68,11 +64,8 @@ def _is_complete(path: pathlib.Path) -> bool:
 
 
 def read_vti(path: pathlib.Path) -> Grid:
-    """reamed.vti: density × fill, g/cm³. Needs no other package.
-
-    Raises:
-        ResultsError: the file is missing or damaged.
-    """
+    """reamed.vti: density × fill, g/cm³. Needs no other package. Raises ResultsError where the file is missing or
+    damaged."""
     if not path.is_file():
         raise ResultsError(f"{path}: no such file; the run did not write it (output.vti), or it was deleted")
     data = path.read_bytes()
@@ -118,11 +111,8 @@ def _inflated(data: bytes, at: int, dims: tuple[int, ...]) -> numpy.ndarray:
 
 
 def read_depth_map(path: pathlib.Path) -> DepthMap:
-    """depth_map.csv on its lattice.
-
-    Raises:
-        ResultsError: the file is missing or damaged, or its columns do not lie on a lattice.
-    """
+    """depth_map.csv on its lattice. Raises ResultsError where the file is missing or damaged, or its columns do not
+    lie on a lattice."""
     table = number_array(path)
     try:
         x, y = table["x_mm"], table["y_mm"]

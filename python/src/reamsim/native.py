@@ -24,11 +24,7 @@ _NAME = "reamsim._simulation"
 @functools.cache
 def simulation_module() -> ModuleType:
     """The module: beside this package, otherwise of the installation or the build of the program that `find_program`
-    finds.
-
-    Raises:
-        ProgramNotFound: there is none for this Python, or it is one of another version.
-    """
+    finds. Raises ProgramNotFound where there is none for this Python, or it is one of another version."""
     # Pins PoCL's worker threads to their cores, as the program does. Must be set before OpenCL is loaded.
     os.environ.setdefault("POCL_AFFINITY", "1")
     candidates = _candidates()

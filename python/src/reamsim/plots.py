@@ -114,11 +114,8 @@ def plot_forces(run: Run, over: str = "time") -> Figure:
 
 
 def plot_depth_map(run: Run) -> Figure:
-    """Depth of the removed bone by column (mm), with contour lines; grey: bone that was not reamed.
-
-    Raises:
-        MissingPackage: matplotlib is not installed.
-    """
+    """Depth of the removed bone by column (mm), with contour lines; grey: bone that was not reamed. Raises
+    MissingPackage where matplotlib is not installed."""
     matplotlib = _matplotlib()
     depth_map = run.depth_map
     depth = depth_map.values
@@ -163,12 +160,9 @@ def bands(runs: Iterable[Run], column: str = "axial_force_n", over: str = "depth
           percentiles: Sequence[float] = (5, 50, 95), points: int = 400) -> tuple[numpy.ndarray, numpy.ndarray]:
     """Percentiles of a column over many runs: (x, y with a row per percentile).
 
-    The curves are interpolated linearly on common `points` from first contact to the least depth or time that all runs
-    reach. Each run has the same weight.
-
-    Raises:
-        ValueError: there is no run with contact, or an unknown column or axis.
-    """
+    The curves are interpolated linearly on common `points` from first contact to the least depth or time that all
+    runs reach. Each run has the same weight. Raises ValueError where there is no run with contact, and for an
+    unknown column or axis."""
     curves = [one for one in (curve(run, column, over) for run in runs) if one[0].size > 1]
     if not curves:
         raise ValueError("no run with contact: bands need at least one")

@@ -21,13 +21,10 @@ _INPUT_STATUS, _INTERRUPTED_STATUSES = 2, (75, 130)
 
 
 def find_program() -> str:
-    """Path of the program: that of the environment variable ``REAMSIM_PROGRAM``; otherwise ``bin/reamsim`` of the prefix
-    where this package is installed, or ``build/release/cli/reamsim`` of the checkout that it lies in; otherwise
-    ``reamsim`` on ``PATH``.
-
-    Raises:
-        ProgramNotFound: there is none, or ``REAMSIM_PROGRAM`` names no executable file.
-    """
+    """Path of the program: that of the environment variable ``REAMSIM_PROGRAM``; otherwise ``bin/reamsim`` of the
+    prefix where this package is installed, or ``build/release/cli/reamsim`` of the checkout that it lies in;
+    otherwise ``reamsim`` on ``PATH``. Raises ProgramNotFound where there is none, or ``REAMSIM_PROGRAM`` names no
+    executable file."""
     named = os.environ.get("REAMSIM_PROGRAM")
     if named:
         found = shutil.which(named)

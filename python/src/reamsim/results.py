@@ -26,11 +26,8 @@ if TYPE_CHECKING:
 
 
 def load(folder: str | os.PathLike[str]) -> Run:
-    """Opens the results folder of a run. Files are read when they are asked for.
-
-    Raises:
-        ResultsError: the folder is missing or is no results folder of a run, or summary.json is damaged.
-    """
+    """Opens the results folder of a run. Files are read when they are asked for. Raises ResultsError where the
+    folder is missing or is no results folder of a run, or summary.json is damaged."""
     return Run(pathlib.Path(folder))
 
 

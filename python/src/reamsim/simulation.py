@@ -27,20 +27,13 @@ class State:
         self._native = native
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the state to a file, in one piece: the path has the old or the new content.
-
-        Raises:
-            RunError: the file cannot be written.
-        """
+        """Writes the state to a file, in one piece: the path has the old or the new content. Raises RunError where
+        the file cannot be written."""
         self._native.save(os.fsencode(path))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> State:
-        """Reads a file of `save`.
-
-        Raises:
-            InputError: the file is missing, damaged or another one.
-        """
+        """Reads a file of `save`. Raises InputError where the file is missing, damaged or another one."""
         return cls(simulation_module().State.load(os.fsencode(path)))
 
 
@@ -76,22 +69,16 @@ class Simulation:
 
     def start(self, position_mm: ArrayLike, quaternion: ArrayLike, spin_rpm: float,
               spin_angle_rad: float | None = None) -> Step:
-        """Frame 0: puts the tool somewhere. With ``cutting.erosion: exact``, bone inside it is removed without force.
-
-        Raises:
-            InputError: the pose is wrong, or the simulation has started.
-        """
+        """Frame 0: puts the tool somewhere. With ``cutting.erosion: exact``, bone inside it is removed without
+        force. Raises InputError where the pose is wrong, or the simulation has started."""
         self._fill = None
         return _make_step(self._native.start(position_mm, quaternion, spin_rpm, spin_angle_rad))
 
     def step(self, position_mm: ArrayLike, quaternion: ArrayLike, spin_rpm: float, spin_angle_rad: float | None = None,
              dt_s: float | None = None) -> Step:
-        """Moves the tool to a pose in `dt_s` seconds, without it `frame_s`. Without `spin_angle_rad` the spin angle is the
-        integral of the speed.
-
-        Raises:
-            InputError: a pose or time is wrong, or `start` has not been called. Nothing has changed then.
-        """
+        """Moves the tool to a pose in `dt_s` seconds, without it `frame_s`. Without `spin_angle_rad` the spin angle
+        is the integral of the speed. Raises InputError where a pose or time is wrong, or `start` has not been
+        called. Nothing has changed then."""
         self._fill = None
         return _make_step(self._step(position_mm, quaternion, spin_rpm, spin_angle_rad, dt_s))
 
@@ -165,11 +152,8 @@ class Simulation:
         return State(self._native.state())
 
     def restore(self, state: State) -> None:
-        """Goes back to a state of this simulation, or of another one with the same bone.
-
-        Raises:
-            InputError: the state is one of another bone.
-        """
+        """Goes back to a state of this simulation, or of another one with the same bone. Raises InputError where the
+        state is one of another bone."""
         self._fill = None
         self._native.restore(state._native)
 

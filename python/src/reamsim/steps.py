@@ -80,11 +80,8 @@ def poses_of_array(values: numpy.ndarray) -> numpy.ndarray:
 
 
 def array_of_poses(poses: Any) -> numpy.ndarray:
-    """Poses in one of the forms that `Simulation.run` takes, as rows of 8 or 9 numbers.
-
-    Raises:
-        InputError: none of these forms.
-    """
+    """Poses in one of the forms that `Simulation.run` takes, as rows of 8 or 9 numbers. Raises InputError where they
+    have none of these forms."""
     names = _names_of(poses)
     if "position_mm" in names:
         wanted = ["position_mm", "quaternion", "spin_rpm"] + ["spin_angle_rad"] * ("spin_angle_rad" in names)

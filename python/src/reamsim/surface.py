@@ -38,11 +38,8 @@ class Surface:
 
 
 def read_surface(folder: pathlib.Path) -> Surface:
-    """The surface from reamed.glb, or from reamed.stl where that is missing.
-
-    Raises:
-        ResultsError: both are missing, or the file is damaged.
-    """
+    """The surface from reamed.glb, or from reamed.stl where that is missing. Raises ResultsError where both are
+    missing, or the file is damaged."""
     for name, read in (("reamed.glb", _read_glb), ("reamed.stl", _read_stl)):
         path = folder / name
         if not path.is_file():

@@ -23,11 +23,8 @@ _NEEDED = ("run", "id", "status")
 
 
 def load_sweep(folder: str | os.PathLike[str]) -> Sweep:
-    """Opens the folder of a study that `reamsim sweep collect` has collected.
-
-    Raises:
-        ResultsError: the folder or its runs.csv is missing or damaged.
-    """
+    """Opens the folder of a study that `reamsim sweep collect` has collected. Raises ResultsError where the folder
+    or its runs.csv is missing or damaged."""
     return Sweep(pathlib.Path(folder))
 
 
@@ -84,12 +81,8 @@ class Sweep:
         return as_table(self._columns)
 
     def run(self, id: str) -> Run:
-        """Results of one run.
-
-        Raises:
-            ResultsError: no run of this id, or it has no results: it failed (the message says why), or they were not
-                kept.
-        """
+        """Results of one run. Raises ResultsError where there is no run of this id, or it has no results: it failed (the
+        message says why), or they were not kept."""
         if id not in self.ids:
             raise ResultsError(f"{self.dir}: has no run {id}; column id of runs.csv lists them")
         row = self.ids.index(id)

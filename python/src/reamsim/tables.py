@@ -20,11 +20,8 @@ INTEGERS = frozenset({"frame", "contacts", "pass"})
 
 
 def number_array(path: pathlib.Path) -> numpy.ndarray:
-    """A CSV of numbers with a header as a structured array; an empty cell is NaN.
-
-    Raises:
-        ResultsError: the file is missing, has no row, or a cell is no number.
-    """
+    """A CSV of numbers with a header as a structured array; an empty cell is NaN. Raises ResultsError where the file
+    is missing, has no row, or a cell is no number."""
     if not path.is_file():
         raise ResultsError(f"{path}: no such file; the run did not write or keep it")
     try:
@@ -49,12 +46,9 @@ def _filled(line: str) -> str:
 
 
 def mixed_columns(path: pathlib.Path, texts: Iterable[str]) -> dict[str, numpy.ndarray]:
-    """A CSV of numbers and texts by column. A column is float64 where all cells are numbers or empty (NaN), otherwise
-    texts (dtype object). `texts` are texts whatever they look like.
-
-    Raises:
-        ResultsError: the file is missing, has no header, or a row has more or fewer cells than the header.
-    """
+    """A CSV of numbers and texts by column. A column is float64 where all cells are numbers or empty (NaN),
+    otherwise texts (dtype object). `texts` are texts whatever they look like. Raises ResultsError where the file is
+    missing, has no header, or a row has more or fewer cells than the header."""
     if not path.is_file():
         raise ResultsError(f"{path}: no such file")
     with path.open(encoding="utf-8", errors="backslashreplace", newline="") as file:

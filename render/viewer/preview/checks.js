@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // What the surface of the bone says about a glenoid frame, and what would go wrong in a run.
-import { add, dot, length, minus, scaled, unit } from "./volume.js";
+import { add, cross, dot, length, minus, scaled, unit } from "./volume.js";
 
 // The mean outward normal of the surface within `radius` mm of a point, without the far side of a thin bone. Null where
 // there is no surface.
@@ -59,7 +59,7 @@ export function inOrder(points, normal) {
   if (points.length < 3 || normal === null) return points;
   const middle = scaled(points.reduce((a, b) => add(a, b), [0, 0, 0]), 1 / points.length);
   const across = unit(Math.abs(normal[0]) < 0.8 ? [0, normal[2], -normal[1]] : [-normal[2], 0, normal[0]]);
-  const other = [normal[1] * across[2] - normal[2] * across[1], normal[2] * across[0] - normal[0] * across[2], normal[0] * across[1] - normal[1] * across[0]];
+  const other = cross(normal, across);
   const angle = (p) => Math.atan2(dot(minus(p, middle), other), dot(minus(p, middle), across));
   return [...points].sort((a, b) => angle(a) - angle(b));
 }

@@ -12,7 +12,6 @@ export const length = (a) => Math.sqrt(dot(a, a));
 export const scaled = (a, factor) => [factor * a[0], factor * a[1], factor * a[2]];
 export const unit = (a) => scaled(a, 1 / (length(a) || 1));
 export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-export const distance = (a, b) => length(minus(a, b));
 export const same = (a, b) => a === b || JSON.stringify(a) === JSON.stringify(b);
 export const rounded = (a, digits) => a.map((v) => Number(v.toFixed(digits)) + 0);
 
@@ -111,22 +110,6 @@ export function reduced(lattice, bytes, most) {
 const kLevel = 127.5;
 const kEdges = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
 
-// Grows to hold any number of values.
-class Values {
-  constructor(Type) { this.Type = Type; this.data = new Type(1 << 16); this.count = 0; }
-  push(a, b, c) {
-    if (this.count + 3 > this.data.length) {
-      const larger = new this.Type(2 * this.data.length);
-      larger.set(this.data);
-      this.data = larger;
-    }
-    this.data[this.count++] = a;
-    this.data[this.count++] = b;
-    this.data[this.count++] = c;
-  }
-  all() { return this.data.slice(0, this.count); }
-}
-
 // With a layer of air on every side, which closes the surface where the lattice ends.
 function padded({ lattice, bytes }) {
   const [nx, ny, nz] = lattice.dims;
@@ -170,7 +153,7 @@ export function surfaceOf(field) {
   const { dims: [nx, ny, nz], out: f } = padded(field);
   const layer = nx * ny;
   const corner = [0, 1, nx, nx + 1, layer, layer + 1, layer + nx, layer + nx + 1];
-  const positions = new Values(Float32Array), indices = new Values(Uint32Array);
+  const positions = [], indices = [];
   const vertex = [new Int32Array(layer), new Int32Array(layer)];  // of the cells of this layer and of the one below
   const value = new Uint8Array(8);
   let count = 0;
@@ -208,6 +191,6 @@ export function surfaceOf(field) {
       }
     }
   }
-  const triangles = indices.all(), points = positions.all();
+  const triangles = new Uint32Array(indices), points = new Float32Array(positions);
   return { positions: points, normals: normalsOf(points, triangles), indices: triangles };
 }

@@ -36,13 +36,12 @@ def fit(job: Job, folder: str, file: str, output: str, residuals: str) -> Job:
 
 
 def _fit_json(found: Any) -> Job:
-    out: Job = {"constants": [{"name": one.name, "value": one.value, "standard_error": one.standard_error, "unit": one.unit,
-                               "fitted": one.fitted, "at_bound": one.at_bound} for one in found.constants],
+    keys = ("name", "value", "standard_error", "unit", "fitted", "at_bound")
+    out: Job = {"constants": [{key: getattr(one, key) for key in keys} for one in found.constants],
                 "covariance_of": [found.constants[place].name for place in found.free]}
     if found.free:
         out["covariance"] = found.covariance.tolist()
-    out["classes"] = [{"least_g_cm3": one.least_g_cm3, "most_g_cm3": one.most_g_cm3, "mean_g_cm3": one.mean_g_cm3,
-                       "removed_mm3": one.removed_mm3} for one in found.classes]
+    out["classes"] = [{key: value for key, value in vars(one).items() if key != "grades"} for one in found.classes]
     out["residuals"] = [vars(one) for one in found.residuals]
     return {**out, "statements": found.statements, "warnings": found.warnings}
 
@@ -124,7 +123,7 @@ def _indices_json(found: Any, inputs: list[str], output: int) -> Job:
 def effects(job: Job, folder: str) -> Job:
     """Figure and table of `reamsim sweep run` and `collect`. Answers ``table``, lines for the terminal, and ``effects``: null
     where there are none, otherwise what to say of parameters that the figure leaves out."""
-    from .effects import Column, main_effects
+    from .effects import MOST_PARAMETERS, Column, figure_data, main_effects, write_table
     from .effects_table import study_table
 
     parameters = [Column(one["key"], one["title"], one["cells"], one["shown"],
@@ -137,11 +136,11 @@ def effects(job: Job, folder: str) -> Job:
     table = study_table(names, job["all"], parameters, results, found, len(done), job["width"])
     if not found:
         return {"table": table, "effects": None}
-    from . import effects_figure, effects_files
+    from . import effects_figure
 
-    effects_files.write_table(folder, found)
-    draw_with_script(effects_figure, effects_files.figure_data(found), folder, "effects")
-    count, most = len(found.parameters), effects_files.MOST_PARAMETERS
+    write_table(folder, found)
+    draw_with_script(effects_figure, figure_data(found), folder, "effects")
+    count, most = len(found.parameters), MOST_PARAMETERS
     more = f" ({most} of {count} parameters, those that explain most)" if count > most else ""
     return {"table": table, "effects": more}
 

@@ -1,18 +1,24 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Main effects of a study: what a parameter alone changes of a result (docs/study-files.md)."""
+"""Main effects of a study: what a parameter alone changes of a result (docs/study-files.md); effects.csv, and what their
+figure shows."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from typing import Any
 
 import numpy
+
+from .tables import write_csv
 
 MOST_NUMERIC_LEVELS = 8  # more values of a number are grouped by intervals
 MOST_LEVELS = 40  # more levels of a text do not fit an axis
 MOST_INTERVALS, LEAST_VALUES_OF_INTERVAL = 8, 8
+MOST_PARAMETERS, MOST_RESULTS = 6, 8  # of one figure
+_MOST_DOTS = 300  # single runs in a panel; more would hide the means
 # A result whose values differ by less than this fraction of them does not vary: it is rounding. Nor does an angle that
 # differs by less than this, °: the fits of faces have errors of some hundredths.
 LEAST_VARIATION, LEAST_VARIATION_DEG = 1e-9, 0.1
@@ -180,3 +186,37 @@ def _effect(parameter: Parameter, y: numpy.ndarray) -> Effect:
         return Effect(groups, 0.0)
     correction = (len(y) - 1) / (len(y) - len(groups)) if not parameter.levels and len(y) > len(groups) else 1
     return Effect(groups, min(max(1 - within / total * correction, 0.0), 1.0))
+
+
+def write_table(folder: str, effects: MainEffects) -> None:
+    """FOLDER/effects.csv: a row for each group of runs of each parameter and result."""
+    rows: list[list[float | str]] = []
+    for parameter, of_parameter in zip(effects.parameters, effects.effects):
+        for result, effect in zip(effects.results, of_parameter):
+            for group in effect.groups:
+                level = parameter.levels[group.level] if parameter.levels else ""
+                limits = [group.least, group.most] if parameter.numeric else ["", ""]
+                rows.append([parameter.column.key, result.key, level, *limits, group.runs, group.mean, group.sd,
+                             effect.explained])
+    write_csv(f"{folder}/effects.csv", ["parameter", "result", "level", "from", "to", "runs", "mean", "sd", "explained"], rows)
+
+
+def figure_data(effects: MainEffects) -> dict[str, Any]:
+    """For `effects_figure.draw`: the parameters that explain most, the first results, and at most 300 single runs."""
+    count = len(effects.parameters[0].x)
+    # Drawn at random, the same on every machine: every second run would be one level of the fastest parameter.
+    dots = numpy.sort(numpy.random.RandomState(1).permutation(count)[:_MOST_DOTS])
+    parameters = [{"title": one.column.title, "numeric": one.numeric, "levels": one.levels, "x": one.x[dots].tolist(),
+                   "range": [float(one.x.min()), float(one.x.max())],
+                   "spread": float(numpy.diff(numpy.unique(one.x)).min()),  # least distance of levels
+                   "groups": [[[group.x, group.mean, group.sd, group.level] for group in effect.groups]
+                              for effect in of_parameter[:MOST_RESULTS]],
+                   "explained": [effect.explained for effect in of_parameter[:MOST_RESULTS]]}
+                  for one, of_parameter in list(zip(effects.parameters, effects.effects))[:MOST_PARAMETERS]]
+    results = []
+    for r, result in enumerate(effects.results[:MOST_RESULTS]):
+        bars = [value for one in parameters for _, mean, sd, _ in one["groups"][r] for value in (mean - sd, mean + sd)]
+        values = numpy.append(result.numbers, bars)
+        results.append({"title": result.title, "range": [float(numpy.nanmin(values)), float(numpy.nanmax(values))],
+                        "y": [None if numpy.isnan(y) else float(y) for y in result.numbers[dots]]})
+    return {"parameters": parameters, "results": results}

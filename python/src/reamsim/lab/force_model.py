@@ -36,11 +36,7 @@ CHANNELS = {"force_x_n": ("", 0), "force_y_n": ("", 1), "force_z_n": ("", 2), "t
 
 
 def law_of(run: Run) -> dict[str, Any]:
-    """The law of a run, from its scenario.yaml.
-
-    Raises:
-        ResultsError: a key is missing.
-    """
+    """The law of a run, from its scenario.yaml. Raises ResultsError where a key is missing."""
     def value(key: str) -> Any:
         at: Any = run.scenario
         for part in key.split("."):
@@ -122,12 +118,8 @@ class ForceBasis:
 
     @staticmethod
     def read(folder: str | pathlib.Path) -> ForceBasis:
-        """That of a results folder.
-
-        Raises:
-            InputError: the run has no force basis, or it is damaged.
-            ResultsError: forces.csv is missing or damaged.
-        """
+        """That of a results folder. Raises InputError where the run has no force basis, or it is damaged;
+        ResultsError where forces.csv is missing or damaged."""
         path = pathlib.Path(folder) / "force_basis.npy"
         try:
             rows = numpy.load(path)

@@ -99,11 +99,8 @@ class Problem:
 
     def __init__(self, basis: ForceBasis, time_s: numpy.ndarray, measured: dict[str, numpy.ndarray],
                  units: list[list[int]]) -> None:
-        """`measured`: values by column of forces.csv (`CHANNELS`), NaN where nothing was measured.
-
-        Raises:
-            InputError: no measured time lies in the run's contact.
-        """
+        """`measured`: values by column of forces.csv (`CHANNELS`), NaN where nothing was measured. Raises InputError
+        where no measured time lies in the run's contact."""
         self.units, self.has_edge = len(units), basis.has_edge
         of_unit = scipy.sparse.csr_matrix(([1.0] * sum(map(len, units)),
                                            ([grade for unit in units for grade in unit],

@@ -47,11 +47,7 @@ def json_text(value: Any) -> str:
 
 
 def replace_file(path: str | os.PathLike[str], text: str) -> None:
-    """Writes a file, which has either the old or the new content.
-
-    Raises:
-        OSError: with the name of the file.
-    """
+    """Writes a file, which has either the old or the new content. Raises OSError, with the name of the file."""
     unfinished = pathlib.Path(f"{os.fspath(path)}.tmp")
     try:
         with open(unfinished, "w", encoding="utf-8", newline="\n") as file:

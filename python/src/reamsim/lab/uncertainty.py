@@ -77,11 +77,8 @@ class Uncertainty:
 
 
 def evaluate(design: Design) -> Uncertainty:
-    """Evaluates all points.
-
-    Raises:
-        InputError, ResultsError: a run has no force basis where it is needed, or a file is damaged.
-    """
+    """Evaluates all points. Raises InputError or ResultsError where a run has no force basis where it is needed, or a
+    file is damaged."""
     independent = len(design.unit)
     names = _varying(design.numbers)
     logs = [number_array(folder / "forces.csv") for folder in design.runs]
