@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/base/error.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/bone/voxmap/voxel_grid.h"
@@ -120,11 +119,7 @@ struct Hole {
 };
 
 Hole hole_in_bone(const PilotHoleSettings& settings, const std::optional<GlenoidFrame>& glenoid) {
-  const double length = settings.axis.norm();
-  if (!std::isfinite(length) || length < 1e-9) {
-    throw InputError({}, "bone.pilot_hole.axis", "a vector of length 0", "give the direction of drilling");
-  }
-  Hole hole{settings.entry_mm, settings.axis / length, settings.diameter_mm / 2, settings.depth_mm};
+  Hole hole{settings.entry_mm, settings.axis / settings.axis.norm(), settings.diameter_mm / 2, settings.depth_mm};
   if (settings.frame != PoseFrame::glenoid) return hole;
   if (!glenoid) {
     throw InputError({}, "bone.pilot_hole.frame", "frame is glenoid but bone.glenoid is missing",
@@ -182,13 +177,10 @@ namespace {
 /// Directions closer than about half a degree do not determine the third axis.
 constexpr double kMinSine = 0.01;
 
-[[noreturn]] void fail_frame(const std::string& key, const std::string& found, const std::string& expected) {
-  throw InputError({}, key, found, expected);
-}
-
 Vec3 unit(const Vec3& v, const std::string& key) {
   const double length = v.norm();
-  if (!std::isfinite(length) || length < 1e-9) fail_frame(key, "a vector of length 0", "expected a direction");
+  if (!std::isfinite(length) || length < 1e-9)
+    throw InputError({}, key, "a vector of length 0", "expected a direction");
   return v / length;
 }
 
@@ -196,7 +188,7 @@ Vec3 unit(const Vec3& v, const std::string& key) {
 GlenoidFrame make_frame(const Vec3& center_mm, const Vec3& normal, const Vec3& superior, const std::string& key) {
   const Vec3 across = superior - superior.dot(normal) * normal;
   if (across.norm() < kMinSine) {
-    fail_frame(key, "parallel to the normal", "expected a direction across the glenoid's face");
+    throw InputError({}, key, "parallel to the normal", "expected a direction across the glenoid's face");
   }
   const Vec3 y = across.normalized();
   GlenoidFrame out;
@@ -210,7 +202,8 @@ GlenoidFrame frame_from_landmarks(const LandmarkSettings& marks) {
   const Vec3 lateral = unit(marks.glenoid_center_mm - marks.trigonum_spinae_mm, key + ".trigonum_spinae_mm");
   const Vec3 superior = unit(marks.glenoid_center_mm - marks.inferior_angle_mm, key + ".inferior_angle_mm");
   const Vec3 across = superior - superior.dot(lateral) * lateral;
-  if (across.norm() < kMinSine) fail_frame(key, "three points on a line", "expected a triangle: the scapular plane");
+  if (across.norm() < kMinSine)
+    throw InputError({}, key, "three points on a line", "expected a triangle: the scapular plane");
   return make_frame(marks.glenoid_center_mm, lateral, superior, key);
 }
 
@@ -227,14 +220,16 @@ std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, BodyS
   if (settings.near_mm) return std::nullopt;
   const bool any = settings.center_mm || settings.normal || settings.superior;
   if (!any && !settings.landmarks) return std::nullopt;
-  if (side == BodySide::unknown) fail_frame("bone.side", "missing", "a glenoid frame needs left or right");
+  if (side == BodySide::unknown) throw InputError({}, "bone.side", "missing", "a glenoid frame needs left or right");
   if (settings.landmarks) {
-    if (any) fail_frame("bone.glenoid", "directions and landmarks", "expected one of them");
+    if (any) throw InputError({}, "bone.glenoid", "directions and landmarks", "expected one of them");
     return frame_from_landmarks(*settings.landmarks);
   }
-  if (!settings.center_mm) fail_frame("bone.glenoid.center_mm", "missing", "expected the glenoid's centre in mm");
-  if (!settings.normal) fail_frame("bone.glenoid.normal", "missing", "expected the direction out of the face");
-  if (!settings.superior) fail_frame("bone.glenoid.superior", "missing", "expected the superior direction");
+  if (!settings.center_mm)
+    throw InputError({}, "bone.glenoid.center_mm", "missing", "expected the glenoid's centre in mm");
+  if (!settings.normal)
+    throw InputError({}, "bone.glenoid.normal", "missing", "expected the direction out of the face");
+  if (!settings.superior) throw InputError({}, "bone.glenoid.superior", "missing", "expected the superior direction");
   return make_frame(*settings.center_mm, unit(*settings.normal, "bone.glenoid.normal"),
                     unit(*settings.superior, "bone.glenoid.superior"), "bone.glenoid.superior");
 }

@@ -5,11 +5,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "sim/base/geometry.h"
 
 namespace reamsim::implicit {
+
+inline double radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
+
+inline double distance_to_segment(const Vec2& point, const Vec2& a, const Vec2& b) {
+  const Vec2 along = b - a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((point - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (point - a - t * along).norm();
+}
 
 // Solids as functions: negative inside, near the surface about the distance from it in mm.
 
@@ -42,13 +54,6 @@ inline double pear(double x, double y, double low_y, double low_radius, double h
   if (along < 0) return std::hypot(across, up) - low_radius;
   if (along > cosine * height) return std::hypot(across, up - height) - high_radius;
   return cosine * across + sine * up - low_radius;
-}
-
-/// A rod from `a` to `b` whose radius varies linearly from `radius_a` to `radius_b`.
-inline double tapered_rod(const Vec3& point, const Vec3& a, double radius_a, const Vec3& b, double radius_b) {
-  const Vec3 axis = b - a;
-  const double fraction = std::clamp((point - a).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
-  return (point - a - fraction * axis).norm() - (radius_a + fraction * (radius_b - radius_a));
 }
 
 /// A simple polygon in the plane, exact signed distance.

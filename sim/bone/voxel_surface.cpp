@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "kernels/cube_fraction.h"
 
@@ -44,12 +43,6 @@ double plane_offset(const Vec3& normal, double fraction) {
 }
 
 }  // namespace
-
-double bone_fraction(const BoneView& bone, const Vec3i& voxel) {
-  const Voxmap& voxmap = bone.voxmap;
-  if (!voxmap.grid.contains(voxel) || voxmap.grade.get(voxel) == 0) return 0;
-  return static_cast<double>(bone.fill.get(voxel)) / FillBricks::kWhole;
-}
 
 std::optional<VoxelPlane> voxel_plane(const BoneView& bone, const Vec3i& voxel, const Vec3& fallback) {
   const double fraction = bone_fraction(bone, voxel);

@@ -12,9 +12,8 @@
 
 namespace reamsim {
 
-/// Radiodensity to apparent density to grade (docs/density.md, 1).
-/// ρ_ash = ash_slope·HU + ash_offset; ρ = ρ_ash/ash_fraction, clamped to 0…2 g/cm³ (PMC5234499, Table 1: a femur at
-/// 120 kVp; a default, not a scapular calibration). grade = clamp(round(ρ/0.008), 1, 250) in bone, 0 in air.
+/// Radiodensity to apparent density to grade (docs/density.md, 1). The defaults are of a femur at 120 kVp (PMC5234499,
+/// Table 1), not a scapular calibration.
 struct DensityMapping {
   double ash_slope_g_cm3_per_hu = 0.0007;
   double ash_offset_g_cm3 = -0.009;
