@@ -3,12 +3,10 @@
 
 #include "sim/anatomy/implant_seating.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "sim/anatomy/column_map.h"
 #include "sim/anatomy/face_surface.h"
 #include "sim/base/statistics.h"
 #include "sim/bone/implicit.h"
@@ -20,10 +18,6 @@ namespace {
 /// Diameter of the superior circle of a pear over that of the inferior one: 19.5 mm over 26.0 mm, the means of 501
 /// glenoids (Chen et al. 2023, Folia Morphol 82, 325–331).
 constexpr double kPearTop = 0.75;
-
-double radians(double degrees) {
-  return degrees * std::numbers::pi / 180;
-}
 
 /// The lower half of a sphere at a place; nullopt beside it.
 std::optional<double> sphere_bottom(const Vec3& center, double radius, const Vec2& place) {
@@ -44,7 +38,7 @@ ImplantShape::ImplantShape(const ImplantSettings& settings)
   toward_ = augment_->direction.head<2>().normalized();
   // The sphere turns about a line across `toward_` through the point of the back at start_mm, so that it sinks on that
   // side: in the plane of (toward_, z) a rotation by −angle.
-  const double angle = radians(augment_->angle_deg);
+  const double angle = implicit::radians(augment_->angle_deg);
   const Vec2 on_back(augment_->start_mm, plain_mm(augment_->start_mm * toward_).value_or(0));
   const Vec2 turned = on_back + Eigen::Rotation2Dd(-angle) * Vec2(Vec2(0, radius_mm_) - on_back);
   wedge_center_mm_ = Vec3(turned.x() * toward_.x(), turned.x() * toward_.y(), turned.y());
@@ -57,7 +51,7 @@ std::optional<double> ImplantShape::plain_mm(const Vec2& place) const {
 
 std::optional<double> ImplantShape::wedge_mm(const Vec2& place) const {
   if (radius_mm_ > 0) return sphere_bottom(wedge_center_mm_, radius_mm_, place);
-  return (augment_->start_mm - place.dot(toward_)) * std::tan(radians(augment_->angle_deg));
+  return (augment_->start_mm - place.dot(toward_)) * std::tan(implicit::radians(augment_->angle_deg));
 }
 
 std::optional<double> ImplantShape::back_mm(const Vec2& place) const {
@@ -71,14 +65,7 @@ std::optional<double> ImplantShape::back_mm(const Vec2& place) const {
 double ImplantShape::level_mm(const Vec2& place) const {
   const auto on_back = [&](double scale) { return covers(scale * place) && back_mm(scale * place).has_value(); };
   if (on_back(1)) return *back_mm(place);
-  double inside = 0;
-  double outside = 1;
-  constexpr int kHalvings = 20;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (inside + outside);
-    (on_back(middle) ? inside : outside) = middle;
-  }
-  return back_mm(inside * place).value_or(0);
+  return back_mm(implicit::bisect(0, 1, 20, on_back) * place).value_or(0);
 }
 
 bool ImplantShape::covers(const Vec2& place) const {
@@ -103,8 +90,8 @@ double ImplantShape::covered_fraction(const Vec2& center, double cell_mm) const 
 
 double ImplantShape::augment_depth_mm() const {
   if (!augment_) return 0;
-  return std::max((reach_mm() * std::numbers::sqrt2 - augment_->start_mm) * std::tan(radians(augment_->angle_deg)),
-                  0.0);
+  return std::max(
+      (reach_mm() * std::numbers::sqrt2 - augment_->start_mm) * std::tan(implicit::radians(augment_->angle_deg)), 0.0);
 }
 
 std::optional<Rigid> implant_pose(const ImplantSettings& settings, const Rigid& bone_from_tool, const BoneAxes& axes) {
@@ -146,34 +133,31 @@ ColumnMap map_under(const ReamedBone& bone, const Rigid& bone_from_implant, cons
                       .pitch_mm = voxel_mm / kColumnsPerVoxel});
 }
 
-/// Marks the core that projects from the face: unreamed bone that the reamed face surrounds.
-std::vector<std::uint8_t> mark_core(const ColumnMap& map, const ReamedFace& face, double voxel_mm) {
-  std::vector<std::uint8_t> core(map.columns.size(), 0);
-  if (!face.plane) return core;
-  for (const ColumnGroup& group : group_columns(map, ColumnState::bone)) {
-    if (group.reaches_air || group.reaches_through) continue;
-    std::vector<double> heights;
-    for (const ColumnPlace& place : group.columns) {
-      heights.push_back(face.height_mm(map.in_bone(place, map.at(place).after_mm)));
-    }
-    if (mean(heights) < voxel_mm) continue;
-    for (const ColumnPlace& place : group.columns) core[map.index(place)] = 1;
+/// Marks the columns of the groups with a state and a property.
+template <class Property>
+std::vector<std::uint8_t> mark_groups(const ColumnMap& map, ColumnState state, const Property& property) {
+  std::vector<std::uint8_t> out(map.columns.size(), 0);
+  for (const ColumnGroup& group : group_columns(map, state)) {
+    if (!property(group)) continue;
+    for (const ColumnPlace& place : group.columns) out[map.index(place)] = 1;
   }
-  return core;
+  return out;
 }
 
-std::vector<std::uint8_t> mark_holes(const ColumnMap& map) {
-  std::vector<std::uint8_t> holes(map.columns.size(), 0);
-  for (const ColumnGroup& group : group_columns(map, ColumnState::through)) {
-    if (group.reaches_air) continue;
-    for (const ColumnPlace& place : group.columns) holes[map.index(place)] = 1;
+/// Whether a group of unreamed bone is a core that projects from the face, which surrounds it.
+bool is_core(const ColumnMap& map, const ReamedFace& face, double voxel_mm, const ColumnGroup& group) {
+  if (!face.plane || group.reaches_air || group.reaches_through) return false;
+  std::vector<double> heights;
+  for (const ColumnPlace& place : group.columns) {
+    heights.push_back(face.height_mm(map.in_bone(place, map.at(place).after_mm)));
   }
-  return holes;
+  return mean(heights) >= voxel_mm;
 }
 
 std::vector<FootprintColumn> footprint_of(const ColumnMap& map, const ImplantShape& shape, double voxel_mm) {
   const ReamedFace face = find_face(map, voxel_mm);
-  const std::vector<std::uint8_t> holes = mark_holes(map);
+  const std::vector<std::uint8_t> holes =
+      mark_groups(map, ColumnState::through, [](const ColumnGroup& group) { return !group.reaches_air; });
   std::vector<FootprintColumn> out;
   const auto add = [&](const ColumnPlace& place, double weight) {
     const auto back_mm = shape.back_mm(map.center_mm(place));
@@ -183,11 +167,12 @@ std::vector<FootprintColumn> footprint_of(const ColumnMap& map, const ImplantSha
     for (const ColumnPlace& place : face.columns) add(place, 1);
     return out;
   }
-  const std::vector<std::uint8_t> core = mark_core(map, face, voxel_mm);
-  const auto is_core = [&](const ColumnPlace& place) { return core[map.index(place)] != 0; };
+  const std::vector<std::uint8_t> core = mark_groups(
+      map, ColumnState::bone, [&](const ColumnGroup& group) { return is_core(map, face, voxel_mm, group); });
+  const auto in_core = [&](const ColumnPlace& place) { return core[map.index(place)] != 0; };
   const int edge = face_edge_columns(map, voxel_mm);
   map.for_each([&](const ColumnPlace& place) {
-    if (!any_nearby(map, place, edge, is_core)) {
+    if (!any_nearby(map, place, edge, in_core)) {
       add(place, shape.covered_fraction(map.center_mm(place), map.pitch_mm));
     }
   });
@@ -256,13 +241,8 @@ std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& 
 
 Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, const ImplantSettings& settings,
                         double dense_g_cm3) {
-  double footprint = 0;  // sums of columns
-  double covered = 0;
-  double overhang = 0;
-  double seated = 0;
-  double gaps_mm = 0;
-  double bone_mm = 0;
-  double dense_mm = 0;
+  double footprint = 0, covered = 0, overhang = 0, seated = 0;  // sums of columns
+  double gaps_mm = 0, bone_mm = 0, dense_mm = 0;
   Seating out;
   ColumnBone below(bone, implant.map, dense_g_cm3);
   for (const FootprintColumn& column : implant.footprint) {

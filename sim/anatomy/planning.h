@@ -22,10 +22,6 @@ struct PegWall {
   std::optional<double> least_wall_mm;
 };
 
-/// One result per peg of the settings, in their order. Precision: see docs/metrics.md.
-std::vector<PegWall> measure_pegs(const ReamedBone& bone, const SeatedImplant& implant, const ImplantShape& shape,
-                                  const ImplantSettings& settings);
-
 /// Remaining bone of the vault under the footprint of an implant. The vault reaches ImplantSettings::vault_depth_mm
 /// below the unreamed surface, along the axis of the implant, and ends at the first air. Holes for pegs are not
 /// subtracted.

@@ -96,10 +96,6 @@ Perforation find_perforation(const ColumnMap& map, double voxel_mm) {
 
 namespace {
 
-double degrees(double radians) {
-  return radians * 180 / std::numbers::pi;
-}
-
 std::optional<AxialDepth> measure_depth(const ColumnMap& map) {
   std::vector<double> depths;
   for (const Column& column : map.columns) {
@@ -115,7 +111,7 @@ std::optional<AxialDepth> measure_depth(const ColumnMap& map) {
 }
 
 double angle_deg(const Vec3& a, const Vec3& b) {
-  return degrees(std::atan2(a.cross(b).norm(), a.dot(b)));
+  return degrees_of(std::atan2(a.cross(b).norm(), a.dot(b)));
 }
 
 std::optional<PlaneOrientation> orientation_of_planes(const ReamedFace& face, const BoneAxes& axes) {
@@ -127,27 +123,19 @@ std::optional<PlaneOrientation> orientation_of_planes(const ReamedFace& face, co
     out.before = face_angles(before, *axes.scapula);
     out.after = face_angles(after, *axes.scapula);
   }
-  const auto& known = axes.scapula ? axes.scapula : axes.glenoid;
+  const auto& known = axes.known();
   if (known) out.change = face_angles(after, *known) - face_angles(before, *known);
   out.turned_deg = angle_deg(before, after);
   return out;
 }
 
-Measured<FaceAngles> angles_of(const Measured<FaceAxis>& axis, const std::optional<ScapularAxes>& frame,
-                               const char* without_frame) {
-  if (!axis.value) return {.value = {}, .reason = axis.reason};
-  if (!frame) return {.value = {}, .reason = without_frame};
-  return {.value = face_angles(axis.value->direction, *frame), .reason = ""};
-}
-
 FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& face, const Vec3& reamer,
                                     const BoneAxes& axes) {
-  constexpr const char* kNoScapula = "the scapular frame is unknown: set bone.glenoid.landmarks";
   FaceOrientation out;
-  out.native = angles_of(line.native, axes.scapula, kNoScapula);
-  out.reamed = angles_of(line.reamed, axes.scapula, kNoScapula);
+  out.native = angles_of(line.native, axes.scapula, kNoScapularFrame);
+  out.reamed = angles_of(line.reamed, axes.scapula, kNoScapularFrame);
   if (axes.scapula) out.reamer = face_angles(reamer, *axes.scapula);
-  const auto& known = axes.scapula ? axes.scapula : axes.glenoid;
+  const auto& known = axes.known();
   const auto native = angles_of(line.native, known, "neither a scapular nor a glenoid frame is defined");
   const auto reamed = angles_of(line.reamed, known, "");
   const double fraction = line.reamed_fraction.value.value_or(0);
