@@ -13,7 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/record/snapshot.h"
 #include "sim/scene/contact_forecast.h"
-#include "sim/tool/envelope.h"
+#include "sim/tool/profile.h"
 
 namespace reamsim {
 

@@ -10,6 +10,8 @@
 #include <span>
 #include <utility>
 
+#include "sim/bone/implicit.h"
+
 namespace reamsim {
 
 namespace {
@@ -103,10 +105,6 @@ std::size_t longest_arc(std::span<const Vec2> row, std::size_t first) {
   return count;
 }
 
-double sagitta(double curvature, double chord) {
-  return std::abs(curvature) * chord * chord / 8;
-}
-
 }  // namespace
 
 double angle_between(const Vec2& a, const Vec2& b) {
@@ -139,8 +137,9 @@ Outline fit_outline(const Profile& profile) {
       }
       out.arcs.push_back(*arc_through(std::span(row).subspan(i, count)));
       for (std::size_t k = i; k + 1 < i + count; ++k) {
-        out.bulge_mm =
-            std::max(out.bulge_mm, kOnArcMm + sagitta(out.arcs.back().curvature, (row[k + 1] - row[k]).norm()));
+        const double chord_mm = (row[k + 1] - row[k]).norm();
+        const double sagitta_mm = std::abs(out.arcs.back().curvature) * chord_mm * chord_mm / 8;
+        out.bulge_mm = std::max(out.bulge_mm, kOnArcMm + sagitta_mm);
       }
       i += count - 1;
     }
@@ -154,13 +153,6 @@ double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-double distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 along = b - a;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (p - a - t * along).norm();
-}
-
 /// Marks the points of points[first…last] to keep, without the ends.
 void mark_kept(const std::vector<Vec2>& points, std::size_t first, std::size_t last, double tolerance,
                std::vector<bool>& keep) {
@@ -171,7 +163,7 @@ void mark_kept(const std::vector<Vec2>& points, std::size_t first, std::size_t l
     double farthest = tolerance;
     std::size_t split = 0;
     for (std::size_t i = a + 1; i < b; ++i) {
-      const double d = distance_to_segment(points[i], points[a], points[b]);
+      const double d = implicit::distance_to_segment(points[i], points[a], points[b]);
       if (d > farthest) {
         farthest = d;
         split = i;

@@ -10,8 +10,6 @@
 #include <numbers>
 #include <utility>
 
-#include "sim/tool/envelope.h"
-
 namespace reamsim {
 
 namespace {
@@ -142,9 +140,19 @@ double radius_of(const Vec3& p) {
 class Rings {
  public:
   explicit Rings(const TriangleMesh& mesh) {
-    for (const Vec3& p : mesh.vertices) ring_of_.push_back(find_or_add({radius_of(p), p.z()}));
-    for (std::size_t i = 0; i < sums_.size(); ++i) {
-      Vec2 mean = sums_[i] / counts_[i];
+    std::vector<Vec2> sums;
+    std::vector<double> counts;
+    for (const Vec3& p : mesh.vertices) {
+      const Vec2 rz(radius_of(p), p.z());
+      const std::size_t ring = find_or_add(rz);
+      ring_of_.push_back(ring);
+      sums.resize(firsts_.size(), Vec2::Zero());
+      counts.resize(firsts_.size());
+      sums[ring] += rz;
+      counts[ring] += 1;
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      Vec2 mean = sums[i] / counts[i];
       if (mean.x() < kRingMm) mean.x() = 0;
       means_.push_back(mean);
     }
@@ -160,24 +168,15 @@ class Rings {
       for (long dj = -1; dj <= 1; ++dj) {
         const auto [first, last] = first_in_cell_.equal_range({i + di, j + dj});
         for (auto it = first; it != last; ++it)
-          if ((firsts_[it->second] - rz).norm() <= kRingMm) return add_to(it->second, rz);
+          if ((firsts_[it->second] - rz).norm() <= kRingMm) return it->second;
       }
+    first_in_cell_.emplace(Cell{i, j}, firsts_.size());
     firsts_.push_back(rz);
-    sums_.push_back(Vec2::Zero());
-    counts_.push_back(0);
-    first_in_cell_.emplace(Cell{i, j}, firsts_.size() - 1);
-    return add_to(firsts_.size() - 1, rz);
-  }
-
-  std::size_t add_to(std::size_t ring, const Vec2& rz) {
-    sums_[ring] += rz;
-    counts_[ring] += 1;
-    return ring;
+    return firsts_.size() - 1;
   }
 
   std::vector<std::size_t> ring_of_;
-  std::vector<Vec2> firsts_, sums_, means_;
-  std::vector<double> counts_;
+  std::vector<Vec2> firsts_, means_;
   std::multimap<Cell, std::size_t> first_in_cell_;
 };
 
@@ -203,10 +202,8 @@ std::optional<Links> link_rings(const TriangleMesh& mesh, const Rings& rings) {
     const std::size_t a = rings.of(t[0]), b = rings.of(t[1]), c = rings.of(t[2]);
     if (a != b && b != c && c != a) return std::nullopt;
     if (!link(links, a, b) || !link(links, b, c) || !link(links, c, a)) return std::nullopt;
-    for (std::size_t k = 0; k < 3; ++k)
-      if (!edge_is_fine(mesh.vertices[static_cast<std::size_t>(t[k])],
-                        mesh.vertices[static_cast<std::size_t>(t[(k + 1) % 3])]))
-        return std::nullopt;
+    const auto [p, q, r] = mesh.corners(t);
+    if (!edge_is_fine(p, q) || !edge_is_fine(q, r) || !edge_is_fine(r, p)) return std::nullopt;
   }
   return links;
 }

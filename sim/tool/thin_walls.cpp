@@ -21,6 +21,11 @@ namespace {
 
 /// Offset of a ray's origin below the surface, as a fraction of its length, so that it does not hit its own face.
 constexpr double kSkin = 1e-3;
+/// Largest angle between the faces of a wall, 30° in rad. Sharp edges do not count: at their tip the error of one plane
+/// per voxel is of the order of the square of the voxel.
+constexpr double kWallAngle = 0.5235987756;
+/// Thinner walls cause a warning, voxels: one plane per voxel cannot represent both faces.
+constexpr double kThinWallVoxels = 2;
 
 using Triangle = std::array<Vec3, 3>;
 
@@ -97,9 +102,8 @@ Vec3 normal_of(const Triangle& t) {
 
 std::vector<Triangle> triangles_of(const TriangleMesh& mesh) {
   std::vector<Triangle> out;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Triangle t{mesh.vertices[static_cast<std::size_t>(a)], mesh.vertices[static_cast<std::size_t>(b)],
-                     mesh.vertices[static_cast<std::size_t>(c)]};
+  for (const auto& triangle : mesh.triangles) {
+    const Triangle t = mesh.corners(triangle);
     if (normal_of(t).norm() > 0.5) out.push_back(t);  // no area, no normal
   }
   return out;
@@ -222,13 +226,9 @@ void report_volume(const DistanceGrid& grid, Diagnostics& report) {
 
 }  // namespace
 
-bool has_resolved_teeth(const Tool& tool, const ToolSettings& settings) {
-  return settings.spin == ToolSpin::resolved && !tool.revolved;
-}
-
 void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes,
                       Diagnostics& report) {
-  const bool teeth = has_resolved_teeth(tool, settings);
+  const bool teeth = settings.spin == ToolSpin::resolved && !tool.revolved;
   warn_of_thin_walls(tool, teeth, voxel_mm, report);
   if (!teeth) {
     if (settings.spin == ToolSpin::resolved)

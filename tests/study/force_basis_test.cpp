@@ -7,7 +7,7 @@
 #include "sim/record/force_basis_file.h"
 #include "sim/scenario/presets.h"
 #include "sim/tool/distance_grid.h"
-#include "sim/tool/envelope.h"
+#include "sim/tool/profile.h"
 #include "tests/study/basis_scene.h"
 #include "tests/support/gear_mesh.h"
 
