@@ -29,10 +29,6 @@ constexpr double kMinCentroid = 0.05;
 /// A smaller component of a direction is not significant (about 6°).
 constexpr double kMinComponent = 0.1;
 
-bool is_bone(const Voxmap& voxmap, const Vec3i& voxel) {
-  return voxmap.grid.contains(voxel) && voxmap.grade.get(voxel) != 0;
-}
-
 /// The stored bricks and lower bounds of their distance from a point, the nearest first.
 std::vector<std::pair<double, Vec3i>> bricks_by_distance(const Voxmap& voxmap, const Vec3& point_mm) {
   const double side_mm = BrickLattice::kSide * voxmap.grid.voxel_mm;
@@ -91,7 +87,7 @@ std::optional<NearestSurface> nearest_surface(const Voxmap& voxmap, const Vec3& 
     }
   }
   if (!std::isfinite(out.distance_mm)) return std::nullopt;
-  out.inside = is_bone(voxmap, grid.voxel_of(point_mm));
+  out.inside = voxmap.is_bone(grid.voxel_of(point_mm));
   return out;
 }
 
@@ -145,7 +141,7 @@ void check_anatomy(const Bone& bone, const FrameKeys& keys, Diagnostics& report)
 bool has_air_beside(const Voxmap& voxmap, const Vec3i& voxel) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const int step : {-1, 1}) {
-      if (!is_bone(voxmap, voxel + step * Vec3i::Unit(axis))) return true;
+      if (!voxmap.is_bone(voxel + step * Vec3i::Unit(axis))) return true;
     }
   }
   return false;
@@ -160,7 +156,7 @@ NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& n
   std::int64_t ahead = 0, behind = 0;
   for_each_voxel(Vec3i::Constant(-reach), Vec3i::Constant(reach), [&](const Vec3i& sample) {
     const Vec3 offset = step_mm * sample.cast<double>();
-    if (offset.norm() > radius_mm || !is_bone(voxmap, voxmap.grid.voxel_of(point_mm + offset))) return;
+    if (offset.norm() > radius_mm || !voxmap.is_bone(voxmap.grid.voxel_of(point_mm + offset))) return;
     (offset.dot(normal) > 0 ? ahead : behind) += 1;
     sum += offset;
   });

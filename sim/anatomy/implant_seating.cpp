@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/anatomy/implant_seating.h"
+#include "sim/anatomy/planning.h"
 
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "sim/anatomy/face_surface.h"
 #include "sim/base/statistics.h"
 #include "sim/bone/implicit.h"
 
@@ -65,7 +64,7 @@ std::optional<double> ImplantShape::back_mm(const Vec2& place) const {
 double ImplantShape::level_mm(const Vec2& place) const {
   const auto on_back = [&](double scale) { return covers(scale * place) && back_mm(scale * place).has_value(); };
   if (on_back(1)) return *back_mm(place);
-  return back_mm(implicit::bisect(0, 1, 20, on_back) * place).value_or(0);
+  return back_mm(implicit::bisect(0, 1, 20, on_back).inside * place).value_or(0);
 }
 
 bool ImplantShape::covers(const Vec2& place) const {

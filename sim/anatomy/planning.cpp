@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/anatomy/column_map.h"
 #include "sim/base/parallel.h"
+#include "sim/bone/implicit.h"
 
 namespace reamsim {
 
@@ -59,7 +59,8 @@ class BoneAround {
     for (double along_mm = step_mm; along_mm < last_mm; along_mm += step_mm) {
       const bool is_in_bone = in_bone(from + along_mm * direction);
       if (was_in_bone && !is_in_bone) {
-        const double surface_mm = surface_between(from, direction, along_mm - step_mm, along_mm);
+        const auto inside = [&](double mm) { return in_bone(from + mm * direction); };
+        const double surface_mm = implicit::bisect(along_mm - step_mm, along_mm, kHalvings, inside).middle();
         if (!is_face(from + surface_mm * direction)) return std::min(surface_mm, most_mm);
       }
       was_in_bone = is_in_bone;
@@ -68,14 +69,6 @@ class BoneAround {
   }
 
  private:
-  [[nodiscard]] double surface_between(const Vec3& from, const Vec3& direction, double bone_mm, double air_mm) {
-    for (int i = 0; i < kHalvings; ++i) {
-      const double middle_mm = 0.5 * (bone_mm + air_mm);
-      (in_bone(from + middle_mm * direction) ? bone_mm : air_mm) = middle_mm;
-    }
-    return 0.5 * (bone_mm + air_mm);
-  }
-
   /// Whether a point of the surface belongs to the face: above the back, in the gap below the footprint, or beside the
   /// footprint and facing as the implant does.
   [[nodiscard]] bool is_face(const Vec3& surface) {

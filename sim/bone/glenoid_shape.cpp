@@ -56,10 +56,11 @@ void GlenoidFace::wear_concentrically(const PhantomSettings& settings) {
 
 /// Distance of the nominal outline from the centre in a direction of the face.
 double GlenoidFace::outline_mm(double superior, double anterior) const {
-  return implicit::bisect(0, height_mm_, 60, [&](double at_mm) {
+  const auto inside = [&](double at_mm) {
     return implicit::pear(at_mm * anterior, at_mm * superior, half_width_mm_ - height_mm_ / 2, half_width_mm_,
                           height_mm_ / 2 - kUpperRadiusRatio * half_width_mm_, kUpperRadiusRatio * half_width_mm_) < 0;
-  });
+  };
+  return implicit::bisect(0, height_mm_, 60, inside).inside;
 }
 
 /// The ball of the humeral head passes through ridge and rim of the neoglenoid, in the plane of the native axis and the
@@ -253,10 +254,11 @@ std::vector<Vec3> GlenoidShape::rim_where(const std::function<double(const Vec3&
       const auto at = [&](double from_axis_mm) {
         return face_.at(from_axis_mm * std::sin(angle), from_axis_mm * std::cos(angle), below_mm);
       };
-      point = at(implicit::bisect(0, height_mm_, 50, [&](double from_axis_mm) {
+      const auto in_wall = [&](double from_axis_mm) {
         const std::optional<Vec3> tried = at(from_axis_mm);
         return tried && vault(in_face(*tried)) < -below_mm;
-      }));
+      };
+      point = at(implicit::bisect(0, height_mm_, 50, in_wall).inside);
       if (!point) break;
       below_mm = rounding_mm(*point);
     }

@@ -71,14 +71,20 @@ inline double polygon(const Vec2& point, const std::vector<Vec2>& corners) {
   return (inside ? -1 : 1) * std::sqrt(nearest2);
 }
 
-/// The last argument inside after `steps` halvings of the interval between one inside and one outside.
+/// The last arguments inside and outside after `steps` halvings of the interval between them.
+struct Bracket {
+  double inside;
+  double outside;
+
+  [[nodiscard]] double middle() const { return 0.5 * (inside + outside); }
+};
 template <class Inside>
-double bisect(double inside, double outside, int steps, const Inside& is_inside) {
+Bracket bisect(double inside, double outside, int steps, const Inside& is_inside) {
   for (int i = 0; i < steps; ++i) {
     const double middle = (inside + outside) / 2;
     (is_inside(middle) ? inside : outside) = middle;
   }
-  return inside;
+  return {inside, outside};
 }
 
 }  // namespace reamsim::implicit

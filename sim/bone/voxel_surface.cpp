@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "kernels/cube_fraction.h"
+#include "sim/bone/implicit.h"
 
 namespace reamsim {
 
@@ -33,13 +34,10 @@ Vec3 fraction_gradient(const BoneView& bone, const Vec3i& voxel) {
 /// Distance of the plane from the centre of a unit cube of which it leaves `fraction` on its inner side.
 double plane_offset(const Vec3& normal, double fraction) {
   const float n[3] = {static_cast<float>(normal.x()), static_cast<float>(normal.y()), static_cast<float>(normal.z())};
-  double low = -RS_CLIP_REACH, high = RS_CLIP_REACH;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (low + high);
-    const double inside = 1 - double{rs_outside_fraction(n, static_cast<float>(-middle))};
-    (inside < fraction ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  const auto leaves_less = [&](double offset) {
+    return 1 - double{rs_outside_fraction(n, static_cast<float>(-offset))} < fraction;
+  };
+  return implicit::bisect(-RS_CLIP_REACH, RS_CLIP_REACH, kHalvings, leaves_less).middle();
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ struct VoxelPlane {
 
 /// The remaining fraction of a voxel, 0…1; 0 in air and outside the lattice.
 inline double bone_fraction(const BoneView& bone, const Vec3i& voxel) {
-  if (!bone.voxmap.grid.contains(voxel) || bone.voxmap.grade.get(voxel) == 0) return 0;
+  if (!bone.voxmap.is_bone(voxel)) return 0;
   return static_cast<double>(bone.fill.get(voxel)) / FillBricks::kWhole;
 }
 

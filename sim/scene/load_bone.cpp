@@ -28,7 +28,7 @@ bool has_surface_near(const Voxmap& voxmap, const Vec3& point_mm, double within_
   bool air = false;
   for_each_voxel(first, last, [&](const Vec3i& voxel) {
     if (bone && air) return;
-    (grid.contains(voxel) && voxmap.grade.get(voxel) != 0 ? bone : air) = true;
+    (voxmap.is_bone(voxel) ? bone : air) = true;
   });
   return bone && air;
 }

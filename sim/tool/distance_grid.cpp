@@ -26,6 +26,7 @@ static_assert(Leaf::DIM == kSide && BrickLattice::kSide == kSide);
 /// (RS_GRID_STEEPEST) times the half voxel of motion within a window, and an allowance for rounding.
 constexpr double kBandVoxels = 0.91 + 0.87 + 0.07;
 constexpr double kHalfDiagonalCells = 0.8660254;
+constexpr double kFar = std::numeric_limits<double>::infinity();
 
 /// Host memory per sample of the band in OpenVDB: distance, index of the nearest triangle, and copies.
 constexpr double kWorkingBytesPerSample = 13;
@@ -222,12 +223,6 @@ void require_room_for_grid(double need_bytes, double have_bytes, double voxel_mm
   const std::string fit = fmt::format("use voxels of about {:.3g} mm, or tool.spin: envelope", fitting_mm);
   throw InputError({}, "bone.voxel_mm", text, fit);
 }
-
-namespace {
-
-constexpr double kFar = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 double DistanceTable::at(const Vec2& rz) const {
   const double r = (rz.x() - first.x()) / pitch_mm, z = (rz.y() - first.y()) / pitch_mm;

@@ -186,12 +186,8 @@ class Lattice {
   /// The crossing of the outline between rows j and j + 1 of column i.
   [[nodiscard]] Vec2 crossing_along_column(int i, int j) const {
     const bool inside_below = inside(i, j);
-    double below = z(j), above = z(j + 1);
-    for (int k = 0; k < kBisections; ++k) {
-      const double middle = 0.5 * (below + above);
-      (occupied(section_.at(middle), r(i)) == inside_below ? below : above) = middle;
-    }
-    return {r(i), 0.5 * (below + above)};
+    const auto as_below = [&](double z_mm) { return occupied(section_.at(z_mm), r(i)) == inside_below; };
+    return {r(i), implicit::bisect(z(j), z(j + 1), kBisections, as_below).middle()};
   }
 
  private:

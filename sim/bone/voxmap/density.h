@@ -30,6 +30,8 @@ struct DensityMapping {
   [[nodiscard]] double hu_from_density(double density_g_cm3) const {
     return (density_g_cm3 * ash_fraction - ash_offset_g_cm3) / ash_slope_g_cm3_per_hu;
   }
+  /// The radiodensity of the densest bone that a grade holds.
+  [[nodiscard]] double limit_hu() const { return hu_from_density(kMaxDensity_g_cm3); }
   [[nodiscard]] static std::uint8_t grade_from_density(double density_g_cm3) {
     return static_cast<std::uint8_t>(std::clamp(std::lround(density_g_cm3 / kGradeStep_g_cm3), 1L, long{kMaxGrade}));
   }
@@ -39,7 +41,7 @@ struct DensityMapping {
 /// Measures how much bone of a scan is denser than a grade can hold.
 class DensityLimit {
  public:
-  explicit DensityLimit(const DensityMapping& mapping);
+  explicit DensityLimit(const DensityMapping& mapping) : limit_hu_(mapping.limit_hu()) {}
 
   /// Adds the bone of a voxel.
   void add(double hu, double mm3);

@@ -35,6 +35,9 @@ struct Voxmap {
   Voxmap() = default;
   /// All air.
   explicit Voxmap(const VoxelGrid& lattice) : grid(lattice), grade(lattice.dims) {}
+
+  /// False outside the lattice.
+  [[nodiscard]] bool is_bone(const Vec3i& voxel) const { return grid.contains(voxel) && grade.get(voxel) != 0; }
 };
 
 /// A bone for reading: its voxmap, and the current fill of each voxel. Both must outlive the view.
