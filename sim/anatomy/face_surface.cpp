@@ -170,6 +170,22 @@ double hidden_curvature_rad(const FaceSurface& surface, const Vec3& point) {
   return surface.rms_mm / (kDisc * squares) * (away - away.dot(plane.normal) * plane.normal).norm();
 }
 
+/// Adds the neighbours of `place` that have the group's state, and records which other states it touches.
+void visit_neighbours(const ColumnMap& map, ColumnState state, const ColumnPlace& place, ColumnGroup& group,
+                      std::vector<std::uint8_t>& seen) {
+  for (int dj = -1; dj <= 1; ++dj) {
+    for (int di = -1; di <= 1; ++di) {
+      const ColumnPlace next = place + ColumnPlace(di, dj);
+      const bool outside = !map.contains(next);
+      const ColumnState there = outside ? ColumnState::air : map.at(next).state;
+      group.reaches_air |= there == ColumnState::air;
+      group.reaches_through |= there == ColumnState::through;
+      if (outside || there != state || std::exchange(seen[map.index(next)], true)) continue;
+      group.columns.push_back(next);
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<PlaneFit> fit_plane(const std::vector<Vec3>& points, const Vec3& outward) {
@@ -262,26 +278,6 @@ std::optional<Vec3> meeting_point(const FaceSurface& surface, const Vec3& on_lin
   const Vec3& middle = surface.plane.point_mm;
   return (near - middle).norm() <= (far - middle).norm() ? near : far;
 }
-
-namespace {
-
-/// Adds the neighbours of `place` that have the group's state, and records which other states it touches.
-void visit_neighbours(const ColumnMap& map, ColumnState state, const ColumnPlace& place, ColumnGroup& group,
-                      std::vector<std::uint8_t>& seen) {
-  for (int dj = -1; dj <= 1; ++dj) {
-    for (int di = -1; di <= 1; ++di) {
-      const ColumnPlace next = place + ColumnPlace(di, dj);
-      const bool outside = !map.contains(next);
-      const ColumnState there = outside ? ColumnState::air : map.at(next).state;
-      group.reaches_air |= there == ColumnState::air;
-      group.reaches_through |= there == ColumnState::through;
-      if (outside || there != state || std::exchange(seen[map.index(next)], true)) continue;
-      group.columns.push_back(next);
-    }
-  }
-}
-
-}  // namespace
 
 double ReamedFace::height_mm(const Vec3& point) const {
   if (!spherical) return plane->distance_mm(point);

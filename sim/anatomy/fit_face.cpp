@@ -72,22 +72,6 @@ Vec2 corner_of(const Profile& profile) {
   return *std::ranges::max_element(profile, {}, [](const Vec2& p) { return p.sum(); });
 }
 
-}  // namespace
-
-RimWalk walk_to_rim(const BoneProbe& probe, const Rigid& bone_from_face, int directions) {
-  RimWalk out{.rim_mm = {}, .directions = directions};
-  for (int k = 0; k < directions; ++k) {
-    const double angle = 2 * std::numbers::pi * k / directions;
-    const auto profile = profile_of(probe, bone_from_face, angle);
-    if (!profile) continue;
-    const Vec2 corner = corner_of(*profile);
-    if (corner.x() > 0) out.rim_mm.emplace_back(corner.x() * std::cos(angle), corner.x() * std::sin(angle), corner.y());
-  }
-  return out;
-}
-
-namespace {
-
 constexpr double kRest_mm = 0.01, kRest_rad = 1e-4;
 constexpr double kMargin_mm = 2.5;  // from the rim, where it is rounded; at most a quarter of the radius
 constexpr double kGrid_mm = 1;      // of the points of the face
@@ -174,52 +158,6 @@ bool fit_step(const BoneProbe& probe, int directions, FittedFace& face, Vec2& mo
   face.bone_from_face = frame_at(center, *normal);
   return true;
 }
-
-}  // namespace
-
-Rigid frame_at(const Vec3& origin_mm, const Vec3& outward) {
-  Rigid out;
-  const Vec3 x = outward.unitOrthogonal();
-  out.linear() << x, outward.cross(x), outward;
-  out.translation() = origin_mm;
-  return out;
-}
-
-std::optional<FittedFace> fit_face(const BoneProbe& probe, const Rigid& start, const FitEffort& effort) {
-  FittedFace face;
-  face.bone_from_face = start;
-  Vec2 moved = Vec2::Zero();
-  for (int turn = 0; turn < effort.turns; ++turn) {
-    if (!fit_step(probe, effort.directions, face, moved)) return std::nullopt;
-    if (moved.x() < kRest_mm && moved.y() < kRest_rad) break;
-  }
-  return face;
-}
-
-std::vector<FittedFace> fit_all(std::size_t count, const std::function<std::optional<FittedFace>(std::size_t)>& fit) {
-  std::vector<std::optional<FittedFace>> found(count);
-  parallel_items(count, [&](std::size_t i) { found[i] = fit(i); });
-  std::vector<FittedFace> out;
-  for (auto& face : found) {
-    if (face) out.push_back(std::move(*face));
-  }
-  return out;
-}
-
-double face_score(const FittedFace& face) {
-  constexpr double kRmsWeight = 0.2, kSlimPenalty = 0.3, kRoughPenalty = 0.1;
-  constexpr double kSlimmest = 1.9;  // height over width; 1.3 to 1.5 is usual
-  const double size_mm = face.fit.outline.height_mm;
-  const FaceSurface& surface = face.surface;
-  const bool like_a_head =
-      surface.spherical && !surface.concave && 1 / surface.sphere->radius_mm > kMostConvexity_per_mm;
-  if (size_mm < kLeastHeight_mm || size_mm > kMostHeight_mm || like_a_head) return -1;
-  return face.rim_fraction() - kRmsWeight * face.fit.rms_mm -
-         (size_mm > kSlimmest * 2 * face.fit.outline.radius_mm ? kSlimPenalty : 0) -
-         (face.normal == FaceNormal::rim ? kRoughPenalty : 0);
-}
-
-namespace {
 
 constexpr std::size_t kLeastPoints = 12;
 constexpr double kLeastRatio = 0.5, kMostRatio = 0.95;
@@ -315,6 +253,60 @@ PearOutline first_outline(const std::vector<Vec2>& points, bool reversed) {
 }
 
 }  // namespace
+
+RimWalk walk_to_rim(const BoneProbe& probe, const Rigid& bone_from_face, int directions) {
+  RimWalk out{.rim_mm = {}, .directions = directions};
+  for (int k = 0; k < directions; ++k) {
+    const double angle = 2 * std::numbers::pi * k / directions;
+    const auto profile = profile_of(probe, bone_from_face, angle);
+    if (!profile) continue;
+    const Vec2 corner = corner_of(*profile);
+    if (corner.x() > 0) out.rim_mm.emplace_back(corner.x() * std::cos(angle), corner.x() * std::sin(angle), corner.y());
+  }
+  return out;
+}
+
+Rigid frame_at(const Vec3& origin_mm, const Vec3& outward) {
+  Rigid out;
+  const Vec3 x = outward.unitOrthogonal();
+  out.linear() << x, outward.cross(x), outward;
+  out.translation() = origin_mm;
+  return out;
+}
+
+std::optional<FittedFace> fit_face(const BoneProbe& probe, const Rigid& start, const FitEffort& effort) {
+  FittedFace face;
+  face.bone_from_face = start;
+  Vec2 moved = Vec2::Zero();
+  for (int turn = 0; turn < effort.turns; ++turn) {
+    if (!fit_step(probe, effort.directions, face, moved)) return std::nullopt;
+    if (moved.x() < kRest_mm && moved.y() < kRest_rad) break;
+  }
+  return face;
+}
+
+std::vector<FittedFace> fit_all(std::size_t count, const std::function<std::optional<FittedFace>(std::size_t)>& fit) {
+  std::vector<std::optional<FittedFace>> found(count);
+  parallel_items(count, [&](std::size_t i) { found[i] = fit(i); });
+  std::vector<FittedFace> out;
+  for (auto& face : found) {
+    if (face) out.push_back(std::move(*face));
+  }
+  return out;
+}
+
+double face_score(const FittedFace& face) {
+  constexpr double kRmsWeight = 0.2, kSlimPenalty = 0.3, kRoughPenalty = 0.1;
+  constexpr double kSlimmest = 1.9;  // height over width; 1.3 to 1.5 is usual
+  const double size_mm = face.fit.outline.height_mm;
+  const FaceSurface& surface = face.surface;
+  const bool like_a_head =
+      surface.spherical && !surface.concave && 1 / surface.sphere->radius_mm > kMostConvexity_per_mm;
+  if (size_mm < kLeastHeight_mm || size_mm > kMostHeight_mm || like_a_head) return -1;
+  return face.rim_fraction() - kRmsWeight * face.fit.rms_mm -
+         (size_mm > kSlimmest * 2 * face.fit.outline.radius_mm ? kSlimPenalty : 0) -
+         (face.normal == FaceNormal::rim ? kRoughPenalty : 0);
+}
 
 double PearOutline::distance_mm(const Vec2& point_mm) const {
   const Vec2 from = point_mm - center_mm;

@@ -100,65 +100,6 @@ class FaceGrid {
   std::vector<std::optional<SurfaceColumn>> cells_;
 };
 
-}  // namespace
-
-std::optional<FaceOutline> FaceOutline::of(const std::vector<Vec3>& rim_mm, const Vec3& outward) {
-  const std::optional<PlaneFit> plane = fit_plane(rim_mm, outward);
-  if (!plane) return std::nullopt;
-  FaceOutline out;
-  const Vec3 across = plane->normal.unitOrthogonal();
-  out.bone_from_outline_.linear() << across, plane->normal.cross(across), plane->normal;
-  out.bone_from_outline_.translation() = plane->point_mm;
-  const auto set_corners = [&] {
-    out.corners_mm_.clear();
-    out.box_mm_ = Aabb::none();
-    const Rigid outline_from_bone = out.bone_from_outline_.inverse();
-    for (const Vec3& point : rim_mm) {
-      const Vec3 place = outline_from_bone * point;
-      out.corners_mm_.emplace_back(place.head<2>());
-      out.box_mm_.extend(place);
-    }
-  };
-  set_corners();
-  const Vec2 centroid = centroid_of(out.corners_mm_);
-  out.bone_from_outline_.translation() = out.bone_from_outline_ * Vec3(centroid.x(), centroid.y(), 0);
-  set_corners();
-  return out;
-}
-
-double FaceOutline::inside_mm(const Vec2& place) const {
-  double distance = std::numeric_limits<double>::infinity();
-  bool inside = false;
-  for (std::size_t i = 0; i < corners_mm_.size(); ++i) {
-    const Vec2& a = corners_mm_[i];
-    const Vec2& b = corners_mm_[(i + 1) % corners_mm_.size()];
-    distance = std::min(distance, implicit::distance_to_segment(place, a, b));
-    inside ^= (a.y() > place.y()) != (b.y() > place.y()) &&
-              place.x() < a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-  }
-  return inside ? distance : -distance;
-}
-
-NativeFace measure_native_face(const ReamedBone& bone, const FaceOutline& outline) {
-  FaceGrid grid(bone, outline);
-  const double cell_mm2 = grid.pitch_mm() * grid.pitch_mm();
-  const double margin_mm = std::min(kRimMargin_mm, outline.inner_radius_mm() / 4);
-  NativeFace out;
-  FacePoints points{.points_mm = {}, .point_mm2 = cell_mm2, .voxel_mm = bone.voxmap.grid.voxel_mm};
-  grid.for_each([&](int i, int j) {
-    const std::optional<SurfaceColumn>& cell = grid.cell(i, j);
-    if (!cell) return;
-    const double area_mm2 = cell_mm2 * grid.area_ratio(i, j);
-    out.area_mm2 += area_mm2;
-    if (cell->reamed) out.reamed_mm2 += area_mm2;
-    if (outline.inside_mm(grid.place_mm(i, j)) >= margin_mm) points.points_mm.push_back(grid.in_bone(i, j));
-  });
-  out.surface = fit_face(points, outline.bone_from_outline().linear().col(2));
-  return out;
-}
-
-namespace {
-
 constexpr const char* kNoRim =
     "the rim of the face is unknown: set bone.glenoid.rim_mm (glenoid and cup phantoms have their own)";
 
@@ -239,6 +180,61 @@ Measured<double> medialization(const JointLine& line, const ColumnMap& map, cons
 }
 
 }  // namespace
+
+std::optional<FaceOutline> FaceOutline::of(const std::vector<Vec3>& rim_mm, const Vec3& outward) {
+  const std::optional<PlaneFit> plane = fit_plane(rim_mm, outward);
+  if (!plane) return std::nullopt;
+  FaceOutline out;
+  const Vec3 across = plane->normal.unitOrthogonal();
+  out.bone_from_outline_.linear() << across, plane->normal.cross(across), plane->normal;
+  out.bone_from_outline_.translation() = plane->point_mm;
+  const auto set_corners = [&] {
+    out.corners_mm_.clear();
+    out.box_mm_ = Aabb::none();
+    const Rigid outline_from_bone = out.bone_from_outline_.inverse();
+    for (const Vec3& point : rim_mm) {
+      const Vec3 place = outline_from_bone * point;
+      out.corners_mm_.emplace_back(place.head<2>());
+      out.box_mm_.extend(place);
+    }
+  };
+  set_corners();
+  const Vec2 centroid = centroid_of(out.corners_mm_);
+  out.bone_from_outline_.translation() = out.bone_from_outline_ * Vec3(centroid.x(), centroid.y(), 0);
+  set_corners();
+  return out;
+}
+
+double FaceOutline::inside_mm(const Vec2& place) const {
+  double distance = std::numeric_limits<double>::infinity();
+  bool inside = false;
+  for (std::size_t i = 0; i < corners_mm_.size(); ++i) {
+    const Vec2& a = corners_mm_[i];
+    const Vec2& b = corners_mm_[(i + 1) % corners_mm_.size()];
+    distance = std::min(distance, implicit::distance_to_segment(place, a, b));
+    inside ^= (a.y() > place.y()) != (b.y() > place.y()) &&
+              place.x() < a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+  }
+  return inside ? distance : -distance;
+}
+
+NativeFace measure_native_face(const ReamedBone& bone, const FaceOutline& outline) {
+  FaceGrid grid(bone, outline);
+  const double cell_mm2 = grid.pitch_mm() * grid.pitch_mm();
+  const double margin_mm = std::min(kRimMargin_mm, outline.inner_radius_mm() / 4);
+  NativeFace out;
+  FacePoints points{.points_mm = {}, .point_mm2 = cell_mm2, .voxel_mm = bone.voxmap.grid.voxel_mm};
+  grid.for_each([&](int i, int j) {
+    const std::optional<SurfaceColumn>& cell = grid.cell(i, j);
+    if (!cell) return;
+    const double area_mm2 = cell_mm2 * grid.area_ratio(i, j);
+    out.area_mm2 += area_mm2;
+    if (cell->reamed) out.reamed_mm2 += area_mm2;
+    if (outline.inside_mm(grid.place_mm(i, j)) >= margin_mm) points.points_mm.push_back(grid.in_bone(i, j));
+  });
+  out.surface = fit_face(points, outline.bone_from_outline().linear().col(2));
+  return out;
+}
 
 FaceAngles face_angles(const Vec3& direction, const ScapularAxes& axes) {
   constexpr double kDegrees = 180 / std::numbers::pi;

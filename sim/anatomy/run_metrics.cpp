@@ -55,47 +55,6 @@ bool is_at_edge(const ColumnMap& map, const ColumnPlace& place, int reach, doubl
   });
 }
 
-}  // namespace
-
-std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, const ColumnMap& map,
-                                                       const ReamedFace& face, double dense_g_cm3) {
-  if (!face.plane) return std::nullopt;
-  const VoxelGrid& grid = bone.voxmap.grid;
-  const double most_mm = grid.voxel_mm * grid.dims.cast<double>().norm();
-  BoneFractions fractions(bone, dense_g_cm3);
-  std::vector<double> lengths;
-  lengths.reserve(face.columns.size());
-  for (const ColumnPlace& place : face.columns) {
-    const Vec3 point = map.in_bone(place, map.at(place).after_mm);
-    lengths.push_back(dense_length(fractions, point, face.inward(point), grid.voxel_mm, most_mm));
-  }
-  const auto bare = std::count(lengths.begin(), lengths.end(), 0.0);
-  return RemainingDenseBone{.mean_mm = mean(lengths),
-                            .least_mm = *std::min_element(lengths.begin(), lengths.end()),
-                            .p05_mm = quantile(lengths, 0.05),
-                            .exposed_percent = 100 * static_cast<double>(bare) / static_cast<double>(lengths.size())};
-}
-
-Perforation find_perforation(const ColumnMap& map, double voxel_mm) {
-  const int edge = face_edge_columns(map, voxel_mm);
-  Perforation out;
-  for (const ColumnGroup& group : group_columns(map, ColumnState::through)) {
-    const double area_mm2 = static_cast<double>(group.columns.size()) * map.pitch_mm * map.pitch_mm;
-    const bool rim = group.reaches_air ||
-                     std::any_of(group.columns.begin(), group.columns.end(),
-                                 [&](const ColumnPlace& place) { return is_at_edge(map, place, edge, voxel_mm); });
-    if (rim) {
-      out.rim_area_mm2 += area_mm2;
-    } else {
-      out.area_mm2 += area_mm2;
-      ++out.holes;
-    }
-  }
-  return out;
-}
-
-namespace {
-
 std::optional<AxialDepth> measure_depth(const ColumnMap& map) {
   std::vector<double> depths;
   for (const Column& column : map.columns) {
@@ -153,6 +112,43 @@ FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& fac
 }
 
 }  // namespace
+
+std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, const ColumnMap& map,
+                                                       const ReamedFace& face, double dense_g_cm3) {
+  if (!face.plane) return std::nullopt;
+  const VoxelGrid& grid = bone.voxmap.grid;
+  const double most_mm = grid.voxel_mm * grid.dims.cast<double>().norm();
+  BoneFractions fractions(bone, dense_g_cm3);
+  std::vector<double> lengths;
+  lengths.reserve(face.columns.size());
+  for (const ColumnPlace& place : face.columns) {
+    const Vec3 point = map.in_bone(place, map.at(place).after_mm);
+    lengths.push_back(dense_length(fractions, point, face.inward(point), grid.voxel_mm, most_mm));
+  }
+  const auto bare = std::count(lengths.begin(), lengths.end(), 0.0);
+  return RemainingDenseBone{.mean_mm = mean(lengths),
+                            .least_mm = *std::min_element(lengths.begin(), lengths.end()),
+                            .p05_mm = quantile(lengths, 0.05),
+                            .exposed_percent = 100 * static_cast<double>(bare) / static_cast<double>(lengths.size())};
+}
+
+Perforation find_perforation(const ColumnMap& map, double voxel_mm) {
+  const int edge = face_edge_columns(map, voxel_mm);
+  Perforation out;
+  for (const ColumnGroup& group : group_columns(map, ColumnState::through)) {
+    const double area_mm2 = static_cast<double>(group.columns.size()) * map.pitch_mm * map.pitch_mm;
+    const bool rim = group.reaches_air ||
+                     std::any_of(group.columns.begin(), group.columns.end(),
+                                 [&](const ColumnPlace& place) { return is_at_edge(map, place, edge, voxel_mm); });
+    if (rim) {
+      out.rim_area_mm2 += area_mm2;
+    } else {
+      out.area_mm2 += area_mm2;
+      ++out.holes;
+    }
+  }
+  return out;
+}
 
 RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
   const int dense_grade = least_dense_grade(dense_g_cm3);

@@ -49,49 +49,6 @@ void copy_fill_within(const VoxelBox& box, const FillBricks& from, const Vec3i& 
   });
 }
 
-}  // namespace
-
-void Bone::set_voxels(FilledVoxmap&& voxels) {
-  fill = std::move(voxels.fill);
-  voxmap = std::make_shared<Voxmap>(std::move(static_cast<Voxmap&>(voxels)));
-}
-
-FilledVoxmap Bone::copy_voxels() const {
-  FilledVoxmap out;
-  static_cast<Voxmap&>(out) = *voxmap;
-  out.fill = fill;
-  return out;
-}
-
-FilledVoxmap fit_to_bone(const BoneView& bone, int margin_voxels) {
-  const Voxmap& voxmap = bone.voxmap;
-  const VoxelBox extent = bone_extent(voxmap);
-  if (extent.empty()) {
-    throw InputError({}, "bone", "the volume contains no bone", "expected at least one voxel of bone");
-  }
-  const Vec3i shift = extent.first - Vec3i::Constant(margin_voxels);
-  const Vec3i needed = extent.last - extent.first + Vec3i::Constant(1 + 2 * margin_voxels);
-  const Vec3i dims = (needed.array() + (FillBricks::kSide - 1)) / FillBricks::kSide * FillBricks::kSide;
-  const double most_voxels = 2.0 * GradeBricks::kVoxels * static_cast<double>(voxmap.grade.stored_bricks());
-  const Eigen::Array3d size = dims.cast<double>().array();
-  check_lattice("bone", size, voxmap.grid.voxel_mm, {.bone_fraction = most_voxels / size.prod()});
-
-  const VoxelGrid& from = voxmap.grid;
-  FilledVoxmap out;
-  out.grid = {dims, from.voxel_mm, from.origin_mm + from.voxel_mm * shift.cast<double>()};
-  out.grade = sample_bricks(dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
-    return copy_brick(voxmap, shift, brick_coord, brick);
-  });
-  out.fill = FillBricks(dims);
-  copy_fill_within(extent, bone.fill, shift, out.fill);
-  out.mapping = voxmap.mapping;
-  out.layers = voxmap.layers;
-  out.frame = voxmap.frame;
-  return out;
-}
-
-namespace {
-
 /// A drilled cylinder in the frame B.
 struct Hole {
   Vec3 entry_mm;
@@ -153,27 +110,6 @@ int limit_fill(FilledVoxmap& voxmap, const Vec3i& voxel, std::uint16_t most) {
   return before - most;
 }
 
-}  // namespace
-
-double drill_pilot_hole(FilledVoxmap& voxmap, const PilotHoleSettings& settings,
-                        const std::optional<GlenoidFrame>& glenoid, bool partial) {
-  const Hole hole = hole_in_bone(settings, glenoid);
-  const VoxelGrid& grid = voxmap.grid;
-  const Aabb box = hole.bounds_mm();
-  // Clamped as doubles, because a distant entry would overflow an int.
-  const Eigen::Array3d most = grid.dims.cast<double>().array() - 1;
-  const Eigen::Array3d low = ((box.min - grid.origin_mm) / grid.voxel_mm).array().floor().max(0).min(most);
-  const Eigen::Array3d high = ((box.max - grid.origin_mm) / grid.voxel_mm).array().floor().max(0).min(most);
-  std::int64_t drilled = 0;
-  for_each_voxel(low.cast<int>().matrix(), high.cast<int>().matrix(), [&](const Vec3i& voxel) {
-    if (voxmap.grade.get(voxel) == 0) return;
-    drilled += limit_fill(voxmap, voxel, fill_beside(hole, grid, voxel, partial));
-  });
-  return static_cast<double>(drilled) / FillBricks::kWhole * grid.voxel_mm3();
-}
-
-namespace {
-
 /// Directions closer than about half a degree do not determine the third axis.
 constexpr double kMinSine = 0.01;
 
@@ -208,6 +144,62 @@ GlenoidFrame frame_from_landmarks(const LandmarkSettings& marks) {
 }
 
 }  // namespace
+
+void Bone::set_voxels(FilledVoxmap&& voxels) {
+  fill = std::move(voxels.fill);
+  voxmap = std::make_shared<Voxmap>(std::move(static_cast<Voxmap&>(voxels)));
+}
+
+FilledVoxmap Bone::copy_voxels() const {
+  FilledVoxmap out;
+  static_cast<Voxmap&>(out) = *voxmap;
+  out.fill = fill;
+  return out;
+}
+
+FilledVoxmap fit_to_bone(const BoneView& bone, int margin_voxels) {
+  const Voxmap& voxmap = bone.voxmap;
+  const VoxelBox extent = bone_extent(voxmap);
+  if (extent.empty()) {
+    throw InputError({}, "bone", "the volume contains no bone", "expected at least one voxel of bone");
+  }
+  const Vec3i shift = extent.first - Vec3i::Constant(margin_voxels);
+  const Vec3i needed = extent.last - extent.first + Vec3i::Constant(1 + 2 * margin_voxels);
+  const Vec3i dims = (needed.array() + (FillBricks::kSide - 1)) / FillBricks::kSide * FillBricks::kSide;
+  const double most_voxels = 2.0 * GradeBricks::kVoxels * static_cast<double>(voxmap.grade.stored_bricks());
+  const Eigen::Array3d size = dims.cast<double>().array();
+  check_lattice("bone", size, voxmap.grid.voxel_mm, {.bone_fraction = most_voxels / size.prod()});
+
+  const VoxelGrid& from = voxmap.grid;
+  FilledVoxmap out;
+  out.grid = {dims, from.voxel_mm, from.origin_mm + from.voxel_mm * shift.cast<double>()};
+  out.grade = sample_bricks(dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
+    return copy_brick(voxmap, shift, brick_coord, brick);
+  });
+  out.fill = FillBricks(dims);
+  copy_fill_within(extent, bone.fill, shift, out.fill);
+  out.mapping = voxmap.mapping;
+  out.layers = voxmap.layers;
+  out.frame = voxmap.frame;
+  return out;
+}
+
+double drill_pilot_hole(FilledVoxmap& voxmap, const PilotHoleSettings& settings,
+                        const std::optional<GlenoidFrame>& glenoid, bool partial) {
+  const Hole hole = hole_in_bone(settings, glenoid);
+  const VoxelGrid& grid = voxmap.grid;
+  const Aabb box = hole.bounds_mm();
+  // Clamped as doubles, because a distant entry would overflow an int.
+  const Eigen::Array3d most = grid.dims.cast<double>().array() - 1;
+  const Eigen::Array3d low = ((box.min - grid.origin_mm) / grid.voxel_mm).array().floor().max(0).min(most);
+  const Eigen::Array3d high = ((box.max - grid.origin_mm) / grid.voxel_mm).array().floor().max(0).min(most);
+  std::int64_t drilled = 0;
+  for_each_voxel(low.cast<int>().matrix(), high.cast<int>().matrix(), [&](const Vec3i& voxel) {
+    if (voxmap.grade.get(voxel) == 0) return;
+    drilled += limit_fill(voxmap, voxel, fill_beside(hole, grid, voxel, partial));
+  });
+  return static_cast<double>(drilled) / FillBricks::kWhole * grid.voxel_mm3();
+}
 
 ScapularAxes axes_of(const GlenoidFrame& glenoid, BodySide side) {
   const Mat3 axes = glenoid.bone_from_glenoid.linear();

@@ -15,10 +15,23 @@ namespace reamsim {
 
 namespace {
 
+/// Upper radius of the pear-shaped outline over the lower one, which is half the width.
+constexpr double kUpperRadiusRatio = 0.68;
+
 /// Height of a concave sphere above its lowest point, at a distance from its axis.
 double rise_mm(double radius_mm, double from_axis_mm) {
   return radius_mm - std::sqrt(radius_mm * radius_mm - from_axis_mm * from_axis_mm);
 }
+
+using implicit::pear, implicit::polygon, implicit::smooth_intersection, implicit::smooth_union, implicit::smoothstep;
+
+constexpr double kRimBlend_mm = 2.4;       // rounds the rim to a radius of about 1.2 mm
+constexpr double kWornRimBlend_mm = 4;     // for the acute rim of a worn face
+constexpr double kRimLoss_mm = 0.35;       // compensates the loss of outline by the rounding
+constexpr double kStumpLength_mm = 17;     // of blade, border and spine behind the neck
+constexpr double kReferenceWidth_mm = 26;  // the face of the proportions below
+constexpr double kReferenceHeight_mm = 35;
+constexpr double kReferenceVault_mm = 28;
 
 }  // namespace
 
@@ -128,22 +141,6 @@ double GlenoidFace::below_mm(const Vec3& point) const {
   for (const Ball& ball : balls_) out = std::min(out, (point - ball.center_mm).norm() - ball.radius_mm);
   return out;
 }
-
-namespace {
-
-constexpr double kUpperRadiusRatio = GlenoidFace::kUpperRadiusRatio;
-
-using implicit::pear, implicit::polygon, implicit::smooth_intersection, implicit::smooth_union, implicit::smoothstep;
-
-constexpr double kRimBlend_mm = 2.4;       // rounds the rim to a radius of about 1.2 mm
-constexpr double kWornRimBlend_mm = 4;     // for the acute rim of a worn face
-constexpr double kRimLoss_mm = 0.35;       // compensates the loss of outline by the rounding
-constexpr double kStumpLength_mm = 17;     // of blade, border and spine behind the neck
-constexpr double kReferenceWidth_mm = 26;  // the face of the proportions below
-constexpr double kReferenceHeight_mm = 35;
-constexpr double kReferenceVault_mm = 28;
-
-}  // namespace
 
 GlenoidShape::GlenoidShape(const PhantomSettings& settings)
     : face_(settings),

@@ -35,9 +35,6 @@ class GlenoidFace {
     double angle = 0;  ///< between the normals of both parts at the ridge, radians
   };
 
-  /// Upper radius of the pear-shaped outline over the lower one, which is half the width.
-  static constexpr double kUpperRadiusRatio = 0.68;
-
   /// Exact distance below the face, positive into the bone.
   [[nodiscard]] double below_mm(const Vec3& point) const;
   /// The point at a depth below the face, at a position across the native axis; nullopt beside the balls.
@@ -77,11 +74,10 @@ double inclination_of(const Vec3& direction);
 
 /// The parametric glenoid as an implicit solid: a pear-shaped, concave face with an anterior notch and a rounded rim,
 /// the vault that narrows to the neck, and the stumps of coracoid, spine, blade and lateral border. Wear removes bone
-/// from it; a dysplastic glenoid (Walch C) has a rounded posteroinferior rim.
+/// from it; a dysplastic glenoid (Walch C) has a rounded posteroinferior rim. All proportions follow from width, height
+/// and radius of the face and from the depth of the vault.
 ///
-/// Anatomical coordinates of GlenoidFace, mm: (lateral, superior, anterior). On a right bone they are a mirror image of
-/// B, so that one shape describes both sides. All proportions follow from width, height and radius of the face and from
-/// the depth of the vault.
+/// Anatomical coordinates of GlenoidFace. On a right bone they are a mirror image of B.
 class GlenoidShape {
  public:
   explicit GlenoidShape(const PhantomSettings& settings);

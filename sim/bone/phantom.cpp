@@ -28,34 +28,6 @@ bool sample_brick(const VoxelGrid& grid, const DensityField& field, const Vec3i&
   return any;
 }
 
-}  // namespace
-
-DensityMapping mapping_from(const DensitySettings& density) {
-  return {density.ash_slope_g_cm3_per_hu, density.ash_offset_g_cm3, density.ash_fraction};
-}
-
-FilledVoxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& density, const DensityField& field,
-                            const PartialField& partial, const AirTest& all_air) {
-  FilledVoxmap voxmap(grid);
-  voxmap.mapping = mapping_from(density);
-  voxmap.frame = "phantom";
-  const double radius_mm = 0.5 * GradeBricks::kSide * grid.voxel_mm * std::numbers::sqrt3;
-  voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) {
-    const Vec3 center_mm =
-        grid.origin_mm + GradeBricks::kSide * grid.voxel_mm * (coord.cast<double>() + Vec3::Constant(0.5));
-    return !all_air(center_mm, radius_mm) && sample_brick(grid, field, coord, brick);
-  });
-  if (!partial) return voxmap;
-  const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
-    const PartialVoxel found = partial(grid.center_mm(voxel));
-    return {found.fraction, grade != 0 ? grade : DensityMapping::grade_from_density(found.density_g_cm3)};
-  };
-  set_partial_fill(sample, voxmap);
-  return voxmap;
-}
-
-namespace {
-
 // Verification blocks have closed-form surfaces. Lattice planes lie at multiples of the voxel size, so that a top face
 // at z = 0 lies between two layers of voxels. The glenoid frame is at the centre of the top face, +z up.
 
@@ -120,6 +92,30 @@ Bone sphere_phantom(const BoneSettings& settings) {
 }
 
 }  // namespace
+
+DensityMapping mapping_from(const DensitySettings& density) {
+  return {density.ash_slope_g_cm3_per_hu, density.ash_offset_g_cm3, density.ash_fraction};
+}
+
+FilledVoxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& density, const DensityField& field,
+                            const PartialField& partial, const AirTest& all_air) {
+  FilledVoxmap voxmap(grid);
+  voxmap.mapping = mapping_from(density);
+  voxmap.frame = "phantom";
+  const double radius_mm = 0.5 * GradeBricks::kSide * grid.voxel_mm * std::numbers::sqrt3;
+  voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) {
+    const Vec3 center_mm =
+        grid.origin_mm + GradeBricks::kSide * grid.voxel_mm * (coord.cast<double>() + Vec3::Constant(0.5));
+    return !all_air(center_mm, radius_mm) && sample_brick(grid, field, coord, brick);
+  });
+  if (!partial) return voxmap;
+  const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
+    const PartialVoxel found = partial(grid.center_mm(voxel));
+    return {found.fraction, grade != 0 ? grade : DensityMapping::grade_from_density(found.density_g_cm3)};
+  };
+  set_partial_fill(sample, voxmap);
+  return voxmap;
+}
 
 void fail_phantom(const std::string& key, double found_mm, const std::string& expected) {
   throw InputError({}, "bone.phantom." + key, fmt::format("{:.4g} mm", found_mm), expected);

@@ -40,19 +40,6 @@ double plane_offset(const Vec3& normal, double fraction) {
   return implicit::bisect(-RS_CLIP_REACH, RS_CLIP_REACH, kHalvings, leaves_less).middle();
 }
 
-}  // namespace
-
-std::optional<VoxelPlane> voxel_plane(const BoneView& bone, const Vec3i& voxel, const Vec3& fallback) {
-  const double fraction = bone_fraction(bone, voxel);
-  if (fraction >= 1) return std::nullopt;
-  const Vec3 gradient = fraction_gradient(bone, voxel);
-  const double length = gradient.norm();
-  const Vec3 normal = length > kLeastGradient ? Vec3(-gradient / length) : fallback;
-  return VoxelPlane{normal, bone.voxmap.grid.voxel_mm * plane_offset(normal, fraction)};
-}
-
-namespace {
-
 /// A corner of a cube around the origin: bit n of `corner` chooses the upper side along axis n.
 Vec3 cube_corner(int corner, double half_mm) {
   return half_mm * Vec3((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
@@ -94,6 +81,15 @@ SurfacePatch face_of_cube(const Vec3& center, double half_mm, int axis, int side
 }
 
 }  // namespace
+
+std::optional<VoxelPlane> voxel_plane(const BoneView& bone, const Vec3i& voxel, const Vec3& fallback) {
+  const double fraction = bone_fraction(bone, voxel);
+  if (fraction >= 1) return std::nullopt;
+  const Vec3 gradient = fraction_gradient(bone, voxel);
+  const double length = gradient.norm();
+  const Vec3 normal = length > kLeastGradient ? Vec3(-gradient / length) : fallback;
+  return VoxelPlane{normal, bone.voxmap.grid.voxel_mm * plane_offset(normal, fraction)};
+}
 
 void SurfacePatch::measure() {
   center = Vec3::Zero();

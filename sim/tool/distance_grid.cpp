@@ -164,6 +164,19 @@ double envelope_slack(const TriangleMesh& mesh, const Profile& envelope, double 
   return out + kOutlineStepMm + kHalfDiagonalCells * spacing_mm;
 }
 
+/// Whether `axis` separates the triangle (relative to the box's centre) from the box.
+bool separates(const Vec3& axis, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
+  const double pa = axis.dot(a), pb = axis.dot(b), pc = axis.dot(c);
+  const double reach = half.x() * std::abs(axis.x()) + half.y() * std::abs(axis.y()) + half.z() * std::abs(axis.z());
+  return std::min({pa, pb, pc}) > reach || std::max({pa, pb, pc}) < -reach;
+}
+
+/// The three cross products of the box's axes with `edge`.
+bool edge_separates(const Vec3& edge, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
+  return separates({0, -edge.z(), edge.y()}, a, b, c, half) || separates({edge.z(), 0, -edge.x()}, a, b, c, half) ||
+         separates({-edge.y(), edge.x(), 0}, a, b, c, half);
+}
+
 }  // namespace
 
 const float* DistanceGrid::lowest_corner(const Vec3i& cell) const {
@@ -262,23 +275,6 @@ DistanceTable distance_table_around(const Profile& profile, double pitch_mm, dou
                              static_cast<int>(std::ceil(box.max.x() / pitch_mm)) + 2,
                              static_cast<int>(std::ceil((box.max.z() - box.min.z()) / pitch_mm)) + 2);
 }
-
-namespace {
-
-/// Whether `axis` separates the triangle (relative to the box's centre) from the box.
-bool separates(const Vec3& axis, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
-  const double pa = axis.dot(a), pb = axis.dot(b), pc = axis.dot(c);
-  const double reach = half.x() * std::abs(axis.x()) + half.y() * std::abs(axis.y()) + half.z() * std::abs(axis.z());
-  return std::min({pa, pb, pc}) > reach || std::max({pa, pb, pc}) < -reach;
-}
-
-/// The three cross products of the box's axes with `edge`.
-bool edge_separates(const Vec3& edge, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
-  return separates({0, -edge.z(), edge.y()}, a, b, c, half) || separates({edge.z(), 0, -edge.x()}, a, b, c, half) ||
-         separates({-edge.y(), edge.x(), 0}, a, b, c, half);
-}
-
-}  // namespace
 
 bool triangle_touches_box(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& center, const Vec3& half) {
   const Vec3 p = a - center, q = b - center, r = c - center;

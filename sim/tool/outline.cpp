@@ -105,6 +105,43 @@ std::size_t longest_arc(std::span<const Vec2> row, std::size_t first) {
   return count;
 }
 
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Marks the points of points[first…last] to keep, without the ends.
+void mark_kept(const std::vector<Vec2>& points, std::size_t first, std::size_t last, double tolerance,
+               std::vector<bool>& keep) {
+  std::vector<std::pair<std::size_t, std::size_t>> open{{first, last}};
+  while (!open.empty()) {
+    const auto [a, b] = open.back();
+    open.pop_back();
+    double farthest = tolerance;
+    std::size_t split = 0;
+    for (std::size_t i = a + 1; i < b; ++i) {
+      const double d = implicit::distance_to_segment(points[i], points[a], points[b]);
+      if (d > farthest) {
+        farthest = d;
+        split = i;
+      }
+    }
+    if (split == 0) continue;
+    keep[split] = true;
+    open.emplace_back(a, split);
+    open.emplace_back(split, b);
+  }
+}
+
+/// The intersection of the lines a→b and d→c beyond b and c, if there is one.
+std::optional<Vec2> intersection(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  const Vec2 u = b - a, v = c - d;
+  const double denominator = cross(u, v);
+  if (std::abs(denominator) < 1e-3 * u.norm() * v.norm()) return std::nullopt;
+  const double along_u = cross(d - a, v) / denominator, along_v = cross(d - a, u) / denominator;
+  if (along_u < 1 || along_v < 1) return std::nullopt;
+  return a + along_u * u;
+}
+
 }  // namespace
 
 double angle_between(const Vec2& a, const Vec2& b) {
@@ -146,47 +183,6 @@ Outline fit_outline(const Profile& profile) {
   }
   return out;
 }
-
-namespace {
-
-double cross(const Vec2& a, const Vec2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-/// Marks the points of points[first…last] to keep, without the ends.
-void mark_kept(const std::vector<Vec2>& points, std::size_t first, std::size_t last, double tolerance,
-               std::vector<bool>& keep) {
-  std::vector<std::pair<std::size_t, std::size_t>> open{{first, last}};
-  while (!open.empty()) {
-    const auto [a, b] = open.back();
-    open.pop_back();
-    double farthest = tolerance;
-    std::size_t split = 0;
-    for (std::size_t i = a + 1; i < b; ++i) {
-      const double d = implicit::distance_to_segment(points[i], points[a], points[b]);
-      if (d > farthest) {
-        farthest = d;
-        split = i;
-      }
-    }
-    if (split == 0) continue;
-    keep[split] = true;
-    open.emplace_back(a, split);
-    open.emplace_back(split, b);
-  }
-}
-
-/// The intersection of the lines a→b and d→c beyond b and c, if there is one.
-std::optional<Vec2> intersection(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
-  const Vec2 u = b - a, v = c - d;
-  const double denominator = cross(u, v);
-  if (std::abs(denominator) < 1e-3 * u.norm() * v.norm()) return std::nullopt;
-  const double along_u = cross(d - a, v) / denominator, along_v = cross(d - a, u) / denominator;
-  if (along_u < 1 || along_v < 1) return std::nullopt;
-  return a + along_u * u;
-}
-
-}  // namespace
 
 double signed_area(const std::vector<Vec2>& polygon) {
   double sum = 0;

@@ -30,55 +30,6 @@ EdgeDistance distance_to_edge(const Vec2& point, const Vec2& a, const Vec2& b) {
   return {offset.squaredNorm(), offset.dot(normal), offset, normal};
 }
 
-}  // namespace
-
-double Profile::max_radius_mm() const {
-  double radius = 0;
-  for (const Vec2& p : points) radius = std::max(radius, p.x());
-  return radius;
-}
-
-Aabb Profile::bounds() const {
-  const double radius = max_radius_mm();
-  Aabb box{{-radius, -radius, std::numeric_limits<double>::infinity()},
-           {radius, radius, -std::numeric_limits<double>::infinity()}};
-  for (const Vec2& p : points) {
-    box.min.z() = std::min(box.min.z(), p.y());
-    box.max.z() = std::max(box.max.z(), p.y());
-  }
-  return box;
-}
-
-Profile::Nearest Profile::nearest(const Vec2& rz) const {
-  EdgeDistance best{std::numeric_limits<double>::infinity(), 0, Vec2::Zero(), -Vec2::UnitY()};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec2& a = points[i];
-    const Vec2& b = points[(i + 1) % points.size()];
-    if (on_axis(a) && on_axis(b)) continue;
-    if (a == b) continue;
-    const EdgeDistance d = distance_to_edge(rz, a, b);
-    // Two edges that share the nearest vertex tie; the more perpendicular one decides the sign.
-    const bool tie = d.squared_mm2 == best.squared_mm2 && std::abs(d.side_mm) > std::abs(best.side_mm);
-    if (d.squared_mm2 < best.squared_mm2 || tie) best = d;
-  }
-  const double distance = std::sqrt(best.squared_mm2);
-  const double sign = best.side_mm < 0 ? -1.0 : 1.0;
-  if (distance < kOnSurfaceMm) return {sign * distance, best.normal};
-  return {sign * distance, sign * best.from_surface / distance};
-}
-
-double Profile::volume_mm3() const {
-  double sum = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec2& a = points[i];
-    const Vec2& b = points[(i + 1) % points.size()];
-    sum += (b.y() - a.y()) * (a.x() * a.x() + a.x() * b.x() + b.x() * b.x());
-  }
-  return std::numbers::pi / 3 * sum;
-}
-
-namespace {
-
 /// The vertices of one profile point; a single one on the axis.
 struct Ring {
   std::int32_t first = 0;
@@ -95,33 +46,6 @@ Ring add_ring(TriangleMesh& mesh, const Vec2& rz, int segments) {
   }
   return ring;
 }
-
-}  // namespace
-
-TriangleMesh revolve(const Profile& profile, int segments) {
-  TriangleMesh mesh;
-  std::vector<Ring> rings;
-  for (const Vec2& rz : profile.points) rings.push_back(add_ring(mesh, rz, segments));
-  for (std::size_t p = 0; p < rings.size(); ++p) {
-    const Ring& a = rings[p];
-    const Ring& b = rings[(p + 1) % rings.size()];
-    for (std::int32_t s = 0; s < segments; ++s) {
-      if (a.count > 1) mesh.triangles.push_back({a.at(s), a.at(s + 1), b.at(s + 1)});
-      if (b.count > 1) mesh.triangles.push_back({a.at(s), b.at(s + 1), b.at(s)});
-    }
-  }
-  return mesh;
-}
-
-int segments_for_sagitta(double radius_mm, double sagitta_mm) {
-  constexpr int kLeast = 32;
-  if (sagitta_mm >= radius_mm) return kLeast;
-  const double half_angle = std::acos(1 - sagitta_mm / radius_mm);
-  const int quarter = static_cast<int>(std::ceil(std::numbers::pi / half_angle / 4));
-  return std::max(kLeast, 4 * quarter);
-}
-
-namespace {
 
 /// Tolerance of (r, z) in a ring; 32-bit STL coordinates of a reamer have an error below 1 µm.
 constexpr double kRingMm = 2e-3;
@@ -230,6 +154,74 @@ std::optional<std::vector<std::size_t>> walk(const Links& links, const std::vect
 }
 
 }  // namespace
+
+double Profile::max_radius_mm() const {
+  double radius = 0;
+  for (const Vec2& p : points) radius = std::max(radius, p.x());
+  return radius;
+}
+
+Aabb Profile::bounds() const {
+  const double radius = max_radius_mm();
+  Aabb box{{-radius, -radius, std::numeric_limits<double>::infinity()},
+           {radius, radius, -std::numeric_limits<double>::infinity()}};
+  for (const Vec2& p : points) {
+    box.min.z() = std::min(box.min.z(), p.y());
+    box.max.z() = std::max(box.max.z(), p.y());
+  }
+  return box;
+}
+
+Profile::Nearest Profile::nearest(const Vec2& rz) const {
+  EdgeDistance best{std::numeric_limits<double>::infinity(), 0, Vec2::Zero(), -Vec2::UnitY()};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec2& a = points[i];
+    const Vec2& b = points[(i + 1) % points.size()];
+    if (on_axis(a) && on_axis(b)) continue;
+    if (a == b) continue;
+    const EdgeDistance d = distance_to_edge(rz, a, b);
+    // Two edges that share the nearest vertex tie; the more perpendicular one decides the sign.
+    const bool tie = d.squared_mm2 == best.squared_mm2 && std::abs(d.side_mm) > std::abs(best.side_mm);
+    if (d.squared_mm2 < best.squared_mm2 || tie) best = d;
+  }
+  const double distance = std::sqrt(best.squared_mm2);
+  const double sign = best.side_mm < 0 ? -1.0 : 1.0;
+  if (distance < kOnSurfaceMm) return {sign * distance, best.normal};
+  return {sign * distance, sign * best.from_surface / distance};
+}
+
+double Profile::volume_mm3() const {
+  double sum = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec2& a = points[i];
+    const Vec2& b = points[(i + 1) % points.size()];
+    sum += (b.y() - a.y()) * (a.x() * a.x() + a.x() * b.x() + b.x() * b.x());
+  }
+  return std::numbers::pi / 3 * sum;
+}
+
+TriangleMesh revolve(const Profile& profile, int segments) {
+  TriangleMesh mesh;
+  std::vector<Ring> rings;
+  for (const Vec2& rz : profile.points) rings.push_back(add_ring(mesh, rz, segments));
+  for (std::size_t p = 0; p < rings.size(); ++p) {
+    const Ring& a = rings[p];
+    const Ring& b = rings[(p + 1) % rings.size()];
+    for (std::int32_t s = 0; s < segments; ++s) {
+      if (a.count > 1) mesh.triangles.push_back({a.at(s), a.at(s + 1), b.at(s + 1)});
+      if (b.count > 1) mesh.triangles.push_back({a.at(s), b.at(s + 1), b.at(s)});
+    }
+  }
+  return mesh;
+}
+
+int segments_for_sagitta(double radius_mm, double sagitta_mm) {
+  constexpr int kLeast = 32;
+  if (sagitta_mm >= radius_mm) return kLeast;
+  const double half_angle = std::acos(1 - sagitta_mm / radius_mm);
+  const int quarter = static_cast<int>(std::ceil(std::numbers::pi / half_angle / 4));
+  return std::max(kLeast, 4 * quarter);
+}
 
 std::optional<Profile> recover_generatrix(const TriangleMesh& mesh) {
   const Rings rings(mesh);

@@ -165,6 +165,26 @@ const Side* first_side(const std::vector<Side>& sides, const Vec2& from, const V
   return first;
 }
 
+void warn_of_thin_walls(const Tool& tool, bool teeth, double voxel_mm, Diagnostics& report) {
+  const double limit_mm = kThinWallVoxels * voxel_mm;
+  const auto wall = teeth ? thinnest_wall(tool.mesh, limit_mm) : thinnest_wall(tool.profile, limit_mm);
+  if (!wall) return;
+  report.warn(fmt::format(
+      "tool.mesh: a wall of the tool is {:.3g} mm thick at ({:.3g}, {:.3g}, {:.3g}) mm, less than two voxels ({:.3g} "
+      "mm); its cut is inaccurate: use voxels of {:.3g} mm or less",
+      wall->thickness_mm, wall->at_mm.x(), wall->at_mm.y(), wall->at_mm.z(), limit_mm,
+      wall->thickness_mm / kThinWallVoxels));
+}
+
+void report_volume(const DistanceGrid& grid, Diagnostics& report) {
+  const std::string text = fmt::format(
+      "tool: the distance grid has {} bricks, sample spacing {:.3g} mm, volume {:.2f} mm3; the mesh has {:.2f} "
+      "mm3 ({:+.3f} %)",
+      grid.stored_bricks(), grid.spacing_mm, grid.volume_mm3, grid.mesh_mm3, 100 * grid.volume_error());
+  if (std::abs(grid.volume_error()) <= kGridVolumeTolerance) return report.note(text);
+  report.warn(text + fmt::format("; the difference exceeds {:.1f} %: use smaller voxels", 100 * kGridVolumeTolerance));
+}
+
 }  // namespace
 
 std::optional<ThinWall> thinnest_wall(const TriangleMesh& mesh, double limit_mm) {
@@ -201,30 +221,6 @@ std::optional<ThinWall> thinnest_wall(const Profile& profile, double limit_mm) {
   }
   return thinnest;
 }
-
-namespace {
-
-void warn_of_thin_walls(const Tool& tool, bool teeth, double voxel_mm, Diagnostics& report) {
-  const double limit_mm = kThinWallVoxels * voxel_mm;
-  const auto wall = teeth ? thinnest_wall(tool.mesh, limit_mm) : thinnest_wall(tool.profile, limit_mm);
-  if (!wall) return;
-  report.warn(fmt::format(
-      "tool.mesh: a wall of the tool is {:.3g} mm thick at ({:.3g}, {:.3g}, {:.3g}) mm, less than two voxels ({:.3g} "
-      "mm); its cut is inaccurate: use voxels of {:.3g} mm or less",
-      wall->thickness_mm, wall->at_mm.x(), wall->at_mm.y(), wall->at_mm.z(), limit_mm,
-      wall->thickness_mm / kThinWallVoxels));
-}
-
-void report_volume(const DistanceGrid& grid, Diagnostics& report) {
-  const std::string text = fmt::format(
-      "tool: the distance grid has {} bricks, sample spacing {:.3g} mm, volume {:.2f} mm3; the mesh has {:.2f} "
-      "mm3 ({:+.3f} %)",
-      grid.stored_bricks(), grid.spacing_mm, grid.volume_mm3, grid.mesh_mm3, 100 * grid.volume_error());
-  if (std::abs(grid.volume_error()) <= kGridVolumeTolerance) return report.note(text);
-  report.warn(text + fmt::format("; the difference exceeds {:.1f} %: use smaller voxels", 100 * kGridVolumeTolerance));
-}
-
-}  // namespace
 
 void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes,
                       Diagnostics& report) {
