@@ -11,7 +11,7 @@
 #include "sim/base/text.h"
 #include "sim/record/snapshot.h"
 #include "sim/scene/contact_forecast.h"
-#include "sim/tool/envelope.h"
+#include "sim/tool/profile.h"
 
 namespace reamsim {
 namespace {

@@ -179,8 +179,8 @@ std::optional<GlenoidFrame> glenoid_of_scan(const BoneSettings& settings, const 
   if (!voxels) return std::nullopt;  // the segmentation failed, which is said
   if (settings.side == BodySide::unknown) return std::nullopt;
   const FoundGlenoid found = find_glenoid(fit_to_bone(*voxels, kMarginVoxels), settings.glenoid, settings.side);
-  report.note(sentence_of(found));
-  for (const std::string& doubt : doubts_of(found)) report.warn(doubt);
+  report.note(found.sentence);
+  for (const std::string& doubt : found.doubts) report.warn(doubt);
   return found.frame;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "sim/base/parallel.h"
 
@@ -67,6 +68,8 @@ constexpr int kReachVoxels = 4;
 /// Smaller fractions come from interpolation and rounding.
 constexpr double kNegligible = 0.02;
 constexpr double kHalf = 0.5;
+/// Interpolation spreads a surface over a voxel above it.
+constexpr double kAboveVoxels = 1.5;
 /// A single remaining layer of voxels extends over at most this many voxels after interpolation.
 constexpr int kSheetVoxels = 2;
 
@@ -78,8 +81,6 @@ Aabb box_of_cut(const ReamedBone& bone, const Rigid& map_from_bone) {
   });
   return box;
 }
-
-}  // namespace
 
 /// The fractions of bone along one column, from the top down, and the surfaces that follow from them.
 class ColumnScan {
@@ -110,7 +111,7 @@ class ColumnScan {
   std::optional<SurfaceColumn> scan_surface(const Vec3& top, const Vec3& down) {
     const double bone = sample(top, down);
     if (before_.front() > kNegligible || bone * step_mm_ < kHalf * voxel_mm_) return std::nullopt;
-    const double height_mm = top_surface();
+    const double height_mm = surface_above(before_, fullest(before_, first_bone()));
     // Interpolated fractions fall to a half at the boundary of the reamed region. Half a voxel below the surface,
     // because in a partly filled voxel of the surface a cut removes nothing until it reaches the bone.
     const Fractions there = fractions_.at(top + (top_mm_ - height_mm + kHalf * voxel_mm_) * down);
@@ -158,8 +159,6 @@ class ColumnScan {
     return first;
   }
 
-  [[nodiscard]] double top_surface() const { return surface_above(before_, fullest(before_, first_bone())); }
-
   /// Whether the bone at sample `deep` is a thin sheet across the column. Its fraction is then small because the sheet
   /// is thin, not because the column grazes a wall.
   [[nodiscard]] bool is_sheet(std::size_t deep) const {
@@ -195,23 +194,13 @@ class ColumnScan {
   std::vector<double> after_;
 };
 
-namespace {
-
-/// Columns lie at (i + ½)·pitch from the origin of the map. The first and the last i of an interval, both included.
-std::pair<int, int> columns_over(double from_mm, double to_mm, double pitch_mm) {
-  return {static_cast<int>(std::floor(from_mm / pitch_mm)), static_cast<int>(std::floor(to_mm / pitch_mm))};
-}
-
 }  // namespace
 
-SurfaceProbe::SurfaceProbe(const ReamedBone& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm)
-    : scan_(std::make_unique<ColumnScan>(bone, top_mm, bottom_mm)), bone_from_map_(bone_from_map), top_mm_(top_mm) {}
-
-SurfaceProbe::~SurfaceProbe() = default;
-
-std::optional<SurfaceColumn> SurfaceProbe::at(const Vec2& place_mm) {
-  const Vec3 top = bone_from_map_ * Vec3(place_mm.x(), place_mm.y(), top_mm_);
-  return scan_->scan_surface(top, -bone_from_map_.linear().col(2));
+SurfaceProbe probe_surface(const ReamedBone& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm) {
+  return [scan = std::make_shared<ColumnScan>(bone, top_mm, bottom_mm), bone_from_map, top_mm](const Vec2& place_mm) {
+    const Vec3 top = bone_from_map * Vec3(place_mm.x(), place_mm.y(), top_mm);
+    return scan->scan_surface(top, -bone_from_map.linear().col(2));
+  };
 }
 
 ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const MapExtent& extent) {
@@ -226,11 +215,12 @@ ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const 
   const Vec3 to = extent.around_axis ? square : Vec3((box.max + margin).cwiseMax(square));
   const double least_pitch_mm = extent.pitch_mm > 0 ? extent.pitch_mm : voxel_mm;
   map.pitch_mm = std::max(least_pitch_mm, (to - from).head<2>().maxCoeff() / kMaxColumns);
-  const auto [first_x, last_x] = columns_over(from.x(), to.x(), map.pitch_mm);
-  const auto [first_y, last_y] = columns_over(from.y(), to.y(), map.pitch_mm);
-  map.nx = last_x - first_x + 1;
-  map.ny = last_y - first_y + 1;
-  map.corner_mm = map.pitch_mm * Vec2(first_x + 0.5, first_y + 0.5);
+  // Columns lie at (i + ½)·pitch from the origin of the map.
+  const ColumnPlace first = (from.head<2>() / map.pitch_mm).array().floor().cast<int>();
+  const ColumnPlace last = (to.head<2>() / map.pitch_mm).array().floor().cast<int>();
+  map.nx = last.x() - first.x() + 1;
+  map.ny = last.y() - first.y() + 1;
+  map.corner_mm = map.pitch_mm * (first.cast<double>() + Vec2::Constant(0.5));
   map.columns.resize(static_cast<std::size_t>(map.nx) * static_cast<std::size_t>(map.ny));
 
   const double reach_mm = kReachVoxels * voxel_mm;
@@ -247,17 +237,6 @@ ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const 
   return map;
 }
 
-namespace {
-
-constexpr double kStepsPerVoxel = 2;
-/// Interpolation spreads a surface over a voxel above it.
-constexpr double kAboveVoxels = 1.5;
-/// Smaller fractions come from interpolation and rounding.
-constexpr double kNothing = 0.02;
-constexpr double kHalfCover = 0.5;
-
-}  // namespace
-
 ColumnBone::ColumnBone(const ReamedBone& bone, const ColumnMap& map, double dense_g_cm3)
     : map_(map), fractions_(bone, dense_g_cm3), voxel_mm_(bone.voxmap.grid.voxel_mm) {}
 
@@ -266,7 +245,7 @@ void ColumnBone::descend(const ColumnPlace& place, double top_mm, double bottom_
   const double first_mm = top_mm + kAboveVoxels * voxel_mm_;
   const double length_mm = first_mm - bottom_mm;
   if (length_mm <= 0) return;
-  const double steps = std::ceil(length_mm * kStepsPerVoxel / voxel_mm_);
+  const double steps = std::ceil(length_mm * kSamplesPerVoxel / voxel_mm_);
   const double step_mm = length_mm / steps;
   for (double i = 0.5; i < steps; ++i) {
     const double z_mm = first_mm - i * step_mm;
@@ -295,15 +274,15 @@ double ColumnBone::largest_fraction(const ColumnPlace& place, double top_mm, dou
 
 double ColumnBone::continuous_mm(const ColumnPlace& place, double top_mm, double bottom_mm, double cover,
                                  double Fractions::*state) {
-  const double half = kHalfCover * cover;
+  const double half = kHalf * cover;
   double length_mm = 0;
   bool inside = false;
   descend(place, top_mm, bottom_mm, [&](const Fractions& here, double step_mm, double below_mm) {
     const double fraction = here.*state;
     inside |= fraction >= half;
-    if (!inside && fraction < kNothing) length_mm = 0;  // bone above a gap
+    if (!inside && fraction < kNegligible) length_mm = 0;  // bone above a gap
     if (!inside && below_mm > kAboveVoxels * voxel_mm_) return false;
-    if (inside && fraction < kNothing) return false;
+    if (inside && fraction < kNegligible) return false;
     length_mm += fraction * step_mm;
     return true;
   });

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -26,9 +26,8 @@ struct Fractions {
   double dense = 0;  ///< bone after reaming whose density is at least the threshold
 };
 
-/// The fractions of bone between the centres of the voxels: trilinear, air outside the lattice. Integrated along a line
-/// they conserve the volume of bone, so that a surface of partly filled voxels is located to a small part of a voxel.
-/// Not thread-safe: it caches the last brick.
+/// The fractions of bone between the centres of the voxels: trilinear, air outside the lattice. Not thread-safe: it
+/// caches the last brick.
 class BoneFractions {
  public:
   /// `dense_g_cm3`: the least density of dense bone.
@@ -115,7 +114,7 @@ struct ColumnMap {
 
 /// With less removed bone than this, in voxels, a column is not reamed; with less remaining bone it is reamed through.
 inline constexpr double kMinDepthVoxels = 0.1;
-/// Columns are a voxel wide unless MapExtent::pitch_mm says otherwise; a map has at most about this many along an edge.
+/// A map has at most about this many columns along an edge.
 inline constexpr int kMaxColumns = 320;
 
 /// What a map covers, mm.
@@ -127,29 +126,17 @@ struct MapExtent {
   double pitch_mm = 0;       ///< least distance of columns; 0: one voxel
 };
 
-class ColumnScan;
-
 /// The unreamed surface on a line of sight.
 struct SurfaceColumn {
   double height_mm = 0;
   bool reamed = false;  ///< half a voxel below the surface, less than half of the bone remains
 };
 
-/// Lines of sight along −z of `bone_from_map`, from `top_mm` down to `bottom_mm`.
-class SurfaceProbe {
- public:
-  SurfaceProbe(const ReamedBone& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm);
-  ~SurfaceProbe();
-  SurfaceProbe(const SurfaceProbe&) = delete;
-  SurfaceProbe& operator=(const SurfaceProbe&) = delete;
-  /// nullopt where the line meets no bone, or starts inside bone.
-  [[nodiscard]] std::optional<SurfaceColumn> at(const Vec2& place_mm);
+/// The unreamed surface at (x, y) of a map, mm; nullopt where the line of sight meets no bone, or starts inside bone.
+using SurfaceProbe = std::function<std::optional<SurfaceColumn>(const Vec2& place_mm)>;
 
- private:
-  std::unique_ptr<ColumnScan> scan_;
-  Rigid bone_from_map_;
-  double top_mm_;
-};
+/// Lines of sight along −z of `bone_from_map`, from `top_mm` down to `bottom_mm`.
+SurfaceProbe probe_surface(const ReamedBone& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm);
 
 /// The map of the region that lost bone. It has no columns when none was lost.
 ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const MapExtent& extent);
@@ -183,7 +170,7 @@ class ColumnBone {
     double bone_mm = 0;   ///< remaining bone
     double dense_mm = 0;  ///< of that, dense bone
   };
-  /// The bone in the layer of `depth_mm` below a surface at the height `top_mm` of the map.
+  /// The bone in the layer of `depth_mm` below the height `top_mm` of the map.
   [[nodiscard]] Length layer(const ColumnPlace& place, double top_mm, double depth_mm);
 
   /// The fraction of remaining bone at a height of the map.

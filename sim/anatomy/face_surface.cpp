@@ -3,12 +3,8 @@
 
 #include "sim/anatomy/face_surface.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <utility>
 
-#include "sim/base/geometry.h"
 #include "sim/base/statistics.h"
 
 namespace reamsim {
@@ -19,15 +15,6 @@ Vec3 mean_of(const std::vector<Vec3>& points) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& p : points) sum += p;
   return sum / static_cast<double>(points.size());
-}
-
-double sphere_rms(const std::vector<Vec3>& points, const SphereFit& sphere) {
-  double squares = 0;
-  for (const Vec3& p : points) {
-    const double off = (p - sphere.center_mm).norm() - sphere.radius_mm;
-    squares += off * off;
-  }
-  return std::sqrt(squares / static_cast<double>(points.size()));
 }
 
 /// |p|² = 2c·p + k about the mean of the points, solved by the normal equations; k = R² − |c|².
@@ -74,23 +61,11 @@ constexpr double kCorrelationVoxels = 3;
 constexpr int kSectors = 8;
 constexpr double kSignificant = 15.1;  // F(1, ∞) at one error in 10,000
 
-double degrees_of(double radians) {
-  return radians * 180 / std::numbers::pi;
-}
-
-double distance_of(const PlaneFit& plane, const Vec3& point) {
-  return (point - plane.point_mm).dot(plane.normal);
-}
-
-double distance_of(const SphereFit& sphere, const Vec3& point) {
-  return (point - sphere.center_mm).norm() - sphere.radius_mm;
-}
-
 template <class Fit>
 std::vector<double> distances_of(const Fit& fit, const std::vector<Vec3>& points) {
   std::vector<double> out;
   out.reserve(points.size());
-  for (const Vec3& point : points) out.push_back(std::abs(distance_of(fit, point)));
+  for (const Vec3& point : points) out.push_back(std::abs(fit.distance_mm(point)));
   return out;
 }
 
@@ -195,6 +170,22 @@ double hidden_curvature_rad(const FaceSurface& surface, const Vec3& point) {
   return surface.rms_mm / (kDisc * squares) * (away - away.dot(plane.normal) * plane.normal).norm();
 }
 
+/// Adds the neighbours of `place` that have the group's state, and records which other states it touches.
+void visit_neighbours(const ColumnMap& map, ColumnState state, const ColumnPlace& place, ColumnGroup& group,
+                      std::vector<std::uint8_t>& seen) {
+  for (int dj = -1; dj <= 1; ++dj) {
+    for (int di = -1; di <= 1; ++di) {
+      const ColumnPlace next = place + ColumnPlace(di, dj);
+      const bool outside = !map.contains(next);
+      const ColumnState there = outside ? ColumnState::air : map.at(next).state;
+      group.reaches_air |= there == ColumnState::air;
+      group.reaches_through |= there == ColumnState::through;
+      if (outside || there != state || std::exchange(seen[map.index(next)], true)) continue;
+      group.columns.push_back(next);
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<PlaneFit> fit_plane(const std::vector<Vec3>& points, const Vec3& outward) {
@@ -222,7 +213,7 @@ std::optional<SphereFit> fit_sphere(const std::vector<Vec3>& points) {
   }
   const bool sane = std::isfinite(sphere->radius_mm) && sphere->radius_mm > 0;
   if (!sane || sphere->radius_mm > kLargestRadius_mm) return std::nullopt;
-  sphere->rms_mm = sphere_rms(points, *sphere);
+  sphere->rms_mm = rms_distance_mm(*sphere, points);
   return sphere;
 }
 
@@ -256,7 +247,7 @@ std::optional<FaceSurface> fit_face(const FacePoints& face, const Vec3& outward)
 std::optional<FaceAxis> axis_through(const FaceSurface& surface, const Vec3& point) {
   if (!surface.spherical) {
     const Vec3& normal = surface.plane.normal;
-    const Vec3 on_plane = point - distance_of(surface.plane, point) * normal;
+    const Vec3 on_plane = point - surface.plane.distance_mm(point) * normal;
     return FaceAxis{
         on_plane, normal,
         degrees_of(std::hypot(jackknife_error_rad(surface, on_plane), hidden_curvature_rad(surface, on_plane)))};
@@ -275,7 +266,7 @@ std::optional<Vec3> meeting_point(const FaceSurface& surface, const Vec3& on_lin
     const double slope = direction.dot(surface.plane.normal);
     constexpr double kGrazing = 0.1;
     if (std::abs(slope) < kGrazing) return std::nullopt;
-    return on_line - distance_of(surface.plane, on_line) / slope * direction;
+    return on_line - surface.plane.distance_mm(on_line) / slope * direction;
   }
   const Vec3 from = on_line - surface.sphere->center_mm;
   const double along = from.dot(direction);
@@ -288,41 +279,14 @@ std::optional<Vec3> meeting_point(const FaceSurface& surface, const Vec3& on_lin
   return (near - middle).norm() <= (far - middle).norm() ? near : far;
 }
 
-namespace {
-
-/// Adds the neighbours of `place` that have the group's state, and records which other states it touches.
-void visit_neighbours(const ColumnMap& map, ColumnState state, const ColumnPlace& place, ColumnGroup& group,
-                      std::vector<std::uint8_t>& seen) {
-  for (int dj = -1; dj <= 1; ++dj) {
-    for (int di = -1; di <= 1; ++di) {
-      const ColumnPlace next = place + ColumnPlace(di, dj);
-      const bool outside = !map.contains(next);
-      const ColumnState there = outside ? ColumnState::air : map.at(next).state;
-      group.reaches_air |= there == ColumnState::air;
-      group.reaches_through |= there == ColumnState::through;
-      if (outside || there != state || std::exchange(seen[map.index(next)], true)) continue;
-      group.columns.push_back(next);
-    }
-  }
-}
-
-bool sphere_describes(const ReamedFace& face, double voxel_mm) {
-  if (!face.sphere || !face.plane || face.plane->rms_mm <= kFlatVoxels * voxel_mm) return false;
-  return face.sphere->rms_mm <= kSphereGain * face.plane->rms_mm;
-}
-
-}  // namespace
-
 double ReamedFace::height_mm(const Vec3& point) const {
-  if (!spherical) return (point - plane->point_mm).dot(plane->normal);
-  const double outside_mm = (point - sphere->center_mm).norm() - sphere->radius_mm;
-  return concave ? -outside_mm : outside_mm;
+  if (!spherical) return plane->distance_mm(point);
+  return concave ? -sphere->distance_mm(point) : sphere->distance_mm(point);
 }
 
 Vec3 ReamedFace::inward(const Vec3& point) const {
   if (!spherical) return -plane->normal;
-  const Vec3 away = (point - sphere->center_mm).normalized();
-  return concave ? away : Vec3(-away);
+  return -direction_at(*sphere, concave, point);
 }
 
 int face_edge_columns(const ColumnMap& map, double voxel_mm) {
@@ -363,8 +327,9 @@ ReamedFace find_face(const ColumnMap& map, double voxel_mm) {
   face.plane = fit_plane(after, up);
   face.plane_before = fit_plane(before, up);
   face.sphere = fit_sphere(after);
-  face.spherical = sphere_describes(face, voxel_mm);
   if (face.sphere && face.plane) {
+    const double plane_mm = face.plane->rms_mm;
+    face.spherical = plane_mm > kFlatVoxels * voxel_mm && face.sphere->rms_mm <= kSphereGain * plane_mm;
     face.concave = (face.sphere->center_mm - face.plane->point_mm).dot(face.plane->normal) > 0;
   }
   return face;

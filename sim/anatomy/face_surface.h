@@ -4,6 +4,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -17,6 +19,9 @@ struct PlaneFit {
   Vec3 point_mm = Vec3::Zero();  ///< the points' mean
   Vec3 normal = Vec3::UnitZ();   ///< of length 1
   double rms_mm = 0;             ///< root mean square distance of the points
+
+  /// Positive on the side of the normal.
+  [[nodiscard]] double distance_mm(const Vec3& point) const { return (point - point_mm).dot(normal); }
 };
 
 /// The sphere with the least sum of squared distances from its surface.
@@ -24,6 +29,9 @@ struct SphereFit {
   Vec3 center_mm = Vec3::Zero();
   double radius_mm = 0;
   double rms_mm = 0;
+
+  /// Positive outside.
+  [[nodiscard]] double distance_mm(const Vec3& point) const { return (point - center_mm).norm() - radius_mm; }
 };
 
 /// Fits a plane; its normal points to the side of `outward`. nullopt for fewer than three points, or points on a line.
@@ -39,11 +47,9 @@ inline constexpr double kLargestRadius_mm = 1000;
 inline constexpr double kFlatVoxels = 0.1;
 
 /// A sphere or plane fitted robustly to points of a face: up to a quarter of them may be outliers (rim, osteophytes,
-/// holes).
-///
-/// Least trimmed squares (Rousseeuw and Van Driessen 2006, Data Mining and Knowledge Discovery 12, 29–45: concentration
-/// steps, here from the least-squares fit of all points), then least squares of the points within 2.5 robust standard
-/// deviations (Rousseeuw and Leroy 1987). It uses no random numbers.
+/// holes). Least trimmed squares (Rousseeuw and Van Driessen 2006, Data Mining and Knowledge Discovery 12, 29–45:
+/// concentration steps, here from the least-squares fit of all points), then least squares of the points within 2.5
+/// robust standard deviations (Rousseeuw and Leroy 1987). It uses no random numbers.
 struct FaceSurface {
   bool spherical = false;  ///< whether the sphere describes the face
   PlaneFit plane;
@@ -53,7 +59,26 @@ struct FaceSurface {
   double fitted_fraction = 0;   ///< of the points: inliers of the fit
   double rms_mm = 0;            ///< of the inliers
   std::vector<Vec3> fitted_mm;  ///< the inliers
+
+  [[nodiscard]] double distance_mm(const Vec3& point) const {
+    return spherical ? sphere->distance_mm(point) : plane.distance_mm(point);
+  }
 };
+
+/// Root mean square distance of points from a plane, sphere or face, mm.
+template <class Surface>
+double rms_distance_mm(const Surface& surface, const std::vector<Vec3>& points) {
+  double squares = 0;
+  for (const Vec3& point : points) {
+    const double off = surface.distance_mm(point);
+    squares += off * off;
+  }
+  return std::sqrt(squares / static_cast<double>(points.size()));
+}
+
+inline double degrees_of(double radians) {
+  return radians * 180 / std::numbers::pi;
+}
 
 struct FacePoints {
   std::vector<Vec3> points_mm;

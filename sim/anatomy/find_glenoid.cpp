@@ -6,13 +6,10 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
-#include <optional>
 
-#include "sim/anatomy/fit_face.h"
 #include "sim/anatomy/frame_check.h"
-#include "sim/base/error.h"
-#include "sim/bone/bone.h"
 
 namespace reamsim {
 
@@ -25,6 +22,80 @@ constexpr std::size_t kFineSearches = 4;
 /// A face is refused below these.
 constexpr double kLeastScore = 0.35, kDoubtfulScore = 0.5;
 constexpr double kLeastRim = 0.5;  // of the directions
+
+constexpr double kStartsApart_mm = 5;
+constexpr double kPlacesApart_mm = 8;  // faces nearer to each other are one
+constexpr double kLeastVault_mm = 10;  // an acromion is 8 to 9 mm thick
+constexpr double kDeepVault_mm = 20;
+constexpr double kLeastFree_mm = 12;       // in front of the face
+constexpr double kLeastCoarseScore = 0.3;  // score of a face that is fitted finely
+constexpr FitEffort kSearchEffort{20, 3};
+constexpr std::size_t kFinePlaces = 6;
+/// Sizes beyond these are no glenoid.
+constexpr double kShortest_mm = 20, kTallest_mm = 52, kNarrowest_mm = 14, kWidest_mm = 42;
+
+/// A region of B.
+struct Ball {
+  Vec3 center_mm = Vec3::Zero();
+  double radius_mm = std::numeric_limits<double>::infinity();
+};
+
+/// A voxel of the surface in each cell of kStartsApart_mm, that nearest to the middle of the cell.
+std::vector<Vec3> spread_over(const BoneView& bone, const Ball& within) {
+  struct Nearest {
+    double away_mm;
+    Vec3 point_mm;
+  };
+  const auto by_coordinates = [](const Vec3i& a, const Vec3i& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  std::map<Vec3i, Nearest, decltype(by_coordinates)> cells(by_coordinates);
+  for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t) {
+    const Vec3 point = bone.voxmap.grid.center_mm(voxel);
+    if ((point - within.center_mm).norm() > within.radius_mm || !has_air_beside(bone.voxmap, voxel)) return;
+    const Vec3i cell = (point / kStartsApart_mm).array().floor().cast<int>();
+    const double away_mm = (point - kStartsApart_mm * (cell.cast<double>() + Vec3::Constant(0.5))).norm();
+    const auto [at, first] = cells.try_emplace(cell, Nearest{away_mm, point});
+    if (!first && away_mm < at->second.away_mm) at->second = {away_mm, point};
+  });
+  std::vector<Vec3> out;
+  for (const auto& [cell, nearest] : cells) out.push_back(nearest.point_mm);
+  return out;
+}
+
+/// Thickness of the bone behind a point of the surface, at most kDeepVault_mm; 0 where something stands in front of it.
+double vault_behind(const BoneProbe& probe, const Vec3& point_mm, const Vec3& outward) {
+  constexpr double kInside_mm = 1.5;
+  if (probe.distance_to_bone(point_mm + kInside_mm * outward, outward, kLeastFree_mm)) return 0;
+  const Vec3 inside = point_mm - kInside_mm * outward;
+  if (probe.fraction(inside) < 0.5) return 0;
+  return std::min(kInside_mm + probe.distance_to_air(inside, -outward, kDeepVault_mm).value_or(kDeepVault_mm),
+                  kDeepVault_mm);
+}
+
+/// The start at a voxel of the surface; nullopt where the bone is thin or something stands in front of it.
+std::optional<Rigid> start_at(const BoneView& bone, const BoneProbe& probe, const Vec3& point_mm) {
+  constexpr double kRadius_mm = 6;
+  const Vec3 outward = nearby_bone(bone.voxmap, point_mm, Vec3::UnitZ(), kRadius_mm).outward;
+  if (outward == Vec3::Zero()) return std::nullopt;
+  const Vec3 above = point_mm + 2 * probe.voxel_mm() * outward;
+  const auto fall = probe.distance_to_bone(above, -outward, 4 * probe.voxel_mm());
+  if (!fall) return std::nullopt;
+  const Vec3 surface = above - *fall * outward;
+  // The normal of a start deviates from that of its face, so its vault may be less.
+  if (vault_behind(probe, surface, outward) < 0.7 * kLeastVault_mm) return std::nullopt;
+  return frame_at(surface, outward);
+}
+
+/// Frames every 5 mm on the surface in a region, +z out of the bone, where the bone is thick and nothing stands in
+/// front of it: where fit_face() may start.
+std::vector<Rigid> starts_on_surface(const BoneView& bone, const BoneProbe& probe, const Ball& within) {
+  std::vector<Rigid> out;
+  for (const Vec3& point : spread_over(bone, within)) {
+    if (const auto start = start_at(bone, probe, point)) out.push_back(*start);
+  }
+  return out;
+}
 
 /// Points of the surface round a point, with directions out of the bone.
 std::vector<Rigid> starts_round(const BoneView& bone, const BoneProbe& probe, const Vec3& near_mm) {
@@ -58,18 +129,17 @@ double score_of(const FittedFace& face, const Vec3& near_mm) {
                    fmt::format("({:.1f}, {:.1f}, {:.1f}): ", near_mm.x(), near_mm.y(), near_mm.z()) + found, expected);
 }
 
-bool is_same(const FittedFace& a, const FittedFace& b) {
-  constexpr double kSame_mm = 1.5, kSameNormal = 0.98;  // a cosine
-  const Rigid &one = a.bone_from_face, &other = b.bone_from_face;
-  return (one.translation() - other.translation()).norm() < kSame_mm &&
-         one.linear().col(2).dot(other.linear().col(2)) > kSameNormal;
-}
-
 /// The first `most` faces that are no repetition of one before, settled finely.
 std::vector<FittedFace> fitted_finely(const BoneProbe& probe, const std::vector<FittedFace>& coarse, std::size_t most) {
+  constexpr double kSame_mm = 1.5, kSameNormal = 0.98;  // a cosine
   std::vector<FittedFace> distinct;
   for (const FittedFace& face : coarse) {
-    const auto same = [&](const FittedFace& other) { return is_same(face, other); };
+    const Rigid& one = face.bone_from_face;
+    const auto same = [&](const FittedFace& face_before) {
+      const Rigid& other = face_before.bone_from_face;
+      return (one.translation() - other.translation()).norm() < kSame_mm &&
+             one.linear().col(2).dot(other.linear().col(2)) > kSameNormal;
+    };
     if (distinct.size() < most && std::ranges::none_of(distinct, same)) distinct.push_back(face);
   }
   return fit_all(distinct.size(),
@@ -145,6 +215,74 @@ std::pair<Vec3, bool> superior_of(const FittedFace& face, const BoneView& bone, 
   return {along.z() < 0 ? Vec3(-along) : along, false};
 }
 
+std::string sentence_of(const FittedFace& face, const GlenoidFrame& frame, double confidence, bool superior_guessed) {
+  const Vec3 c = frame.bone_from_glenoid.translation();
+  const Mat3 axes = frame.bone_from_glenoid.linear();
+  const auto text = [](const Vec3& v, int digits) {
+    return fmt::format("[{:.{}f}, {:.{}f}, {:.{}f}]", v.x(), digits, v.y(), digits, v.z(), digits);
+  };
+  const char* from = face.normal == FaceNormal::sphere ? "towards the centre of the sphere that fits the face"
+                     : face.normal == FaceNormal::plane
+                         ? "of the plane that fits the face"
+                         : "of the plane through the rim, because the face is no single surface";
+  const FaceSurface& surface = face.surface;
+  return fmt::format(
+      "glenoid found: center_mm {}, normal {} ({}), superior {}{}; {:.1f} x {:.1f} mm, rim in {:.0f} % of the "
+      "directions "
+      "within {:.2f} mm (rms) of a pear, face within {:.2f} mm (rms){}; confidence {:.2f}",
+      text(c, 1), text(axes.col(2), 3), from, text(axes.col(1), 3),
+      superior_guessed ? " (towards the narrow end of the face; check it)" : "", face.fit.outline.height_mm,
+      2 * face.fit.outline.radius_mm, 100 * face.rim_fraction(), face.fit.rms_mm, surface.rms_mm,
+      surface.spherical ? fmt::format(" of a sphere of radius {:.1f} mm", surface.sphere->radius_mm) : " of a plane",
+      confidence);
+}
+
+/// What makes the frame uncertain; nothing where it can be trusted.
+std::vector<std::string> doubts_of(const FittedFace& face, bool superior_guessed) {
+  constexpr double kClearRim = 0.75, kRoughFace_mm = 0.6;
+  constexpr double kLeastUsual_mm = 25, kMostUsual_mm = 48;
+  std::vector<std::string> out;
+  const auto doubt = [&](bool doubtful, const std::string& why) {
+    const char* look = "; look at the pictures, and give bone.glenoid.center_mm, normal and superior if they are wrong";
+    if (doubtful) out.push_back(why + look);
+  };
+  const double rim = face.rim_fraction(), height_mm = face.fit.outline.height_mm;
+  doubt(rim < kClearRim,
+        fmt::format("the glenoid was found with little confidence: only {:.0f} % of the directions meet its rim",
+                    100 * rim));
+  doubt(face.surface.rms_mm > kRoughFace_mm,
+        fmt::format("the glenoid was found with little confidence: its face is rough, {:.1f} mm (rms)",
+                    face.surface.rms_mm));
+  doubt(height_mm < kLeastUsual_mm || height_mm > kMostUsual_mm,
+        fmt::format("the face that was found is {:.0f} mm high, a glenoid usually 30 to 45 mm", height_mm));
+  if (superior_guessed) {
+    out.push_back(
+        "superior was taken from the shape of the face, towards its narrow end: give bone.glenoid.superior or "
+        "landmarks to be sure");
+  }
+  return out;
+}
+
+/// 1 for a size within limits, falling to 0 towards `least` and `most`.
+double size_score(double mm, double least, double usual_least, double usual_most, double most) {
+  return std::clamp(std::min((mm - least) / (usual_least - least), (most - mm) / (most - usual_most)), 0.0, 1.0);
+}
+
+/// The best of the faces as places, none near another.
+std::vector<std::pair<FacePlace, const FittedFace*>> best_places(const BoneProbe& probe,
+                                                                 const std::vector<FittedFace>& faces) {
+  std::vector<std::pair<FacePlace, const FittedFace*>> all, out;
+  for (const FittedFace& face : faces) all.emplace_back(place_of(probe, face), &face);
+  std::ranges::stable_sort(all, {}, [](const auto& entry) { return -entry.first.confidence; });
+  for (const auto& entry : all) {
+    const auto same = [&](const auto& other) {
+      return (other.first.center_mm - entry.first.center_mm).norm() < kPlacesApart_mm;
+    };
+    if (entry.first.confidence > 0 && std::ranges::none_of(out, same)) out.push_back(entry);
+  }
+  return out;
+}
+
 }  // namespace
 
 FoundGlenoid find_glenoid(const BoneView& bone, const GlenoidSettings& settings, BodySide side) {
@@ -161,174 +299,20 @@ FoundGlenoid find_glenoid(const BoneView& bone, const GlenoidSettings& settings,
     if (std::abs(face.fit.outline.distance_mm(p.head<2>())) <= 2 * kRimInlier_mm)
       out.rim_mm.push_back(face.old_frame * p);
   }
-  out.normal = face.normal;
-  out.height_mm = face.fit.outline.height_mm;
-  out.width_mm = 2 * face.fit.outline.radius_mm;
-  out.rim_fraction = face.rim_fraction();
-  out.rim_rms_mm = face.fit.rms_mm;
-  out.face_rms_mm = face.surface.rms_mm;
-  out.radius_mm = face.surface.spherical ? face.surface.sphere->radius_mm : 0;
-  out.confidence = place_of(probe, face).confidence;
-  out.superior_guessed = guessed;
+  out.sentence = sentence_of(face, out.frame, place_of(probe, face).confidence, guessed);
+  out.doubts = doubts_of(face, guessed);
   return out;
 }
-
-std::string sentence_of(const FoundGlenoid& found) {
-  const Vec3 c = found.frame.bone_from_glenoid.translation();
-  const Mat3 axes = found.frame.bone_from_glenoid.linear();
-  const auto text = [](const Vec3& v, int digits) {
-    return fmt::format("[{:.{}f}, {:.{}f}, {:.{}f}]", v.x(), digits, v.y(), digits, v.z(), digits);
-  };
-  const char* from = found.normal == FaceNormal::sphere ? "towards the centre of the sphere that fits the face"
-                     : found.normal == FaceNormal::plane
-                         ? "of the plane that fits the face"
-                         : "of the plane through the rim, because the face is no single surface";
-  return fmt::format(
-      "glenoid found: center_mm {}, normal {} ({}), superior {}{}; {:.1f} x {:.1f} mm, rim in {:.0f} % of the "
-      "directions "
-      "within {:.2f} mm (rms) of a pear, face within {:.2f} mm (rms){}; confidence {:.2f}",
-      text(c, 1), text(axes.col(2), 3), from, text(axes.col(1), 3),
-      found.superior_guessed ? " (towards the narrow end of the face; check it)" : "", found.height_mm, found.width_mm,
-      100 * found.rim_fraction, found.rim_rms_mm, found.face_rms_mm,
-      found.radius_mm > 0 ? fmt::format(" of a sphere of radius {:.1f} mm", found.radius_mm) : " of a plane",
-      found.confidence);
-}
-
-std::vector<std::string> doubts_of(const FoundGlenoid& found) {
-  constexpr double kClearRim = 0.75, kRoughFace_mm = 0.6;
-  constexpr double kLeastUsual_mm = 25, kMostUsual_mm = 48;
-  const std::string look =
-      "; look at the pictures, and give bone.glenoid.center_mm, normal and superior if they are wrong";
-  std::vector<std::string> out;
-  if (found.rim_fraction < kClearRim) {
-    out.push_back(
-        fmt::format("the glenoid was found with little confidence: only {:.0f} % of the directions meet its rim",
-                    100 * found.rim_fraction) +
-        look);
-  }
-  if (found.face_rms_mm > kRoughFace_mm) {
-    out.push_back(fmt::format("the glenoid was found with little confidence: its face is rough, {:.1f} mm (rms)",
-                              found.face_rms_mm) +
-                  look);
-  }
-  if (found.height_mm < kLeastUsual_mm || found.height_mm > kMostUsual_mm) {
-    out.push_back(
-        fmt::format("the face that was found is {:.0f} mm high, a glenoid usually 30 to 45 mm", found.height_mm) +
-        look);
-  }
-  if (found.superior_guessed) {
-    out.push_back(
-        "superior was taken from the shape of the face, towards its narrow end: give bone.glenoid.superior or "
-        "landmarks to be sure");
-  }
-  return out;
-}
-
-namespace {
-
-constexpr double kStartsApart_mm = 5;
-constexpr double kPlacesApart_mm = 8;  // faces nearer to each other are one
-constexpr double kLeastVault_mm = 10;  // an acromion is 8 to 9 mm thick
-constexpr double kDeepVault_mm = 20;
-constexpr double kLeastFree_mm = 12;       // in front of the face
-constexpr double kLeastCoarseScore = 0.3;  // score of a face that is fitted finely
-constexpr FitEffort kSearchEffort{20, 3};
-constexpr std::size_t kFinePlaces = 6;
-/// Sizes beyond these are no glenoid.
-constexpr double kShortest_mm = 20, kTallest_mm = 52, kNarrowest_mm = 14, kWidest_mm = 42;
-
-bool is_at_surface(const Voxmap& voxmap, const Vec3i& voxel) {
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const int step : {-1, 1}) {
-      const Vec3i beside = voxel + step * Vec3i::Unit(axis);
-      if (!voxmap.grid.contains(beside) || voxmap.grade.get(beside) == 0) return true;
-    }
-  }
-  return false;
-}
-
-/// A voxel of the surface in each cell of kStartsApart_mm, that nearest to the middle of the cell.
-std::vector<Vec3> spread_over(const BoneView& bone, const Ball& within) {
-  struct Nearest {
-    double away_mm;
-    Vec3 point_mm;
-  };
-  const auto by_coordinates = [](const Vec3i& a, const Vec3i& b) {
-    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
-  };
-  std::map<Vec3i, Nearest, decltype(by_coordinates)> cells(by_coordinates);
-  for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t) {
-    const Vec3 point = bone.voxmap.grid.center_mm(voxel);
-    if ((point - within.center_mm).norm() > within.radius_mm || !is_at_surface(bone.voxmap, voxel)) return;
-    const Vec3i cell = (point / kStartsApart_mm).array().floor().cast<int>();
-    const double away_mm = (point - kStartsApart_mm * (cell.cast<double>() + Vec3::Constant(0.5))).norm();
-    const auto [at, first] = cells.try_emplace(cell, Nearest{away_mm, point});
-    if (!first && away_mm < at->second.away_mm) at->second = {away_mm, point};
-  });
-  std::vector<Vec3> out;
-  for (const auto& [cell, nearest] : cells) out.push_back(nearest.point_mm);
-  return out;
-}
-
-/// Thickness of the bone behind a point of the surface, at most kDeepVault_mm; 0 where something stands in front of it.
-double vault_behind(const BoneProbe& probe, const Vec3& point_mm, const Vec3& outward) {
-  constexpr double kInside_mm = 1.5;
-  if (probe.distance_to_bone(point_mm + kInside_mm * outward, outward, kLeastFree_mm)) return 0;
-  const Vec3 inside = point_mm - kInside_mm * outward;
-  if (probe.fraction(inside) < 0.5) return 0;
-  return std::min(kInside_mm + probe.distance_to_air(inside, -outward, kDeepVault_mm).value_or(kDeepVault_mm),
-                  kDeepVault_mm);
-}
-
-/// The start at a voxel of the surface; nullopt where the bone is thin or something stands in front of it.
-std::optional<Rigid> start_at(const BoneView& bone, const BoneProbe& probe, const Vec3& point_mm) {
-  constexpr double kRadius_mm = 6;
-  const Vec3 outward = nearby_bone(bone.voxmap, point_mm, Vec3::UnitZ(), kRadius_mm).outward;
-  if (outward == Vec3::Zero()) return std::nullopt;
-  const Vec3 above = point_mm + 2 * probe.voxel_mm() * outward;
-  const auto fall = probe.distance_to_bone(above, -outward, 4 * probe.voxel_mm());
-  if (!fall) return std::nullopt;
-  const Vec3 surface = above - *fall * outward;
-  // The normal of a start deviates from that of its face, so its vault may be less.
-  if (vault_behind(probe, surface, outward) < 0.7 * kLeastVault_mm) return std::nullopt;
-  return frame_at(surface, outward);
-}
-
-/// 1 for a size within limits, falling to 0 towards `least` and `most`.
-double size_score(double mm, double least, double usual_least, double usual_most, double most) {
-  return std::clamp(std::min((mm - least) / (usual_least - least), (most - mm) / (most - usual_most)), 0.0, 1.0);
-}
-
-/// The best of the faces, none near another.
-std::vector<FacePlace> best_places(const BoneProbe& probe, const std::vector<FittedFace>& faces,
-                                   std::vector<FittedFace>* of = nullptr) {
-  std::vector<std::pair<FacePlace, const FittedFace*>> all;
-  for (const FittedFace& face : faces) all.emplace_back(place_of(probe, face), &face);
-  std::ranges::stable_sort(all, {}, [](const auto& entry) { return -entry.first.confidence; });
-  std::vector<FacePlace> out;
-  for (const auto& entry : all) {
-    const FacePlace& place = entry.first;
-    const auto same = [&](const FacePlace& other) {
-      return (other.center_mm - place.center_mm).norm() < kPlacesApart_mm;
-    };
-    if (place.confidence <= 0 || std::ranges::any_of(out, same)) continue;
-    out.push_back(place);
-    if (of != nullptr) of->push_back(*entry.second);
-  }
-  return out;
-}
-
-}  // namespace
 
 FacePlace place_of(const BoneProbe& probe, const FittedFace& face) {
   FacePlace out{.center_mm = face.bone_from_face.translation(),
                 .normal = face.bone_from_face.linear().col(2),
                 .height_mm = face.fit.outline.height_mm,
                 .width_mm = 2 * face.fit.outline.radius_mm};
-  out.vault_mm = vault_behind(probe, out.center_mm, out.normal);
+  const double vault_mm = vault_behind(probe, out.center_mm, out.normal);
   const double size = size_score(out.height_mm, kShortest_mm, 26, 46, kTallest_mm) *
                       size_score(out.width_mm, kNarrowest_mm, 19, 36, kWidest_mm);
-  const double vault = std::clamp((out.vault_mm - kLeastVault_mm) / (15 - kLeastVault_mm), 0.0, 1.0);
+  const double vault = std::clamp((vault_mm - kLeastVault_mm) / (15 - kLeastVault_mm), 0.0, 1.0);
   out.confidence = std::clamp(face_score(face), 0.0, 1.0) * std::sqrt(size * vault);
   return out;
 }
@@ -339,14 +323,6 @@ std::optional<FacePlace> place_at(const BoneView& bone, const Rigid& bone_from_f
   return face ? std::optional(place_of(probe, *face)) : std::nullopt;
 }
 
-std::vector<Rigid> starts_on_surface(const BoneView& bone, const BoneProbe& probe, const Ball& within) {
-  std::vector<Rigid> out;
-  for (const Vec3& point : spread_over(bone, within)) {
-    if (const auto start = start_at(bone, probe, point)) out.push_back(*start);
-  }
-  return out;
-}
-
 std::vector<FacePlace> search_faces(const BoneView& bone) {
   const BoneProbe probe(bone);
   const std::vector<Rigid> starts = starts_on_surface(bone, probe, {});
@@ -354,12 +330,13 @@ std::vector<FacePlace> search_faces(const BoneView& bone) {
     auto face = fit_face(probe, starts[i], kSearchEffort);
     return face && face_score(*face) >= kLeastCoarseScore ? face : std::nullopt;
   });
-  std::vector<FittedFace> chosen;
-  best_places(probe, coarse, &chosen);
-  chosen.resize(std::min(chosen.size(), kFinePlaces));
-  return best_places(probe, fit_all(chosen.size(), [&](std::size_t i) {
-                       return fit_face(probe, chosen[i].bone_from_face, kFineEffort);
-                     }));
+  const auto chosen = best_places(probe, coarse);
+  const std::vector<FittedFace> fine = fit_all(std::min(chosen.size(), kFinePlaces), [&](std::size_t i) {
+    return fit_face(probe, chosen[i].second->bone_from_face, kFineEffort);
+  });
+  std::vector<FacePlace> out;
+  for (const auto& [place, face] : best_places(probe, fine)) out.push_back(place);
+  return out;
 }
 
 }  // namespace reamsim

@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,21 +15,13 @@ namespace reamsim {
 
 /// An articular face found on the surface of a bone.
 struct FoundGlenoid {
-  GlenoidFrame frame;        ///< origin on the surface, +z out of the face, +y superior
-  std::vector<Vec3> rim_mm;  ///< B, in order round the face
-  FaceNormal normal = FaceNormal::sphere;
-  double height_mm = 0, width_mm = 0;  ///< of the pear that fits the rim
-  double rim_fraction = 0;             ///< of the directions: those with a rim within 1.5 mm of the pear
-  double rim_rms_mm = 0;               ///< of their distances from it
-  double face_rms_mm = 0;              ///< of the distances of the face from the sphere or plane
-  double radius_mm = 0;                ///< of the sphere; 0: none
-  double confidence = 0;               ///< place_of(): 0…1
-  bool superior_guessed = false;       ///< from the shape of the face only
+  GlenoidFrame frame;               ///< origin on the surface, +z out of the face, +y superior
+  std::vector<Vec3> rim_mm;         ///< B, in order round the face
+  std::string sentence;             ///< for the console: centre, normal, size and residuals
+  std::vector<std::string> doubts;  ///< what makes the frame uncertain, a sentence each
 };
 
-/// Finds the face round `settings.near_mm`, which lies within about 8 mm of its centre: rays to the surface, walks to
-/// the rim (walk_to_rim()), the pear that fits it (fit_pear()) and the sphere or plane that fits the face inside it,
-/// in turns until the frame rests.
+/// Finds the face round `settings.near_mm`, which lies within about 8 mm of its centre (see fit_face()).
 ///
 /// The centre is the middle of the pear's height on its long axis, moved to the surface along the normal. The normal
 /// points to the centre of the sphere; for a face that is no single surface (biconcave) it is that of the plane through
@@ -39,17 +30,11 @@ struct FoundGlenoid {
 /// narrow end. Throws InputError (bone.glenoid.near_mm): no bone near the point, no face round it.
 FoundGlenoid find_glenoid(const BoneView& bone, const GlenoidSettings& settings, BodySide side);
 
-/// One sentence for the console: centre, normal, size and residuals.
-std::string sentence_of(const FoundGlenoid& found);
-/// What makes the frame uncertain, a sentence each; none where it can be trusted.
-std::vector<std::string> doubts_of(const FoundGlenoid& found);
-
 /// A place on a bone where a glenoid may be. B.
 struct FacePlace {
   Vec3 center_mm = Vec3::Zero();  ///< on the surface
   Vec3 normal = Vec3::UnitZ();    ///< out of the bone
   double height_mm = 0, width_mm = 0;
-  double vault_mm = 0;    ///< thickness of the bone behind the centre, along the normal; at most 20
   double confidence = 0;  ///< 0…1: how much the place resembles a glenoid
 };
 
@@ -60,16 +45,6 @@ FacePlace place_of(const BoneProbe& probe, const FittedFace& face);
 
 /// The place at a frame on the surface, fitted finely; nullopt where there is no face.
 std::optional<FacePlace> place_at(const BoneView& bone, const Rigid& bone_from_face);
-
-/// A region of B.
-struct Ball {
-  Vec3 center_mm = Vec3::Zero();
-  double radius_mm = std::numeric_limits<double>::infinity();
-};
-
-/// Frames every 5 mm on the surface in a region, +z out of the bone, where the bone is thick and nothing stands in
-/// front of it: where fit_face() may start.
-std::vector<Rigid> starts_on_surface(const BoneView& bone, const BoneProbe& probe, const Ball& within);
 
 /// Searches the whole surface of a bone for faces that resemble a glenoid: a rim round a concave or flat face of 20 to
 /// 50 mm, with a vault of at least 10 mm behind it, which the acromion and the fossae of the scapula have not. Starts

@@ -4,28 +4,24 @@
 #include "sim/anatomy/fit_face.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include "sim/base/parallel.h"
+#include "sim/base/statistics.h"
+#include "sim/bone/implicit.h"
+#include "sim/bone/voxel_surface.h"
 
 namespace reamsim {
-
-double BoneProbe::fraction_of(const Vec3i& voxel) const {
-  const Voxmap& voxmap = bone_.voxmap;
-  if (!voxmap.grid.contains(voxel) || voxmap.grade.get(voxel) == 0) return 0;
-  return static_cast<double>(bone_.fill.get(voxel)) / FillBricks::kWhole;
-}
 
 double BoneProbe::fraction(const Vec3& point_mm) const {
   const VoxelGrid& grid = bone_.voxmap.grid;
   const Vec3 place = (point_mm - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
   const Vec3 base = place.array().floor();
   double out = 0;
-  for_each_trilinear_weight(
-      place - base, [&](const Vec3i& step, double weight) { out += weight * fraction_of(base.cast<int>() + step); });
+  for_each_trilinear_weight(place - base, [&](const Vec3i& step, double weight) {
+    out += weight * bone_fraction(bone_, base.cast<int>() + step);
+  });
   return out;
 }
 
@@ -40,14 +36,6 @@ std::optional<double> BoneProbe::crossing(const Vec3& from_mm, const Vec3& direc
     before = here;
   }
   return std::nullopt;
-}
-
-std::optional<double> BoneProbe::distance_to_bone(const Vec3& from_mm, const Vec3& direction, double most_mm) const {
-  return crossing(from_mm, direction, most_mm, true);
-}
-
-std::optional<double> BoneProbe::distance_to_air(const Vec3& from_mm, const Vec3& direction, double most_mm) const {
-  return crossing(from_mm, direction, most_mm, false);
 }
 
 namespace {
@@ -84,22 +72,6 @@ Vec2 corner_of(const Profile& profile) {
   return *std::ranges::max_element(profile, {}, [](const Vec2& p) { return p.sum(); });
 }
 
-}  // namespace
-
-RimWalk walk_to_rim(const BoneProbe& probe, const Rigid& bone_from_face, int directions) {
-  RimWalk out{.rim_mm = {}, .directions = directions};
-  for (int k = 0; k < directions; ++k) {
-    const double angle = 2 * std::numbers::pi * k / directions;
-    const auto profile = profile_of(probe, bone_from_face, angle);
-    if (!profile) continue;
-    const Vec2 corner = corner_of(*profile);
-    if (corner.x() > 0) out.rim_mm.emplace_back(corner.x() * std::cos(angle), corner.x() * std::sin(angle), corner.y());
-  }
-  return out;
-}
-
-namespace {
-
 constexpr double kRest_mm = 0.01, kRest_rad = 1e-4;
 constexpr double kMargin_mm = 2.5;  // from the rim, where it is rounded; at most a quarter of the radius
 constexpr double kGrid_mm = 1;      // of the points of the face
@@ -131,22 +103,6 @@ std::vector<Vec3> points_inside(const BoneProbe& probe, const FittedFace& face) 
   return out;
 }
 
-/// Root mean square distance of the points from the surface that describes them.
-double rms_of(const FaceSurface& surface, const std::vector<Vec3>& points) {
-  double squares = 0;
-  for (const Vec3& p : points) {
-    const double off = surface.spherical ? (p - surface.sphere->center_mm).norm() - surface.sphere->radius_mm
-                                         : (p - surface.plane.point_mm).dot(surface.plane.normal);
-    squares += off * off;
-  }
-  return std::sqrt(squares / static_cast<double>(points.size()));
-}
-
-/// Whether the face bulges like a humeral head.
-bool is_convex(const FaceSurface& surface) {
-  return surface.spherical && !surface.concave && 1 / surface.sphere->radius_mm > kMostConvexity_per_mm;
-}
-
 /// The normal of the plane through the rim points that lie near the outline.
 std::optional<Vec3> rim_normal(const FittedFace& face) {
   std::vector<Vec3> rim;
@@ -160,7 +116,7 @@ std::optional<Vec3> rim_normal(const FittedFace& face) {
 
 /// The direction out of the face at a point of it, and where it comes from.
 std::optional<Vec3> normal_at(const Vec3& point_mm, const std::vector<Vec3>& points, FittedFace& face) {
-  const bool one_surface = rms_of(face.surface, points) <= kOneSurface_mm;
+  const bool one_surface = rms_distance_mm(face.surface, points) <= kOneSurface_mm;
   const Vec3 outward = face.bone_from_face.linear().col(2);
   face.normal = !one_surface ? FaceNormal::rim : face.surface.spherical ? FaceNormal::sphere : FaceNormal::plane;
   if (face.normal == FaceNormal::sphere) {
@@ -203,7 +159,112 @@ bool fit_step(const BoneProbe& probe, int directions, FittedFace& face, Vec2& mo
   return true;
 }
 
+constexpr std::size_t kLeastPoints = 12;
+constexpr double kLeastRatio = 0.5, kMostRatio = 0.95;
+constexpr double kSlimmest = 2.02;  // height over the sum of radii at which both circles are one, and a margin
+
+using Parameters = Vec6;
+
+Parameters parameters_of(const PearOutline& o) {
+  Parameters out;
+  out << o.center_mm, o.axis_rad, o.height_mm, o.radius_mm, o.upper_ratio;
+  return out;
+}
+
+PearOutline outline_of(const Parameters& p) {
+  PearOutline out{
+      .center_mm = p.head<2>(), .axis_rad = p[2], .height_mm = p[3], .radius_mm = p[4], .upper_ratio = p[5]};
+  out.radius_mm = std::max(out.radius_mm, 1.0);
+  out.upper_ratio = std::clamp(out.upper_ratio, kLeastRatio, kMostRatio);
+  out.height_mm = std::max(out.height_mm, kSlimmest * out.radius_mm);
+  return out;
+}
+
+std::vector<double> distances_of(const PearOutline& outline, const std::vector<Vec2>& points) {
+  std::vector<double> out;
+  for (const Vec2& p : points) out.push_back(outline.distance_mm(p));
+  return out;
+}
+
+/// Tukey's biweight for residuals of the scale of the points.
+std::vector<double> weights_of(const std::vector<double>& residuals) {
+  constexpr double kSigmaPerMad = 1.4826, kTukey = 4.685, kLeastScale_mm = 0.2;
+  std::vector<double> sizes;
+  for (const double r : residuals) sizes.push_back(std::abs(r));
+  const double reach = kTukey * std::max(kSigmaPerMad * quantile(sizes, 0.5), kLeastScale_mm);
+  std::vector<double> out;
+  for (const double r : residuals) {
+    const double u = 1 - r * r / (reach * reach);
+    out.push_back(u > 0 ? u * u : 0);
+  }
+  return out;
+}
+
+double weighted_squares(const std::vector<double>& residuals, const std::vector<double>& weights) {
+  double out = 0;
+  for (std::size_t i = 0; i < residuals.size(); ++i) out += weights[i] * residuals[i] * residuals[i];
+  return out;
+}
+
+/// A damped Gauss–Newton step with fixed weights; returns whether the outline is better.
+bool improve(PearOutline& outline, const std::vector<Vec2>& points, const std::vector<double>& weights,
+             double& damping) {
+  const Parameters at = parameters_of(outline);
+  const std::vector<double> here = distances_of(outline, points);
+  Eigen::MatrixXd slopes(points.size(), 6);
+  for (int k = 0; k < 6; ++k) {
+    constexpr double kStep = 1e-4;
+    Parameters moved = at;
+    moved[k] += k == 5 && at[5] > kMostRatio - kStep ? -kStep : kStep;
+    const std::vector<double> there = distances_of(outline_of(moved), points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      slopes(static_cast<Eigen::Index>(i), k) = (there[i] - here[i]) / (moved[k] - at[k]);
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(points.size());
+  const Eigen::Map<const Eigen::VectorXd> w(weights.data(), count), r(here.data(), count);
+  const Mat6 products = slopes.transpose() * w.asDiagonal() * slopes;
+  const Parameters right = slopes.transpose() * w.asDiagonal() * r;
+  Mat6 damped = products;
+  damped.diagonal() += damping * (products.diagonal() + Parameters::Constant(1e-6));
+  const PearOutline next = outline_of(at - solve_ldlt(damped, right));
+  const bool better = weighted_squares(distances_of(next, points), weights) < weighted_squares(here, weights);
+  if (better) outline = next;
+  damping = better ? damping / 5 : damping * 5;
+  return better;
+}
+
+/// The points' mean and main directions as a first outline, with the smaller circle on one side or the other.
+PearOutline first_outline(const std::vector<Vec2>& points, bool reversed) {
+  Vec2 mean = Vec2::Zero();
+  for (const Vec2& p : points) mean += p / static_cast<double>(points.size());
+  Mat2 spread = Mat2::Zero();
+  for (const Vec2& p : points) spread += (p - mean) * (p - mean).transpose();
+  const SymmetricEigen2 axes = symmetric_eigen(Mat2(spread / static_cast<double>(points.size())));
+  const Vec2 along = axes.vectors.col(1);
+  // The variance of points around an ellipse is half of each squared semi-axis.
+  const Vec2 half = (2 * axes.values.cwiseMax(1e-6)).cwiseSqrt();
+  PearOutline out{.center_mm = mean,
+                  .axis_rad = std::atan2(along.y(), along.x()) + (reversed ? std::numbers::pi : 0.0),
+                  .height_mm = 2 * half.y(),
+                  .radius_mm = half.x(),
+                  .upper_ratio = 0.75};
+  return outline_of(parameters_of(out));
+}
+
 }  // namespace
+
+RimWalk walk_to_rim(const BoneProbe& probe, const Rigid& bone_from_face, int directions) {
+  RimWalk out{.rim_mm = {}, .directions = directions};
+  for (int k = 0; k < directions; ++k) {
+    const double angle = 2 * std::numbers::pi * k / directions;
+    const auto profile = profile_of(probe, bone_from_face, angle);
+    if (!profile) continue;
+    const Vec2 corner = corner_of(*profile);
+    if (corner.x() > 0) out.rim_mm.emplace_back(corner.x() * std::cos(angle), corner.x() * std::sin(angle), corner.y());
+  }
+  return out;
+}
 
 Rigid frame_at(const Vec3& origin_mm, const Vec3& outward) {
   Rigid out;
@@ -238,10 +299,45 @@ double face_score(const FittedFace& face) {
   constexpr double kRmsWeight = 0.2, kSlimPenalty = 0.3, kRoughPenalty = 0.1;
   constexpr double kSlimmest = 1.9;  // height over width; 1.3 to 1.5 is usual
   const double size_mm = face.fit.outline.height_mm;
-  if (size_mm < kLeastHeight_mm || size_mm > kMostHeight_mm || is_convex(face.surface)) return -1;
+  const FaceSurface& surface = face.surface;
+  const bool like_a_head =
+      surface.spherical && !surface.concave && 1 / surface.sphere->radius_mm > kMostConvexity_per_mm;
+  if (size_mm < kLeastHeight_mm || size_mm > kMostHeight_mm || like_a_head) return -1;
   return face.rim_fraction() - kRmsWeight * face.fit.rms_mm -
          (size_mm > kSlimmest * 2 * face.fit.outline.radius_mm ? kSlimPenalty : 0) -
          (face.normal == FaceNormal::rim ? kRoughPenalty : 0);
+}
+
+double PearOutline::distance_mm(const Vec2& point_mm) const {
+  const Vec2 from = point_mm - center_mm;
+  const double along = from.dot(axis()), across = from.x() * axis().y() - from.y() * axis().x();
+  return implicit::pear(across, along, radius_mm - height_mm / 2, radius_mm, height_mm / 2 - upper_ratio * radius_mm,
+                        upper_ratio * radius_mm);
+}
+
+std::optional<OutlineFit> fit_pear(const std::vector<Vec2>& rim_mm) {
+  if (rim_mm.size() < kLeastPoints) return std::nullopt;
+  constexpr int kRounds = 8, kSteps = 6;
+  std::optional<OutlineFit> best;
+  for (const bool reversed : {false, true}) {
+    PearOutline outline = first_outline(rim_mm, reversed);
+    for (int round = 0; round < kRounds; ++round) {
+      const std::vector<double> weights = weights_of(distances_of(outline, rim_mm));
+      double damping = 1e-3;
+      for (int step = 0; step < kSteps; ++step) improve(outline, rim_mm, weights, damping);
+    }
+    OutlineFit found{.outline = outline, .inlier_fraction = 0, .rms_mm = 0};
+    for (const double r : distances_of(outline, rim_mm)) {
+      if (std::abs(r) > kRimInlier_mm) continue;
+      found.inlier_fraction += 1;
+      found.rms_mm += r * r;
+    }
+    found.rms_mm = std::sqrt(found.rms_mm / std::max(1.0, found.inlier_fraction));
+    found.inlier_fraction /= static_cast<double>(rim_mm.size());
+    const auto cost = [](const OutlineFit& f) { return f.rms_mm - 2 * f.inlier_fraction; };
+    if (!best || cost(found) < cost(*best)) best = found;
+  }
+  return best;
 }
 
 }  // namespace reamsim

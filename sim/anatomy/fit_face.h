@@ -3,13 +3,13 @@
 
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <optional>
 #include <vector>
 
 #include "sim/anatomy/face_surface.h"
-#include "sim/anatomy/pear_outline.h"
 #include "sim/base/geometry.h"
 #include "sim/bone/voxmap/voxmap.h"
 
@@ -25,18 +25,49 @@ class BoneProbe {
   /// Distance along `direction`, a unit vector, at which a line from `from_mm` enters bone: the fraction passes a half.
   /// nullopt where it does not within `most_mm`, or starts inside bone.
   [[nodiscard]] std::optional<double> distance_to_bone(const Vec3& from_mm, const Vec3& direction,
-                                                       double most_mm) const;
+                                                       double most_mm) const {
+    return crossing(from_mm, direction, most_mm, true);
+  }
   /// The same for leaving bone; nullopt where the line starts outside.
-  [[nodiscard]] std::optional<double> distance_to_air(const Vec3& from_mm, const Vec3& direction, double most_mm) const;
+  [[nodiscard]] std::optional<double> distance_to_air(const Vec3& from_mm, const Vec3& direction,
+                                                      double most_mm) const {
+    return crossing(from_mm, direction, most_mm, false);
+  }
   [[nodiscard]] double voxel_mm() const { return bone_.voxmap.grid.voxel_mm; }
 
  private:
-  [[nodiscard]] double fraction_of(const Vec3i& voxel) const;
   [[nodiscard]] std::optional<double> crossing(const Vec3& from_mm, const Vec3& direction, double most_mm,
                                                bool into_bone) const;
 
   BoneView bone_;
 };
+
+/// The outline of an articular face in its plane: two circles and their outer tangents, a pear (Huysmans et al. 2006,
+/// Journal of Shoulder and Elbow Surgery 15, 759–763: the inferior part of the glenoid is a circle).
+struct PearOutline {
+  Vec2 center_mm = Vec2::Zero();  ///< the middle of the height, on the long axis
+  double axis_rad = 0;            ///< direction from the larger circle to the smaller, from +x of the plane
+  double height_mm = 0;           ///< along that direction
+  double radius_mm = 0;           ///< of the larger circle; half of the width
+  double upper_ratio = 0;         ///< radius of the smaller circle over that of the larger, 0.5…0.95
+
+  /// Distance of a point from the outline, negative inside, mm.
+  [[nodiscard]] double distance_mm(const Vec2& point_mm) const;
+  [[nodiscard]] Vec2 axis() const { return {std::cos(axis_rad), std::sin(axis_rad)}; }
+};
+
+/// An outline fitted robustly to points of a rim.
+struct OutlineFit {
+  PearOutline outline;
+  double inlier_fraction = 0;  ///< points within kRimInlier_mm
+  double rms_mm = 0;           ///< of these
+};
+
+inline constexpr double kRimInlier_mm = 1.5;
+
+/// Least squares with Tukey's weights, by Levenberg and Marquardt; parts of the rim that are worn away do not count.
+/// nullopt for fewer than 12 points.
+std::optional<OutlineFit> fit_pear(const std::vector<Vec2>& rim_mm);
 
 /// The edge of a face, found by walking over its surface.
 struct RimWalk {

@@ -29,19 +29,6 @@ constexpr double kMinCentroid = 0.05;
 /// A smaller component of a direction is not significant (about 6°).
 constexpr double kMinComponent = 0.1;
 
-bool is_bone(const Voxmap& voxmap, const Vec3i& voxel) {
-  return voxmap.grid.contains(voxel) && voxmap.grade.get(voxel) != 0;
-}
-
-bool has_air_beside(const Voxmap& voxmap, const Vec3i& voxel) {
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const int step : {-1, 1}) {
-      if (!is_bone(voxmap, voxel + step * Vec3i::Unit(axis))) return true;
-    }
-  }
-  return false;
-}
-
 /// The stored bricks and lower bounds of their distance from a point, the nearest first.
 std::vector<std::pair<double, Vec3i>> bricks_by_distance(const Voxmap& voxmap, const Vec3& point_mm) {
   const double side_mm = BrickLattice::kSide * voxmap.grid.voxel_mm;
@@ -75,6 +62,35 @@ FrameKeys keys_of(const BoneSettings& settings) {
   return {"bone.vdb.path", "bone.vdb.path", "bone.vdb.path"};
 }
 
+/// The point of the unreamed bone's surface nearest to a given point.
+struct NearestSurface {
+  Vec3 point_mm = Vec3::Zero();  ///< B
+  double distance_mm = 0;        ///< to within a voxel
+  bool inside = false;           ///< the given point lies in the bone
+};
+
+/// nullopt without bone.
+std::optional<NearestSurface> nearest_surface(const Voxmap& voxmap, const Vec3& point_mm) {
+  const VoxelGrid& grid = voxmap.grid;
+  NearestSurface out{.point_mm = {}, .distance_mm = std::numeric_limits<double>::infinity(), .inside = false};
+  for (const auto& [bound_mm, coord] : bricks_by_distance(voxmap, point_mm)) {
+    if (bound_mm > out.distance_mm) break;
+    const GradeBricks::Brick& grades = *voxmap.grade.brick(coord);
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      if (grades[static_cast<std::size_t>(offset)] == 0) continue;
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      const Vec3 center = grid.center_mm(voxel);
+      const double distance_mm = (center - point_mm).norm();
+      if (distance_mm >= out.distance_mm || !has_air_beside(voxmap, voxel)) continue;
+      out.distance_mm = distance_mm;
+      out.point_mm = center;
+    }
+  }
+  if (!std::isfinite(out.distance_mm)) return std::nullopt;
+  out.inside = voxmap.is_bone(grid.voxel_of(point_mm));
+  return out;
+}
+
 void check_center(const NearestSurface& nearest, const Vec3& center_mm, const FrameKeys& keys) {
   if (nearest.distance_mm <= kFarthestCenter_mm) return;
   throw InputError({}, keys.center,
@@ -103,11 +119,6 @@ void check_normal(const NearbyBone& bone, const Vec3& normal, const FrameKeys& k
                   angle_deg, keys.normal, found));
 }
 
-/// False for a mesh, a phantom and a VDB of another program, which have their own axes.
-bool in_patient_frame(const Bone& bone, const BoneSettings& settings) {
-  return bone.voxmap->frame == "LPS" && (settings.source == BoneSource::ct || settings.source == BoneSource::vdb);
-}
-
 void check_anatomy(const Bone& bone, const FrameKeys& keys, Diagnostics& report) {
   const Mat3 axes = bone.glenoid->bone_from_glenoid.linear();
   const double left = axes(0, 2), up = axes(2, 1);
@@ -127,25 +138,13 @@ void check_anatomy(const Bone& bone, const FrameKeys& keys, Diagnostics& report)
 
 }  // namespace
 
-std::optional<NearestSurface> nearest_surface(const Voxmap& voxmap, const Vec3& point_mm) {
-  const VoxelGrid& grid = voxmap.grid;
-  NearestSurface out{.point_mm = {}, .distance_mm = std::numeric_limits<double>::infinity(), .inside = false};
-  for (const auto& [bound_mm, coord] : bricks_by_distance(voxmap, point_mm)) {
-    if (bound_mm > out.distance_mm) break;
-    const GradeBricks::Brick& grades = *voxmap.grade.brick(coord);
-    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
-      if (grades[static_cast<std::size_t>(offset)] == 0) continue;
-      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      const Vec3 center = grid.center_mm(voxel);
-      const double distance_mm = (center - point_mm).norm();
-      if (distance_mm >= out.distance_mm || !has_air_beside(voxmap, voxel)) continue;
-      out.distance_mm = distance_mm;
-      out.point_mm = center;
+bool has_air_beside(const Voxmap& voxmap, const Vec3i& voxel) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const int step : {-1, 1}) {
+      if (!voxmap.is_bone(voxel + step * Vec3i::Unit(axis))) return true;
     }
   }
-  if (!std::isfinite(out.distance_mm)) return std::nullopt;
-  out.inside = is_bone(voxmap, grid.voxel_of(point_mm));
-  return out;
+  return false;
 }
 
 NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& normal, double radius_mm) {
@@ -157,7 +156,7 @@ NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& n
   std::int64_t ahead = 0, behind = 0;
   for_each_voxel(Vec3i::Constant(-reach), Vec3i::Constant(reach), [&](const Vec3i& sample) {
     const Vec3 offset = step_mm * sample.cast<double>();
-    if (offset.norm() > radius_mm || !is_bone(voxmap, voxmap.grid.voxel_of(point_mm + offset))) return;
+    if (offset.norm() > radius_mm || !voxmap.is_bone(voxmap.grid.voxel_of(point_mm + offset))) return;
     (offset.dot(normal) > 0 ? ahead : behind) += 1;
     sum += offset;
   });
@@ -182,7 +181,9 @@ void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, Mistake
       mistakes.attempt([&] { check_normal(round, normal, keys, report); });
     }
   }
-  if (in_patient_frame(bone, settings)) check_anatomy(bone, keys, report);
+  // A mesh, a phantom and a VDB of another program have their own axes.
+  const bool scanned = settings.source == BoneSource::ct || settings.source == BoneSource::vdb;
+  if (scanned && bone.voxmap->frame == "LPS") check_anatomy(bone, keys, report);
 }
 
 }  // namespace reamsim

@@ -3,22 +3,13 @@
 
 #pragma once
 
-#include <optional>
-
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 
 namespace reamsim {
 
-/// The point of the unreamed bone's surface nearest to a given point.
-struct NearestSurface {
-  Vec3 point_mm = Vec3::Zero();  ///< B
-  double distance_mm = 0;        ///< to within a voxel
-  bool inside = false;           ///< the given point lies in the bone
-};
-
-/// nullopt without bone.
-std::optional<NearestSurface> nearest_surface(const Voxmap& voxmap, const Vec3& point_mm);
+/// Whether there is air on any of the six sides of a voxel, as outside the lattice.
+bool has_air_beside(const Voxmap& voxmap, const Vec3i& voxel);
 
 /// Bone in a sphere around a point, on both sides of a plane through it.
 struct NearbyBone {

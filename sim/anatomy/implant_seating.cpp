@@ -1,15 +1,12 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/anatomy/implant_seating.h"
+#include "sim/anatomy/planning.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-#include "sim/anatomy/column_map.h"
-#include "sim/anatomy/face_surface.h"
 #include "sim/base/statistics.h"
 #include "sim/bone/implicit.h"
 
@@ -21,115 +18,12 @@ namespace {
 /// glenoids (Chen et al. 2023, Folia Morphol 82, 325–331).
 constexpr double kPearTop = 0.75;
 
-double radians(double degrees) {
-  return degrees * std::numbers::pi / 180;
-}
-
 /// The lower half of a sphere at a place; nullopt beside it.
 std::optional<double> sphere_bottom(const Vec3& center, double radius, const Vec2& place) {
   const double below = radius * radius - (place - center.head<2>()).squaredNorm();
   if (below < 0) return std::nullopt;
   return center.z() - std::sqrt(below);
 }
-
-}  // namespace
-
-ImplantShape::ImplantShape(const ImplantSettings& settings)
-    : radius_mm_(settings.backside_radius_mm),
-      half_width_mm_(std::max(settings.width_mm, settings.diameter_mm) / 2),
-      half_height_mm_(std::max(settings.height_mm, settings.diameter_mm) / 2),
-      shape_(settings.width_mm > 0 ? settings.footprint : FootprintShape::ellipse),
-      augment_(settings.augment) {
-  if (!augment_) return;
-  toward_ = augment_->direction.head<2>().normalized();
-  // The sphere turns about a line across `toward_` through the point of the back at start_mm, so that it sinks on that
-  // side: in the plane of (toward_, z) a rotation by −angle.
-  const double angle = radians(augment_->angle_deg);
-  const Vec2 on_back(augment_->start_mm, plain_mm(augment_->start_mm * toward_).value_or(0));
-  const Vec2 turned = on_back + Eigen::Rotation2Dd(-angle) * Vec2(Vec2(0, radius_mm_) - on_back);
-  wedge_center_mm_ = Vec3(turned.x() * toward_.x(), turned.x() * toward_.y(), turned.y());
-}
-
-std::optional<double> ImplantShape::plain_mm(const Vec2& place) const {
-  if (radius_mm_ == 0) return 0.0;
-  return sphere_bottom({0, 0, radius_mm_}, radius_mm_, place);
-}
-
-std::optional<double> ImplantShape::wedge_mm(const Vec2& place) const {
-  if (radius_mm_ > 0) return sphere_bottom(wedge_center_mm_, radius_mm_, place);
-  return (augment_->start_mm - place.dot(toward_)) * std::tan(radians(augment_->angle_deg));
-}
-
-std::optional<double> ImplantShape::back_mm(const Vec2& place) const {
-  const auto plain = plain_mm(place);
-  if (!augment_) return plain;
-  const auto wedge = wedge_mm(place);
-  if (!plain || !wedge) return plain ? plain : wedge;
-  return std::min(*plain, *wedge);
-}
-
-double ImplantShape::level_mm(const Vec2& place) const {
-  const auto on_back = [&](double scale) { return covers(scale * place) && back_mm(scale * place).has_value(); };
-  if (on_back(1)) return *back_mm(place);
-  double inside = 0;
-  double outside = 1;
-  constexpr int kHalvings = 20;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (inside + outside);
-    (on_back(middle) ? inside : outside) = middle;
-  }
-  return back_mm(inside * place).value_or(0);
-}
-
-bool ImplantShape::covers(const Vec2& place) const {
-  if (!has_outline()) return true;
-  if (shape_ == FootprintShape::ellipse) {
-    return Vec2(place.x() / half_width_mm_, place.y() / half_height_mm_).squaredNorm() <= 1;
-  }
-  const double top_mm = kPearTop * half_width_mm_;
-  return implicit::pear(place.x(), place.y(), half_width_mm_ - half_height_mm_, half_width_mm_,
-                        half_height_mm_ - top_mm, top_mm) <= 0;
-}
-
-double ImplantShape::covered_fraction(const Vec2& center, double cell_mm) const {
-  constexpr int kPoints = 8;
-  int inside = 0;
-  for (int n = 0; n < kPoints * kPoints; ++n) {
-    const Vec2 offset = (Vec2(n % kPoints, n / kPoints) + Vec2::Constant(0.5)) / kPoints - Vec2::Constant(0.5);
-    inside += covers(center + cell_mm * offset) ? 1 : 0;
-  }
-  return static_cast<double>(inside) / (kPoints * kPoints);
-}
-
-double ImplantShape::augment_depth_mm() const {
-  if (!augment_) return 0;
-  return std::max((reach_mm() * std::numbers::sqrt2 - augment_->start_mm) * std::tan(radians(augment_->angle_deg)),
-                  0.0);
-}
-
-std::optional<Rigid> implant_pose(const ImplantSettings& settings, const Rigid& bone_from_tool, const BoneAxes& axes) {
-  Rigid bone_from_frame = Rigid::Identity();
-  if (settings.frame == ImplantFrame::reamer) bone_from_frame = bone_from_tool;
-  if (settings.frame == ImplantFrame::glenoid) {
-    if (!axes.bone_from_glenoid) return std::nullopt;
-    bone_from_frame = *axes.bone_from_glenoid;
-  }
-  const Mat3 turn = bone_from_frame.linear();
-  const Vec3 outward = (turn * settings.axis).normalized();
-  const auto& anatomy = axes.glenoid ? axes.glenoid : axes.scapula;
-  Vec3 superior = anatomy ? anatomy->superior : Vec3(turn.col(1));
-  if (settings.superior) superior = (turn * *settings.superior).normalized();
-  Vec3 across = superior.cross(outward);
-  constexpr double kParallel = 1e-3;
-  if (across.norm() < kParallel) across = outward.unitOrthogonal();
-  across.normalize();
-  Rigid bone_from_implant = Rigid::Identity();
-  bone_from_implant.linear() << across, outward.cross(across), outward;
-  bone_from_implant.translation() = bone_from_frame * settings.center_mm;
-  return bone_from_implant;
-}
-
-namespace {
 
 /// Columns per voxel: a finer map locates the edges of footprint and contact.
 constexpr double kColumnsPerVoxel = 2;
@@ -146,34 +40,31 @@ ColumnMap map_under(const ReamedBone& bone, const Rigid& bone_from_implant, cons
                       .pitch_mm = voxel_mm / kColumnsPerVoxel});
 }
 
-/// Marks the core that projects from the face: unreamed bone that the reamed face surrounds.
-std::vector<std::uint8_t> mark_core(const ColumnMap& map, const ReamedFace& face, double voxel_mm) {
-  std::vector<std::uint8_t> core(map.columns.size(), 0);
-  if (!face.plane) return core;
-  for (const ColumnGroup& group : group_columns(map, ColumnState::bone)) {
-    if (group.reaches_air || group.reaches_through) continue;
-    std::vector<double> heights;
-    for (const ColumnPlace& place : group.columns) {
-      heights.push_back(face.height_mm(map.in_bone(place, map.at(place).after_mm)));
-    }
-    if (mean(heights) < voxel_mm) continue;
-    for (const ColumnPlace& place : group.columns) core[map.index(place)] = 1;
+/// Marks the columns of the groups with a state and a property.
+template <class Property>
+std::vector<std::uint8_t> mark_groups(const ColumnMap& map, ColumnState state, const Property& property) {
+  std::vector<std::uint8_t> out(map.columns.size(), 0);
+  for (const ColumnGroup& group : group_columns(map, state)) {
+    if (!property(group)) continue;
+    for (const ColumnPlace& place : group.columns) out[map.index(place)] = 1;
   }
-  return core;
+  return out;
 }
 
-std::vector<std::uint8_t> mark_holes(const ColumnMap& map) {
-  std::vector<std::uint8_t> holes(map.columns.size(), 0);
-  for (const ColumnGroup& group : group_columns(map, ColumnState::through)) {
-    if (group.reaches_air) continue;
-    for (const ColumnPlace& place : group.columns) holes[map.index(place)] = 1;
+/// Whether a group of unreamed bone is a core that projects from the face, which surrounds it.
+bool is_core(const ColumnMap& map, const ReamedFace& face, double voxel_mm, const ColumnGroup& group) {
+  if (!face.plane || group.reaches_air || group.reaches_through) return false;
+  std::vector<double> heights;
+  for (const ColumnPlace& place : group.columns) {
+    heights.push_back(face.height_mm(map.in_bone(place, map.at(place).after_mm)));
   }
-  return holes;
+  return mean(heights) >= voxel_mm;
 }
 
 std::vector<FootprintColumn> footprint_of(const ColumnMap& map, const ImplantShape& shape, double voxel_mm) {
   const ReamedFace face = find_face(map, voxel_mm);
-  const std::vector<std::uint8_t> holes = mark_holes(map);
+  const std::vector<std::uint8_t> holes =
+      mark_groups(map, ColumnState::through, [](const ColumnGroup& group) { return !group.reaches_air; });
   std::vector<FootprintColumn> out;
   const auto add = [&](const ColumnPlace& place, double weight) {
     const auto back_mm = shape.back_mm(map.center_mm(place));
@@ -183,11 +74,12 @@ std::vector<FootprintColumn> footprint_of(const ColumnMap& map, const ImplantSha
     for (const ColumnPlace& place : face.columns) add(place, 1);
     return out;
   }
-  const std::vector<std::uint8_t> core = mark_core(map, face, voxel_mm);
-  const auto is_core = [&](const ColumnPlace& place) { return core[map.index(place)] != 0; };
+  const std::vector<std::uint8_t> core = mark_groups(
+      map, ColumnState::bone, [&](const ColumnGroup& group) { return is_core(map, face, voxel_mm, group); });
+  const auto in_core = [&](const ColumnPlace& place) { return core[map.index(place)] != 0; };
   const int edge = face_edge_columns(map, voxel_mm);
   map.for_each([&](const ColumnPlace& place) {
-    if (!any_nearby(map, place, edge, is_core)) {
+    if (!any_nearby(map, place, edge, in_core)) {
       add(place, shape.covered_fraction(map.center_mm(place), map.pitch_mm));
     }
   });
@@ -242,6 +134,94 @@ double seated_fraction(const SeatedImplant& implant, const FootprintColumn& colu
 
 }  // namespace
 
+ImplantShape::ImplantShape(const ImplantSettings& settings)
+    : radius_mm_(settings.backside_radius_mm),
+      half_width_mm_(std::max(settings.width_mm, settings.diameter_mm) / 2),
+      half_height_mm_(std::max(settings.height_mm, settings.diameter_mm) / 2),
+      shape_(settings.width_mm > 0 ? settings.footprint : FootprintShape::ellipse),
+      augment_(settings.augment) {
+  if (!augment_) return;
+  toward_ = augment_->direction.head<2>().normalized();
+  // The sphere turns about a line across `toward_` through the point of the back at start_mm, so that it sinks on that
+  // side: in the plane of (toward_, z) a rotation by −angle.
+  const double angle = implicit::radians(augment_->angle_deg);
+  const Vec2 on_back(augment_->start_mm, plain_mm(augment_->start_mm * toward_).value_or(0));
+  const Vec2 turned = on_back + Eigen::Rotation2Dd(-angle) * Vec2(Vec2(0, radius_mm_) - on_back);
+  wedge_center_mm_ = Vec3(turned.x() * toward_.x(), turned.x() * toward_.y(), turned.y());
+}
+
+std::optional<double> ImplantShape::plain_mm(const Vec2& place) const {
+  if (radius_mm_ == 0) return 0.0;
+  return sphere_bottom({0, 0, radius_mm_}, radius_mm_, place);
+}
+
+std::optional<double> ImplantShape::wedge_mm(const Vec2& place) const {
+  if (radius_mm_ > 0) return sphere_bottom(wedge_center_mm_, radius_mm_, place);
+  return (augment_->start_mm - place.dot(toward_)) * std::tan(implicit::radians(augment_->angle_deg));
+}
+
+std::optional<double> ImplantShape::back_mm(const Vec2& place) const {
+  const auto plain = plain_mm(place);
+  if (!augment_) return plain;
+  const auto wedge = wedge_mm(place);
+  if (!plain || !wedge) return plain ? plain : wedge;
+  return std::min(*plain, *wedge);
+}
+
+double ImplantShape::level_mm(const Vec2& place) const {
+  const auto on_back = [&](double scale) { return covers(scale * place) && back_mm(scale * place).has_value(); };
+  if (on_back(1)) return *back_mm(place);
+  return back_mm(implicit::bisect(0, 1, 20, on_back).inside * place).value_or(0);
+}
+
+bool ImplantShape::covers(const Vec2& place) const {
+  if (!has_outline()) return true;
+  if (shape_ == FootprintShape::ellipse) {
+    return Vec2(place.x() / half_width_mm_, place.y() / half_height_mm_).squaredNorm() <= 1;
+  }
+  const double top_mm = kPearTop * half_width_mm_;
+  return implicit::pear(place.x(), place.y(), half_width_mm_ - half_height_mm_, half_width_mm_,
+                        half_height_mm_ - top_mm, top_mm) <= 0;
+}
+
+double ImplantShape::covered_fraction(const Vec2& center, double cell_mm) const {
+  constexpr int kPoints = 8;
+  int inside = 0;
+  for (int n = 0; n < kPoints * kPoints; ++n) {
+    const Vec2 offset = (Vec2(n % kPoints, n / kPoints) + Vec2::Constant(0.5)) / kPoints - Vec2::Constant(0.5);
+    inside += covers(center + cell_mm * offset) ? 1 : 0;
+  }
+  return static_cast<double>(inside) / (kPoints * kPoints);
+}
+
+double ImplantShape::augment_depth_mm() const {
+  if (!augment_) return 0;
+  return std::max(
+      (reach_mm() * std::numbers::sqrt2 - augment_->start_mm) * std::tan(implicit::radians(augment_->angle_deg)), 0.0);
+}
+
+std::optional<Rigid> implant_pose(const ImplantSettings& settings, const Rigid& bone_from_tool, const BoneAxes& axes) {
+  Rigid bone_from_frame = Rigid::Identity();
+  if (settings.frame == ImplantFrame::reamer) bone_from_frame = bone_from_tool;
+  if (settings.frame == ImplantFrame::glenoid) {
+    if (!axes.bone_from_glenoid) return std::nullopt;
+    bone_from_frame = *axes.bone_from_glenoid;
+  }
+  const Mat3 turn = bone_from_frame.linear();
+  const Vec3 outward = (turn * settings.axis).normalized();
+  const auto& anatomy = axes.glenoid ? axes.glenoid : axes.scapula;
+  Vec3 superior = anatomy ? anatomy->superior : Vec3(turn.col(1));
+  if (settings.superior) superior = (turn * *settings.superior).normalized();
+  Vec3 across = superior.cross(outward);
+  constexpr double kParallel = 1e-3;
+  if (across.norm() < kParallel) across = outward.unitOrthogonal();
+  across.normalize();
+  Rigid bone_from_implant = Rigid::Identity();
+  bone_from_implant.linear() << across, outward.cross(across), outward;
+  bone_from_implant.translation() = bone_from_frame * settings.center_mm;
+  return bone_from_implant;
+}
+
 std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& bone_from_implant,
                                            const ImplantShape& shape, const ImplantSettings& settings) {
   SeatedImplant out;
@@ -256,13 +236,8 @@ std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& 
 
 Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, const ImplantSettings& settings,
                         double dense_g_cm3) {
-  double footprint = 0;  // sums of columns
-  double covered = 0;
-  double overhang = 0;
-  double seated = 0;
-  double gaps_mm = 0;
-  double bone_mm = 0;
-  double dense_mm = 0;
+  double footprint = 0, covered = 0, overhang = 0, seated = 0;  // sums of columns
+  double gaps_mm = 0, bone_mm = 0, dense_mm = 0;
   Seating out;
   ColumnBone below(bone, implant.map, dense_g_cm3);
   for (const FootprintColumn& column : implant.footprint) {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-#include "sim/base/geometry.h"
+#include "sim/bone/implicit.h"
 
 namespace reamsim {
 
@@ -34,13 +34,6 @@ Vec2 centroid_of(const std::vector<Vec2>& corners) {
   return doubled_area == 0 ? Vec2(Vec2::Zero()) : Vec2(sum / doubled_area);
 }
 
-double distance_from_edge(const Vec2& place, const Vec2& a, const Vec2& b) {
-  const Vec2 along = b - a;
-  const double length2 = along.squaredNorm();
-  const double at = length2 == 0 ? 0 : std::clamp((place - a).dot(along) / length2, 0.0, 1.0);
-  return (place - a - at * along).norm();
-}
-
 /// The heights of the face on a regular grid in the plane of the outline.
 class FaceGrid {
  public:
@@ -52,10 +45,10 @@ class FaceGrid {
     const Eigen::Vector2i last = (box.max.head<2>() / pitch_mm_).array().floor().cast<int>();
     count_ = last - first_ + Eigen::Vector2i::Ones();
     cells_.resize(static_cast<std::size_t>(count_.x()) * static_cast<std::size_t>(count_.y()));
-    SurfaceProbe probe(bone, outline.bone_from_outline(), box.max.z() + kAboveRim_mm,
-                       box.min.z() - std::max(outline.inner_radius_mm(), kAboveRim_mm));
+    const SurfaceProbe probe = probe_surface(bone, outline.bone_from_outline(), box.max.z() + kAboveRim_mm,
+                                             box.min.z() - std::max(outline.inner_radius_mm(), kAboveRim_mm));
     for_each([&](int i, int j) {
-      if (outline_.inside_mm(place_mm(i, j)) > 0) cell(i, j) = probe.at(place_mm(i, j));
+      if (outline_.inside_mm(place_mm(i, j)) > 0) cell(i, j) = probe(place_mm(i, j));
     });
   }
 
@@ -107,6 +100,85 @@ class FaceGrid {
   std::vector<std::optional<SurfaceColumn>> cells_;
 };
 
+constexpr const char* kNoRim =
+    "the rim of the face is unknown: set bone.glenoid.rim_mm (glenoid and cup phantoms have their own)";
+
+/// Largest residual of a native face, mm; one voxel where that is more. For a reamed face it is one voxel.
+constexpr double kRoughest_mm = 0.5;
+
+/// Why a surface has no axis; "" if it has one.
+std::string fit_failure(const std::optional<FaceSurface>& surface, double roughest_mm) {
+  if (!surface) return "the face is too small for a fit";
+  if (surface->fitted_fraction < kMinFittedFraction) {
+    return fmt::format("the face is not a single sphere or plane: only {:.0f} % of it lies on the best fit",
+                       100 * surface->fitted_fraction);
+  }
+  if (surface->rms_mm > roughest_mm) {
+    return fmt::format("the face is not a single sphere or plane: the best fit leaves a residual of {:.2f} mm",
+                       surface->rms_mm);
+  }
+  return "";
+}
+
+Measured<FaceAxis> checked(const std::optional<FaceAxis>& axis) {
+  if (!axis) {
+    return Missing{
+        "the sphere fitted to the face is too small: its radius does not exceed its distance from the centre of the "
+        "face"};
+  }
+  if (axis->error_deg <= kMaxAxisError_deg) return *axis;
+  return Missing{fmt::format("the face is too small or too rough: the standard error of its axis is {:.1f} degrees",
+                             axis->error_deg)};
+}
+
+Measured<FaceAxis> native_axis(const NativeFace& face, const std::optional<Vec3>& center_mm, double voxel_mm) {
+  const std::string failure = fit_failure(face.surface, std::max(kRoughest_mm, voxel_mm));
+  if (!failure.empty()) return Missing{failure};
+  // A face of unknown centre has the mean of its points.
+  return checked(axis_through(*face.surface, center_mm.value_or(face.surface->plane.point_mm)));
+}
+
+Measured<FaceAxis> reamed_axis(const std::optional<FaceSurface>& surface, const Rigid& bone_from_tool,
+                               double voxel_mm) {
+  if (const std::string failure = fit_failure(surface, voxel_mm); !failure.empty()) return Missing{failure};
+  const auto meets = meeting_point(*surface, bone_from_tool.translation(), bone_from_tool.linear().col(2));
+  if (!meets) return Missing{"the reamer's axis does not meet the surface through the reamed face"};
+  return checked(axis_through(*surface, *meets));
+}
+
+/// Why a point does not lie on the reamed face; "" if most columns around it are reamed and few are reamed through. The
+/// core of a cannulated reamer is narrower than this neighbourhood.
+std::string location_failure(const ColumnMap& map, const Vec3& point_mm) {
+  constexpr double kRadius_mm = 3;
+  constexpr double kMinReamed = 0.5;
+  constexpr double kMaxThrough = 0.1;
+  const Vec3 center = map.bone_from_map.inverse() * point_mm;
+  int all = 0;
+  int reamed = 0;
+  int through = 0;
+  map.for_each([&](const ColumnPlace& place) {
+    if ((map.center_mm(place) - center.head<2>()).norm() > kRadius_mm) return;
+    ++all;
+    reamed += map.at(place).state == ColumnState::reamed ? 1 : 0;
+    through += map.at(place).state == ColumnState::through ? 1 : 0;
+  });
+  const double columns = std::numbers::pi * kRadius_mm * kRadius_mm / (map.pitch_mm * map.pitch_mm);
+  if (through > kMaxThrough * columns) return "the bone is perforated where the Friedman axis meets it";
+  if (all == 0 || reamed < kMinReamed * columns) return "the Friedman axis meets the bone outside the reamed face";
+  return "";
+}
+
+Measured<double> medialization(const JointLine& line, const ColumnMap& map, const BoneAxes& axes) {
+  const Measured<Vec3> before = point_on_native_face(line, axes);
+  if (!axes.scapula || !axes.face_center_mm || !line.native.value) return Missing{before.reason};
+  if (!line.reamed.value) return Missing{"reamed face: " + line.reamed.reason};
+  const Vec3& lateral = axes.scapula->lateral;
+  const auto after = meeting_point(*line.reamed_surface, *axes.face_center_mm, lateral);
+  if (!before.value || !after) return Missing{"the Friedman axis does not meet the surface through the face"};
+  if (const std::string failure = location_failure(map, *after); !failure.empty()) return Missing{failure};
+  return (*before.value - *after).dot(lateral);
+}
+
 }  // namespace
 
 std::optional<FaceOutline> FaceOutline::of(const std::vector<Vec3>& rim_mm, const Vec3& outward) {
@@ -139,7 +211,7 @@ double FaceOutline::inside_mm(const Vec2& place) const {
   for (std::size_t i = 0; i < corners_mm_.size(); ++i) {
     const Vec2& a = corners_mm_[i];
     const Vec2& b = corners_mm_[(i + 1) % corners_mm_.size()];
-    distance = std::min(distance, distance_from_edge(place, a, b));
+    distance = std::min(distance, implicit::distance_to_segment(place, a, b));
     inside ^= (a.y() > place.y()) != (b.y() > place.y()) &&
               place.x() < a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
   }
@@ -164,102 +236,28 @@ NativeFace measure_native_face(const ReamedBone& bone, const FaceOutline& outlin
   return out;
 }
 
-namespace {
-
-constexpr const char* kNoRim =
-    "the rim of the face is unknown: set bone.glenoid.rim_mm (glenoid and cup phantoms have their own)";
-
-/// Largest residual of a native face, mm; one voxel where that is more. For a reamed face it is one voxel.
-constexpr double kRoughest_mm = 0.5;
-
-/// Why a surface has no axis; "" if it has one.
-std::string fit_failure(const std::optional<FaceSurface>& surface, double roughest_mm) {
-  if (!surface) return "the face is too small for a fit";
-  if (surface->fitted_fraction < kMinFittedFraction) {
-    return fmt::format("the face is not a single sphere or plane: only {:.0f} % of it lies on the best fit",
-                       100 * surface->fitted_fraction);
-  }
-  if (surface->rms_mm > roughest_mm) {
-    return fmt::format("the face is not a single sphere or plane: the best fit leaves a residual of {:.2f} mm",
-                       surface->rms_mm);
-  }
-  return "";
-}
-
-Measured<FaceAxis> checked(const std::optional<FaceAxis>& axis) {
-  if (!axis) {
-    return {.value = {},
-            .reason =
-                "the sphere fitted to the face is too small: its radius does not exceed its distance from the centre "
-                "of the face"};
-  }
-  if (!(axis->error_deg <= kMaxAxisError_deg)) {
-    return {
-        .value = {},
-        .reason = fmt::format("the face is too small or too rough: the standard error of its axis is {:.1f} degrees",
-                              axis->error_deg)};
-  }
-  return {.value = axis, .reason = ""};
-}
-
-Measured<FaceAxis> native_axis(const NativeFace& face, const std::optional<Vec3>& center_mm, double voxel_mm) {
-  if (std::string reason = fit_failure(face.surface, std::max(kRoughest_mm, voxel_mm)); !reason.empty()) {
-    return {.value = {}, .reason = reason};
-  }
-  // A face of unknown centre has the mean of its points.
-  return checked(axis_through(*face.surface, center_mm.value_or(face.surface->plane.point_mm)));
-}
-
-Measured<FaceAxis> reamed_axis(const std::optional<FaceSurface>& surface, const Rigid& bone_from_tool,
-                               double voxel_mm) {
-  if (std::string reason = fit_failure(surface, voxel_mm); !reason.empty()) return {.value = {}, .reason = reason};
-  const auto meets = meeting_point(*surface, bone_from_tool.translation(), bone_from_tool.linear().col(2));
-  if (!meets) return {.value = {}, .reason = "the reamer's axis does not meet the surface through the reamed face"};
-  return checked(axis_through(*surface, *meets));
-}
-
-/// Why a point does not lie on the reamed face; "" if most columns around it are reamed and few are reamed through. The
-/// core of a cannulated reamer is narrower than this neighbourhood.
-std::string location_failure(const ColumnMap& map, const Vec3& point_mm) {
-  constexpr double kRadius_mm = 3;
-  constexpr double kMinReamed = 0.5;
-  constexpr double kMaxThrough = 0.1;
-  const Vec3 center = map.bone_from_map.inverse() * point_mm;
-  int all = 0;
-  int reamed = 0;
-  int through = 0;
-  map.for_each([&](const ColumnPlace& place) {
-    if ((map.center_mm(place) - center.head<2>()).norm() > kRadius_mm) return;
-    ++all;
-    reamed += map.at(place).state == ColumnState::reamed ? 1 : 0;
-    through += map.at(place).state == ColumnState::through ? 1 : 0;
-  });
-  const double columns = std::numbers::pi * kRadius_mm * kRadius_mm / (map.pitch_mm * map.pitch_mm);
-  if (through > kMaxThrough * columns) return "the bone is perforated where the Friedman axis meets it";
-  if (all == 0 || reamed < kMinReamed * columns) return "the Friedman axis meets the bone outside the reamed face";
-  return "";
-}
-
-Measured<double> medialization(const JointLine& line, const ColumnMap& map, const BoneAxes& axes) {
-  const auto none = [](const std::string& reason) { return Measured<double>{.value = {}, .reason = reason}; };
-  if (!axes.scapula || !axes.face_center_mm) return none("the Friedman axis is unknown: set bone.glenoid.landmarks");
-  if (!line.native.value) return none("native face: " + line.native.reason);
-  if (!line.reamed.value) return none("reamed face: " + line.reamed.reason);
-  const Vec3& lateral = axes.scapula->lateral;
-  const auto before = meeting_point(*line.native_face->surface, *axes.face_center_mm, lateral);
-  const auto after = meeting_point(*line.reamed_surface, *axes.face_center_mm, lateral);
-  if (!before || !after) return none("the Friedman axis does not meet the surface through the face");
-  if (std::string reason = location_failure(map, *after); !reason.empty()) return none(reason);
-  return {.value = (*before - *after).dot(lateral), .reason = ""};
-}
-
-}  // namespace
-
 FaceAngles face_angles(const Vec3& direction, const ScapularAxes& axes) {
   constexpr double kDegrees = 180 / std::numbers::pi;
   const double superior = std::clamp(direction.dot(axes.superior), -1.0, 1.0);
   return {.version_deg = kDegrees * std::atan2(-direction.dot(axes.anterior), direction.dot(axes.lateral)),
           .inclination_deg = kDegrees * std::asin(superior)};
+}
+
+Measured<FaceAngles> angles_of(const Measured<FaceAxis>& axis, const std::optional<ScapularAxes>& frame,
+                               const char* without_frame) {
+  if (!axis.value) return Missing{axis.reason};
+  if (!frame) return Missing{without_frame};
+  return face_angles(axis.value->direction, *frame);
+}
+
+Measured<Vec3> point_on_native_face(const JointLine& line, const BoneAxes& axes) {
+  if (!axes.scapula || !axes.face_center_mm) {
+    return Missing{"the Friedman axis is unknown: set bone.glenoid.landmarks"};
+  }
+  if (!line.native.value) return Missing{"native face: " + line.native.reason};
+  const auto point = meeting_point(*line.native_face->surface, *axes.face_center_mm, axes.scapula->lateral);
+  if (!point) return Missing{"the Friedman axis does not meet the surface through the face"};
+  return *point;
 }
 
 JointLine measure_joint_line(const ReamedBone& bone, const ColumnMap& map, const ReamedFace& face,
@@ -276,7 +274,7 @@ JointLine measure_joint_line(const ReamedBone& bone, const ColumnMap& map, const
   }
   out.reamed_surface = fit_face(points, reamer);
   out.reamed = reamed_axis(out.reamed_surface, map.bone_from_map, voxel_mm);
-  const Vec3 outward = axes.scapula ? axes.scapula->lateral : axes.glenoid ? axes.glenoid->lateral : reamer;
+  const Vec3 outward = axes.known() ? axes.known()->lateral : reamer;
   if (const auto outline = FaceOutline::of(axes.rim_mm, outward)) {
     out.native_face = measure_native_face(bone, *outline);
     out.native = native_axis(*out.native_face, axes.face_center_mm, voxel_mm);

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/anatomy/column_map.h"
@@ -59,6 +60,9 @@ struct BoneAxes {
   std::optional<Vec3> face_center_mm{};  ///< centre of the articular face, on the Friedman axis
   std::vector<Vec3> rim_mm{};            ///< of the articular face, in order; empty: unknown
   std::optional<Rigid> bone_from_glenoid{};
+
+  /// The scapular frame, or else the glenoid frame.
+  [[nodiscard]] const std::optional<ScapularAxes>& known() const { return scapula ? scapula : glenoid; }
 };
 
 /// Retroversion and superior tilt are positive.
@@ -74,11 +78,20 @@ inline FaceAngles operator-(const FaceAngles& a, const FaceAngles& b) {
 /// asin(n·superior). The convention of bone.phantom.version_deg and inclination_deg.
 FaceAngles face_angles(const Vec3& direction, const ScapularAxes& axes);
 
+/// Why a value is missing.
+struct Missing {
+  std::string reason;
+};
+
 /// A measured value, or the reason why it is missing.
 template <class Value>
 struct Measured {
   std::optional<Value> value;
   std::string reason;  ///< only without a value
+
+  Measured() = default;
+  Measured(const Value& found) : value(found) {}                    // not explicit on purpose
+  Measured(Missing missing) : reason(std::move(missing.reason)) {}  // likewise
 };
 
 /// An axis with a larger standard error is rejected, degrees.
@@ -97,6 +110,15 @@ struct JointLine {
   Measured<double> medialization_mm;  ///< along the Friedman axis, from the native to the reamed face
   Measured<double> reamed_fraction;   ///< of the native face's area
 };
+
+inline constexpr const char* kNoScapularFrame = "the scapular frame is unknown: set bone.glenoid.landmarks";
+
+/// The angles of an axis in a frame; `without_frame`: the reason where there is no frame.
+Measured<FaceAngles> angles_of(const Measured<FaceAxis>& axis, const std::optional<ScapularAxes>& frame,
+                               const char* without_frame);
+
+/// The intersection of the Friedman axis and the native face, B.
+Measured<Vec3> point_on_native_face(const JointLine& line, const BoneAxes& axes);
 
 /// `map`: along the reamer's axis, of the region that lost bone; `face`: from find_face(map).
 JointLine measure_joint_line(const ReamedBone& bone, const ColumnMap& map, const ReamedFace& face,

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/anatomy/column_map.h"
 #include "sim/base/parallel.h"
+#include "sim/bone/implicit.h"
 
 namespace reamsim {
 
@@ -59,7 +59,8 @@ class BoneAround {
     for (double along_mm = step_mm; along_mm < last_mm; along_mm += step_mm) {
       const bool is_in_bone = in_bone(from + along_mm * direction);
       if (was_in_bone && !is_in_bone) {
-        const double surface_mm = surface_between(from, direction, along_mm - step_mm, along_mm);
+        const auto inside = [&](double mm) { return in_bone(from + mm * direction); };
+        const double surface_mm = implicit::bisect(along_mm - step_mm, along_mm, kHalvings, inside).middle();
         if (!is_face(from + surface_mm * direction)) return std::min(surface_mm, most_mm);
       }
       was_in_bone = is_in_bone;
@@ -68,14 +69,6 @@ class BoneAround {
   }
 
  private:
-  [[nodiscard]] double surface_between(const Vec3& from, const Vec3& direction, double bone_mm, double air_mm) {
-    for (int i = 0; i < kHalvings; ++i) {
-      const double middle_mm = 0.5 * (bone_mm + air_mm);
-      (in_bone(from + middle_mm * direction) ? bone_mm : air_mm) = middle_mm;
-    }
-    return 0.5 * (bone_mm + air_mm);
-  }
-
   /// Whether a point of the surface belongs to the face: above the back, in the gap below the footprint, or beside the
   /// footprint and facing as the implant does.
   [[nodiscard]] bool is_face(const Vec3& surface) {
@@ -164,22 +157,6 @@ void shorten_at_end(BoneAround& bone, const Capsule& peg, const Vec3& end, doubl
   }
 }
 
-/// What the circumference at a place of the axis meets.
-struct Circumference {
-  bool in_bone = true;
-  bool outside = false;
-};
-Circumference circumference_at(BoneAround& bone, const Capsule& peg, const Vec3& center) {
-  Circumference out;
-  for (int n = 0; n < kDirections; ++n) {
-    const Vec3 point = center + peg.radius_mm * peg.around(n);
-    if (bone.in_bone(point)) continue;
-    out.in_bone = false;
-    out.outside |= bone.outside(point);
-  }
-  return out;
-}
-
 PegWall measure_peg(BoneAround& bone, const Capsule& peg) {
   const double stations = std::ceil(peg.length_mm / (kStationVoxels * bone.voxel_mm()));
   const double step_mm = peg.length_mm / stations;
@@ -190,10 +167,16 @@ PegWall measure_peg(BoneAround& bone, const Capsule& peg) {
   for (double i = 0.5; i < stations; ++i) {
     const Vec3 center = peg.axis_at(i * step_mm);
     if (!bone.below_back(center)) continue;
-    const Circumference found = circumference_at(bone, peg, center);
+    bool all_in_bone = true, any_outside = false;  // of the circumference
+    for (int n = 0; n < kDirections; ++n) {
+      const Vec3 point = center + peg.radius_mm * peg.around(n);
+      if (bone.in_bone(point)) continue;
+      all_in_bone = false;
+      any_outside |= bone.outside(point);
+    }
     out.length_mm += step_mm;
-    out.in_bone_mm += found.in_bone ? step_mm : 0;
-    out.perforated_mm += found.outside ? step_mm : 0;
+    out.in_bone_mm += all_in_bone ? step_mm : 0;
+    out.perforated_mm += any_outside ? step_mm : 0;
     if (below++ % kStationsPerFan != 0) continue;
     for (int n = 0; n < kDirections; ++n) shorten(bone, center, peg.around(n), peg.radius_mm, least_mm);
   }
@@ -207,34 +190,15 @@ PegWall measure_peg(BoneAround& bone, const Capsule& peg) {
   return out;
 }
 
-}  // namespace
-
-std::vector<PegWall> measure_pegs(const ReamedBone& bone, const SeatedImplant& implant, const ImplantShape& shape,
-                                  const ImplantSettings& settings) {
-  BoneAround around(bone, implant, shape);
-  std::vector<PegWall> out;
-  for (const PegSettings& peg : settings.pegs) out.push_back(measure_peg(around, Capsule(peg)));
-  return out;
-}
-
-namespace {
-
-constexpr const char* kNoScapularFrame = "the scapular frame is unknown: set bone.glenoid.landmarks";
-
 void set_angles(Planning& out, const Vec3& axis, const JointLine& line, const BoneAxes& axes) {
-  if (axes.scapula) {
-    out.planned.value = face_angles(axis, *axes.scapula);
-    if (line.native.value) out.native.value = face_angles(line.native.value->direction, *axes.scapula);
-  } else {
-    out.planned.reason = out.native.reason = kNoScapularFrame;
-  }
-  if (!line.native.value) out.native.reason = line.native.reason;
-  const auto& known = axes.scapula ? axes.scapula : axes.glenoid;
+  out.planned = angles_of(FaceAxis{.direction = axis}, axes.scapula, kNoScapularFrame);
+  out.native = angles_of(line.native, axes.scapula, kNoScapularFrame);
+  const auto& known = axes.known();
   if (known && line.native.value) {
-    out.corrected.value = face_angles(line.native.value->direction, *known) - face_angles(axis, *known);
+    out.corrected = face_angles(line.native.value->direction, *known) - face_angles(axis, *known);
   } else {
-    out.corrected.reason =
-        known ? "native face: " + line.native.reason : "neither a scapular nor a glenoid frame is defined";
+    out.corrected =
+        Missing{known ? "native face: " + line.native.reason : "neither a scapular nor a glenoid frame is defined"};
   }
 }
 
@@ -257,16 +221,13 @@ std::optional<double> meets_articular(const ImplantSettings& implant, const Vec3
 
 Measured<double> medialization(const Rigid& bone_from_implant, const ImplantSettings& implant, const JointLine& line,
                                const BoneAxes& axes) {
-  const auto none = [](const std::string& reason) { return Measured<double>{.value = {}, .reason = reason}; };
-  if (!axes.scapula || !axes.face_center_mm) return none("the Friedman axis is unknown: set bone.glenoid.landmarks");
-  if (!line.native.value) return none("native face: " + line.native.reason);
-  const Vec3& lateral = axes.scapula->lateral;
-  const auto before = meeting_point(*line.native_face->surface, *axes.face_center_mm, lateral);
-  if (!before) return none("the Friedman axis does not meet the surface through the face");
+  const Measured<Vec3> before = point_on_native_face(line, axes);
+  if (!before.value) return Missing{before.reason};
   const Rigid implant_from_bone = bone_from_implant.inverse();
-  const auto lateral_mm = meets_articular(implant, implant_from_bone * *before, implant_from_bone.linear() * lateral);
-  if (!lateral_mm) return none("the Friedman axis does not meet the implant");
-  return {.value = -*lateral_mm, .reason = ""};
+  const auto lateral_mm =
+      meets_articular(implant, implant_from_bone * *before.value, implant_from_bone.linear() * axes.scapula->lateral);
+  if (!lateral_mm) return Missing{"the Friedman axis does not meet the implant"};
+  return -*lateral_mm;
 }
 
 /// Lengths of vault bone along a column, mm.
@@ -345,7 +306,8 @@ std::optional<Planning> measure_planning(const ReamedBone& bone, const Rigid& bo
   out.medialization_mm = medialization(out.bone_from_implant, *settings.implant, line, axes);
   out.seating = measure_seating(bone, *implant, *settings.implant, settings.dense_g_cm3);
   out.vault = measure_vault(bone, *implant, shape, settings);
-  out.pegs = measure_pegs(bone, *implant, shape, *settings.implant);
+  BoneAround around(bone, *implant, shape);
+  for (const PegSettings& peg : settings.implant->pegs) out.pegs.push_back(measure_peg(around, Capsule(peg)));
   return out;
 }
 

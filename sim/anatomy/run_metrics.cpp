@@ -55,6 +55,62 @@ bool is_at_edge(const ColumnMap& map, const ColumnPlace& place, int reach, doubl
   });
 }
 
+std::optional<AxialDepth> measure_depth(const ColumnMap& map) {
+  std::vector<double> depths;
+  for (const Column& column : map.columns) {
+    if (column.state == ColumnState::reamed || column.state == ColumnState::through) {
+      depths.push_back(column.depth_mm);
+    }
+  }
+  if (depths.empty()) return std::nullopt;
+  return AxialDepth{.max_mm = *std::max_element(depths.begin(), depths.end()),
+                    .mean_mm = mean(depths),
+                    .p95_mm = quantile(depths, 0.95),
+                    .area_mm2 = static_cast<double>(depths.size()) * map.pitch_mm * map.pitch_mm};
+}
+
+double angle_deg(const Vec3& a, const Vec3& b) {
+  return degrees_of(std::atan2(a.cross(b).norm(), a.dot(b)));
+}
+
+std::optional<PlaneOrientation> orientation_of_planes(const ReamedFace& face, const BoneAxes& axes) {
+  if (!face.plane || !face.plane_before) return std::nullopt;
+  const Vec3& before = face.plane_before->normal;
+  const Vec3& after = face.plane->normal;
+  PlaneOrientation out;
+  if (axes.scapula) {
+    out.before = face_angles(before, *axes.scapula);
+    out.after = face_angles(after, *axes.scapula);
+  }
+  const auto& known = axes.known();
+  if (known) out.change = face_angles(after, *known) - face_angles(before, *known);
+  out.turned_deg = angle_deg(before, after);
+  return out;
+}
+
+FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& face, const Vec3& reamer,
+                                    const BoneAxes& axes) {
+  FaceOrientation out;
+  out.native = angles_of(line.native, axes.scapula, kNoScapularFrame);
+  out.reamed = angles_of(line.reamed, axes.scapula, kNoScapularFrame);
+  if (axes.scapula) out.reamer = face_angles(reamer, *axes.scapula);
+  const auto& known = axes.known();
+  const auto native = angles_of(line.native, known, "neither a scapular nor a glenoid frame is defined");
+  const auto reamed = angles_of(line.reamed, known, "");
+  const double fraction = line.reamed_fraction.value.value_or(0);
+  if (native.value && reamed.value && fraction < kMinReamedFraction) {
+    out.corrected.reason =
+        fmt::format("only {:.0f} % of the face was reamed: the rest keeps its orientation", 100 * fraction);
+  } else if (native.value && reamed.value) {
+    out.corrected.value = *native.value - *reamed.value;
+    out.turned_deg = angle_deg(line.native.value->direction, line.reamed.value->direction);
+  } else {
+    out.corrected.reason = native.value ? "reamed face: " + reamed.reason : "native face: " + native.reason;
+  }
+  out.planes = orientation_of_planes(face, axes);
+  return out;
+}
+
 }  // namespace
 
 std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, const ColumnMap& map,
@@ -93,78 +149,6 @@ Perforation find_perforation(const ColumnMap& map, double voxel_mm) {
   }
   return out;
 }
-
-namespace {
-
-double degrees(double radians) {
-  return radians * 180 / std::numbers::pi;
-}
-
-std::optional<AxialDepth> measure_depth(const ColumnMap& map) {
-  std::vector<double> depths;
-  for (const Column& column : map.columns) {
-    if (column.state == ColumnState::reamed || column.state == ColumnState::through) {
-      depths.push_back(column.depth_mm);
-    }
-  }
-  if (depths.empty()) return std::nullopt;
-  return AxialDepth{.max_mm = *std::max_element(depths.begin(), depths.end()),
-                    .mean_mm = mean(depths),
-                    .p95_mm = quantile(depths, 0.95),
-                    .area_mm2 = static_cast<double>(depths.size()) * map.pitch_mm * map.pitch_mm};
-}
-
-double angle_deg(const Vec3& a, const Vec3& b) {
-  return degrees(std::atan2(a.cross(b).norm(), a.dot(b)));
-}
-
-std::optional<PlaneOrientation> orientation_of_planes(const ReamedFace& face, const BoneAxes& axes) {
-  if (!face.plane || !face.plane_before) return std::nullopt;
-  const Vec3& before = face.plane_before->normal;
-  const Vec3& after = face.plane->normal;
-  PlaneOrientation out;
-  if (axes.scapula) {
-    out.before = face_angles(before, *axes.scapula);
-    out.after = face_angles(after, *axes.scapula);
-  }
-  const auto& known = axes.scapula ? axes.scapula : axes.glenoid;
-  if (known) out.change = face_angles(after, *known) - face_angles(before, *known);
-  out.turned_deg = angle_deg(before, after);
-  return out;
-}
-
-Measured<FaceAngles> angles_of(const Measured<FaceAxis>& axis, const std::optional<ScapularAxes>& frame,
-                               const char* without_frame) {
-  if (!axis.value) return {.value = {}, .reason = axis.reason};
-  if (!frame) return {.value = {}, .reason = without_frame};
-  return {.value = face_angles(axis.value->direction, *frame), .reason = ""};
-}
-
-FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& face, const Vec3& reamer,
-                                    const BoneAxes& axes) {
-  constexpr const char* kNoScapula = "the scapular frame is unknown: set bone.glenoid.landmarks";
-  FaceOrientation out;
-  out.native = angles_of(line.native, axes.scapula, kNoScapula);
-  out.reamed = angles_of(line.reamed, axes.scapula, kNoScapula);
-  if (axes.scapula) out.reamer = face_angles(reamer, *axes.scapula);
-  const auto& known = axes.scapula ? axes.scapula : axes.glenoid;
-  const auto native = angles_of(line.native, known, "neither a scapular nor a glenoid frame is defined");
-  const auto reamed = angles_of(line.reamed, known, "");
-  const double fraction = line.reamed_fraction.value.value_or(0);
-  if (native.value && reamed.value && fraction < kMinReamedFraction) {
-    out.corrected.reason =
-        fmt::format("only {:.0f} % of the face was reamed: the rest keeps its orientation", 100 * fraction);
-  } else if (native.value && reamed.value) {
-    out.corrected.value = *native.value - *reamed.value;
-    out.turned_deg = angle_deg(line.native.value->direction, line.reamed.value->direction);
-  } else {
-    out.corrected.reason = native.value ? "reamed face: " + reamed.reason : "native face: " + native.reason;
-  }
-  out.planes = orientation_of_planes(face, axes);
-  return out;
-}
-
-}  // namespace
 
 RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
   const int dense_grade = least_dense_grade(dense_g_cm3);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/base/error.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/bone/voxmap/voxel_grid.h"
@@ -50,6 +49,100 @@ void copy_fill_within(const VoxelBox& box, const FillBricks& from, const Vec3i& 
   });
 }
 
+/// A drilled cylinder in the frame B.
+struct Hole {
+  Vec3 entry_mm;
+  Vec3 axis;
+  double radius_mm = 0;
+  double depth_mm = 0;
+
+  [[nodiscard]] bool contains(const Vec3& point_mm) const {
+    const Vec3 from_entry = point_mm - entry_mm;
+    const double along_mm = from_entry.dot(axis);
+    if (along_mm < 0 || along_mm > depth_mm) return false;
+    return (from_entry - along_mm * axis).squaredNorm() <= radius_mm * radius_mm;
+  }
+  /// Negative in the hole, mm.
+  [[nodiscard]] double distance_mm(const Vec3& point_mm) const {
+    const Vec3 from_entry = point_mm - entry_mm;
+    const double along_mm = from_entry.dot(axis);
+    return std::max({(from_entry - along_mm * axis).norm() - radius_mm, -along_mm, along_mm - depth_mm});
+  }
+  [[nodiscard]] Aabb bounds_mm() const {
+    const Vec3 end_mm = entry_mm + depth_mm * axis;
+    const Vec3 room = Vec3::Constant(radius_mm);
+    return {entry_mm.cwiseMin(end_mm) - room, entry_mm.cwiseMax(end_mm) + room};
+  }
+};
+
+Hole hole_in_bone(const PilotHoleSettings& settings, const std::optional<GlenoidFrame>& glenoid) {
+  Hole hole{settings.entry_mm, settings.axis / settings.axis.norm(), settings.diameter_mm / 2, settings.depth_mm};
+  if (settings.frame != PoseFrame::glenoid) return hole;
+  if (!glenoid) {
+    throw InputError({}, "bone.pilot_hole.frame", "frame is glenoid but bone.glenoid is missing",
+                     "add bone.glenoid, or use frame: bone");
+  }
+  hole.entry_mm = glenoid->bone_from_glenoid * hole.entry_mm;
+  hole.axis = glenoid->bone_from_glenoid.linear() * hole.axis;
+  return hole;
+}
+
+/// The remaining fill of a whole voxel.
+std::uint16_t fill_beside(const Hole& hole, const VoxelGrid& grid, const Vec3i& voxel, bool partial) {
+  const Vec3 center_mm = grid.center_mm(voxel);
+  if (!partial) return hole.contains(center_mm) ? 0 : FillBricks::kWhole;
+  const double away_voxels = hole.distance_mm(center_mm) / grid.voxel_mm;
+  if (std::abs(away_voxels) > RS_CLIP_REACH) return away_voxels < 0 ? 0 : FillBricks::kWhole;
+  const auto distance = [&hole](const Vec3& point_mm) { return hole.distance_mm(point_mm); };
+  const double fraction = 1 - fraction_inside(distance, center_mm, grid.voxel_mm);
+  return static_cast<std::uint16_t>(std::lround(fraction * FillBricks::kWhole));
+}
+
+/// Limits the fill of a voxel to `most`; returns the removed fill.
+int limit_fill(FilledVoxmap& voxmap, const Vec3i& voxel, std::uint16_t most) {
+  const int before = voxmap.fill.get(voxel);
+  if (before <= most) return 0;
+  if (most == 0) {
+    voxmap.grade.set(voxel, 0);
+  } else {
+    voxmap.fill.set(voxel, most);
+  }
+  return before - most;
+}
+
+/// Directions closer than about half a degree do not determine the third axis.
+constexpr double kMinSine = 0.01;
+
+Vec3 unit(const Vec3& v, const std::string& key) {
+  const double length = v.norm();
+  if (!std::isfinite(length) || length < 1e-9)
+    throw InputError({}, key, "a vector of length 0", "expected a direction");
+  return v / length;
+}
+
+/// +z along `normal`, +y the part of `superior` perpendicular to it.
+GlenoidFrame make_frame(const Vec3& center_mm, const Vec3& normal, const Vec3& superior, const std::string& key) {
+  const Vec3 across = superior - superior.dot(normal) * normal;
+  if (across.norm() < kMinSine) {
+    throw InputError({}, key, "parallel to the normal", "expected a direction across the glenoid's face");
+  }
+  const Vec3 y = across.normalized();
+  GlenoidFrame out;
+  out.bone_from_glenoid.linear() << y.cross(normal), y, normal;
+  out.bone_from_glenoid.translation() = center_mm;
+  return out;
+}
+
+GlenoidFrame frame_from_landmarks(const LandmarkSettings& marks) {
+  const std::string key = "bone.glenoid.landmarks";
+  const Vec3 lateral = unit(marks.glenoid_center_mm - marks.trigonum_spinae_mm, key + ".trigonum_spinae_mm");
+  const Vec3 superior = unit(marks.glenoid_center_mm - marks.inferior_angle_mm, key + ".inferior_angle_mm");
+  const Vec3 across = superior - superior.dot(lateral) * lateral;
+  if (across.norm() < kMinSine)
+    throw InputError({}, key, "three points on a line", "expected a triangle: the scapular plane");
+  return make_frame(marks.glenoid_center_mm, lateral, superior, key);
+}
+
 }  // namespace
 
 void Bone::set_voxels(FilledVoxmap&& voxels) {
@@ -91,75 +184,6 @@ FilledVoxmap fit_to_bone(const BoneView& bone, int margin_voxels) {
   return out;
 }
 
-namespace {
-
-/// A drilled cylinder in the frame B.
-struct Hole {
-  Vec3 entry_mm;
-  Vec3 axis;
-  double radius_mm = 0;
-  double depth_mm = 0;
-
-  [[nodiscard]] bool contains(const Vec3& point_mm) const {
-    const Vec3 from_entry = point_mm - entry_mm;
-    const double along_mm = from_entry.dot(axis);
-    if (along_mm < 0 || along_mm > depth_mm) return false;
-    return (from_entry - along_mm * axis).squaredNorm() <= radius_mm * radius_mm;
-  }
-  /// Negative in the hole, mm.
-  [[nodiscard]] double distance_mm(const Vec3& point_mm) const {
-    const Vec3 from_entry = point_mm - entry_mm;
-    const double along_mm = from_entry.dot(axis);
-    return std::max({(from_entry - along_mm * axis).norm() - radius_mm, -along_mm, along_mm - depth_mm});
-  }
-  [[nodiscard]] Aabb bounds_mm() const {
-    const Vec3 end_mm = entry_mm + depth_mm * axis;
-    const Vec3 room = Vec3::Constant(radius_mm);
-    return {entry_mm.cwiseMin(end_mm) - room, entry_mm.cwiseMax(end_mm) + room};
-  }
-};
-
-Hole hole_in_bone(const PilotHoleSettings& settings, const std::optional<GlenoidFrame>& glenoid) {
-  const double length = settings.axis.norm();
-  if (!std::isfinite(length) || length < 1e-9) {
-    throw InputError({}, "bone.pilot_hole.axis", "a vector of length 0", "give the direction of drilling");
-  }
-  Hole hole{settings.entry_mm, settings.axis / length, settings.diameter_mm / 2, settings.depth_mm};
-  if (settings.frame != PoseFrame::glenoid) return hole;
-  if (!glenoid) {
-    throw InputError({}, "bone.pilot_hole.frame", "frame is glenoid but bone.glenoid is missing",
-                     "add bone.glenoid, or use frame: bone");
-  }
-  hole.entry_mm = glenoid->bone_from_glenoid * hole.entry_mm;
-  hole.axis = glenoid->bone_from_glenoid.linear() * hole.axis;
-  return hole;
-}
-
-/// The remaining fill of a whole voxel.
-std::uint16_t fill_beside(const Hole& hole, const VoxelGrid& grid, const Vec3i& voxel, bool partial) {
-  const Vec3 center_mm = grid.center_mm(voxel);
-  if (!partial) return hole.contains(center_mm) ? 0 : FillBricks::kWhole;
-  const double away_voxels = hole.distance_mm(center_mm) / grid.voxel_mm;
-  if (std::abs(away_voxels) > RS_CLIP_REACH) return away_voxels < 0 ? 0 : FillBricks::kWhole;
-  const auto distance = [&hole](const Vec3& point_mm) { return hole.distance_mm(point_mm); };
-  const double fraction = 1 - fraction_inside(distance, center_mm, grid.voxel_mm);
-  return static_cast<std::uint16_t>(std::lround(fraction * FillBricks::kWhole));
-}
-
-/// Limits the fill of a voxel to `most`; returns the removed fill.
-int limit_fill(FilledVoxmap& voxmap, const Vec3i& voxel, std::uint16_t most) {
-  const int before = voxmap.fill.get(voxel);
-  if (before <= most) return 0;
-  if (most == 0) {
-    voxmap.grade.set(voxel, 0);
-  } else {
-    voxmap.fill.set(voxel, most);
-  }
-  return before - most;
-}
-
-}  // namespace
-
 double drill_pilot_hole(FilledVoxmap& voxmap, const PilotHoleSettings& settings,
                         const std::optional<GlenoidFrame>& glenoid, bool partial) {
   const Hole hole = hole_in_bone(settings, glenoid);
@@ -177,45 +201,6 @@ double drill_pilot_hole(FilledVoxmap& voxmap, const PilotHoleSettings& settings,
   return static_cast<double>(drilled) / FillBricks::kWhole * grid.voxel_mm3();
 }
 
-namespace {
-
-/// Directions closer than about half a degree do not determine the third axis.
-constexpr double kMinSine = 0.01;
-
-[[noreturn]] void fail_frame(const std::string& key, const std::string& found, const std::string& expected) {
-  throw InputError({}, key, found, expected);
-}
-
-Vec3 unit(const Vec3& v, const std::string& key) {
-  const double length = v.norm();
-  if (!std::isfinite(length) || length < 1e-9) fail_frame(key, "a vector of length 0", "expected a direction");
-  return v / length;
-}
-
-/// +z along `normal`, +y the part of `superior` perpendicular to it.
-GlenoidFrame make_frame(const Vec3& center_mm, const Vec3& normal, const Vec3& superior, const std::string& key) {
-  const Vec3 across = superior - superior.dot(normal) * normal;
-  if (across.norm() < kMinSine) {
-    fail_frame(key, "parallel to the normal", "expected a direction across the glenoid's face");
-  }
-  const Vec3 y = across.normalized();
-  GlenoidFrame out;
-  out.bone_from_glenoid.linear() << y.cross(normal), y, normal;
-  out.bone_from_glenoid.translation() = center_mm;
-  return out;
-}
-
-GlenoidFrame frame_from_landmarks(const LandmarkSettings& marks) {
-  const std::string key = "bone.glenoid.landmarks";
-  const Vec3 lateral = unit(marks.glenoid_center_mm - marks.trigonum_spinae_mm, key + ".trigonum_spinae_mm");
-  const Vec3 superior = unit(marks.glenoid_center_mm - marks.inferior_angle_mm, key + ".inferior_angle_mm");
-  const Vec3 across = superior - superior.dot(lateral) * lateral;
-  if (across.norm() < kMinSine) fail_frame(key, "three points on a line", "expected a triangle: the scapular plane");
-  return make_frame(marks.glenoid_center_mm, lateral, superior, key);
-}
-
-}  // namespace
-
 ScapularAxes axes_of(const GlenoidFrame& glenoid, BodySide side) {
   const Mat3 axes = glenoid.bone_from_glenoid.linear();
   return {.lateral = axes.col(2),
@@ -227,14 +212,16 @@ std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, BodyS
   if (settings.near_mm) return std::nullopt;
   const bool any = settings.center_mm || settings.normal || settings.superior;
   if (!any && !settings.landmarks) return std::nullopt;
-  if (side == BodySide::unknown) fail_frame("bone.side", "missing", "a glenoid frame needs left or right");
+  if (side == BodySide::unknown) throw InputError({}, "bone.side", "missing", "a glenoid frame needs left or right");
   if (settings.landmarks) {
-    if (any) fail_frame("bone.glenoid", "directions and landmarks", "expected one of them");
+    if (any) throw InputError({}, "bone.glenoid", "directions and landmarks", "expected one of them");
     return frame_from_landmarks(*settings.landmarks);
   }
-  if (!settings.center_mm) fail_frame("bone.glenoid.center_mm", "missing", "expected the glenoid's centre in mm");
-  if (!settings.normal) fail_frame("bone.glenoid.normal", "missing", "expected the direction out of the face");
-  if (!settings.superior) fail_frame("bone.glenoid.superior", "missing", "expected the superior direction");
+  if (!settings.center_mm)
+    throw InputError({}, "bone.glenoid.center_mm", "missing", "expected the glenoid's centre in mm");
+  if (!settings.normal)
+    throw InputError({}, "bone.glenoid.normal", "missing", "expected the direction out of the face");
+  if (!settings.superior) throw InputError({}, "bone.glenoid.superior", "missing", "expected the superior direction");
   return make_frame(*settings.center_mm, unit(*settings.normal, "bone.glenoid.normal"),
                     unit(*settings.superior, "bone.glenoid.superior"), "bone.glenoid.superior");
 }

@@ -4,30 +4,34 @@
 #include "sim/bone/glenoid_shape.h"
 
 #include <fmt/core.h>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "sim/base/error.h"
 #include "sim/bone/implicit.h"
+#include "sim/bone/phantom.h"
 
 namespace reamsim {
 
 namespace {
 
-double radians(double degrees) {
-  return degrees * std::numbers::pi / 180;
-}
-
-[[noreturn]] void fail_face(const char* key, double value_mm, const std::string& expected) {
-  throw InputError({}, std::string("bone.phantom.") + key, fmt::format("{:.4g} mm", value_mm), expected);
-}
+/// Upper radius of the pear-shaped outline over the lower one, which is half the width.
+constexpr double kUpperRadiusRatio = 0.68;
 
 /// Height of a concave sphere above its lowest point, at a distance from its axis.
 double rise_mm(double radius_mm, double from_axis_mm) {
   return radius_mm - std::sqrt(radius_mm * radius_mm - from_axis_mm * from_axis_mm);
 }
+
+using implicit::pear, implicit::polygon, implicit::smooth_intersection, implicit::smooth_union, implicit::smoothstep;
+
+constexpr double kRimBlend_mm = 2.4;       // rounds the rim to a radius of about 1.2 mm
+constexpr double kWornRimBlend_mm = 4;     // for the acute rim of a worn face
+constexpr double kRimLoss_mm = 0.35;       // compensates the loss of outline by the rounding
+constexpr double kStumpLength_mm = 17;     // of blade, border and spine behind the neck
+constexpr double kReferenceWidth_mm = 26;  // the face of the proportions below
+constexpr double kReferenceHeight_mm = 35;
+constexpr double kReferenceVault_mm = 28;
 
 }  // namespace
 
@@ -41,8 +45,8 @@ double inclination_of(const Vec3& direction) {
 
 GlenoidFace::GlenoidFace(const PhantomSettings& settings)
     : half_width_mm_(settings.width_mm / 2), height_mm_(settings.height_mm) {
-  const double version = radians(settings.version_deg);
-  const double inclination = radians(settings.inclination_deg);
+  const double version = implicit::radians(settings.version_deg);
+  const double inclination = implicit::radians(settings.inclination_deg);
   normal_ = Vec3(std::cos(version) * std::cos(inclination), std::sin(inclination),
                  -std::sin(version) * std::cos(inclination));
   const Vec3 superior = (Vec3::UnitY() - normal_.y() * normal_).normalized();
@@ -56,8 +60,8 @@ GlenoidFace::GlenoidFace(const PhantomSettings& settings)
 /// The humeral head moves along the Friedman axis, with its centre on a parallel to the axis of the native face.
 void GlenoidFace::wear_concentrically(const PhantomSettings& settings) {
   if (settings.medialization_mm > settings.vault_depth_mm / 2) {
-    fail_face("medialization_mm", settings.medialization_mm,
-              fmt::format("expected at most half of vault_depth_mm: {:.4g} mm", settings.vault_depth_mm / 2));
+    fail_phantom("medialization_mm", settings.medialization_mm,
+                 fmt::format("expected at most half of vault_depth_mm: {:.4g} mm", settings.vault_depth_mm / 2));
   }
   balls_.push_back(
       {settings.wear_radius_mm * normal_ - settings.medialization_mm * Vec3::UnitX(), settings.wear_radius_mm});
@@ -65,17 +69,18 @@ void GlenoidFace::wear_concentrically(const PhantomSettings& settings) {
 
 /// Distance of the nominal outline from the centre in a direction of the face.
 double GlenoidFace::outline_mm(double superior, double anterior) const {
-  return implicit::bisect(0, height_mm_, 60, [&](double at_mm) {
+  const auto inside = [&](double at_mm) {
     return implicit::pear(at_mm * anterior, at_mm * superior, half_width_mm_ - height_mm_ / 2, half_width_mm_,
                           height_mm_ / 2 - kUpperRadiusRatio * half_width_mm_, kUpperRadiusRatio * half_width_mm_) < 0;
-  });
+  };
+  return implicit::bisect(0, height_mm_, 60, inside).inside;
 }
 
 /// The ball of the humeral head passes through ridge and rim of the neoglenoid, in the plane of the native axis and the
 /// wear direction.
 void GlenoidFace::wear_one_side(const PhantomSettings& settings) {
-  const double direction = radians(settings.wear_direction_deg);
-  const double tilt = radians(settings.wear_tilt_deg);
+  const double direction = implicit::radians(settings.wear_direction_deg);
+  const double tilt = implicit::radians(settings.wear_tilt_deg);
   const double native_mm = settings.face_radius_mm;
   const double ridge_at_mm = settings.wear_ridge_mm;
   const Vec3 axis = native_normal();
@@ -85,25 +90,26 @@ void GlenoidFace::wear_one_side(const PhantomSettings& settings) {
   const double kept_rim_mm = outline_mm(std::sin(direction), std::cos(direction));
   if (ridge_at_mm <= -0.9 * kept_rim_mm || ridge_at_mm >= 0.9 * worn_rim_mm) {
     const double limit_mm = ridge_at_mm < 0 ? -0.9 * kept_rim_mm : 0.9 * worn_rim_mm;
-    fail_face("wear_ridge_mm", ridge_at_mm, fmt::format("expected a ridge on the face, short of {:.4g} mm", limit_mm));
+    fail_phantom("wear_ridge_mm", ridge_at_mm,
+                 fmt::format("expected a ridge on the face, short of {:.4g} mm", limit_mm));
   }
   const double chord_mm = (worn_rim_mm - ridge_at_mm) / std::cos(tilt);
   if (settings.wear_radius_mm < 0.6 * chord_mm) {
-    fail_face("wear_radius_mm", settings.wear_radius_mm,
-              fmt::format("expected at least 0.6 of the neoglenoid's length: {:.4g} mm", 0.6 * chord_mm));
+    fail_phantom("wear_radius_mm", settings.wear_radius_mm,
+                 fmt::format("expected at least 0.6 of the neoglenoid's length: {:.4g} mm", 0.6 * chord_mm));
   }
-  biconcave_ = true;
-  biconcavity_.wear = wear;
-  biconcavity_.ridge_mm = ridge_at_mm * wear + rise_mm(native_mm, ridge_at_mm) * axis;
-  biconcavity_.neo_normal = std::cos(tilt) * axis + std::sin(tilt) * wear;
-  biconcavity_.neo_rim_mm = biconcavity_.ridge_mm + chord_mm * (std::cos(tilt) * wear - std::sin(tilt) * axis);
+  Biconcavity& both = biconcavity_.emplace();
+  both.wear = wear;
+  both.ridge_mm = ridge_at_mm * wear + rise_mm(native_mm, ridge_at_mm) * axis;
+  both.neo_normal = std::cos(tilt) * axis + std::sin(tilt) * wear;
+  both.neo_rim_mm = both.ridge_mm + chord_mm * (std::cos(tilt) * wear - std::sin(tilt) * axis);
   const double half_chord = std::asin(chord_mm / (2 * settings.wear_radius_mm));
-  biconcavity_.angle = tilt + half_chord + std::asin(ridge_at_mm / native_mm);
-  const Vec3 middle_mm = (biconcavity_.ridge_mm + biconcavity_.neo_rim_mm) / 2;
+  both.angle = tilt + half_chord + std::asin(ridge_at_mm / native_mm);
+  const Vec3 middle_mm = (both.ridge_mm + both.neo_rim_mm) / 2;
   balls_.push_back(
-      {middle_mm + settings.wear_radius_mm * std::cos(half_chord) * biconcavity_.neo_normal, settings.wear_radius_mm});
+      {middle_mm + settings.wear_radius_mm * std::cos(half_chord) * both.neo_normal, settings.wear_radius_mm});
   const Vec3 kept_mm = -kept_rim_mm * wear + rise_mm(native_mm, kept_rim_mm) * axis;
-  const Vec3 across = biconcavity_.neo_rim_mm - kept_mm;
+  const Vec3 across = both.neo_rim_mm - kept_mm;
   normal_ = (across.dot(wear) * axis - across.dot(axis) * wear).normalized();
 }
 
@@ -135,26 +141,6 @@ double GlenoidFace::below_mm(const Vec3& point) const {
   for (const Ball& ball : balls_) out = std::min(out, (point - ball.center_mm).norm() - ball.radius_mm);
   return out;
 }
-
-namespace {
-
-constexpr double kUpperRadiusRatio = GlenoidFace::kUpperRadiusRatio;
-
-using implicit::pear;
-using implicit::polygon;
-using implicit::smooth_intersection;
-using implicit::smooth_union;
-using implicit::smoothstep;
-
-constexpr double kRimBlend_mm = 2.4;       // rounds the rim to a radius of about 1.2 mm
-constexpr double kWornRimBlend_mm = 4;     // for the acute rim of a worn face
-constexpr double kRimLoss_mm = 0.35;       // compensates the loss of outline by the rounding
-constexpr double kStumpLength_mm = 17;     // of blade, border and spine behind the neck
-constexpr double kReferenceWidth_mm = 26;  // the face of the proportions below
-constexpr double kReferenceHeight_mm = 35;
-constexpr double kReferenceVault_mm = 28;
-
-}  // namespace
 
 GlenoidShape::GlenoidShape(const PhantomSettings& settings)
     : face_(settings),
@@ -265,20 +251,17 @@ std::vector<Vec3> GlenoidShape::rim_where(const std::function<double(const Vec3&
       const auto at = [&](double from_axis_mm) {
         return face_.at(from_axis_mm * std::sin(angle), from_axis_mm * std::cos(angle), below_mm);
       };
-      point = at(implicit::bisect(0, height_mm_, 50, [&](double from_axis_mm) {
+      const auto in_wall = [&](double from_axis_mm) {
         const std::optional<Vec3> tried = at(from_axis_mm);
         return tried && vault(in_face(*tried)) < -below_mm;
-      }));
+      };
+      point = at(implicit::bisect(0, height_mm_, 50, in_wall).inside);
       if (!point) break;
       below_mm = rounding_mm(*point);
     }
     if (point) out.push_back(*point);
   }
   return out;
-}
-
-std::vector<Vec3> GlenoidShape::rim_mm() const {
-  return rim_where([](const Vec3&) { return 0.0; });
 }
 
 std::vector<Vec3> GlenoidShape::rounded_rim_mm() const {

@@ -3,12 +3,12 @@
 
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/bone/implicit.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
@@ -35,9 +35,6 @@ class GlenoidFace {
     double angle = 0;  ///< between the normals of both parts at the ridge, radians
   };
 
-  /// Upper radius of the pear-shaped outline over the lower one, which is half the width.
-  static constexpr double kUpperRadiusRatio = 0.68;
-
   /// Exact distance below the face, positive into the bone.
   [[nodiscard]] double below_mm(const Vec3& point) const;
   /// The point at a depth below the face, at a position across the native axis; nullopt beside the balls.
@@ -54,7 +51,7 @@ class GlenoidFace {
   /// The intersection of the Friedman axis and the face.
   [[nodiscard]] const Vec3& center_mm() const { return center_mm_; }
   /// B2 only; a null pointer otherwise.
-  [[nodiscard]] const Biconcavity* biconcavity() const { return biconcave_ ? &biconcavity_ : nullptr; }
+  [[nodiscard]] const Biconcavity* biconcavity() const { return biconcavity_ ? &*biconcavity_ : nullptr; }
 
  private:
   [[nodiscard]] double outline_mm(double superior, double anterior) const;
@@ -68,8 +65,7 @@ class GlenoidFace {
   Mat3 face_from_anatomy_;
   Vec3 normal_;
   Vec3 center_mm_ = Vec3::Zero();
-  Biconcavity biconcavity_;
-  bool biconcave_ = false;
+  std::optional<Biconcavity> biconcavity_;
 };
 
 /// Version (retroversion positive) and inclination (superior positive) of a direction in anatomical coordinates, rad.
@@ -78,11 +74,10 @@ double inclination_of(const Vec3& direction);
 
 /// The parametric glenoid as an implicit solid: a pear-shaped, concave face with an anterior notch and a rounded rim,
 /// the vault that narrows to the neck, and the stumps of coracoid, spine, blade and lateral border. Wear removes bone
-/// from it; a dysplastic glenoid (Walch C) has a rounded posteroinferior rim.
+/// from it; a dysplastic glenoid (Walch C) has a rounded posteroinferior rim. All proportions follow from width, height
+/// and radius of the face and from the depth of the vault.
 ///
-/// Anatomical coordinates of GlenoidFace, mm: (lateral, superior, anterior). On a right bone they are a mirror image of
-/// B, so that one shape describes both sides. All proportions follow from width, height and radius of the face and from
-/// the depth of the vault.
+/// Anatomical coordinates of GlenoidFace. On a right bone they are a mirror image of B.
 class GlenoidShape {
  public:
   explicit GlenoidShape(const PhantomSettings& settings);
@@ -94,7 +89,9 @@ class GlenoidShape {
   [[nodiscard]] double solid(const Vec3& point) const;
   [[nodiscard]] const GlenoidFace& face() const { return face_; }
   /// The edge of the face before the rim is rounded, in order, mm.
-  [[nodiscard]] std::vector<Vec3> rim_mm() const;
+  [[nodiscard]] std::vector<Vec3> rim_mm() const {
+    return rim_where([](const Vec3&) { return 0.0; });
+  }
   /// The middle of the rounded edge, on the surface, in order, mm: face and wall are blended there in equal parts.
   [[nodiscard]] std::vector<Vec3> rounded_rim_mm() const;
   /// The stumps end at this lateral coordinate, mm.
@@ -103,7 +100,7 @@ class GlenoidShape {
   [[nodiscard]] const Aabb& bounds_mm() const { return bounds_mm_; }
 
  private:
-  /// A rod between two points with a radius at each.
+  /// A rod between two points whose radius varies linearly.
   struct Rod {
     Vec3 a;
     double radius_a = 0;
@@ -111,7 +108,9 @@ class GlenoidShape {
     double radius_b = 0;
 
     [[nodiscard]] double distance(const Vec3& point) const {
-      return implicit::tapered_rod(point, a, radius_a, b, radius_b);
+      const Vec3 axis = b - a;
+      const double fraction = std::clamp((point - a).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
+      return (point - a - fraction * axis).norm() - (radius_a + fraction * (radius_b - radius_a));
     }
   };
 

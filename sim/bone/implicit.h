@@ -5,11 +5,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "sim/base/geometry.h"
 
 namespace reamsim::implicit {
+
+inline double radians(double degrees) {
+  return degrees * std::numbers::pi / 180;
+}
+
+inline double distance_to_segment(const Vec2& point, const Vec2& a, const Vec2& b) {
+  const Vec2 along = b - a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((point - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (point - a - t * along).norm();
+}
 
 // Solids as functions: negative inside, near the surface about the distance from it in mm.
 
@@ -44,13 +56,6 @@ inline double pear(double x, double y, double low_y, double low_radius, double h
   return cosine * across + sine * up - low_radius;
 }
 
-/// A rod from `a` to `b` whose radius varies linearly from `radius_a` to `radius_b`.
-inline double tapered_rod(const Vec3& point, const Vec3& a, double radius_a, const Vec3& b, double radius_b) {
-  const Vec3 axis = b - a;
-  const double fraction = std::clamp((point - a).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
-  return (point - a - fraction * axis).norm() - (radius_a + fraction * (radius_b - radius_a));
-}
-
 /// A simple polygon in the plane, exact signed distance.
 inline double polygon(const Vec2& point, const std::vector<Vec2>& corners) {
   double nearest2 = (point - corners[0]).squaredNorm();
@@ -66,14 +71,20 @@ inline double polygon(const Vec2& point, const std::vector<Vec2>& corners) {
   return (inside ? -1 : 1) * std::sqrt(nearest2);
 }
 
-/// The last argument inside after `steps` halvings of the interval between one inside and one outside.
+/// The last arguments inside and outside after `steps` halvings of the interval between them.
+struct Bracket {
+  double inside;
+  double outside;
+
+  [[nodiscard]] double middle() const { return 0.5 * (inside + outside); }
+};
 template <class Inside>
-double bisect(double inside, double outside, int steps, const Inside& is_inside) {
+Bracket bisect(double inside, double outside, int steps, const Inside& is_inside) {
   for (int i = 0; i < steps; ++i) {
     const double middle = (inside + outside) / 2;
     (is_inside(middle) ? inside : outside) = middle;
   }
-  return inside;
+  return {inside, outside};
 }
 
 }  // namespace reamsim::implicit

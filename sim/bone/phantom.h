@@ -11,26 +11,11 @@
 
 namespace reamsim {
 
-// Verification blocks have closed-form surfaces. Lattice planes lie at multiples of the voxel size, so that a top face
-// at z = 0 lies between two layers of voxels. The glenoid frame is at the centre of the top face, +z up.
-
-/// A block of uniform density below z = 0.
-Bone half_space_phantom(const BoneSettings& settings);
-/// The block with a spherical cup of `radius_mm`, `cup_depth_mm` deep, in the middle of its top face.
-/// Throws InputError when the cup is deeper than the block or its own radius.
-Bone cup_phantom(const BoneSettings& settings);
-/// The block with `cortical_mm` of cortical density on trabecular density. Throws InputError when the layer is thicker
-/// than the block.
-Bone layered_phantom(const BoneSettings& settings);
-/// A sphere about the origin; the glenoid frame is at its pole (0, 0, radius).
-Bone sphere_phantom(const BoneSettings& settings);
-
 /// The parametric glenoid (sim/bone/glenoid_shape.h): subchondral plate, cortical wall, and trabecular bone whose
 /// density decreases with the distance from the plate, with seeded texture. The glenoid frame is at the centre of the
-/// face, +z along its normal. Notes the orientation of the face in `report`. Throws InputError: no side, a face radius
-/// or wear that does not fit the face.
+/// face, +z along its normal. Notes the orientation of the face in `report`. Throws InputError: a width, face
+/// radius or wear that does not fit the face.
 Bone glenoid_phantom(const BoneSettings& settings, Diagnostics& report);
-
 /// The same bone on a given lattice, clipped by it. Throws as above.
 FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid);
 
@@ -55,5 +40,8 @@ FilledVoxmap sample_phantom(
     const AirTest& all_air = [](const Vec3&, double) { return false; });
 
 DensityMapping mapping_from(const DensitySettings& density);
+
+/// Throws the InputError of a length in bone.phantom.
+[[noreturn]] void fail_phantom(const std::string& key, double found_mm, const std::string& expected);
 
 }  // namespace reamsim

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/base/error.h"
 #include "sim/bone/glenoid_shape.h"
 #include "sim/bone/implicit.h"
 #include "sim/bone/value_noise.h"
@@ -130,45 +129,24 @@ class GlenoidDensity {
   std::uint32_t seed_;
 };
 
-[[noreturn]] void fail(const std::string& key, double value_mm, const std::string& expected) {
-  throw InputError({}, "bone.phantom." + key, fmt::format("{:.4g} mm", value_mm), expected);
-}
-
-void check(const BoneSettings& settings) {
-  const PhantomSettings& phantom = settings.phantom;
-  if (settings.side == BodySide::unknown) throw InputError({}, "bone.side", "missing", "a glenoid needs left or right");
-  if (phantom.width_mm >= phantom.height_mm) {
-    fail("width_mm", phantom.width_mm, fmt::format("expected less than the height of {:.4g} mm", phantom.height_mm));
-  }
-  if (phantom.width_mm < 0.4 * phantom.height_mm) {
-    fail("width_mm", phantom.width_mm,
-         fmt::format("expected at least 0.4 of the height: {:.4g} mm", 0.4 * phantom.height_mm));
-  }
-  if (phantom.face_radius_mm < 0.55 * phantom.height_mm) {
-    fail("face_radius_mm", phantom.face_radius_mm,
-         fmt::format("expected at least 0.55 of the height: {:.4g} mm", 0.55 * phantom.height_mm));
-  }
+void check(const PhantomSettings& phantom) {
+  const auto require = [&](const char* key, double found_mm, double fraction) {
+    const double least_mm = fraction * phantom.height_mm;
+    if (found_mm >= least_mm) return;
+    fail_phantom(key, found_mm, fmt::format("expected at least {:g} of the height: {:.4g} mm", fraction, least_mm));
+  };
+  require("width_mm", phantom.width_mm, 0.4);
+  require("face_radius_mm", phantom.face_radius_mm, 0.55);
 }
 
 /// Conversion between anatomical coordinates (lateral, superior, anterior) and B (x left, y posterior, z superior).
 struct Sides {
   double lateral_sign;
 
+  explicit Sides(BodySide side) : lateral_sign(side == BodySide::left ? 1 : -1) {}
   [[nodiscard]] Vec3 anatomy_from_bone(const Vec3& p) const { return {lateral_sign * p.x(), p.z(), -p.y()}; }
   [[nodiscard]] Vec3 bone_from_anatomy(const Vec3& p) const { return {lateral_sign * p.x(), -p.z(), p.y()}; }
 };
-
-Sides sides_of(const BoneSettings& settings) {
-  return {settings.side == BodySide::left ? 1.0 : -1.0};
-}
-
-GlenoidFrame frame_of(const GlenoidFace& face, const Sides& sides, BodySide side) {
-  GlenoidSettings settings;
-  settings.center_mm = sides.bone_from_anatomy(face.center_mm());
-  settings.normal = sides.bone_from_anatomy(face.normal());
-  settings.superior = Vec3::UnitZ();
-  return *glenoid_frame(settings, side);
-}
 
 /// The Friedman axis is lateral and the scapular plane contains lateral and superior, so that version and inclination
 /// of the native face are those of the scenario. Trigonum and inferior angle lie beyond the modelled bone.
@@ -200,9 +178,9 @@ void describe(const GlenoidFace& face, const PhantomSettings& phantom, Diagnosti
 }  // namespace
 
 FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid) {
-  check(settings);
+  check(settings.phantom);
   const GlenoidDensity density(settings.phantom);
-  const Sides sides = sides_of(settings);
+  const Sides sides(settings.side);
   PartialField partial;
   if (settings.surface_voxels == SurfaceVoxels::partial) {
     partial = [&](const Vec3& center) { return density.partial(sides.anatomy_from_bone(center), grid.voxel_mm); };
@@ -215,16 +193,20 @@ FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid)
 }
 
 Bone glenoid_phantom(const BoneSettings& settings, Diagnostics& report) {
-  check(settings);
+  check(settings.phantom);
   const GlenoidShape shape(settings.phantom);
-  const Sides sides = sides_of(settings);
+  const Sides sides(settings.side);
   const Vec3 corner = sides.bone_from_anatomy(shape.bounds_mm().min);
   const Vec3 opposite = sides.bone_from_anatomy(shape.bounds_mm().max);
   const VoxelGrid grid = lattice_around("bone.phantom", {corner.cwiseMin(opposite), corner.cwiseMax(opposite)},
                                         settings.voxel_mm, kMarginVoxels);
   Bone bone;
   bone.set_voxels(sample_glenoid(settings, grid));
-  bone.glenoid = frame_of(shape.face(), sides, settings.side);
+  GlenoidSettings directions;
+  directions.center_mm = sides.bone_from_anatomy(shape.face().center_mm());
+  directions.normal = sides.bone_from_anatomy(shape.face().normal());
+  directions.superior = Vec3::UnitZ();
+  bone.glenoid = glenoid_frame(directions, settings.side);
   bone.landmarks = landmarks_of(shape.face(), sides, settings.phantom);
   for (const Vec3& point : shape.rim_mm()) bone.rim_mm.push_back(sides.bone_from_anatomy(point));
   describe(shape.face(), settings.phantom, report);

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "kernels/cube_fraction.h"
+#include "sim/bone/implicit.h"
 
 namespace reamsim {
 
@@ -34,33 +34,11 @@ Vec3 fraction_gradient(const BoneView& bone, const Vec3i& voxel) {
 /// Distance of the plane from the centre of a unit cube of which it leaves `fraction` on its inner side.
 double plane_offset(const Vec3& normal, double fraction) {
   const float n[3] = {static_cast<float>(normal.x()), static_cast<float>(normal.y()), static_cast<float>(normal.z())};
-  double low = -RS_CLIP_REACH, high = RS_CLIP_REACH;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (low + high);
-    const double inside = 1 - double{rs_outside_fraction(n, static_cast<float>(-middle))};
-    (inside < fraction ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  const auto leaves_less = [&](double offset) {
+    return 1 - double{rs_outside_fraction(n, static_cast<float>(-offset))} < fraction;
+  };
+  return implicit::bisect(-RS_CLIP_REACH, RS_CLIP_REACH, kHalvings, leaves_less).middle();
 }
-
-}  // namespace
-
-double bone_fraction(const BoneView& bone, const Vec3i& voxel) {
-  const Voxmap& voxmap = bone.voxmap;
-  if (!voxmap.grid.contains(voxel) || voxmap.grade.get(voxel) == 0) return 0;
-  return static_cast<double>(bone.fill.get(voxel)) / FillBricks::kWhole;
-}
-
-std::optional<VoxelPlane> voxel_plane(const BoneView& bone, const Vec3i& voxel, const Vec3& fallback) {
-  const double fraction = bone_fraction(bone, voxel);
-  if (fraction >= 1) return std::nullopt;
-  const Vec3 gradient = fraction_gradient(bone, voxel);
-  const double length = gradient.norm();
-  const Vec3 normal = length > kLeastGradient ? Vec3(-gradient / length) : fallback;
-  return VoxelPlane{normal, bone.voxmap.grid.voxel_mm * plane_offset(normal, fraction)};
-}
-
-namespace {
 
 /// A corner of a cube around the origin: bit n of `corner` chooses the upper side along axis n.
 Vec3 cube_corner(int corner, double half_mm) {
@@ -103,6 +81,15 @@ SurfacePatch face_of_cube(const Vec3& center, double half_mm, int axis, int side
 }
 
 }  // namespace
+
+std::optional<VoxelPlane> voxel_plane(const BoneView& bone, const Vec3i& voxel, const Vec3& fallback) {
+  const double fraction = bone_fraction(bone, voxel);
+  if (fraction >= 1) return std::nullopt;
+  const Vec3 gradient = fraction_gradient(bone, voxel);
+  const double length = gradient.norm();
+  const Vec3 normal = length > kLeastGradient ? Vec3(-gradient / length) : fallback;
+  return VoxelPlane{normal, bone.voxmap.grid.voxel_mm * plane_offset(normal, fraction)};
+}
 
 void SurfacePatch::measure() {
   center = Vec3::Zero();

@@ -20,7 +20,10 @@ struct VoxelPlane {
 };
 
 /// The remaining fraction of a voxel, 0…1; 0 in air and outside the lattice.
-double bone_fraction(const BoneView& bone, const Vec3i& voxel);
+inline double bone_fraction(const BoneView& bone, const Vec3i& voxel) {
+  if (!bone.voxmap.is_bone(voxel)) return 0;
+  return static_cast<double>(bone.fill.get(voxel)) / FillBricks::kWhole;
+}
 
 /// nullopt for a whole voxel, which is a cube of bone. `fallback`: unit normal where the fill has no gradient.
 std::optional<VoxelPlane> voxel_plane(const BoneView& bone, const Vec3i& voxel, const Vec3& fallback);

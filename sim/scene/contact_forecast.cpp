@@ -8,12 +8,9 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <vector>
 
 #include "sim/base/parallel.h"
-#include "sim/scene/scene.h"
 #include "sim/tool/outline.h"
-#include "sim/tool/tool_path.h"
 
 namespace reamsim {
 
@@ -25,11 +22,8 @@ constexpr double kVoxelRadius_voxels = 0.5 * 1.7320508;
 constexpr double kBrickRadius_voxels = 0.5 * BrickLattice::kSide * 1.7320508;
 /// Smallest step along the path, voxels.
 constexpr double kStep_voxels = 0.5;
-/// The same where the first contact is searched for.
-constexpr double kFineStep_voxels = 0.05;
-
-/// The same where the tool turns.
-constexpr double kTurnStep_voxels = 0.005;
+/// The same where the first contact is searched for, and where the tool turns.
+constexpr double kFineStep_voxels = 0.05, kTurnStep_voxels = 0.005;
 
 constexpr double kNoContact = std::numeric_limits<double>::infinity();
 
@@ -38,12 +32,6 @@ struct Brick {
   Vec3i coord;
   Vec3 middle_mm;
   double least_mm = kNoContact;
-};
-
-/// Two places along the path.
-struct PathPart {
-  double from_mm;
-  double to_mm;
 };
 
 /// Where along the path the tool is within reach of a brick for the first time, and where it first is as close, or as
@@ -173,19 +161,19 @@ class ContactSearch {
     for (double at_mm = from_mm; at_mm <= to_mm; at_mm += kTurnStep_voxels * voxel_mm_) {
       least_mm = std::min(least_mm, distance_at_mm(middle_mm, at_mm));
     }
-    return first_within(middle_mm, least_mm + kTurnStep_voxels * voxel_mm_, {from_mm, to_mm}, kTurnStep_voxels);
+    return first_within(middle_mm, least_mm + kTurnStep_voxels * voxel_mm_, from_mm, to_mm, kTurnStep_voxels);
   }
 
   /// Where, between these places, the tool is first within `reach_mm` of a point; `to_mm` if nowhere.
-  [[nodiscard]] double first_within(const Vec3& point_mm, double reach_mm, const PathPart& part,
+  [[nodiscard]] double first_within(const Vec3& point_mm, double reach_mm, double from_mm, double to_mm,
                                     double step_voxels) const {
-    const double end_mm = std::min(part.to_mm, path_.length_mm());
-    for (double at_mm = part.from_mm; at_mm < end_mm;) {
+    const double end_mm = std::min(to_mm, path_.length_mm());
+    for (double at_mm = from_mm; at_mm < end_mm;) {
       const double mm = distance_at_mm(point_mm, at_mm);
       if (mm < reach_mm) return at_mm;
       at_mm += std::max(step_voxels * voxel_mm_, mm - reach_mm);
     }
-    return part.to_mm;
+    return to_mm;
   }
 
   /// Where the tool first touches what is filled of a voxel, or kNoContact.
@@ -197,7 +185,7 @@ class ContactSearch {
     for (const std::size_t i : order) {
       if (visits[i].enter_mm >= best_mm) break;
       for_each_bone_voxel(bricks_[i].coord, [&](const Vec3& center_mm, double fill) {
-        best_mm = first_within(center_mm, (fill - 0.5) * voxel_mm_, {visits[i].enter_mm, best_mm}, kFineStep_voxels);
+        best_mm = first_within(center_mm, (fill - 0.5) * voxel_mm_, visits[i].enter_mm, best_mm, kFineStep_voxels);
       });
     }
     return best_mm;
@@ -208,8 +196,7 @@ class ContactSearch {
   [[nodiscard]] Rigid tool_from_bone(double at_mm) const { return path_.pose_at(at_mm).bone_from_tool().inverse(); }
 
   [[nodiscard]] double distance_mm(const Rigid& tool_from_bone, const Vec3& point_mm) const {
-    const Vec3 p = tool_from_bone * point_mm;
-    return profile_.nearest({p.head<2>().norm(), p.z()}).distance_mm;
+    return profile_.nearest(rz_of(tool_from_bone * point_mm)).distance_mm;
   }
 
   /// Follows the tool's distance from a point along the path. visit(distance, place) returns the distance of interest,
@@ -218,7 +205,7 @@ class ContactSearch {
   void follow(const Vec3& point_mm, const Visit& visit) const {
     double at_mm = 0;
     for (;;) {
-      const double mm = distance_mm(tool_from_bone(at_mm), point_mm);
+      const double mm = distance_at_mm(point_mm, at_mm);
       const double bound_mm = visit(mm, at_mm);
       if (bound_mm <= 0 || at_mm >= path_.length_mm()) return;
       at_mm = std::min(path_.length_mm(), at_mm + std::max(kStep_voxels * voxel_mm_, mm - bound_mm));
@@ -228,15 +215,9 @@ class ContactSearch {
   /// Calls visit(centre, fill 0…1) for the voxels of a brick with bone.
   template <class Visit>
   void for_each_bone_voxel(const Vec3i& coord, const Visit& visit) const {
-    const GradeBricks::Brick& grades = *voxmap_.grade.brick(coord);
-    const FillBricks::Brick* fills = fill_.brick(coord);
-    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
-      const auto at = static_cast<std::size_t>(offset);
-      const std::uint16_t fill = fills == nullptr ? FillBricks::kWhole : (*fills)[at];
-      if (grades[at] == 0 || fill == 0) continue;
-      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      visit(voxmap_.grid.center_mm(voxel), static_cast<double>(fill) / FillBricks::kWhole);
-    }
+    for_each_bone_voxel_in({voxmap_, fill_}, coord, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
+      if (fill != 0) visit(voxmap_.grid.center_mm(voxel), static_cast<double>(fill) / FillBricks::kWhole);
+    });
   }
 
   const Voxmap& voxmap_;

@@ -9,8 +9,6 @@
 #include <utility>
 
 #include "sim/anatomy/find_glenoid.h"
-#include "sim/base/error.h"
-#include "sim/bone/bone.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/voxmap/voxel_grid.h"
 #include "sim/scan/ct_import.h"
@@ -30,7 +28,7 @@ bool has_surface_near(const Voxmap& voxmap, const Vec3& point_mm, double within_
   bool air = false;
   for_each_voxel(first, last, [&](const Vec3i& voxel) {
     if (bone && air) return;
-    (grid.contains(voxel) && voxmap.grade.get(voxel) != 0 ? bone : air) = true;
+    (voxmap.is_bone(voxel) ? bone : air) = true;
   });
   return bone && air;
 }
@@ -89,20 +87,12 @@ void find_face(Bone& bone, const GlenoidSettings& settings, Diagnostics& report)
   const FoundGlenoid found = find_glenoid(bone, settings, bone.side);
   bone.glenoid = found.frame;
   bone.rim_mm = found.rim_mm;
-  report.note(sentence_of(found));
-  for (const std::string& doubt : doubts_of(found)) report.warn(doubt);
+  report.note(found.sentence);
+  for (const std::string& doubt : found.doubts) report.warn(doubt);
 }
 
-/// With landmarks the normal is the Friedman axis.
-void set_scapula(Bone& bone) {
-  if (!bone.landmarks) return;
-  GlenoidSettings marks;
-  marks.landmarks = bone.landmarks;
-  bone.scapula = axes_of(*glenoid_frame(marks, bone.side), bone.side);
-}
-
-}  // namespace
-
+/// The bone of a VDB: of an earlier run or import, or of another program with a FloatGrid `density`. Uses the voxel
+/// size and density mapping of the VDB; its glenoid frame, landmarks and side if the scenario has none.
 Bone bone_from_vdb(const BoneSettings& settings, Diagnostics& report) {
   constexpr double kRounding = 1e-6;  // of a float
   StoredBone stored = read_stored_bone(settings.vdb.path);
@@ -127,7 +117,8 @@ Bone bone_from_vdb(const BoneSettings& settings, Diagnostics& report) {
   return bone;
 }
 
-Bone bone_from_source(const BoneSettings& settings, Diagnostics& report, const StageSink& stages) {
+/// The voxels, without the glenoid frame and the landmarks of the scenario, and without the pilot hole.
+Bone bone_from_source(const BoneSettings& settings, Diagnostics& report, const StageSink& stages = {}) {
   if (settings.source == BoneSource::phantom) {
     begin_stage(stages, BoneStage::voxels);
     Bone bone = bone_from_phantom(settings, report);
@@ -146,12 +137,7 @@ Bone bone_from_source(const BoneSettings& settings, Diagnostics& report, const S
   return bone_from_vdb(settings, report);
 }
 
-Bone load_bone(const BoneSettings& settings, Diagnostics& report, const StageSink& stages) {
-  Bone bone = bone_from_source(settings, report, stages);
-  begin_stage(stages, BoneStage::anatomy);
-  return with_anatomy(std::move(bone), settings, report);
-}
-
+/// Adds glenoid frame, landmarks and pilot hole. The voxmap is copied only for a pilot hole.
 Bone with_anatomy(Bone bone, const BoneSettings& settings, Diagnostics& report) {
   if (settings.side != BodySide::unknown) bone.side = settings.side;
   if (const auto given = glenoid_frame(settings.glenoid, bone.side)) bone.glenoid = given;
@@ -161,7 +147,11 @@ Bone with_anatomy(Bone bone, const BoneSettings& settings, Diagnostics& report) 
     require_surface_near(*bone.voxmap, settings.glenoid.rim_mm);
     bone.rim_mm = settings.glenoid.rim_mm;
   }
-  set_scapula(bone);
+  if (bone.landmarks) {  // whose normal is the Friedman axis
+    GlenoidSettings marks;
+    marks.landmarks = bone.landmarks;
+    bone.scapula = axes_of(*glenoid_frame(marks, bone.side), bone.side);
+  }
   if (settings.pilot_hole) drill(bone, *settings.pilot_hole, settings.surface_voxels == SurfaceVoxels::partial, report);
   const VoxelGrid& grid = bone.voxmap->grid;
   report.note(fmt::format("bone: {} x {} x {} voxels of {:.4g} mm, {} contain bone, {:.0f} mm3, frame {}",
@@ -169,8 +159,6 @@ Bone with_anatomy(Bone bone, const BoneSettings& settings, Diagnostics& report) 
                           bone.view().bone_mm3(), bone.voxmap->frame));
   return bone;
 }
-
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -199,13 +187,6 @@ std::string key_of(const BoneSettings& settings) {
   return key;
 }
 
-/// Whether the voxels of the bone, and what is said of them, do not depend on its glenoid frame: those of a CT do where
-/// the humerus is cut off, or no seed is given.
-bool is_apart_from_anatomy(const BoneSettings& settings) {
-  return settings.source == BoneSource::ct && settings.ct.separate == Separate::none && settings.ct.seed_mm &&
-         !settings.pilot_hole;
-}
-
 void append(const Diagnostics& from, Diagnostics& to) {
   to.notes.insert(to.notes.end(), from.notes.begin(), from.notes.end());
   to.warnings.insert(to.warnings.end(), from.warnings.begin(), from.warnings.end());
@@ -214,8 +195,17 @@ void append(const Diagnostics& from, Diagnostics& to) {
 
 }  // namespace
 
+Bone load_bone(const BoneSettings& settings, Diagnostics& report, const StageSink& stages) {
+  Bone bone = bone_from_source(settings, report, stages);
+  begin_stage(stages, BoneStage::anatomy);
+  return with_anatomy(std::move(bone), settings, report);
+}
+
 Bone BoneCache::load(const BoneSettings& settings, Diagnostics& report) {
-  const bool shared = is_apart_from_anatomy(settings);
+  // Whether the voxels of the bone, and what is said of them, do not depend on its glenoid frame: those of a CT do
+  // where the humerus is cut off, or no seed is given.
+  const bool shared = settings.source == BoneSource::ct && settings.ct.separate == Separate::none &&
+                      settings.ct.seed_mm && !settings.pilot_hole;
   BoneSettings counted = settings;
   if (shared) counted.glenoid = {};
   if (std::string key = key_of(counted); key != key_) {

@@ -17,18 +17,6 @@ namespace reamsim {
 /// with with_surface_voxels(). Notes voxels, volumes and pieces in `report`. Throws InputError for invalid data.
 Bone load_bone(const BoneSettings& settings, Diagnostics& report, const StageSink& stages = {});
 
-// The two steps of load_bone(), for bones that differ in their anatomy only.
-
-/// The voxels, without the glenoid frame and the landmarks of the scenario, and without the pilot hole.
-Bone bone_from_source(const BoneSettings& settings, Diagnostics& report, const StageSink& stages = {});
-/// Adds these. The voxmap is copied only for a pilot hole.
-Bone with_anatomy(Bone bone, const BoneSettings& settings, Diagnostics& report);
-
-/// The bone of a VDB: of an earlier run or import, or of another program with a FloatGrid `density`. Uses the voxel
-/// size and density mapping of the VDB; its glenoid frame, landmarks and side if the scenario has none. Throws as
-/// read_stored_bone().
-Bone bone_from_vdb(const BoneSettings& settings, Diagnostics& report);
-
 /// Keeps the bone that was loaded last, for runs that follow with the same bone.
 class BoneCache {
  public:

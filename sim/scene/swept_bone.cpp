@@ -31,12 +31,6 @@ struct TestedPose {
   std::size_t pose = 0;  ///< index of the pose at the end of the step
 };
 
-Aabb box_in_bone(const Aabb& box, const Rigid& bone_from_tool) {
-  const Vec3 middle = bone_from_tool * Vec3(0.5 * (box.min + box.max));
-  const Vec3 half = bone_from_tool.linear().cwiseAbs() * (0.5 * (box.max - box.min));
-  return {middle - half, middle + half};
-}
-
 bool contains(const Aabb& box, const Vec3& p) {
   return (p.array() >= box.min.array()).all() && (p.array() <= box.max.array()).all();
 }
@@ -44,10 +38,13 @@ bool contains(const Aabb& box, const Vec3& p) {
 /// `tool_box`: T, with the margin.
 std::vector<TestedPose> sample_poses(const std::vector<ToolPose>& poses, const Aabb& tool_box, double step_mm) {
   const double reach_mm = tool_box.min.cwiseAbs().cwiseMax(tool_box.max.cwiseAbs()).norm();
+  std::vector<PathSample> path;
+  for (std::size_t k = 0; k < poses.size(); ++k) path.push_back({poses[k], k});
   std::vector<TestedPose> out;
-  for (const PathSample& sample : sample_path(poses, reach_mm, step_mm)) {
+  for (const PathSample& sample : sample_path(path, reach_mm, step_mm)) {
     const Rigid bone_from_tool = sample.pose.bone_from_tool();
-    out.push_back({bone_from_tool.inverse(), box_in_bone(tool_box, bone_from_tool), sample.frame});
+    const Vec3 middle = bone_from_tool * tool_box.center(), half = bone_from_tool.linear().cwiseAbs() * tool_box.half();
+    out.push_back({bone_from_tool.inverse(), {middle - half, middle + half}, sample.frame});
   }
   return out;
 }
@@ -106,7 +103,7 @@ class SweptBone {
     std::vector<NearPose> near;
     for (const TestedPose& tested : tested_poses_) {
       if (!contains(tested.box, middle)) continue;
-      const double mm = distance_at(tested.tool_from_bone * middle);
+      const double mm = table_.at(rz_of(tested.tool_from_bone * middle));
       if (mm < radius_mm) near.push_back({&tested, mm});
     }
     if (near.empty()) return std::nullopt;
@@ -147,14 +144,10 @@ class SweptBone {
     return 1;
   }
 
-  [[nodiscard]] double distance_at(const Vec3& point_t) const {
-    return table_.at({point_t.head<2>().norm(), point_t.z()});
-  }
-
   /// Smallest distance over these poses, limited to a voxel.
   [[nodiscard]] double distance_mm(const Vec3& point, const std::vector<NearPose>& near) const {
     double least_mm = grid_.voxel_mm;
-    for (const NearPose& at : near) least_mm = std::min(least_mm, distance_at(at.tested->tool_from_bone * point));
+    for (const NearPose& at : near) least_mm = std::min(least_mm, table_.at(rz_of(at.tested->tool_from_bone * point)));
     return least_mm;
   }
 

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "kernels/bricks.h"
-#include "sim/tool/tool_path.h"
 
 namespace reamsim {
 
@@ -22,10 +21,6 @@ constexpr double kHalfDiagonal = 0.8660254;
 constexpr double kTableSlack = 0.1;
 /// A smaller decrease of the distance is rounding, voxels.
 constexpr double kNoNearer = 1e-3;
-
-double table_mm(const DistanceTable& table, const Vec3& point_t) {
-  return table.at({point_t.head<2>().norm(), point_t.z()});
-}
 
 }  // namespace
 
@@ -60,7 +55,7 @@ VoxelCuts::Brick VoxelCuts::of_brick(const Vec3i& brick) const {
       grid_.origin_mm + grid_.voxel_mm * BrickLattice::kSide * (brick.cast<double>() + Vec3::Constant(0.5));
   std::vector<const Pose*> near;
   for (const Pose& pose : poses_) {
-    if (table_mm(table_, pose.tool_from_bone * middle) < (RS_BRICK_RADIUS + 1) * grid_.voxel_mm) near.push_back(&pose);
+    if (table_.at(rz_of(pose.tool_from_bone * middle)) < (RS_BRICK_RADIUS + 1) * grid_.voxel_mm) near.push_back(&pose);
   }
   if (near.empty()) return out;
   for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
@@ -73,7 +68,7 @@ VoxelCut VoxelCuts::cut_of(const Vec3& center_mm, const std::vector<const Pose*>
   const Pose* nearest = nullptr;
   double least = kHalfDiagonal + kTableSlack;
   for (const Pose* pose : near) {
-    const double away = table_mm(table_, pose->tool_from_bone * center_mm) / grid_.voxel_mm;
+    const double away = table_.at(rz_of(pose->tool_from_bone * center_mm)) / grid_.voxel_mm;
     if (away >= least - kNoNearer) continue;
     least = away;
     nearest = pose;

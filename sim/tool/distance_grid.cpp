@@ -12,7 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/grids.h"
-#include "sim/tool/envelope.h"
+#include "sim/bone/voxmap/sparse_bricks.h"
 
 namespace reamsim {
 
@@ -20,12 +20,13 @@ namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
 constexpr int kSide = DistanceGrid::kSide, kRow = DistanceGrid::kRow;
-static_assert(Leaf::DIM == kSide);
+static_assert(Leaf::DIM == kSide && BrickLattice::kSide == kSide);
 
 /// Half width of the band with distances, voxels: the reach of a voxel's middle (RS_CLIP_REACH in kernels), √3
 /// (RS_GRID_STEEPEST) times the half voxel of motion within a window, and an allowance for rounding.
 constexpr double kBandVoxels = 0.91 + 0.87 + 0.07;
 constexpr double kHalfDiagonalCells = 0.8660254;
+constexpr double kFar = std::numeric_limits<double>::infinity();
 
 /// Host memory per sample of the band in OpenVDB: distance, index of the nearest triangle, and copies.
 constexpr double kWorkingBytesPerSample = 13;
@@ -66,16 +67,6 @@ void limit_gradient(openvdb::FloatTree& distance) {
   }
 }
 
-std::size_t brick_count(const DistanceGrid& grid) {
-  return static_cast<std::size_t>(grid.bricks.x()) * static_cast<std::size_t>(grid.bricks.y()) *
-         static_cast<std::size_t>(grid.bricks.z());
-}
-
-Vec3i brick_at(const DistanceGrid& grid, std::size_t index) {
-  const auto x = static_cast<std::size_t>(grid.bricks.x()), y = static_cast<std::size_t>(grid.bricks.y());
-  return {static_cast<int>(index % x), static_cast<int>(index / x % y), static_cast<int>(index / x / y)};
-}
-
 /// Reads the samples of a brick, mm. Returns whether any lies within the band.
 bool read_samples(const openvdb::FloatTree& distance, const DistanceGrid& grid, const Vec3i& brick, float* samples) {
   openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(distance);
@@ -96,8 +87,9 @@ void store_bricks(const openvdb::FloatTree& distance, DistanceGrid& grid) {
   grid.samples.assign(DistanceGrid::kSamples, band);
   grid.samples.insert(grid.samples.end(), DistanceGrid::kSamples, -band);
   std::vector<float> samples(DistanceGrid::kSamples);
-  for (std::size_t i = 0; i < brick_count(grid); ++i) {
-    const Vec3i brick = brick_at(grid, i);
+  const BrickLattice lattice{grid.bricks};
+  for (std::size_t i = 0; i < lattice.count(); ++i) {
+    const Vec3i brick = lattice.coord(i);
     const openvdb::Coord first(kSide * brick.x(), kSide * brick.y(), kSide * brick.z());
     std::uint32_t slot = distance.getValue(first) < 0 ? DistanceGrid::kInside : DistanceGrid::kOutside;
     if (distance.probeConstLeaf(first) != nullptr && read_samples(distance, grid, brick, samples.data())) {
@@ -147,9 +139,9 @@ double inside_fraction(const float* lowest) {
 /// Volume of a brick inside, cells.
 double inside_cells(const float* samples) {
   double sum = 0;
-  for (int i = 0; i < kSide * kSide * kSide; ++i) {
-    const int x = i % kSide, y = i / kSide % kSide, z = i / (kSide * kSide);
-    sum += inside_fraction(samples + x + std::ptrdiff_t{kRow} * (y + kRow * z));
+  for (int cell = 0; cell < BrickLattice::kVoxels; ++cell) {
+    const Vec3i at = BrickLattice::voxel_at(Vec3i::Zero(), cell);
+    sum += inside_fraction(samples + at.x() + std::ptrdiff_t{kRow} * (at.y() + kRow * at.z()));
   }
   return sum;
 }
@@ -168,21 +160,29 @@ double inside_volume_mm3(const DistanceGrid& grid) {
 /// diagonal.
 double envelope_slack(const TriangleMesh& mesh, const Profile& envelope, double spacing_mm) {
   double out = 0;
-  for (const Vec3& v : mesh.vertices) {
-    out = std::max(out, envelope.nearest({v.head<2>().norm(), v.z()}).distance_mm);
-  }
+  for (const Vec3& v : mesh.vertices) out = std::max(out, envelope.nearest(rz_of(v)).distance_mm);
   return out + kOutlineStepMm + kHalfDiagonalCells * spacing_mm;
+}
+
+/// Whether `axis` separates the triangle (relative to the box's centre) from the box.
+bool separates(const Vec3& axis, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
+  const double pa = axis.dot(a), pb = axis.dot(b), pc = axis.dot(c);
+  const double reach = half.x() * std::abs(axis.x()) + half.y() * std::abs(axis.y()) + half.z() * std::abs(axis.z());
+  return std::min({pa, pb, pc}) > reach || std::max({pa, pb, pc}) < -reach;
+}
+
+/// The three cross products of the box's axes with `edge`.
+bool edge_separates(const Vec3& edge, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
+  return separates({0, -edge.z(), edge.y()}, a, b, c, half) || separates({edge.z(), 0, -edge.x()}, a, b, c, half) ||
+         separates({-edge.y(), edge.x(), 0}, a, b, c, half);
 }
 
 }  // namespace
 
 const float* DistanceGrid::lowest_corner(const Vec3i& cell) const {
   const Vec3i brick = cell / kSide, at = cell - kSide * brick;
-  const auto index = static_cast<std::size_t>(brick.x()) +
-                     static_cast<std::size_t>(bricks.x()) *
-                         (static_cast<std::size_t>(brick.y()) +
-                          static_cast<std::size_t>(bricks.y()) * static_cast<std::size_t>(brick.z()));
-  return samples.data() + slot_of_brick[index] * kSamples + (at.x() + kRow * (at.y() + kRow * at.z()));
+  return samples.data() + slot_of_brick[BrickLattice{bricks}.index(brick)] * kSamples +
+         (at.x() + kRow * (at.y() + kRow * at.z()));
 }
 
 DistanceGrid make_distance_grid(const TriangleMesh& mesh, const Profile& envelope, double voxel_mm) {
@@ -210,10 +210,9 @@ DistanceGrid make_distance_grid(const TriangleMesh& mesh, const Profile& envelop
 
 DistanceGridPlan plan_distance_grid(const TriangleMesh& mesh, double voxel_mm) {
   double area_mm2 = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3& corner = mesh.vertices[static_cast<std::size_t>(a)];
-    const Vec3 along = mesh.vertices[static_cast<std::size_t>(b)] - corner;
-    area_mm2 += 0.5 * along.cross(mesh.vertices[static_cast<std::size_t>(c)] - corner).norm();
+  for (const auto& triangle : mesh.triangles) {
+    const auto [a, b, c] = mesh.corners(triangle);
+    area_mm2 += 0.5 * (b - a).cross(c - a).norm();
   }
   const DistanceGrid lattice = make_lattice(mesh, voxel_mm);
   const double brick_mm = kSide * lattice.spacing_mm;
@@ -225,7 +224,7 @@ DistanceGridPlan plan_distance_grid(const TriangleMesh& mesh, double voxel_mm) {
       lattice_bricks, 2 + kCurved * area_mm2 * (2 * lattice.band_mm + kDiagonal * brick_mm) / std::pow(brick_mm, 3));
   const double table = lattice_bricks * sizeof(std::uint32_t);
   const double kept = bricks * kStoredBytesPerBrick + table;
-  return {.working_bytes = kept + bricks * kSide * kSide * kSide * kWorkingBytesPerSample, .kept_bytes = kept};
+  return {.working_bytes = kept + bricks * BrickLattice::kVoxels * kWorkingBytesPerSample, .kept_bytes = kept};
 }
 
 void require_room_for_grid(double need_bytes, double have_bytes, double voxel_mm, const std::string& what) {
@@ -237,12 +236,6 @@ void require_room_for_grid(double need_bytes, double have_bytes, double voxel_mm
   const std::string fit = fmt::format("use voxels of about {:.3g} mm, or tool.spin: envelope", fitting_mm);
   throw InputError({}, "bone.voxel_mm", text, fit);
 }
-
-namespace {
-
-constexpr double kFar = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 double DistanceTable::at(const Vec2& rz) const {
   const double r = (rz.x() - first.x()) / pitch_mm, z = (rz.y() - first.y()) / pitch_mm;
@@ -282,23 +275,6 @@ DistanceTable distance_table_around(const Profile& profile, double pitch_mm, dou
                              static_cast<int>(std::ceil(box.max.x() / pitch_mm)) + 2,
                              static_cast<int>(std::ceil((box.max.z() - box.min.z()) / pitch_mm)) + 2);
 }
-
-namespace {
-
-/// Whether `axis` separates the triangle (relative to the box's centre) from the box.
-bool separates(const Vec3& axis, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
-  const double pa = axis.dot(a), pb = axis.dot(b), pc = axis.dot(c);
-  const double reach = half.x() * std::abs(axis.x()) + half.y() * std::abs(axis.y()) + half.z() * std::abs(axis.z());
-  return std::min({pa, pb, pc}) > reach || std::max({pa, pb, pc}) < -reach;
-}
-
-/// The three cross products of the box's axes with `edge`.
-bool edge_separates(const Vec3& edge, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
-  return separates({0, -edge.z(), edge.y()}, a, b, c, half) || separates({edge.z(), 0, -edge.x()}, a, b, c, half) ||
-         separates({-edge.y(), edge.x(), 0}, a, b, c, half);
-}
-
-}  // namespace
 
 bool triangle_touches_box(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& center, const Vec3& half) {
   const Vec3 p = a - center, q = b - center, r = c - center;

@@ -44,9 +44,8 @@ struct DistanceGrid {
 /// Spacing of a tool's grid, voxels.
 inline constexpr double kGridSpacingVoxels = 0.5;
 
-/// Samples the distance to the mesh (closed, facing outwards; T, mm) at `kGridSpacingVoxels`, in a band that contains
-/// all voxels that the surface can intersect within a window of substeps. `envelope`: that of the mesh. Throws
-/// InputError where OpenVDB computes no distance.
+/// For a closed mesh that faces outwards (T, mm) and its envelope. The band contains all voxels that the surface can
+/// intersect within a window of substeps. Throws InputError where OpenVDB computes no distance.
 DistanceGrid make_distance_grid(const TriangleMesh& mesh, const Profile& envelope, double voxel_mm);
 
 /// Bounds of the memory of make_distance_grid(), bytes: during the computation, and of its result.
@@ -56,12 +55,11 @@ struct DistanceGridPlan {
 };
 DistanceGridPlan plan_distance_grid(const TriangleMesh& mesh, double voxel_mm);
 
-/// Throws InputError with the voxel size that would fit where `need_bytes` exceed `have_bytes`. `what` names the
-/// memory.
+/// Throws InputError with the voxel size that would fit where `need_bytes` exceed `have_bytes`, the memory of `what`.
 void require_room_for_grid(double need_bytes, double have_bytes, double voxel_mm, const std::string& what);
 
 /// Signed distances to a tool's surface on a regular grid in (r, z), mm, negative inside: for predictions and lists of
-/// bricks, which tolerate errors of a fraction of the pitch.
+/// bricks.
 struct DistanceTable {
   Vec2 first = Vec2::Zero();  ///< (r, z) of the first sample
   double pitch_mm = 1;

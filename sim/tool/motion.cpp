@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/tool/key_track.h"
 
@@ -29,35 +28,19 @@ ToolPose pose_between(const KeyPose& a, const KeyPose& b, double time_s) {
   return pose;
 }
 
-/// The poses of a track at the frame rate.
-class TrackPoses final : public PoseSource {
- public:
-  TrackPoses(std::unique_ptr<const KeyTrack> track, double frame_rate_hz, std::size_t size)
-      : track_(std::move(track)), frame_rate_hz_(frame_rate_hz), size_(size) {}
-
-  [[nodiscard]] std::size_t size() const override { return size_; }
-
-  [[nodiscard]] ToolPose pose(std::size_t k) const override {
-    const double frame_time_s = static_cast<double>(k) / frame_rate_hz_;
-    const double time_s = std::min(frame_time_s, track_->end_s());
-    const KeySegment keys = track_->at(time_s);
-    ToolPose pose = pose_between(keys.begin, keys.end, time_s);
-    // The motion ends within the last frame: for the rest of that frame the tool only rotates.
-    const double rest_s = frame_time_s - time_s;
-    if (rest_s * frame_rate_hz_ > kEndSlack) pose.spin_angle_rad += spin_rad(pose.spin_rpm, pose.spin_rpm, rest_s);
-    return pose;
-  }
-
- private:
-  std::unique_ptr<const KeyTrack> track_;
-  double frame_rate_hz_;
-  std::size_t size_;
-};
+/// The pose of a track in a frame.
+ToolPose pose_in_frame(const KeyTrack& track, std::size_t frame, double frame_rate_hz) {
+  const double frame_time_s = static_cast<double>(frame) / frame_rate_hz;
+  const double time_s = std::min(frame_time_s, track.end_s());
+  const KeySegment keys = track.at(time_s);
+  ToolPose pose = pose_between(keys.begin, keys.end, time_s);
+  // The motion ends within the last frame: for the rest of that frame the tool only rotates.
+  const double rest_s = frame_time_s - time_s;
+  if (rest_s * frame_rate_hz > kEndSlack) pose.spin_angle_rad += spin_rad(pose.spin_rpm, pose.spin_rpm, rest_s);
+  return pose;
+}
 
 std::size_t count_frames(double end_s, double frame_rate_hz) {
-  if (!(frame_rate_hz > 0) || !std::isfinite(frame_rate_hz))
-    throw InputError(SourceLocation{}, "motion.frame_rate_hz", rounded_text(frame_rate_hz),
-                     "a number above 0 is needed");
   const double frames = std::ceil(end_s * frame_rate_hz - kEndSlack) + 1;
   if (!(frames - 1 <= kMaxFrames))
     throw InputError(
@@ -73,13 +56,6 @@ std::vector<KeyPose> read_key_poses(const MotionSettings& settings, Diagnostics&
   if (settings.csv) return {};
   if (!settings.keyframes.empty()) return keyframe_poses(settings.keyframes, report);
   throw InputError(SourceLocation{}, "motion", "the motion is missing", "give plunge, push, keyframes or csv");
-}
-
-std::vector<KeyPose> integrated(std::vector<KeyPose> keys, const std::optional<Rigid>& to_bone, Diagnostics& report) {
-  note_start(keys.front().time_s, report);
-  TrackIntegrator integrator(to_bone, keys.front().time_s);
-  for (KeyPose& key : keys) key = integrator.next(key);
-  return keys;
 }
 
 /// Warns of a key pose between two frames that the straight way between them misses, such as the end of a plunge.
@@ -122,12 +98,16 @@ Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidF
   const std::optional<Rigid> to_bone = bone_from_frame(settings.frame, glenoid);
   if (settings.push) return pushed_motion(settings, to_bone);
   std::vector<KeyPose> keys = read_key_poses(settings, report);
-  if (!settings.csv) keys = integrated(std::move(keys), to_bone, report);
-  std::unique_ptr<const KeyTrack> track =
+  if (!settings.csv) {
+    note_start(keys.front().time_s, report);
+    TrackIntegrator integrator(to_bone, keys.front().time_s);
+    for (KeyPose& key : keys) key = integrator.next(key);
+  }
+  const std::shared_ptr<const KeyTrack> track =
       settings.csv ? open_csv_track(*settings.csv, to_bone, report) : store_track(keys);
-  const std::size_t frames = count_frames(track->end_s(), settings.frame_rate_hz);
-  Motion motion{settings.frame_rate_hz,
-                PoseSequence(std::make_shared<const TrackPoses>(std::move(track), settings.frame_rate_hz, frames))};
+  const double rate_hz = settings.frame_rate_hz;
+  const auto pose = [track, rate_hz](std::size_t k) { return pose_in_frame(*track, k, rate_hz); };
+  Motion motion{rate_hz, PoseSequence(count_frames(track->end_s(), rate_hz), pose)};
   warn_of_missed_keys(keys, motion, report);
   return motion;
 }

@@ -10,6 +10,8 @@
 #include <span>
 #include <utility>
 
+#include "sim/bone/implicit.h"
+
 namespace reamsim {
 
 namespace {
@@ -103,8 +105,41 @@ std::size_t longest_arc(std::span<const Vec2> row, std::size_t first) {
   return count;
 }
 
-double sagitta(double curvature, double chord) {
-  return std::abs(curvature) * chord * chord / 8;
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Marks the points of points[first…last] to keep, without the ends.
+void mark_kept(const std::vector<Vec2>& points, std::size_t first, std::size_t last, double tolerance,
+               std::vector<bool>& keep) {
+  std::vector<std::pair<std::size_t, std::size_t>> open{{first, last}};
+  while (!open.empty()) {
+    const auto [a, b] = open.back();
+    open.pop_back();
+    double farthest = tolerance;
+    std::size_t split = 0;
+    for (std::size_t i = a + 1; i < b; ++i) {
+      const double d = implicit::distance_to_segment(points[i], points[a], points[b]);
+      if (d > farthest) {
+        farthest = d;
+        split = i;
+      }
+    }
+    if (split == 0) continue;
+    keep[split] = true;
+    open.emplace_back(a, split);
+    open.emplace_back(split, b);
+  }
+}
+
+/// The intersection of the lines a→b and d→c beyond b and c, if there is one.
+std::optional<Vec2> intersection(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  const Vec2 u = b - a, v = c - d;
+  const double denominator = cross(u, v);
+  if (std::abs(denominator) < 1e-3 * u.norm() * v.norm()) return std::nullopt;
+  const double along_u = cross(d - a, v) / denominator, along_v = cross(d - a, u) / denominator;
+  if (along_u < 1 || along_v < 1) return std::nullopt;
+  return a + along_u * u;
 }
 
 }  // namespace
@@ -139,62 +174,15 @@ Outline fit_outline(const Profile& profile) {
       }
       out.arcs.push_back(*arc_through(std::span(row).subspan(i, count)));
       for (std::size_t k = i; k + 1 < i + count; ++k) {
-        out.bulge_mm =
-            std::max(out.bulge_mm, kOnArcMm + sagitta(out.arcs.back().curvature, (row[k + 1] - row[k]).norm()));
+        const double chord_mm = (row[k + 1] - row[k]).norm();
+        const double sagitta_mm = std::abs(out.arcs.back().curvature) * chord_mm * chord_mm / 8;
+        out.bulge_mm = std::max(out.bulge_mm, kOnArcMm + sagitta_mm);
       }
       i += count - 1;
     }
   }
   return out;
 }
-
-namespace {
-
-double cross(const Vec2& a, const Vec2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-double distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 along = b - a;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (p - a - t * along).norm();
-}
-
-/// Marks the points of points[first…last] to keep, without the ends.
-void mark_kept(const std::vector<Vec2>& points, std::size_t first, std::size_t last, double tolerance,
-               std::vector<bool>& keep) {
-  std::vector<std::pair<std::size_t, std::size_t>> open{{first, last}};
-  while (!open.empty()) {
-    const auto [a, b] = open.back();
-    open.pop_back();
-    double farthest = tolerance;
-    std::size_t split = 0;
-    for (std::size_t i = a + 1; i < b; ++i) {
-      const double d = distance_to_segment(points[i], points[a], points[b]);
-      if (d > farthest) {
-        farthest = d;
-        split = i;
-      }
-    }
-    if (split == 0) continue;
-    keep[split] = true;
-    open.emplace_back(a, split);
-    open.emplace_back(split, b);
-  }
-}
-
-/// The intersection of the lines a→b and d→c beyond b and c, if there is one.
-std::optional<Vec2> intersection(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
-  const Vec2 u = b - a, v = c - d;
-  const double denominator = cross(u, v);
-  if (std::abs(denominator) < 1e-3 * u.norm() * v.norm()) return std::nullopt;
-  const double along_u = cross(d - a, v) / denominator, along_v = cross(d - a, u) / denominator;
-  if (along_u < 1 || along_v < 1) return std::nullopt;
-  return a + along_u * u;
-}
-
-}  // namespace
 
 double signed_area(const std::vector<Vec2>& polygon) {
   double sum = 0;

@@ -68,9 +68,7 @@ class CodeSet {
 };
 
 /// A triangle in units of cells from the grid's corner.
-struct GridTriangle {
-  Vec3 a, b, c;
-};
+using GridTriangle = std::array<Vec3, 3>;
 
 struct CellRange {
   int first;
@@ -87,9 +85,8 @@ CellRange cells_touched(double low, double high, int resolution) {
 /// The v coordinates of the triangle where its u lies in [low, high]; empty (first > second) where there are none.
 std::pair<double, double> extent_in_slab(const GridTriangle& t, int u, int v, double low, double high) {
   std::pair<double, double> extent{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  const Vec3* corners[] = {&t.a, &t.b, &t.c, &t.a};
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 &p = *corners[k], &q = *corners[k + 1];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 &p = t[k], &q = t[(k + 1) % 3];
     const double along = q[u] - p[u];
     if (std::max(p[u], q[u]) < low || std::min(p[u], q[u]) > high) continue;
     double first = 0, last = 1;
@@ -107,12 +104,13 @@ std::pair<double, double> extent_in_slab(const GridTriangle& t, int u, int v, do
 /// Marks the cells that `t` touches, column by column along the axis of its normal's largest component: the plane
 /// crosses two or three cells per column, whatever the size of the triangle.
 void mark_triangle(const GridTriangle& t, int resolution, CodeSet& cells) {
-  const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
+  const auto& [a, b, c] = t;
+  const Vec3 normal = (b - a).cross(c - a);
   int w = 0;
   const double steepest = normal.cwiseAbs().maxCoeff(&w);
   if (!(steepest > 0)) return;  // no area: the neighbours in a closed mesh have its edges
   const int u = (w + 1) % 3, v = (w + 2) % 3;
-  const Vec3 low = t.a.cwiseMin(t.b).cwiseMin(t.c), high = t.a.cwiseMax(t.b).cwiseMax(t.c);
+  const Vec3 low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
   const CellRange us = cells_touched(low[u], high[u], resolution);
   // Extends ranges for rounding; the exact test decides.
   constexpr double kSlack = 1e-6;
@@ -123,13 +121,13 @@ void mark_triangle(const GridTriangle& t, int resolution, CodeSet& cells) {
     if (v_low > v_high) continue;
     const CellRange vs = cells_touched(v_low - kSlack, v_high + kSlack, resolution);
     for (cell[v] = vs.first; cell[v] <= vs.last; ++cell[v]) {
-      const double du = cell[u] + 0.5 - t.a[u], dv = cell[v] + 0.5 - t.a[v];
-      const double plane = t.a[w] - (normal[u] * du + normal[v] * dv) / normal[w];
+      const double du = cell[u] + 0.5 - a[u], dv = cell[v] + 0.5 - a[v];
+      const double plane = a[w] - (normal[u] * du + normal[v] * dv) / normal[w];
       const double bottom = std::max(low[w], plane - spread), top = std::min(high[w], plane + spread);
       if (bottom > top) continue;
       const CellRange ws = cells_touched(bottom, top, resolution);
       for (cell[w] = ws.first; cell[w] <= ws.last; ++cell[w])
-        if (triangle_touches_box(t.a, t.b, t.c, cell.cast<double>().array() + 0.5, Vec3::Constant(0.5)))
+        if (triangle_touches_box(a, b, c, cell.cast<double>().array() + 0.5, Vec3::Constant(0.5)))
           cells.insert(morton_encode(cell.x(), cell.y(), cell.z()));
     }
   }
@@ -162,28 +160,22 @@ PointShell voxelize_surface(const TriangleMesh& mesh, int resolution) {
   return shell;
 }
 
-namespace {
-
-struct Measured {
-  double spacing_voxels;
-  double leak;
-};
-
-/// Means over random orientations and offsets of the cube: 4·10⁶ up to 0.8, 4·10⁵ above.
-constexpr Measured kMeasured[] = {{kHardlyLeakingSpacing, 1e-6},
-                                  {0.75, 4.7e-5},
-                                  {0.8, 8.0e-4},
-                                  {0.85, 3.8e-3},
-                                  {0.9, 1.05e-2},
-                                  {1.0, 4.2e-2},
-                                  {1.2, 0.196},
-                                  {1.5, 0.466},
-                                  {2.0, 0.700},
-                                  {kLargestMeasuredSpacing, 0.866}};
-
-}  // namespace
-
 double expected_leak(double spacing_voxels) {
+  struct Measured {
+    double spacing_voxels;
+    double leak;
+  };
+  // Means over random orientations and offsets of the cube: 4·10⁶ up to 0.8, 4·10⁵ above.
+  constexpr Measured kMeasured[] = {{kHardlyLeakingSpacing, 1e-6},
+                                    {0.75, 4.7e-5},
+                                    {0.8, 8.0e-4},
+                                    {0.85, 3.8e-3},
+                                    {0.9, 1.05e-2},
+                                    {1.0, 4.2e-2},
+                                    {1.2, 0.196},
+                                    {1.5, 0.466},
+                                    {2.0, 0.700},
+                                    {kLargestMeasuredSpacing, 0.866}};
   if (spacing_voxels <= 0.5) return 0;
   if (spacing_voxels <= kMeasured[0].spacing_voxels) return kMeasured[0].leak;
   for (std::size_t i = 1; i < std::size(kMeasured); ++i) {

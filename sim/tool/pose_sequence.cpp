@@ -17,20 +17,6 @@
 
 namespace reamsim {
 
-namespace {
-
-class StoredPoses final : public PoseSource {
- public:
-  explicit StoredPoses(std::vector<ToolPose> poses) : poses_(std::move(poses)) {}
-  [[nodiscard]] std::size_t size() const override { return poses_.size(); }
-  [[nodiscard]] ToolPose pose(std::size_t k) const override { return poses_[k]; }
-
- private:
-  std::vector<ToolPose> poses_;
-};
-
-}  // namespace
-
 ToolPose interpolate(const ToolPose& a, const ToolPose& b, double t) {
   ToolPose pose;
   pose.position_mm = a.position_mm + t * (b.position_mm - a.position_mm);
@@ -40,11 +26,11 @@ ToolPose interpolate(const ToolPose& a, const ToolPose& b, double t) {
   return pose;
 }
 
-PoseSequence::PoseSequence(std::vector<ToolPose> poses)
-    : PoseSequence(std::make_shared<const StoredPoses>(std::move(poses))) {}
-
-PoseSequence::PoseSequence(std::shared_ptr<const PoseSource> source)
-    : source_(std::move(source)), size_(source_->size()) {}
+PoseSequence::PoseSequence(std::vector<ToolPose> poses) : size_(poses.size()) {
+  source_ = [all = std::make_shared<const std::vector<ToolPose>>(std::move(poses))](std::size_t k) {
+    return (*all)[k];
+  };
+}
 
 PoseSequence PoseSequence::part(std::size_t first, std::size_t count) const {
   PoseSequence out = *this;
@@ -65,30 +51,6 @@ namespace {
 constexpr const char* kExpectedFile = "a CSV of the thrust with the columns time_s and thrust_n";
 constexpr std::size_t kMostRows = 1'000'000;
 constexpr double kMostThrust_n = 10'000;
-
-ThrustProfile profile_of(const PushSettings& settings) {
-  return settings.profile.empty() ? ThrustProfile(settings.thrust_n) : ThrustProfile(settings.profile);
-}
-
-/// The poses of unresisted_poses().
-class UnresistedPoses final : public PoseSource {
- public:
-  UnresistedPoses(std::shared_ptr<const PushPlan> plan, double frame_s) : plan_(std::move(plan)), frame_s_(frame_s) {}
-
-  [[nodiscard]] std::size_t size() const override {
-    const double feed_mm = plan_->settings().max_feed_mm_s * frame_s_;
-    const double frames = std::ceil(plan_->last_travel_mm() / feed_mm - 1e-9);
-    return static_cast<std::size_t>(std::min(frames, static_cast<double>(plan_->last_frame()))) + 1;
-  }
-  [[nodiscard]] ToolPose pose(std::size_t k) const override {
-    const double time_s = static_cast<double>(k) * frame_s_;
-    return plan_->pose(std::min(time_s * plan_->settings().max_feed_mm_s, plan_->last_travel_mm()), time_s);
-  }
-
- private:
-  std::shared_ptr<const PushPlan> plan_;
-  double frame_s_;
-};
 
 }  // namespace
 
@@ -120,12 +82,9 @@ double ThrustProfile::at(double time_s) const {
   return thrusts_n_[i - 1] + part * (thrusts_n_[i] - thrusts_n_[i - 1]);
 }
 
-double ThrustProfile::most_n() const {
-  return *std::ranges::max_element(thrusts_n_);
-}
-
 PushPlan::PushPlan(const PushSettings& settings, double frame_rate_hz, const std::optional<Rigid>& bone_from_poses)
-    : settings_(settings), thrust_(profile_of(settings)) {
+    : settings_(settings),
+      thrust_(settings.profile.empty() ? ThrustProfile(settings.thrust_n) : ThrustProfile(settings.profile)) {
   const Rigid to_bone = bone_from_poses.value_or(Rigid::Identity());
   const Vec3 axis = settings.axis.normalized();
   start_mm_ = to_bone * (settings.entry_mm - settings.approach_mm * axis);
@@ -144,7 +103,13 @@ ToolPose PushPlan::pose(double travel_mm, double time_s) const {
 }
 
 PoseSequence unresisted_poses(std::shared_ptr<const PushPlan> plan, double frame_rate_hz) {
-  return PoseSequence(std::make_shared<const UnresistedPoses>(std::move(plan), 1 / frame_rate_hz));
+  const double frame_s = 1 / frame_rate_hz, feed_mm_s = plan->settings().max_feed_mm_s;
+  const double frames = std::ceil(plan->last_travel_mm() / (feed_mm_s * frame_s) - 1e-9);
+  const auto size = static_cast<std::size_t>(std::min(frames, static_cast<double>(plan->last_frame()))) + 1;
+  return {size, [plan = std::move(plan), frame_s, feed_mm_s](std::size_t k) {
+            const double time_s = static_cast<double>(k) * frame_s;
+            return plan->pose(std::min(time_s * feed_mm_s, plan->last_travel_mm()), time_s);
+          }};
 }
 
 }  // namespace reamsim

@@ -5,10 +5,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/base/geometry.h"
@@ -34,17 +37,12 @@ struct ToolPose {
 /// The pose at fraction `t` (0…1) between `a` and `b`: orientation spherically, all else linearly.
 ToolPose interpolate(const ToolPose& a, const ToolPose& b, double t);
 
-/// Computes the poses of a motion. Any thread may call the methods.
-class PoseSource {
- public:
-  virtual ~PoseSource() = default;
-  [[nodiscard]] virtual std::size_t size() const = 0;
-  /// `k` < size(). Throws RunError when a file that holds the poses cannot be read any more.
-  [[nodiscard]] virtual ToolPose pose(std::size_t k) const = 0;
-};
+/// Computes pose `k` of a motion. Any thread may call it. Throws RunError when a file that holds the poses cannot be
+/// read any more.
+using PoseSource = std::function<ToolPose(std::size_t k)>;
 
-/// The poses of a motion, one per frame. They are computed when asked for, so that memory does not depend on their
-/// number. Immutable; copies share the source, and any thread may read.
+/// The poses of a motion, one per frame, computed when asked for. Immutable; copies share the source, and any thread
+/// may read.
 class PoseSequence {
  public:
   class Iterator {
@@ -71,11 +69,11 @@ class PoseSequence {
   PoseSequence() = default;
   PoseSequence(std::vector<ToolPose> poses);  // implicit
   PoseSequence(std::initializer_list<ToolPose> poses) : PoseSequence(std::vector(poses)) {}
-  explicit PoseSequence(std::shared_ptr<const PoseSource> source);
+  PoseSequence(std::size_t size, PoseSource source) : source_(std::move(source)), size_(size) {}
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
-  ToolPose operator[](std::size_t k) const { return source_->pose(first_ + k); }
+  ToolPose operator[](std::size_t k) const { return source_(first_ + k); }
   [[nodiscard]] ToolPose front() const { return (*this)[0]; }
   [[nodiscard]] ToolPose back() const { return (*this)[size_ - 1]; }
   [[nodiscard]] Iterator begin() const { return {*this, 0}; }
@@ -87,7 +85,7 @@ class PoseSequence {
   [[nodiscard]] std::vector<ToolPose> all() const;
 
  private:
-  std::shared_ptr<const PoseSource> source_;
+  PoseSource source_;
   std::size_t first_ = 0;
   std::size_t size_ = 0;
 };
@@ -101,7 +99,6 @@ class ThrustProfile {
 
   /// Linear between the rows, constant before the first and after the last.
   [[nodiscard]] double at(double time_s) const;
-  [[nodiscard]] double most_n() const;
 
  private:
   std::vector<double> times_s_, thrusts_n_;
@@ -137,8 +134,7 @@ class PushPlan {
   double last_travel_mm_;
 };
 
-/// The poses of a push that meets no resistance: the shortest in time, over the longest way. For forecasts, which only
-/// need the way.
+/// The poses of a push that meets no resistance, for forecasts, which only need the way.
 PoseSequence unresisted_poses(std::shared_ptr<const PushPlan> plan, double frame_rate_hz);
 
 }  // namespace reamsim

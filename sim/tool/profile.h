@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "sim/base/geometry.h"
@@ -14,6 +15,11 @@ namespace reamsim {
 inline constexpr double kOnAxisMm = 1e-6;
 /// At a smaller distance the normal is the edge's instead of the direction to the surface, mm.
 inline constexpr double kOnSurfaceMm = 1e-9;
+
+/// (r, z) of a point of T.
+inline Vec2 rz_of(const Vec3& point) {
+  return {point.head<2>().norm(), point.z()};
+}
 
 /// The tool's envelope of revolution: a closed polygon in (r, z) of the tool frame T, r ≥ 0, mm, counter-clockwise (r
 /// right, z up), with the inside on the left. Edges on the axis r = 0 are not surface.
@@ -37,11 +43,36 @@ struct Profile {
 };
 
 /// Revolves a profile about z to a closed mesh (mm, frame T) with `segments` vertices per ring, the first at angle 0.
-/// Vertices lie on the surface of revolution, and facets within r·(1 − cos(π/segments)) of it. A profile point on the
-/// axis becomes one vertex; an edge on the axis yields no triangle.
+/// Vertices lie on the surface of revolution; a profile point on the axis becomes one vertex.
 TriangleMesh revolve(const Profile& profile, int segments);
 
 /// Vertices per ring for a sagitta of at most `sagitta_mm` at `radius_mm`; at least 32, a multiple of 4.
 int segments_for_sagitta(double radius_mm, double sagitta_mm);
+
+/// Step of the lattice that samples the outline of a tool that is no surface of revolution, mm.
+inline constexpr double kOutlineStepMm = 0.02;
+
+/// The envelope of revolution about z of a closed mesh that faces outwards (mm, frame T).
+struct Envelope {
+  Profile profile;
+  bool revolved = false;  ///< the mesh is a surface of revolution, and the profile its generating polygon
+};
+
+/// recover_generatrix() for a surface of revolution, sweep_outline() for other meshes. Throws InputError when the
+/// envelope has no volume.
+Envelope envelope_of_revolution(const TriangleMesh& mesh);
+
+/// The generating polygon of a surface of revolution, or nullopt for other meshes: every triangle spans at most two
+/// rings of vertices about z, facets lie within 0.02 mm of the circle of their ring, and the rings form one simple
+/// closed polygon, or one that begins and ends on the axis. Vertices have the precision of the file (about 1 µm for an
+/// STL). `mesh` must be closed and face outwards; mm, frame T.
+std::optional<Profile> recover_generatrix(const TriangleMesh& mesh);
+
+/// The outline in (r, z) of the volume that a closed mesh sweeps when it rotates about z. Sampled on a lattice of
+/// `step_mm`, which grows to limit the lattice to 4096² points. Crossings between lattice points have an error below
+/// 0.1 µm; corners are restored; points within step/5 of a straight line are dropped. Features thinner than a step may
+/// be missed. Closed cavities off the axis are filled, since nothing can reach them. `mesh` must be closed and face
+/// outwards; mm, frame T. Throws InputError when the swept body has several parts.
+Profile sweep_outline(const TriangleMesh& mesh, double step_mm);
 
 }  // namespace reamsim

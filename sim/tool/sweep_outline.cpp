@@ -2,54 +2,34 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <string>
 #include <unordered_map>
-#include <vector>
 
 #include "sim/base/error.h"
+#include "sim/bone/implicit.h"
 #include "sim/mesh/triangle_mesh.h"
-#include "sim/tool/envelope.h"
 #include "sim/tool/outline.h"
+#include "sim/tool/profile.h"
 
 namespace reamsim {
 
 namespace {
 
-/// The radii that a rotating mesh occupies at a height. The section of the mesh at height z is a set of closed curves;
-/// each piece sweeps an interval of radii. The circle of any other radius lies entirely inside or outside the mesh, as
-/// its winding number tells.
-class SweptSection {
- public:
-  /// Radii from `low` to `high`, mm.
-  struct Interval {
-    double low;
-    double high;
-  };
-
-  /// The mesh (closed, facing outwards; mm, frame T) must outlive the section.
-  explicit SweptSection(const TriangleMesh& mesh);
-
-  /// The occupied radii at height `z_mm`: disjoint, ascending.
-  [[nodiscard]] std::vector<Interval> at(double z_mm) const;
-
- private:
-  /// A piece of the section, with the inside on its left.
-  struct Piece {
-    Vec2 from, to;
-  };
-
-  [[nodiscard]] std::vector<Piece> cut(double z_mm) const;
-
-  const TriangleMesh& mesh_;
-  double bottom_mm_ = 0;
-  double slab_mm_ = 1;
-  std::vector<std::vector<std::int32_t>> slabs_;  ///< triangles by height
-};
-
 constexpr std::size_t kMaxSlabs = 256;
 /// Limit of the slab table where every triangle spans the full height.
 constexpr std::size_t kMaxSlabEntries = 50'000'000;
+
+/// Radii from `low` to `high`, mm.
+struct Interval {
+  double low;
+  double high;
+};
+
+/// A piece of a section, with the inside on its left.
+struct Piece {
+  Vec2 from, to;
+};
 
 /// The point of edge a–b at height z, computed from the lower end so that both triangles of an edge agree.
 Vec2 crossing(const Vec3& a, const Vec3& b, double z) {
@@ -59,16 +39,9 @@ Vec2 crossing(const Vec3& a, const Vec3& b, double z) {
   return low.head<2>() + t * (high - low).head<2>();
 }
 
-SweptSection::Interval swept_radii(const Vec2& a, const Vec2& b) {
-  const Vec2 along = b - a;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp(-a.dot(along) / length2, 0.0, 1.0) : 0.0;
-  return {(a + t * along).norm(), std::max(a.norm(), b.norm())};
-}
-
-std::vector<SweptSection::Interval> merge(std::vector<SweptSection::Interval> intervals) {
+std::vector<Interval> merge(std::vector<Interval> intervals) {
   std::sort(intervals.begin(), intervals.end(), [](const auto& a, const auto& b) { return a.low < b.low; });
-  std::vector<SweptSection::Interval> merged;
+  std::vector<Interval> merged;
   for (const auto& i : intervals) {
     if (!merged.empty() && i.low <= merged.back().high)
       merged.back().high = std::max(merged.back().high, i.high);
@@ -78,78 +51,91 @@ std::vector<SweptSection::Interval> merge(std::vector<SweptSection::Interval> in
   return merged;
 }
 
-SweptSection::SweptSection(const TriangleMesh& mesh) : mesh_(mesh) {
-  const Aabb box = mesh.bounds();
-  bottom_mm_ = box.min.z();
-  const std::size_t triangles = std::max<std::size_t>(1, mesh.triangles.size());
-  slabs_.resize(std::clamp<std::size_t>(kMaxSlabEntries / triangles, 1, kMaxSlabs));
-  slab_mm_ = (box.max.z() - box.min.z()) / static_cast<double>(slabs_.size());
-  const double top = static_cast<double>(slabs_.size()) - 1;
-  const auto slab = [&](double z) {
-    return static_cast<std::size_t>(std::clamp(std::floor((z - bottom_mm_) / slab_mm_), 0.0, top));
-  };
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto z = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][k])].z(); };
-    const std::size_t last = slab(std::max({z(0), z(1), z(2)}));
-    for (std::size_t s = slab(std::min({z(0), z(1), z(2)})); s <= last; ++s)
-      slabs_[s].push_back(static_cast<std::int32_t>(t));
-  }
-}
-
-std::vector<SweptSection::Piece> SweptSection::cut(double z_mm) const {
-  std::vector<Piece> pieces;
-  const double position = std::floor((z_mm - bottom_mm_) / slab_mm_);
-  if (position < 0 || position > static_cast<double>(slabs_.size())) return pieces;
-  for (const std::int32_t t : slabs_[std::min(static_cast<std::size_t>(position), slabs_.size() - 1)]) {
-    const auto& triangle = mesh_.triangles[static_cast<std::size_t>(t)];
-    const Vec3* v[3];
-    bool above[3];
-    for (std::size_t k = 0; k < 3; ++k) {
-      v[k] = &mesh_.vertices[static_cast<std::size_t>(triangle[k])];
-      above[k] = v[k]->z() >= z_mm;  // half open, so that a vertex at this height is consistent
+/// The radii that a rotating mesh occupies at a height. The section of the mesh at height z is a set of closed curves;
+/// each piece sweeps an interval of radii. The circle of any other radius lies entirely inside or outside the mesh, as
+/// its winding number tells.
+class SweptSection {
+ public:
+  /// The mesh (closed, facing outwards; mm, frame T) must outlive the section.
+  explicit SweptSection(const TriangleMesh& mesh) : mesh_(mesh) {
+    const Aabb box = mesh.bounds();
+    bottom_mm_ = box.min.z();
+    const std::size_t triangles = std::max<std::size_t>(1, mesh.triangles.size());
+    slabs_.resize(std::clamp<std::size_t>(kMaxSlabEntries / triangles, 1, kMaxSlabs));
+    slab_mm_ = (box.max.z() - box.min.z()) / static_cast<double>(slabs_.size());
+    const double top = static_cast<double>(slabs_.size()) - 1;
+    const auto slab = [&](double z) {
+      return static_cast<std::size_t>(std::clamp(std::floor((z - bottom_mm_) / slab_mm_), 0.0, top));
+    };
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const auto z = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][k])].z(); };
+      const std::size_t last = slab(std::max({z(0), z(1), z(2)}));
+      for (std::size_t s = slab(std::min({z(0), z(1), z(2)})); s <= last; ++s)
+        slabs_[s].push_back(static_cast<std::int32_t>(t));
     }
-    Piece piece{Vec2::Zero(), Vec2::Zero()};
-    bool crosses = false;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t next = (k + 1) % 3;
-      if (above[k] == above[next]) continue;
-      crosses = true;
-      // Seen from outside, counter-clockwise: the section begins at a descending edge and ends at an ascending one.
-      (above[k] ? piece.from : piece.to) = crossing(*v[k], *v[next], z_mm);
-    }
-    if (crosses) pieces.push_back(piece);
   }
-  return pieces;
-}
 
-std::vector<SweptSection::Interval> SweptSection::at(double z_mm) const {
-  const std::vector<Piece> pieces = cut(z_mm);
-  std::vector<Interval> swept;
-  for (const Piece& p : pieces) swept.push_back(swept_radii(p.from, p.to));
-  swept = merge(std::move(swept));
-
-  // Winding number of the section about (radius, 0), from the pieces that a ray along +x crosses.
-  const auto inside = [&](double radius) {
-    int winding = 0;
+  /// The occupied radii at height `z_mm`: disjoint, ascending.
+  [[nodiscard]] std::vector<Interval> at(double z_mm) const {
+    const std::vector<Piece> pieces = cut(z_mm);
+    std::vector<Interval> swept;
     for (const Piece& p : pieces) {
-      if ((p.from.y() <= 0) == (p.to.y() <= 0)) continue;
-      const double x = p.from.x() - p.from.y() * (p.to.x() - p.from.x()) / (p.to.y() - p.from.y());
-      if (x > radius) winding += p.to.y() > p.from.y() ? 1 : -1;
+      swept.push_back(
+          {implicit::distance_to_segment(Vec2::Zero(), p.from, p.to), std::max(p.from.norm(), p.to.norm())});
     }
-    return winding > 0;
-  };
-  std::vector<Interval> gaps;
-  double low = 0;
-  for (const Interval& i : swept) {
-    if (i.low > low && inside(0.5 * (low + i.low))) gaps.push_back({low, i.low});
-    low = i.high;
+    swept = merge(std::move(swept));
+
+    // Winding number of the section about (radius, 0), from the pieces that a ray along +x crosses.
+    const auto inside = [&](double radius) {
+      int winding = 0;
+      for (const Piece& p : pieces) {
+        if ((p.from.y() <= 0) == (p.to.y() <= 0)) continue;
+        const double x = p.from.x() - p.from.y() * (p.to.x() - p.from.x()) / (p.to.y() - p.from.y());
+        if (x > radius) winding += p.to.y() > p.from.y() ? 1 : -1;
+      }
+      return winding > 0;
+    };
+    std::vector<Interval> gaps;
+    double low = 0;
+    for (const Interval& i : swept) {
+      if (i.low > low && inside(0.5 * (low + i.low))) gaps.push_back({low, i.low});
+      low = i.high;
+    }
+    swept.insert(swept.end(), gaps.begin(), gaps.end());
+    return merge(std::move(swept));
   }
-  swept.insert(swept.end(), gaps.begin(), gaps.end());
-  return merge(std::move(swept));
-}
+
+ private:
+  [[nodiscard]] std::vector<Piece> cut(double z_mm) const {
+    std::vector<Piece> pieces;
+    const double position = std::floor((z_mm - bottom_mm_) / slab_mm_);
+    if (position < 0 || position > static_cast<double>(slabs_.size())) return pieces;
+    for (const std::int32_t t : slabs_[std::min(static_cast<std::size_t>(position), slabs_.size() - 1)]) {
+      const std::array<Vec3, 3> v = mesh_.corners(mesh_.triangles[static_cast<std::size_t>(t)]);
+      Piece piece{Vec2::Zero(), Vec2::Zero()};
+      bool crosses = false;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 &from = v[k], &to = v[(k + 1) % 3];
+        // Half open, so that a vertex at this height is consistent.
+        const bool above = from.z() >= z_mm;
+        if (above == (to.z() >= z_mm)) continue;
+        crosses = true;
+        // Seen from outside, counter-clockwise: the section begins at a descending edge and ends at an ascending one.
+        (above ? piece.from : piece.to) = crossing(from, to, z_mm);
+      }
+      if (crosses) pieces.push_back(piece);
+    }
+    return pieces;
+  }
+
+  const TriangleMesh& mesh_;
+  double bottom_mm_ = 0;
+  double slab_mm_ = 1;
+  std::vector<std::vector<std::int32_t>> slabs_;  ///< triangles by height
+};
 
 /// Whether `radius_mm` lies in one of the intervals.
-bool occupied(const std::vector<SweptSection::Interval>& intervals, double radius_mm) {
+bool occupied(const std::vector<Interval>& intervals, double radius_mm) {
   return std::any_of(intervals.begin(), intervals.end(),
                      [&](const auto& i) { return radius_mm >= i.low && radius_mm <= i.high; });
 }
@@ -200,12 +186,8 @@ class Lattice {
   /// The crossing of the outline between rows j and j + 1 of column i.
   [[nodiscard]] Vec2 crossing_along_column(int i, int j) const {
     const bool inside_below = inside(i, j);
-    double below = z(j), above = z(j + 1);
-    for (int k = 0; k < kBisections; ++k) {
-      const double middle = 0.5 * (below + above);
-      (occupied(section_.at(middle), r(i)) == inside_below ? below : above) = middle;
-    }
-    return {r(i), 0.5 * (below + above)};
+    const auto as_below = [&](double z_mm) { return occupied(section_.at(z_mm), r(i)) == inside_below; };
+    return {r(i), implicit::bisect(z(j), z(j + 1), kBisections, as_below).middle()};
   }
 
  private:
@@ -214,7 +196,7 @@ class Lattice {
   double step_mm_ = 0;
   int columns_ = 0;
   int rows_ = 0;
-  std::vector<std::vector<SweptSection::Interval>> intervals_;
+  std::vector<std::vector<Interval>> intervals_;
 };
 
 /// A lattice edge: from point (i, j) to (i + 1, j), or to (i, j + 1).

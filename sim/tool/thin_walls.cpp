@@ -21,6 +21,11 @@ namespace {
 
 /// Offset of a ray's origin below the surface, as a fraction of its length, so that it does not hit its own face.
 constexpr double kSkin = 1e-3;
+/// Largest angle between the faces of a wall, 30° in rad. Sharp edges do not count: at their tip the error of one plane
+/// per voxel is of the order of the square of the voxel.
+constexpr double kWallAngle = 0.5235987756;
+/// Thinner walls cause a warning, voxels: one plane per voxel cannot represent both faces.
+constexpr double kThinWallVoxels = 2;
 
 using Triangle = std::array<Vec3, 3>;
 
@@ -97,9 +102,8 @@ Vec3 normal_of(const Triangle& t) {
 
 std::vector<Triangle> triangles_of(const TriangleMesh& mesh) {
   std::vector<Triangle> out;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Triangle t{mesh.vertices[static_cast<std::size_t>(a)], mesh.vertices[static_cast<std::size_t>(b)],
-                     mesh.vertices[static_cast<std::size_t>(c)]};
+  for (const auto& triangle : mesh.triangles) {
+    const Triangle t = mesh.corners(triangle);
     if (normal_of(t).norm() > 0.5) out.push_back(t);  // no area, no normal
   }
   return out;
@@ -161,6 +165,26 @@ const Side* first_side(const std::vector<Side>& sides, const Vec2& from, const V
   return first;
 }
 
+void warn_of_thin_walls(const Tool& tool, bool teeth, double voxel_mm, Diagnostics& report) {
+  const double limit_mm = kThinWallVoxels * voxel_mm;
+  const auto wall = teeth ? thinnest_wall(tool.mesh, limit_mm) : thinnest_wall(tool.profile, limit_mm);
+  if (!wall) return;
+  report.warn(fmt::format(
+      "tool.mesh: a wall of the tool is {:.3g} mm thick at ({:.3g}, {:.3g}, {:.3g}) mm, less than two voxels ({:.3g} "
+      "mm); its cut is inaccurate: use voxels of {:.3g} mm or less",
+      wall->thickness_mm, wall->at_mm.x(), wall->at_mm.y(), wall->at_mm.z(), limit_mm,
+      wall->thickness_mm / kThinWallVoxels));
+}
+
+void report_volume(const DistanceGrid& grid, Diagnostics& report) {
+  const std::string text = fmt::format(
+      "tool: the distance grid has {} bricks, sample spacing {:.3g} mm, volume {:.2f} mm3; the mesh has {:.2f} "
+      "mm3 ({:+.3f} %)",
+      grid.stored_bricks(), grid.spacing_mm, grid.volume_mm3, grid.mesh_mm3, 100 * grid.volume_error());
+  if (std::abs(grid.volume_error()) <= kGridVolumeTolerance) return report.note(text);
+  report.warn(text + fmt::format("; the difference exceeds {:.1f} %: use smaller voxels", 100 * kGridVolumeTolerance));
+}
+
 }  // namespace
 
 std::optional<ThinWall> thinnest_wall(const TriangleMesh& mesh, double limit_mm) {
@@ -198,37 +222,9 @@ std::optional<ThinWall> thinnest_wall(const Profile& profile, double limit_mm) {
   return thinnest;
 }
 
-namespace {
-
-void warn_of_thin_walls(const Tool& tool, bool teeth, double voxel_mm, Diagnostics& report) {
-  const double limit_mm = kThinWallVoxels * voxel_mm;
-  const auto wall = teeth ? thinnest_wall(tool.mesh, limit_mm) : thinnest_wall(tool.profile, limit_mm);
-  if (!wall) return;
-  report.warn(fmt::format(
-      "tool.mesh: a wall of the tool is {:.3g} mm thick at ({:.3g}, {:.3g}, {:.3g}) mm, less than two voxels ({:.3g} "
-      "mm); its cut is inaccurate: use voxels of {:.3g} mm or less",
-      wall->thickness_mm, wall->at_mm.x(), wall->at_mm.y(), wall->at_mm.z(), limit_mm,
-      wall->thickness_mm / kThinWallVoxels));
-}
-
-void report_volume(const DistanceGrid& grid, Diagnostics& report) {
-  const std::string text = fmt::format(
-      "tool: the distance grid has {} bricks, sample spacing {:.3g} mm, volume {:.2f} mm3; the mesh has {:.2f} "
-      "mm3 ({:+.3f} %)",
-      grid.stored_bricks(), grid.spacing_mm, grid.volume_mm3, grid.mesh_mm3, 100 * grid.volume_error());
-  if (std::abs(grid.volume_error()) <= kGridVolumeTolerance) return report.note(text);
-  report.warn(text + fmt::format("; the difference exceeds {:.1f} %: use smaller voxels", 100 * kGridVolumeTolerance));
-}
-
-}  // namespace
-
-bool has_resolved_teeth(const Tool& tool, const ToolSettings& settings) {
-  return settings.spin == ToolSpin::resolved && !tool.revolved;
-}
-
 void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes,
                       Diagnostics& report) {
-  const bool teeth = has_resolved_teeth(tool, settings);
+  const bool teeth = settings.spin == ToolSpin::resolved && !tool.revolved;
   warn_of_thin_walls(tool, teeth, voxel_mm, report);
   if (!teeth) {
     if (settings.spin == ToolSpin::resolved)

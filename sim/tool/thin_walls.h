@@ -17,10 +17,6 @@ struct ThinWall {
   Vec3 at_mm = Vec3::Zero();  ///< on the surface
 };
 
-/// Largest angle between the faces of a wall, rad. Sharp edges do not count: at their tip the error of one plane per
-/// voxel is of the order of the square of the voxel.
-inline constexpr double kWallAngle = 0.5235987756;  // 30°
-
 /// The thinnest wall of a closed mesh that faces outwards, if it is thinner than `limit_mm`: the shortest distance
 /// along inward normals, from surface points half the limit apart, to an opposite face.
 std::optional<ThinWall> thinnest_wall(const TriangleMesh& mesh, double limit_mm);
@@ -30,14 +26,10 @@ std::optional<ThinWall> thinnest_wall(const Profile& profile, double limit_mm);
 
 /// Tolerated error of the grid's volume relative to the mesh's; larger ones cause a warning.
 inline constexpr double kGridVolumeTolerance = 5e-3;
-/// Thinner walls cause a warning, voxels: one plane per voxel cannot represent both faces.
-inline constexpr double kThinWallVoxels = 2;
-
-/// Whether cutting edges are resolved: `spin: resolved`, and the mesh is no surface of revolution.
-bool has_resolved_teeth(const Tool& tool, const ToolSettings& settings);
 
 /// Prepares a tool for `erosion: exact` at voxels of `voxel_mm`: warns of thin walls, and makes the distance grid of
-/// resolved cutting edges. Throws InputError where it would need more than `memory_bytes`.
+/// resolved cutting edges (`spin: resolved`, and the mesh is no surface of revolution). Throws InputError where it
+/// would need more than `memory_bytes`.
 void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes,
                       Diagnostics& report);
 

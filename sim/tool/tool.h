@@ -41,9 +41,8 @@ enum class ShellUse {
 };
 
 /// Reads the mesh, computes its envelope of revolution and samples its surface. Without a resolution in the scenario
-/// the shell's spacing is at most half of `voxel_mm`; a given one that leaks (leak.h) causes a warning where the shell
-/// touches voxels. Throws InputError: unreadable or open mesh, no axis of revolution, a shell of more than 4096³ cells
-/// that touches voxels.
+/// the shell's spacing is at most half of `voxel_mm`; a given one that leaks (expected_leak()) causes a warning. Throws
+/// InputError: unreadable or open mesh, no axis of revolution, a shell of more than 4096³ cells that touches voxels.
 Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Diagnostics& report);
 
 }  // namespace reamsim

@@ -20,16 +20,6 @@ void append(const std::optional<StepChooser::Choice>& choice, std::vector<PathSa
   out.push_back(sample);
 }
 
-/// `sample_of(k)`: the k-th of `count` poses.
-template <class SampleOf>
-std::vector<PathSample> sample_poses(std::size_t count, const SampleOf& sample_of, double reach_mm, double step_mm) {
-  std::vector<PathSample> out{sample_of(0)};
-  StepChooser chooser(reach_mm, step_mm);
-  for (std::size_t k = 0; k < count; ++k) append(chooser.add(sample_of(k)), out);
-  append(chooser.finish(), out);
-  return out;
-}
-
 }  // namespace
 
 Vec3 rotation_vector(const Quat& a, const Quat& b) {
@@ -79,10 +69,6 @@ std::optional<StepChooser::Choice> StepChooser::add(const PathSample& sample, bo
   return out;
 }
 
-std::optional<StepChooser::Choice> StepChooser::finish() {
-  return pending_ ? decide(true) : std::nullopt;
-}
-
 std::optional<StepChooser::Choice> StepChooser::decide(bool reverses) {
   constexpr double kMinStep = 0.1;  // of a step: a tool that moves less dwells
   const double bound_mm = motion_bound_mm(*chosen_, pending_->pose, reach_mm_);
@@ -92,22 +78,13 @@ std::optional<StepChooser::Choice> StepChooser::decide(bool reverses) {
   return Choice{last, *pending_, parts};
 }
 
-std::vector<PathSample> sample_path(const PoseSequence& poses, double reach_mm, double step_mm) {
-  return sample_poses(
-      poses.size(),
-      [&](std::size_t k) {
-        return PathSample{poses[k], k};
-      },
-      reach_mm, step_mm);
-}
-
 std::vector<PathSample> sample_path(const std::vector<PathSample>& path, double reach_mm, double step_mm) {
-  return sample_poses(
-      path.size(), [&](std::size_t k) { return path[k]; }, reach_mm, step_mm);
+  std::vector<PathSample> out{path.front()};
+  StepChooser chooser(reach_mm, step_mm);
+  for (const PathSample& sample : path) append(chooser.add(sample), out);
+  append(chooser.finish(), out);
+  return out;
 }
-
-BoundedPath::BoundedPath(double reach_mm, double step_mm, std::vector<std::int64_t> keep, std::size_t most)
-    : reach_mm_(reach_mm), step_mm_(step_mm), keep_(std::move(keep)), most_(most) {}
 
 void BoundedPath::add(const ToolPose& pose, std::size_t frame) {
   if (chooser_) {
@@ -125,14 +102,10 @@ void BoundedPath::add(const ToolPose& pose, std::size_t frame) {
   }
 }
 
-void BoundedPath::add(const PoseSequence& poses) {
-  for (std::size_t k = 0; k < poses.size(); ++k) add(poses[k], k);
-}
-
 std::vector<PathSample> BoundedPath::finish() {
   if (chooser_) {
     const std::optional<PathSample> last = chooser_->last();
-    append(chooser_->finish());
+    if (const auto choice = chooser_->finish()) samples_.push_back(choice->sample);
     if (last && samples_.back().frame != last->frame) samples_.push_back(*last);
     chooser_.reset();
   }
@@ -140,11 +113,8 @@ std::vector<PathSample> BoundedPath::finish() {
 }
 
 void BoundedPath::choose(const PathSample& sample) {
-  append(chooser_->add(sample, std::ranges::binary_search(keep_, static_cast<std::int64_t>(sample.frame))));
-}
-
-void BoundedPath::append(const std::optional<StepChooser::Choice>& choice) {
-  if (choice) samples_.push_back(choice->sample);
+  const bool keep = std::ranges::binary_search(keep_, static_cast<std::int64_t>(sample.frame));
+  if (const auto choice = chooser_->add(sample, keep)) samples_.push_back(choice->sample);
 }
 
 void BoundedPath::choose_again() {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "sim/tool/motion.h"
@@ -59,7 +60,7 @@ class StepChooser {
   /// `keep`: the pose is chosen in any case.
   std::optional<Choice> add(const PathSample& sample, bool keep = false);
   /// Ends the path, and returns its last pose if that is chosen.
-  std::optional<Choice> finish();
+  std::optional<Choice> finish() { return pending_ ? decide(true) : std::nullopt; }
   /// The pose that was added last, unless it was the first one.
   [[nodiscard]] const std::optional<PathSample>& last() const { return pending_; }
 
@@ -74,27 +75,24 @@ class StepChooser {
   Vec3 before_mm_ = Vec3::Zero();  ///< position before the pending pose
 };
 
-/// Poses along a motion, with motion_bound_mm() of at most `step_mm` between two of them. They include the poses where
-/// the tool stops or reverses, such as the deepest one.
-std::vector<PathSample> sample_path(const PoseSequence& poses, double reach_mm, double step_mm);
-
-/// The same for a path of at least one point.
+/// Poses along a path of at least one point, with motion_bound_mm() of at most `step_mm` between two of them. They
+/// include the poses where the tool stops or reverses, such as the deepest one.
 std::vector<PathSample> sample_path(const std::vector<PathSample>& path, double reach_mm, double step_mm);
 
-/// Collects the poses of a path in bounded memory. A path of up to 100,000 poses keeps all of them. From a longer one
-/// it keeps those at steps along the path, those where the tool stops or reverses, the last one and those of given
-/// frames (see StepChooser). The step doubles whenever there are too many.
+/// Collects the poses of a path in bounded memory: all of them up to 100,000, and of a longer path those that
+/// StepChooser chooses, the last one and those of given frames. The step doubles whenever there are too many.
 class BoundedPath {
  public:
   static constexpr std::size_t kMost = 100'000;  ///< 10 MB
 
   /// `step_mm`: the first step, a bound of motion_bound_mm() for `reach_mm`. `keep`: frames that are kept, ascending.
-  BoundedPath(double reach_mm, double step_mm, std::vector<std::int64_t> keep = {}, std::size_t most = kMost);
+  BoundedPath(double reach_mm, double step_mm, std::vector<std::int64_t> keep = {}, std::size_t most = kMost)
+      : reach_mm_(reach_mm), step_mm_(step_mm), keep_(std::move(keep)), most_(most) {}
 
-  /// Adds the next pose.
   void add(const ToolPose& pose, std::size_t frame);
-  /// Adds all poses of a motion.
-  void add(const PoseSequence& poses);
+  void add(const PoseSequence& poses) {
+    for (std::size_t k = 0; k < poses.size(); ++k) add(poses[k], k);
+  }
   /// Ends the path, and returns the poses that were kept; the first and the last are among them.
   std::vector<PathSample> finish();
   /// The step after the last pose; the first one as long as all poses are kept.
@@ -104,8 +102,6 @@ class BoundedPath {
 
  private:
   void choose(const PathSample& sample);
-  void append(const std::optional<StepChooser::Choice>& choice);
-  /// Chooses among the samples with the present step.
   void choose_again();
 
   double reach_mm_;

@@ -120,7 +120,7 @@ TEST(FindGlenoid, TakesSuperiorFromTheScenario) {
   EXPECT_NEAR(axes.col(1).dot(axes.col(2)), 0, 1e-12);
   EXPECT_LE(angle_deg(axes.col(1), *glenoid.superior), 1);
   EXPECT_GE(found.rim_mm.size(), 40U);
-  EXPECT_TRUE(doubts_of(found).empty());
+  EXPECT_TRUE(found.doubts.empty());
 }
 
 std::string refusal(const Bone& bone, const Vec3& near_mm) {

@@ -86,7 +86,7 @@ TEST_F(BoneVdb, RoundTripBitForBit) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     const FilledVoxmap bone = ragged_bone(seed);
     write_bone_vdb(path(), bone, {}, {});
-    const FilledVoxmap back = read_bone_vdb(path());
+    const FilledVoxmap back = read_stored_bone(path()).voxmap;
     expect_same(bone, back);
     EXPECT_EQ(bone.count_bone(), back.count_bone());
     EXPECT_EQ(bone.bone_mm3(), back.bone_mm3());
@@ -100,7 +100,7 @@ TEST_F(BoneVdb, EveryFillAndEveryGradeComesBack) {
     bone.fill.set({i % 256, i / 256, 0}, static_cast<std::uint16_t>(i));
   }
   write_bone_vdb(path(), bone, {}, {});
-  expect_same(bone, read_bone_vdb(path()));
+  expect_same(bone, read_stored_bone(path()).voxmap);
 }
 
 TEST_F(BoneVdb, FourGridsWithUnitsAndProvenance) {
@@ -220,7 +220,7 @@ TEST_F(BoneVdb, UniformBricksAreTiles) {
     EXPECT_EQ(grid->activeVoxelCount(), static_cast<openvdb::Index64>(bone.count_bone()));
     EXPECT_EQ(grid->tree().getValue({36, 0, 0}), 0.0F);
   }
-  expect_same(bone, read_bone_vdb(path()));
+  expect_same(bone, read_stored_bone(path()).voxmap);
 }
 
 TEST_F(BoneVdb, SurfaceDoesNotDependOnWhereTheBricksLie) {
@@ -250,7 +250,7 @@ TEST_F(BoneVdb, NothingLeftIsAnEmptySurface) {
   bone.fill.set({0, 0, 0}, 0);
   write_bone_vdb(path(), bone, {{0, 1}}, {});
   EXPECT_EQ(grids_of(path())["surface"]->activeVoxelCount(), 0U);
-  EXPECT_EQ(read_bone_vdb(path()).count_bone(), 0);
+  EXPECT_EQ(read_stored_bone(path()).voxmap.count_bone(), 0);
 }
 
 TEST_F(BoneVdb, GridsDoNotDependOnTheThreads) {
@@ -279,7 +279,7 @@ TEST_F(BoneVdb, DensityAloneIsWholeBone) {
   grid->tree().setValueOn({-3, 5, 7}, 1.8F);
   grid->tree().setValueOn({4, 5, 8}, 0.4F);
   write_foreign(grid, "density");
-  const FilledVoxmap bone = read_bone_vdb(path());
+  const FilledVoxmap bone = read_stored_bone(path()).voxmap;
   EXPECT_EQ(bone.grid.dims, Vec3i(8, 1, 2));
   EXPECT_EQ(bone.grid.voxel_mm, 0.5);
   EXPECT_EQ(bone.count_bone(), 2);
@@ -294,7 +294,7 @@ TEST_F(BoneVdb, RefusesOtherTransforms) {
     grid->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
     grid->tree().setValueOn({1, 1, 1}, 1.0F);
     write_foreign(grid, "density");
-    return input_error([&] { read_bone_vdb(path()); });
+    return input_error([&] { read_stored_bone(path()); });
   };
   openvdb::math::Mat4d stretched = openvdb::math::Mat4d::identity();
   stretched(1, 1) = 2;
@@ -315,24 +315,24 @@ TEST_F(BoneVdb, RefusesOtherContents) {
   absurd->tree().setValueOn({0, 0, 0}, 1.0F);
   absurd->tree().setValueOn({2000000000, 2000000000, -2000000000}, 1.0F);
   write_foreign(absurd, "density");
-  EXPECT_THAT(input_error([&] { read_bone_vdb(path()); }), HasSubstr("lattice"));
+  EXPECT_THAT(input_error([&] { read_stored_bone(path()); }), HasSubstr("lattice"));
 
   write_foreign(make_float_grid(0.0F), "density");
-  EXPECT_THAT(input_error([&] { read_bone_vdb(path()); }), HasSubstr("without active voxels"));
+  EXPECT_THAT(input_error([&] { read_stored_bone(path()); }), HasSubstr("without active voxels"));
 
   auto other = make_float_grid(0.0F);
   write_foreign(other, "smoke");
-  EXPECT_THAT(input_error([&] { read_bone_vdb(path()); }), HasSubstr("found: smoke"));
+  EXPECT_THAT(input_error([&] { read_stored_bone(path()); }), HasSubstr("found: smoke"));
 
   auto wrong_type = openvdb::Int32Grid::create(0);
   wrong_type->tree().setValueOn({0, 0, 0}, 1);
   write_foreign(wrong_type, "density");
-  EXPECT_THAT(input_error([&] { read_bone_vdb(path()); }), HasSubstr("expected a FloatGrid"));
+  EXPECT_THAT(input_error([&] { read_stored_bone(path()); }), HasSubstr("expected a FloatGrid"));
 
   auto not_a_number = make_float_grid(0.0F);
   not_a_number->tree().setValueOn({0, 0, 0}, NAN);
   write_foreign(not_a_number, "density");
-  EXPECT_THAT(input_error([&] { read_bone_vdb(path()); }), HasSubstr("NaN"));
+  EXPECT_THAT(input_error([&] { read_stored_bone(path()); }), HasSubstr("NaN"));
 }
 
 TEST_F(BoneVdb, WritingWhereNothingCanBeWritten) {
@@ -350,7 +350,7 @@ TEST_F(BoneVdb, AFailedWriteLeavesTheOldFileAndNothingElse) {
   write_bone_vdb(path(), bone, {}, {});
   std::filesystem::create_directory(path("bone.vdb.tmp"));  // so that the new file cannot be made
   EXPECT_THROW(write_bone_vdb(path(), ragged_bone(8), {}, {}), RunError);
-  expect_same(bone, read_bone_vdb(path()));
+  expect_same(bone, read_stored_bone(path()).voxmap);
 }
 
 TEST_F(BoneVdb, AFullDiskIsARunError) {

@@ -29,7 +29,7 @@ class DamagedVdb : public ::testing::Test {
   }
   void put(const std::string& bytes) const { std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes; }
   std::string error() const {
-    return input_error([this] { read_bone_vdb(path_); });
+    return input_error([this] { read_stored_bone(path_); });
   }
   /// The same grids as another program would write them: without the checksum.
   [[nodiscard]] std::string foreign_bytes() const {
@@ -49,8 +49,8 @@ class DamagedVdb : public ::testing::Test {
 };
 
 TEST_F(DamagedVdb, NoVdbAtAll) {
-  EXPECT_THAT(input_error([this] { read_bone_vdb(dir_.path() + "/none.vdb"); }), HasSubstr("no such file"));
-  EXPECT_THAT(input_error([this] { read_bone_vdb(dir_.path()); }), HasSubstr("not a file"));
+  EXPECT_THAT(input_error([this] { read_stored_bone(dir_.path() + "/none.vdb"); }), HasSubstr("no such file"));
+  EXPECT_THAT(input_error([this] { read_stored_bone(dir_.path()); }), HasSubstr("not a file"));
   put("");
   EXPECT_THAT(error(), HasSubstr("empty"));
   put("this is no VDB file, whatever its name says");
@@ -77,7 +77,7 @@ TEST_F(DamagedVdb, AFlippedByteIsAnInputErrorOrChangesNothing) {
     bytes[random() % (round % 2 == 0 ? bytes.size() : 2000)] ^= static_cast<char>(1 + random() % 255);
     put(bytes);
     try {
-      EXPECT_EQ(read_bone_vdb(path_).grade, bone_.grade);  // the flip hit the mark of the checksum itself
+      EXPECT_EQ(read_stored_bone(path_).voxmap.grade, bone_.grade);  // the flip hit the mark of the checksum itself
     } catch (const InputError&) {
       ++errors;
     }
@@ -91,7 +91,7 @@ TEST_F(DamagedVdb, ForeignFilesNeverCrashOrHang) {
   std::mt19937 random(kSeed);
   const std::string foreign = foreign_bytes();
   put(foreign);
-  EXPECT_EQ(read_bone_vdb(path_).grade, bone_.grade);
+  EXPECT_EQ(read_stored_bone(path_).voxmap.grade, bone_.grade);
   for (int round = 0; round < 60; ++round) {
     std::string bytes = foreign;
     if (round % 3 == 0) {
@@ -103,7 +103,7 @@ TEST_F(DamagedVdb, ForeignFilesNeverCrashOrHang) {
     }
     put(bytes);
     try {
-      read_bone_vdb(path_);        // a changed number may go unseen; only a crash would end this test
+      read_stored_bone(path_);     // a changed number may go unseen; only a crash would end this test
     } catch (const InputError&) {  // as good
     }
   }

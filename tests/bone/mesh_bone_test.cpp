@@ -270,7 +270,7 @@ TEST_F(MeshBone, AThinBoneIn2048CubedCostsWhatItHolds) {
 
   write_bone_vdb(dir_.path() + "/bar.vdb", voxmap, {}, {});
   EXPECT_LT(std::filesystem::file_size(dir_.path() + "/bar.vdb"), 8192 * voxmap.grade.stored_bricks());
-  EXPECT_TRUE(read_bone_vdb(dir_.path() + "/bar.vdb").grade == voxmap.grade);
+  EXPECT_TRUE(read_stored_bone(dir_.path() + "/bar.vdb").voxmap.grade == voxmap.grade);
   // Eight bytes a voxel of the stored bricks, and the tables three times, against 8.6 GB of dense grades.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // whose own memory would be measured
   EXPECT_LT(peak_bytes() - before, 900'000'000);

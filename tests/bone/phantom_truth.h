@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sim/anatomy/fit_face.h"
-#include "sim/anatomy/pear_outline.h"
 #include "sim/bone/glenoid_shape.h"
 #include "tests/bone/bone_fixture.h"
 

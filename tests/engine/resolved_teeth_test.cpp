@@ -6,7 +6,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "sim/tool/envelope.h"
+#include "sim/tool/profile.h"
 #include "tests/engine/outcome.h"
 #include "tests/support/gear_mesh.h"
 

@@ -23,7 +23,9 @@ class SweptVolume {
       bottom_mm_ = std::min(bottom_mm_, p.y());
       top_mm_ = std::max(top_mm_, p.y());
     }
-    for (const PathSample& sample : sample_path(motion.poses, profile.bounds().max.norm(), step_mm)) {
+    std::vector<PathSample> path;
+    for (std::size_t k = 0; k < motion.poses.size(); ++k) path.push_back({motion.poses[k], k});
+    for (const PathSample& sample : sample_path(path, profile.bounds().max.norm(), step_mm)) {
       tool_from_bone_.push_back(sample.pose.bone_from_tool().inverse());
     }
   }

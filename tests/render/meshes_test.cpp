@@ -116,7 +116,7 @@ class Meshes : public ::testing::Test {
   /// A small run's results, meshed; what it said is in report_.
   void mesh_results(const FixtureOptions& options) {
     truth_ = write_results(dir_.path(), options);
-    left_mm3_ = read_bone_vdb(dir_.path() + "/reamed.vdb").bone_mm3();
+    left_mm3_ = read_stored_bone(dir_.path() + "/reamed.vdb").voxmap.bone_mm3();
     write_meshes(dir_.path(), 0, report_);
   }
   std::string stl() const { return dir_.path() + "/reamed.stl"; }
@@ -216,7 +216,7 @@ TEST_F(Meshes, BoneThatTheLatticeCutsIsClosedThere) {
 
 TEST_F(Meshes, WithoutBoneLeftThereAreNoneAndTheReportSaysSo) {
   mesh_results({.voxel_mm = 0.8, .frames = 10, .every = 5});
-  FilledVoxmap voxmap = read_bone_vdb(dir_.path() + "/reamed.vdb");
+  FilledVoxmap voxmap = read_stored_bone(dir_.path() + "/reamed.vdb").voxmap;
   voxmap.grade.for_each_brick(
       [&](const Vec3i& coord, const GradeBricks::Brick&) { voxmap.fill.put(coord, FillBricks::Brick{}); });
   write_bone_vdb(dir_.path() + "/reamed.vdb", voxmap, {}, {});

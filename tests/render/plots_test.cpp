@@ -263,7 +263,7 @@ TEST_F(Plots, TheEnergyPlotNamesPowerEnergyAndBalance) {
 
 TEST_F(Plots, WhatWasRemovedIsCountedByDensity) {
   write_results(dir_.path(), {.voxel_mm = 0.8, .frames = 10, .every = 5});
-  FilledVoxmap after = read_bone_vdb(dir_.path() + "/reamed.vdb");
+  FilledVoxmap after = read_stored_bone(dir_.path() + "/reamed.vdb").voxmap;
   const double after_mm3 = after.bone_mm3();
   after.fill = FillBricks(after.grid.dims);
   const RunData run(dir_.path());

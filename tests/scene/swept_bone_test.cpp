@@ -11,7 +11,6 @@
 #include "render/gl/camera.h"
 #include "render/pictures/run_data.h"
 #include "render/surface/scalar_grid.h"
-#include "sim/tool/envelope.h"
 #include "sim/tool/profile.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"

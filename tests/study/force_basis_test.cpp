@@ -7,7 +7,7 @@
 #include "sim/record/recorder.h"
 #include "sim/scenario/presets.h"
 #include "sim/tool/distance_grid.h"
-#include "sim/tool/envelope.h"
+#include "sim/tool/profile.h"
 #include "tests/study/basis_scene.h"
 #include "tests/support/gear_mesh.h"
 

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "sim/base/error.h"
-#include "sim/tool/envelope.h"
+#include "sim/tool/profile.h"
 #include "sim/tool/thin_walls.h"
 #include "tests/support/gear_mesh.h"
 #include "tests/support/mesh_shapes.h"

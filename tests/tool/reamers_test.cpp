@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "sim/mesh/mesh_check.h"
-#include "sim/tool/envelope.h"
+#include "sim/tool/profile.h"
 #include "tests/support/temp_dir.h"
 #include "tests/tool/reamer_files.h"
 

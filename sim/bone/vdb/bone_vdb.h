@@ -39,25 +39,16 @@ struct StoredBone {
   double densest_g_cm3 = 0;  ///< of the voxels, before they are limited to DensityMapping::kMaxDensity_g_cm3
 };
 
-/// Reads `density`, `fill` and the metadata. Throws as read_bone_vdb(), and InputError for invalid metadata.
+/// Reads `density`, `fill` and the metadata. Throws InputError: no such file, truncated, no such grid, not isotropic,
+/// voxels out of the range of bone.voxel_mm, absurdly large, invalid metadata.
 StoredBone read_stored_bone(const std::string& path);
 
-/// Reads `density` and `fill`. Throws InputError: no such file, truncated, no such grid, not isotropic, voxels
-/// out of the range of bone.voxel_mm, absurdly large.
-FilledVoxmap read_bone_vdb(const std::string& path);
-
+/// Names of grids and metadata that are written and read.
 namespace vdb_keys {
 
-// Names of grids and metadata in the VDB of a bone.
 inline constexpr const char* kDensity = "density";
 inline constexpr const char* kFill = "fill";
-inline constexpr const char* kSurface = "surface";
-inline constexpr const char* kRemovedFrame = "removed_frame";
-
-inline constexpr const char* kUnit = "unit";
 inline constexpr const char* kFrame = "frame";
-inline constexpr const char* kCreator = "creator";
-inline constexpr const char* kLengthUnit = "length_unit";
 inline constexpr const char* kDims = "lattice_dims";
 inline constexpr const char* kOrigin = "lattice_origin_mm";
 inline constexpr const char* kVoxel = "voxel_mm";
@@ -71,21 +62,5 @@ inline constexpr const char* kGlenoid = "bone_from_glenoid";
 inline constexpr const char* kLandmarks = "scapula_landmarks_mm";
 
 }  // namespace vdb_keys
-
-/// The glenoid frame from the text of `bone_from_glenoid`: 16 numbers, 4 × 4, row by row; nullopt for an empty text.
-/// Throws InputError unless they are a rigid transform.
-std::optional<GlenoidFrame> parse_stored_glenoid(const std::string& path, const std::string& text);
-
-/// The layers of a mesh bone from 3 numbers: depth of the cortical layer (mm), its density and that below (g/cm³);
-/// nullopt for any other text: they only matter for pictures.
-std::optional<BoneLayers> parse_stored_layers(const std::string& text);
-/// The text of layers.
-std::string stored_text(const BoneLayers& layers);
-
-/// Glenoid centre, trigonum spinae and inferior angle from 9 numbers; nullopt for an empty text. Throws InputError.
-std::optional<LandmarkSettings> parse_stored_landmarks(const std::string& path, const std::string& text);
-
-/// Throws InputError unless the text is left, right or empty.
-BodySide checked_stored_side(const std::string& path, const std::string& text);
 
 }  // namespace reamsim

@@ -30,6 +30,10 @@ std::optional<T> value_of(const openvdb::FloatGrid& grid, const char* name) {
   return entry ? std::optional<T>(entry->value()) : std::nullopt;
 }
 
+std::string text_in(const openvdb::FloatGrid& grid, const char* name) {
+  return value_of<std::string>(grid, name).value_or("");
+}
+
 /// Edge length of a voxel, mm. Throws InputError unless voxels are cubes along the axes.
 double checked_voxel(const std::string& path, const openvdb::FloatGrid& grid) {
   const std::string expected = "expected cubic voxels along the axes (a uniform scale and a translation)";
@@ -71,12 +75,6 @@ std::optional<Placement> lattice_from_metadata(const openvdb::FloatGrid& grid) {
   return Placement{{{dims->x(), dims->y(), dims->z()}, *voxel_mm, {origin->x(), origin->y(), origin->z()}}, {}};
 }
 
-Placement lattice_from_voxels(const openvdb::FloatGrid& grid, const openvdb::CoordBBox& active, double voxel_mm) {
-  const openvdb::Coord size = active.dim();
-  const openvdb::Vec3d corner = grid.indexToWorld(active.min().asVec3d() - openvdb::Vec3d(0.5));
-  return {{{size.x(), size.y(), size.z()}, voxel_mm, {corner.x(), corner.y(), corner.z()}}, active.min()};
-}
-
 /// Upper bound of the fraction of a lattice of `voxels` in bricks with bone.
 double bone_fraction(const openvdb::FloatGrid& density, double voxels) {
   constexpr double kAcross = 8;  // bricks that a leaf may overlap
@@ -95,7 +93,11 @@ Placement checked_placement(const std::string& path, const openvdb::FloatGrid& d
   check_lattice(path, dims, voxel_mm, {.bone_fraction = bone_fraction(density, dims.prod())});
 
   const std::optional<Placement> written = lattice_from_metadata(density);
-  if (!written) return lattice_from_voxels(density, active, voxel_mm);
+  if (!written) {
+    const openvdb::Coord size = active.dim();
+    const openvdb::Vec3d corner = density.indexToWorld(active.min().asVec3d() - openvdb::Vec3d(0.5));
+    return {{{size.x(), size.y(), size.z()}, voxel_mm, {corner.x(), corner.y(), corner.z()}}, active.min()};
+  }
   const VoxelGrid& lattice = written->lattice;
   const Eigen::Array3d size = lattice.dims.cast<double>().array();
   check_lattice(path, size, voxel_mm, {.bone_fraction = bone_fraction(density, size.prod())});
@@ -161,65 +163,6 @@ DensityMapping mapping_of(const openvdb::FloatGrid& density) {
   return valid ? DensityMapping{*slope, *offset, *fraction} : DensityMapping{};
 }
 
-StoredAnatomy anatomy_of(const std::string& path, const openvdb::FloatGrid& density) {
-  const auto text = [&](const char* key) { return value_of<std::string>(density, key).value_or(""); };
-  return {.glenoid = parse_stored_glenoid(path, text(vdb_keys::kGlenoid)),
-          .landmarks = parse_stored_landmarks(path, text(vdb_keys::kLandmarks)),
-          .side = checked_stored_side(path, text(vdb_keys::kSide))};
-}
-
-/// Fills `stored`, if not null, from the metadata.
-FilledVoxmap read_voxmap(const std::string& path, StoredBone* stored) {
-  VdbFile file(path);
-  if (!file.has(vdb_keys::kDensity)) {
-    fail_reading(path, "no grid \"density\" (found: " + file.grid_names() + ")", "expected a FloatGrid in g/cm^3");
-  }
-  const openvdb::FloatGrid::Ptr density = file.read(vdb_keys::kDensity);
-  const Placement placement = checked_placement(path, *density);
-  if (stored != nullptr) {
-    stored->anatomy = anatomy_of(path, *density);
-    stored->erosion = value_of<std::string>(*density, vdb_keys::kErosion).value_or("");
-  }
-  FilledVoxmap voxmap(placement.lattice);
-  voxmap.frame = frame_name(*density);
-  voxmap.mapping = mapping_of(*density);
-  voxmap.layers = parse_stored_layers(value_of<std::string>(*density, vdb_keys::kLayers).value_or(""));
-  const double densest = read_grades(path, *density, placement.first, voxmap);
-  if (stored != nullptr) stored->densest_g_cm3 = densest;
-  if (file.has(vdb_keys::kFill)) {
-    const openvdb::FloatGrid::Ptr fill = file.read(vdb_keys::kFill);
-    if (fill->transform() != density->transform()) {
-      fail_reading(path, "the grids \"fill\" and \"density\" have different transforms", "expected the same transform");
-    }
-    read_fill(path, *fill, placement.first, voxmap);
-  }
-  return voxmap;
-}
-
-FilledVoxmap read_guarded(const std::string& path, StoredBone* stored) {
-  try {
-    return read_voxmap(path, stored);
-  } catch (const std::bad_alloc&) {
-    fail_reading(path, "the VDB does not fit into memory", "use a smaller grid");
-  } catch (const openvdb::Exception&) {
-    fail_reading(path, "a truncated or damaged VDB file", "expected a complete file");
-  }
-}
-
-}  // namespace
-
-FilledVoxmap read_bone_vdb(const std::string& path) {
-  return read_guarded(path, nullptr);
-}
-
-StoredBone read_stored_bone(const std::string& path) {
-  StoredBone out;
-  out.voxmap = read_guarded(path, &out);
-  return out;
-}
-
-namespace {
-
 constexpr const char* kRemedy = "; remove it with a VDB tool, or write the file again";
 
 /// Exactly N finite numbers.
@@ -239,29 +182,7 @@ std::string excerpt(const std::string& text) {
   return "found '" + printable(text.substr(0, 60)) + "'";
 }
 
-std::ostringstream exact_text() {
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out.precision(17);  // reads back to the same values
-  return out;
-}
-
-std::string text_of(const Rigid& transform) {
-  std::ostringstream out = exact_text();
-  for (int i = 0; i < 16; ++i) out << (i > 0 ? " " : "") << transform.matrix()(i / 4, i % 4);
-  return out.str();
-}
-
-std::string text_of(const LandmarkSettings& marks) {
-  std::ostringstream out = exact_text();
-  for (const Vec3& p : {marks.glenoid_center_mm, marks.trigonum_spinae_mm, marks.inferior_angle_mm}) {
-    out << (out.tellp() > 0 ? " " : "") << p.x() << " " << p.y() << " " << p.z();
-  }
-  return out.str();
-}
-
-}  // namespace
-
+/// The glenoid frame from 16 numbers of a rigid transform, row by row; nullopt for an empty text.
 std::optional<GlenoidFrame> parse_stored_glenoid(const std::string& path, const std::string& text) {
   if (text.empty()) return std::nullopt;
   const InputError wrong({path, 0, 0}, vdb_keys::kGlenoid, excerpt(text),
@@ -288,16 +209,12 @@ std::optional<LandmarkSettings> parse_stored_landmarks(const std::string& path, 
   return LandmarkSettings{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]}};
 }
 
+/// Depth of the cortical layer (mm), its density and that below (g/cm³); nullopt for any other text: layers only matter
+/// for pictures.
 std::optional<BoneLayers> parse_stored_layers(const std::string& text) {
   std::array<double, 3> n{};
   if (!read_numbers(text, n) || n[0] < 0 || n[1] < 0 || n[2] < 0) return std::nullopt;
   return BoneLayers{n[0], n[1], n[2]};
-}
-
-std::string stored_text(const BoneLayers& layers) {
-  std::ostringstream out = exact_text();
-  out << layers.cortical_mm << " " << layers.cortical_g_cm3 << " " << layers.trabecular_g_cm3;
-  return out.str();
 }
 
 BodySide checked_stored_side(const std::string& path, const std::string& text) {
@@ -305,12 +222,48 @@ BodySide checked_stored_side(const std::string& path, const std::string& text) {
   throw InputError({path, 0, 0}, vdb_keys::kSide, excerpt(text), std::string("expected left or right") + kRemedy);
 }
 
-Metadata metadata_of(const StoredAnatomy& anatomy) {
-  Metadata out;
-  if (anatomy.side != BodySide::unknown) out.emplace_back(vdb_keys::kSide, name_of(anatomy.side));
-  if (anatomy.glenoid) out.emplace_back(vdb_keys::kGlenoid, text_of(anatomy.glenoid->bone_from_glenoid));
-  if (anatomy.landmarks) out.emplace_back(vdb_keys::kLandmarks, text_of(*anatomy.landmarks));
+StoredAnatomy anatomy_of(const std::string& path, const openvdb::FloatGrid& density) {
+  return {.glenoid = parse_stored_glenoid(path, text_in(density, vdb_keys::kGlenoid)),
+          .landmarks = parse_stored_landmarks(path, text_in(density, vdb_keys::kLandmarks)),
+          .side = checked_stored_side(path, text_in(density, vdb_keys::kSide))};
+}
+
+StoredBone read_grids(const std::string& path) {
+  VdbFile file(path);
+  if (!file.has(vdb_keys::kDensity)) {
+    fail_reading(path, "no grid \"density\" (found: " + file.grid_names() + ")", "expected a FloatGrid in g/cm^3");
+  }
+  const openvdb::FloatGrid::Ptr density = file.read(vdb_keys::kDensity);
+  const Placement placement = checked_placement(path, *density);
+  StoredBone out;
+  out.anatomy = anatomy_of(path, *density);
+  out.erosion = text_in(*density, vdb_keys::kErosion);
+  out.voxmap = FilledVoxmap(placement.lattice);
+  FilledVoxmap& voxmap = out.voxmap;
+  voxmap.frame = frame_name(*density);
+  voxmap.mapping = mapping_of(*density);
+  voxmap.layers = parse_stored_layers(text_in(*density, vdb_keys::kLayers));
+  out.densest_g_cm3 = read_grades(path, *density, placement.first, voxmap);
+  if (file.has(vdb_keys::kFill)) {
+    const openvdb::FloatGrid::Ptr fill = file.read(vdb_keys::kFill);
+    if (fill->transform() != density->transform()) {
+      fail_reading(path, "the grids \"fill\" and \"density\" have different transforms", "expected the same transform");
+    }
+    read_fill(path, *fill, placement.first, voxmap);
+  }
   return out;
+}
+
+}  // namespace
+
+StoredBone read_stored_bone(const std::string& path) {
+  try {
+    return read_grids(path);
+  } catch (const std::bad_alloc&) {
+    fail_reading(path, "the VDB does not fit into memory", "use a smaller grid");
+  } catch (const openvdb::Exception&) {
+    fail_reading(path, "a truncated or damaged VDB file", "expected a complete file");
+  }
 }
 
 }  // namespace reamsim

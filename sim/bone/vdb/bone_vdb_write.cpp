@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <fmt/ranges.h>
 #include <openvdb/openvdb.h>
 #include <algorithm>
 #include <array>
-#include <memory>
 
 #include "sim/base/error.h"
 #include "sim/base/parallel.h"
@@ -76,8 +76,12 @@ class PaddedBrick {
   bool whole_ = true;
 };
 
+openvdb::Coord coord_of(const Vec3i& voxel) {
+  return {voxel.x(), voxel.y(), voxel.z()};
+}
+
 openvdb::Coord leaf_corner(const Vec3i& brick) {
-  return {FillBricks::kSide * brick.x(), FillBricks::kSide * brick.y(), FillBricks::kSide * brick.z()};
+  return coord_of(FillBricks::kSide * brick);
 }
 
 /// The smoothed occupancy of one brick: a leaf, or a constant 0 or 1. No surface lies between a constant brick and its
@@ -93,7 +97,7 @@ SmoothedBrick smoothed_brick(const BoneView& bone, const Vec3i& brick) {
   if (padded.whole()) return {1.0F, nullptr};
   auto leaf = std::make_unique<Leaf>(leaf_corner(brick), 0.0F, true);
   for_each_voxel(Vec3i::Constant(FillBricks::kSide), [&](const Vec3i& v) {
-    leaf->setValueOnly(Leaf::coordToOffset({v.x(), v.y(), v.z()}), padded.smoothed(v.x(), v.y(), v.z()));
+    leaf->setValueOnly(Leaf::coordToOffset(coord_of(v)), padded.smoothed(v.x(), v.y(), v.z()));
   });
   return {0, std::move(leaf)};
 }
@@ -127,20 +131,6 @@ openvdb::FloatGrid::Ptr smoothed_occupancy(const BoneView& bone) {
   return grid;
 }
 
-/// The surface of the bone as a narrow-band level set, mm, negative inside. It is the isosurface 0.5 of the occupancy
-/// (fill of bone), smoothed over 3×3×3 voxels with weights 1-2-1 along each axis. Without remaining bone the grid is
-/// empty.
-openvdb::FloatGrid::Ptr surface_level_set(const BoneView& bone) {
-  return narrow_band(*smoothed_occupancy(bone));
-}
-
-using Leaf = openvdb::FloatTree::LeafNodeType;
-static_assert(Leaf::DIM == GradeBricks::kSide);
-
-openvdb::Coord coord_of(const Vec3i& voxel) {
-  return {voxel.x(), voxel.y(), voxel.z()};
-}
-
 /// Adds a leaf to the tree, as a tile if it is constant, as most leaves inside a bone are.
 void put(std::unique_ptr<Leaf> leaf, openvdb::FloatTree& tree) {
   float all = 0;
@@ -159,7 +149,7 @@ openvdb::FloatGrid::Ptr fog(const BoneView& bone, const Value& value) {
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
   bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
     const FillBricks::Brick* fill = bone.fill.brick(coord);
-    auto leaf = std::make_unique<Leaf>(coord_of(GradeBricks::kSide * coord), 0.0F, false);
+    auto leaf = std::make_unique<Leaf>(leaf_corner(coord), 0.0F, false);
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       const auto at = static_cast<std::size_t>(offset);
       if (grades[at] == 0) continue;
@@ -171,16 +161,6 @@ openvdb::FloatGrid::Ptr fog(const BoneView& bone, const Value& value) {
   return grid;
 }
 
-openvdb::FloatGrid::Ptr density_grid(const BoneView& bone) {
-  return fog(bone, [](std::uint8_t grade, std::uint16_t) {
-    return static_cast<float>(DensityMapping::density_from_grade(grade));
-  });
-}
-
-openvdb::FloatGrid::Ptr fill_grid(const BoneView& bone) {
-  return fog(bone, [](std::uint8_t, std::uint16_t fill) { return static_cast<float>(fill) / FillBricks::kWhole; });
-}
-
 openvdb::FloatGrid::Ptr removed_grid(const BoneView& bone, const RemovedFrames& removed) {
   auto grid = make_float_grid(-1.0F);
   auto write = grid->getAccessor();
@@ -188,6 +168,11 @@ openvdb::FloatGrid::Ptr removed_grid(const BoneView& bone, const RemovedFrames& 
     write.setValueOn(coord_of(bone.voxmap.grid.coord(index)), static_cast<float>(frame));
   }
   return grid;
+}
+
+/// Numbers as text that reads back to the same values.
+std::string text_of(const std::vector<double>& numbers) {
+  return fmt::format("{:.17g}", fmt::join(numbers, " "));
 }
 
 openvdb::MetaMap bone_metadata(const BoneView& bone, const Metadata& extra) {
@@ -201,16 +186,19 @@ openvdb::MetaMap bone_metadata(const BoneView& bone, const Metadata& extra) {
   };
   const VoxelGrid& grid = bone.voxmap.grid;
   const Vec3& origin = grid.origin_mm;
-  set(vdb_keys::kCreator, openvdb::StringMetadata("reamsim " REAMSIM_VERSION));
+  set("creator", openvdb::StringMetadata("reamsim " REAMSIM_VERSION));
   set(vdb_keys::kFrame, openvdb::StringMetadata(bone.voxmap.frame));
-  set(vdb_keys::kLengthUnit, openvdb::StringMetadata("mm"));
+  set("length_unit", openvdb::StringMetadata("mm"));
   set(vdb_keys::kDims, openvdb::Vec3IMetadata({grid.dims.x(), grid.dims.y(), grid.dims.z()}));
   set(vdb_keys::kOrigin, openvdb::Vec3DMetadata({origin.x(), origin.y(), origin.z()}));
   set(vdb_keys::kVoxel, openvdb::DoubleMetadata(grid.voxel_mm));
   set(vdb_keys::kAshSlope, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_slope_g_cm3_per_hu));
   set(vdb_keys::kAshOffset, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_offset_g_cm3));
   set(vdb_keys::kAshFraction, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_fraction));
-  if (bone.voxmap.layers) set(vdb_keys::kLayers, openvdb::StringMetadata(stored_text(*bone.voxmap.layers)));
+  if (const auto& layers = bone.voxmap.layers) {
+    const std::string text = text_of({layers->cortical_mm, layers->cortical_g_cm3, layers->trabecular_g_cm3});
+    set(vdb_keys::kLayers, openvdb::StringMetadata(text));
+  }
   return out;
 }
 
@@ -222,10 +210,25 @@ void label(openvdb::FloatGrid& grid, const char* name, const char* unit, const o
   grid.setName(name);
   grid.setCreator("reamsim " REAMSIM_VERSION);
   grid.setTransform(index_transform(bone.voxmap.grid));
-  grid.insertMeta(vdb_keys::kUnit, openvdb::StringMetadata(unit));
+  grid.insertMeta("unit", openvdb::StringMetadata(unit));
 }
 
 }  // namespace
+
+Metadata metadata_of(const StoredAnatomy& anatomy) {
+  Metadata out;
+  if (anatomy.side != BodySide::unknown) out.emplace_back(vdb_keys::kSide, name_of(anatomy.side));
+  if (anatomy.glenoid) {
+    const Mat4 rows = anatomy.glenoid->bone_from_glenoid.matrix().transpose();
+    out.emplace_back(vdb_keys::kGlenoid, text_of({rows.data(), rows.data() + rows.size()}));
+  }
+  if (const auto& marks = anatomy.landmarks) {
+    Mat3 points;
+    points << marks->glenoid_center_mm, marks->trigonum_spinae_mm, marks->inferior_angle_mm;
+    out.emplace_back(vdb_keys::kLandmarks, text_of({points.data(), points.data() + points.size()}));
+  }
+  return out;
+}
 
 void write_bone_vdb(const std::string& path, const BoneView& bone, const RemovedFrames& removed,
                     const Metadata& metadata) {
@@ -236,16 +239,23 @@ void write_bone_vdb(const std::string& path, const BoneView& bone, const Removed
       label(*grid, name, unit, common, bone);
       return grid;
     };
+    // The isosurface 0.5 of the occupancy (fill of bone), which is smoothed over 3×3×3 voxels.
     const auto surface = [&] {
-      auto grid = labelled(surface_level_set(bone), vdb_keys::kSurface, "mm");
+      auto grid = labelled(narrow_band(*smoothed_occupancy(bone)), "surface", "mm");
       return_free_memory();
       return grid;
     };
+    const auto density_of = [](std::uint8_t grade, std::uint16_t) {
+      return static_cast<float>(DensityMapping::density_from_grade(grade));
+    };
+    const auto fraction_of = [](std::uint8_t, std::uint16_t fill) {
+      return static_cast<float>(fill) / FillBricks::kWhole;
+    };
     const std::vector<GridMaker> grids{
         surface,  // first, because it needs the most temporary memory
-        [&] { return labelled(density_grid(bone), vdb_keys::kDensity, "g/cm^3"); },
-        [&] { return labelled(fill_grid(bone), vdb_keys::kFill, "1"); },
-        [&] { return labelled(removed_grid(bone, removed), vdb_keys::kRemovedFrame, "frame index"); }};
+        [&] { return labelled(fog(bone, density_of), vdb_keys::kDensity, "g/cm^3"); },
+        [&] { return labelled(fog(bone, fraction_of), vdb_keys::kFill, "1"); },
+        [&] { return labelled(removed_grid(bone, removed), "removed_frame", "frame index"); }};
     write_vdb_file(path, grids, common);
   } catch (const std::bad_alloc&) {
     throw RunError(path + ": cannot be written (not enough memory for its grids)");

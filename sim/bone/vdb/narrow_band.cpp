@@ -178,8 +178,12 @@ class PointSet {
  public:
   PointSet() = default;
   explicit PointSet(const std::vector<ClosestPoint>& closest_points) {
-    resize(closest_points.size());
-    for (std::size_t i = 0; i < closest_points.size(); ++i) set(i, closest_points[i].at, static_cast<std::int32_t>(i));
+    for (const ClosestPoint& closest : closest_points) {
+      x_.push_back(closest.at.x());
+      y_.push_back(closest.at.y());
+      z_.push_back(closest.at.z());
+      number_.push_back(static_cast<std::int32_t>(number_.size()));
+    }
   }
 
   [[nodiscard]] bool empty() const { return number_.empty(); }
@@ -245,12 +249,6 @@ class PointSet {
       count += condition(i) ? 1 : 0;
     }
     out.resize(count);
-  }
-  void set(std::size_t i, const Point& p, std::int32_t number) {
-    x_[i] = p.x();
-    y_[i] = p.y();
-    z_[i] = p.z();
-    number_[i] = number;
   }
   [[nodiscard]] Point point(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
 

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <memory>
 #include <optional>
 
 #include "sim/base/error.h"
@@ -33,7 +34,7 @@ constexpr const char* kTrailerValue = "CRC-32 of all bytes before it";
 constexpr std::size_t kKeySearchBytes = 1 << 16;
 constexpr std::size_t kTrailerBytes = 23;
 /// The first eight bytes of any VDB file.
-constexpr std::array<char, 8> kMagic{0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0};
+constexpr std::string_view kMagic("\x20\x42\x44\x56\0\0\0\0", 8);
 
 [[noreturn]] void fail(const std::string& path, const std::string& found, const std::string& expected) {
   throw InputError({path, 0, 0}, "", found, expected);
@@ -80,38 +81,9 @@ std::string trailer(uLong sum) {
   return fmt::format("REAMSIM-CRC32 {:08x}\n", sum & 0xFFFFFFFFUL);
 }
 
-/// Removes the file unless it was moved to its final path.
-class PartialFile {
- public:
-  explicit PartialFile(std::string path) : path_(std::move(path)) {}
-  ~PartialFile() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove(path_, ignored);
-  }
-  PartialFile(const PartialFile&) = delete;
-  PartialFile& operator=(const PartialFile&) = delete;
-
-  [[nodiscard]] const std::string& path() const { return path_; }
-  [[nodiscard]] bool move_to(const std::string& path) {
-    std::error_code error;
-    fs::rename(path_, path, error);
-    if (error) return false;
-    path_.clear();
-    return true;
-  }
-
- private:
-  std::string path_;
-};
-
 /// Where OpenVDB writes a random identifier, 36 characters, with which it recognizes a file that has changed.
 constexpr std::streamoff kUuidPlace = 21;
 constexpr std::size_t kUuidBytes = 36;
-
-/// An identifier of the form 00000000-0000-8000-8000-000000000000 (RFC 9562, version 8).
-std::string uuid_of(uLong sum, std::uintmax_t bytes) {
-  return fmt::format("{:08x}-0000-8000-8000-{:012x}", sum & 0xFFFFFFFFUL, bytes & 0xFFFFFFFFFFFFULL);
-}
 
 bool overwrite(const std::string& path, std::streamoff place, const std::string& text) {
   std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
@@ -129,8 +101,11 @@ bool finish_file(const std::string& path) {
     std::ifstream in(path, std::ios::binary);
     const std::optional<uLong> sum = checksum(in, bytes);
     if (!sum) return false;
+    // RFC 9562, version 8.
+    const std::string uuid =
+        fmt::format("{:08x}-0000-8000-8000-{:012x}", *sum & 0xFFFFFFFFUL, bytes & 0xFFFFFFFFFFFFULL);
     const bool written = identified ? overwrite(path, static_cast<std::streamoff>(bytes), trailer(*sum))
-                                    : overwrite(path, kUuidPlace, uuid_of(*sum, bytes));
+                                    : overwrite(path, kUuidPlace, uuid);
     if (!written) return false;
   }
   return true;
@@ -173,18 +148,12 @@ bool check_bytes(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   if (error || !in) fail(path, "cannot be read", "expected a readable VDB file");
   if (size == 0) fail(path, "an empty file", "expected a VDB file");
-
-  std::string start(std::min<std::uintmax_t>(size, kKeySearchBytes), '\0');
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  if (start.size() < kMagic.size() || std::memcmp(start.data(), kMagic.data(), kMagic.size()) != 0) {
-    fail(path, "not a VDB file", "expected an OpenVDB file, as reamsim writes it");
-  }
+  const std::string start = read_file_start(path, kKeySearchBytes);
+  if (!start.starts_with(kMagic)) fail(path, "not a VDB file", "expected an OpenVDB file, as reamsim writes it");
   check_version(path, start);
   if (start.find(kTrailerKey) == std::string::npos) return false;
   const std::string damaged = "a truncated or damaged VDB file (its checksum does not match)";
   if (size < kTrailerBytes) fail(path, damaged, "expected a complete file");
-  in.clear();
-  in.seekg(0);
   const std::optional<uLong> sum = checksum(in, size - kTrailerBytes);
   std::string found(kTrailerBytes, '\0');
   in.read(found.data(), static_cast<std::streamsize>(found.size()));
@@ -249,17 +218,22 @@ void put_named_grid(ResultWriter& out, const std::string& path, const std::strin
 
 bool is_vdb_of_reamsim(const std::string& path) {
   const std::string start = read_file_start(path, kKeySearchBytes);
-  return start.starts_with(std::string_view(kMagic.data(), kMagic.size())) &&
-         start.find(kTrailerKey) != std::string::npos;
+  return start.starts_with(kMagic) && start.find(kTrailerKey) != std::string::npos;
 }
 
 void write_vdb_file(const std::string& path, const std::vector<GridMaker>& grids, const openvdb::MetaMap& metadata) {
   openvdb::MetaMap marked(metadata);
   marked.insertMeta(kTrailerKey, openvdb::StringMetadata(kTrailerValue));
-  PartialFile partial(path + ".tmp");
-  if (!write_grids(partial.path(), grids, marked) || !finish_file(partial.path()) || !partial.move_to(path)) {
-    fail_to_write(path);
-  }
+  const auto remove_partial = [](const std::string* partial) {
+    std::error_code ignored;
+    fs::remove(*partial, ignored);
+  };
+  const std::string partial = path + ".tmp";
+  const std::unique_ptr<const std::string, decltype(remove_partial)> guard(&partial, remove_partial);
+  std::error_code error;
+  if (!write_grids(partial, grids, marked) || !finish_file(partial)) fail_to_write(path);
+  fs::rename(partial, path, error);
+  if (error) fail_to_write(path);
 }
 
 VdbFile::VdbFile(const std::string& path, VdbOrigin origin) : path_(path) {
@@ -269,10 +243,6 @@ VdbFile::VdbFile(const std::string& path, VdbOrigin origin) : path_(path) {
   }
   ChildResult result = read_in_child<put_names>({path, ""}, limits_for(path), path);
   while (result.reader().get<unsigned char>() != 0) names_.push_back(result.reader().text());
-}
-
-bool VdbFile::has(const std::string& grid) const {
-  return std::ranges::count(names_, grid) > 0;
 }
 
 std::string VdbFile::grid_names() const {

@@ -5,6 +5,7 @@
 
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -18,9 +19,9 @@ namespace reamsim {
 /// Makes a grid that is about to be written.
 using GridMaker = std::function<openvdb::GridBase::Ptr()>;
 
-/// Writes the grids and the metadata of the file to PATH.tmp and renames it to PATH when it is complete. Makes a grid
-/// while the one before is written, so that only two exist at a time. The bytes depend only on the contents. Throws
-/// RunError when the file cannot be written, and what a maker throws.
+/// Writes the grids and the metadata of the file, which appears when it is complete. Makes a grid while the one before
+/// is written. The bytes depend only on the contents. Throws RunError when the file cannot be written, and what a maker
+/// throws.
 void write_vdb_file(const std::string& path, const std::vector<GridMaker>& grids, const openvdb::MetaMap& metadata);
 
 /// Whether the beginning of a file is that of write_vdb_file(). Does not check the rest.
@@ -35,7 +36,7 @@ class VdbFile {
  public:
   explicit VdbFile(const std::string& path, VdbOrigin origin = VdbOrigin::kAnyProgram);
 
-  [[nodiscard]] bool has(const std::string& grid) const;
+  [[nodiscard]] bool has(const std::string& grid) const { return std::ranges::count(names_, grid) > 0; }
   /// Names of all grids, for messages.
   [[nodiscard]] std::string grid_names() const;
   /// Throws InputError when the grid is damaged or not a FloatGrid.

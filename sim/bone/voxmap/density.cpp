@@ -16,13 +16,7 @@ constexpr double kLeast_mm3 = 1;
 /// The same, as a fraction of the bone.
 constexpr double kLeastFraction = 1e-3;
 
-double limit_hu_of(const DensityMapping& mapping) {
-  return mapping.hu_from_density(DensityMapping::kMaxDensity_g_cm3);
-}
-
 }  // namespace
-
-DensityLimit::DensityLimit(const DensityMapping& mapping) : limit_hu_(limit_hu_of(mapping)) {}
 
 void DensityLimit::add(double hu, double mm3) {
   bone_mm3_ += mm3;
@@ -48,7 +42,7 @@ void DensityLimit::warn(const std::string& path, Diagnostics& report) const {
 }
 
 void warn_of_density_limit(const DensityMapping& mapping, const std::string& key, double hu, Diagnostics& report) {
-  const double limit_hu = limit_hu_of(mapping);
+  const double limit_hu = mapping.limit_hu();
   if (hu <= limit_hu) return;
   report.warn(
       fmt::format("{} is {:g} HU, denser than {:g} g/cm3 ({:.0f} HU), the most that is represented; forces there are "

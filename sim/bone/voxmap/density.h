@@ -12,9 +12,8 @@
 
 namespace reamsim {
 
-/// Radiodensity to apparent density to grade (docs/density.md, 1).
-/// ρ_ash = ash_slope·HU + ash_offset; ρ = ρ_ash/ash_fraction, clamped to 0…2 g/cm³ (PMC5234499, Table 1: a femur at
-/// 120 kVp; a default, not a scapular calibration). grade = clamp(round(ρ/0.008), 1, 250) in bone, 0 in air.
+/// Radiodensity to apparent density to grade (docs/density.md, 1). The defaults are of a femur at 120 kVp (PMC5234499,
+/// Table 1), not a scapular calibration.
 struct DensityMapping {
   double ash_slope_g_cm3_per_hu = 0.0007;
   double ash_offset_g_cm3 = -0.009;
@@ -31,6 +30,8 @@ struct DensityMapping {
   [[nodiscard]] double hu_from_density(double density_g_cm3) const {
     return (density_g_cm3 * ash_fraction - ash_offset_g_cm3) / ash_slope_g_cm3_per_hu;
   }
+  /// The radiodensity of the densest bone that a grade holds.
+  [[nodiscard]] double limit_hu() const { return hu_from_density(kMaxDensity_g_cm3); }
   [[nodiscard]] static std::uint8_t grade_from_density(double density_g_cm3) {
     return static_cast<std::uint8_t>(std::clamp(std::lround(density_g_cm3 / kGradeStep_g_cm3), 1L, long{kMaxGrade}));
   }
@@ -40,7 +41,7 @@ struct DensityMapping {
 /// Measures how much bone of a scan is denser than a grade can hold.
 class DensityLimit {
  public:
-  explicit DensityLimit(const DensityMapping& mapping);
+  explicit DensityLimit(const DensityMapping& mapping) : limit_hu_(mapping.limit_hu()) {}
 
   /// Adds the bone of a voxel.
   void add(double hu, double mm3);

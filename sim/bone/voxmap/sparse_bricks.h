@@ -235,12 +235,8 @@ class FillBricks : private SparseBricks<std::uint16_t, 65535> {
   /// Returns the bricks that changed since the last call, x fastest, and resets the record.
   std::vector<Vec3i> take_changed() {
     std::sort(changed_.begin(), changed_.end());
-    std::vector<Vec3i> out;
-    out.reserve(changed_.size());
-    for (const std::size_t index : std::exchange(changed_, {})) {
-      is_changed_[index] = false;
-      out.push_back(lattice().coord(index));
-    }
+    std::vector<Vec3i> out = changed();
+    for (const std::size_t index : std::exchange(changed_, {})) is_changed_[index] = false;
     return out;
   }
 

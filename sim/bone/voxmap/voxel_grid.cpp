@@ -7,8 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <limits>
 
 #include "sim/base/error.h"
@@ -36,21 +34,6 @@ bool fits(const Eigen::Array3d& dims, const LatticeLoad& load, double memory_byt
          planned_bytes(voxels, load) <= kMemoryFraction * memory_bytes;
 }
 
-/// The factor by which the voxels must grow for the lattice to fit. The fraction of bricks at the surface grows with
-/// it.
-double fitting_factor(const Eigen::Array3d& dims, const LatticeLoad& load, double memory_bytes) {
-  constexpr double kStep = 1.02;
-  double factor = 1;
-  while (!fits(dims / factor, {load.bone_fraction * factor, load.bytes_per_voxel}, memory_bytes)) factor *= kStep;
-  return factor;
-}
-
-/// Rounded up to two digits, so that the lattice does fit.
-std::string fitting_voxel_text(double voxel_mm) {
-  const double unit = std::pow(10.0, std::floor(std::log10(voxel_mm)) - 1);
-  return fmt::format("{:.3g}", std::ceil(voxel_mm / unit) * unit);
-}
-
 }  // namespace
 
 double machine_memory_bytes() {
@@ -67,10 +50,14 @@ void check_lattice(const std::string& what, const Eigen::Array3d& dims, double v
       dims.x(), dims.y(), dims.z(), voxel_mm, voxels, planned_bytes(voxels, load) / 1e9,
       kMemoryFraction * memory_bytes / 1e9);
   if (!std::isfinite(voxels) || voxels < 0) throw InputError({what, 0, 0}, "", found, "give a bone of finite size");
-  // 5 % more, because the margin in mm grows with the voxels.
-  const double fitting_mm = 1.05 * voxel_mm * fitting_factor(dims, load, memory_bytes);
+  constexpr double kStep = 1.02;
+  double factor = 1;  // by which the voxels must grow; the fraction of bricks at the surface grows with it
+  while (!fits(dims / factor, {load.bone_fraction * factor, load.bytes_per_voxel}, memory_bytes)) factor *= kStep;
+  // 5 % more, because the margin in mm grows with the voxels; rounded up to two digits.
+  const double fitting_mm = 1.05 * voxel_mm * factor;
+  const double unit = std::pow(10.0, std::floor(std::log10(fitting_mm)) - 1);
   throw InputError({what, 0, 0}, "", found,
-                   "bone.voxel_mm of " + fitting_voxel_text(fitting_mm) + " or more would fit");
+                   fmt::format("bone.voxel_mm of {:.3g} or more would fit", std::ceil(fitting_mm / unit) * unit));
 }
 
 VoxelGrid lattice_around(const std::string& what, const Aabb& box_mm, double voxel_mm, int margin_voxels,

@@ -70,8 +70,7 @@ void for_each_trilinear_weight(const Vec3& fraction, const Visit& visit) {
 /// Air around a bone. Pictures and the grid `surface` smooth the surface and need it.
 inline constexpr int kMarginVoxels = 4;
 
-/// Measured memory per voxel while a mesh is voxelized: grades, the distance field (a float and the index of the
-/// nearest triangle) and temporary copies.
+/// Measured memory per voxel while a mesh is voxelized: grades, distance field, and temporary copies.
 inline constexpr double kMeshBytesPerVoxel = 13;
 
 /// Which part of a lattice needs memory while the bone is built.
@@ -83,8 +82,8 @@ struct LatticeLoad {
 double machine_memory_bytes();
 
 /// Throws InputError unless a lattice of `dims` voxels can be indexed and its load fits into half of `memory_bytes`.
-/// The message begins with `what`; it states the memory needed and the voxel size that would fit. Call it before
-/// allocating. `dims` are doubles, so that absurd sizes do not overflow.
+/// The message begins with `what`; it states the voxel size that would fit. `dims` are doubles, so that absurd sizes do
+/// not overflow.
 void check_lattice(const std::string& what, const Eigen::Array3d& dims, double voxel_mm, const LatticeLoad& load = {},
                    double memory_bytes = machine_memory_bytes());
 

@@ -9,12 +9,6 @@ namespace reamsim {
 
 namespace {
 
-bool contains_brick(const VoxelBox& box, const Vec3i& brick_coord) {
-  const Vec3i first = GradeBricks::kSide * brick_coord;
-  const Vec3i last = first + Vec3i::Constant(GradeBricks::kSide - 1);
-  return box.contains(first) && box.contains(last);
-}
-
 /// Sum of `value(fill)` over the voxels with grade ≠ 0.
 template <class Value>
 std::int64_t sum_over_bone(const BoneView& bone, const Value& value) {
@@ -45,7 +39,8 @@ double BoneView::bone_mm3() const {
 VoxelBox bone_extent(const Voxmap& voxmap) {
   VoxelBox out{voxmap.grid.dims, Vec3i::Constant(-1)};
   voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
-    if (contains_brick(out, coord)) return;
+    const Vec3i first = GradeBricks::kSide * coord;
+    if (out.contains(first) && out.contains(first + Vec3i::Constant(GradeBricks::kSide - 1))) return;
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       if (grades[static_cast<std::size_t>(offset)] == 0) continue;
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);

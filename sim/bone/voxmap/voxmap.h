@@ -16,8 +16,8 @@
 
 namespace reamsim {
 
-/// The two layers of a mesh bone: cortical down to a depth below its surface, trabecular below. Voxels have one density
-/// or the other, so pictures need the depth to draw the boundary without voxel steps.
+/// The two layers of a mesh bone: cortical down to a depth below its surface, trabecular below. Pictures draw their
+/// boundary without voxel steps.
 struct BoneLayers {
   double cortical_mm;
   double cortical_g_cm3;
@@ -35,6 +35,9 @@ struct Voxmap {
   Voxmap() = default;
   /// All air.
   explicit Voxmap(const VoxelGrid& lattice) : grid(lattice), grade(lattice.dims) {}
+
+  /// False outside the lattice.
+  [[nodiscard]] bool is_bone(const Vec3i& voxel) const { return grid.contains(voxel) && grade.get(voxel) != 0; }
 };
 
 /// A bone for reading: its voxmap, and the current fill of each voxel. Both must outlive the view.
@@ -66,17 +69,22 @@ struct FilledVoxmap : Voxmap {
   [[nodiscard]] double bone_mm3() const { return BoneView(*this, fill).bone_mm3(); }
 };
 
-/// Calls visit(voxel, grade, fill) for every voxel with grade ≠ 0, brick by brick.
+/// Calls visit(voxel, grade, fill) for the voxels with grade ≠ 0 of a stored brick.
+template <class Visit>
+void for_each_bone_voxel_in(const BoneView& bone, const Vec3i& coord, const Visit& visit) {
+  const GradeBricks::Brick& grades = *bone.voxmap.grade.brick(coord);
+  const FillBricks::Brick* fill = bone.fill.brick(coord);
+  for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+    const auto at = static_cast<std::size_t>(offset);
+    if (grades[at] == 0) continue;
+    visit(BrickLattice::voxel_at(coord, offset), grades[at], fill == nullptr ? FillBricks::kWhole : (*fill)[at]);
+  }
+}
+/// The same for all bricks.
 template <class Visit>
 void for_each_bone_voxel(const BoneView& bone, const Visit& visit) {
-  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
-    const FillBricks::Brick* fill = bone.fill.brick(coord);
-    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
-      const auto at = static_cast<std::size_t>(offset);
-      if (grades[at] == 0) continue;
-      visit(BrickLattice::voxel_at(coord, offset), grades[at], fill == nullptr ? FillBricks::kWhole : (*fill)[at]);
-    }
-  });
+  bone.voxmap.grade.for_each_brick(
+      [&](const Vec3i& coord, const GradeBricks::Brick&) { for_each_bone_voxel_in(bone, coord, visit); });
 }
 
 /// The first and the last voxel of a box, both included; first > last in an empty box.
