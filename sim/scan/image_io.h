@@ -4,8 +4,10 @@
 #pragma once
 
 #include <itkImageIOBase.h>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "sim/scan/scan.h"
 #include "sim/scan/scan_transfer.h"
@@ -14,8 +16,8 @@ namespace reamsim::ct {
 
 // Reading with ITK, for child processes. Private to sim/scan: only its sources include this header.
 
-/// The reader of a file, without ITK's global list of factories. Sets `format`: "NRRD", "NIfTI", "MetaImage", "DICOM".
-/// Throws InputError: none of these, or a header on which the libraries would crash.
+/// The reader of a file by its content, without ITK's global list of factories. Sets `format`: "NRRD", "MetaImage",
+/// "DICOM". Throws InputError: none of these, or a header on which the libraries would crash.
 itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format);
 
 /// Reads the header and checks the file against it. Throws InputError: damaged, truncated, a single DICOM slice, not a
@@ -30,6 +32,10 @@ void read_header(itk::ImageIOBase& io, const std::string& path, const std::strin
 /// value per voxel (or several with `allow_layers`).
 ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, const std::string& key, bool allow_slice,
                          bool allow_layers = false);
+
+/// Throws InputError unless the sizes along the axes are those of a volume, or of a slice where that is allowed.
+void check_volume(const std::vector<std::int64_t>& sizes, bool allow_slice, const std::string& path,
+                  const std::string& key);
 
 /// "int16", "float", ...
 std::string pixel_type_of(const itk::ImageIOBase& io);

@@ -55,8 +55,8 @@ void put_facts(ResultWriter& out, const ImageFacts& facts) {
   put_geometry(out, facts.geometry);
   out.put(facts.layers);
   out.put(facts.bytes_per_voxel);
-  out.put(facts.gaps.says_orientation);
-  out.put(facts.gaps.unknown_unit);
+  out.put(facts.frame);
+  out.put(facts.warnings);
 }
 
 ImageFacts take_facts(ResultReader& in) {
@@ -66,8 +66,8 @@ ImageFacts take_facts(ResultReader& in) {
   out.geometry = take_geometry(in);
   out.layers = in.get<int>();
   out.bytes_per_voxel = in.get<double>();
-  out.gaps.says_orientation = in.get<unsigned char>() != 0;
-  out.gaps.unknown_unit = in.text();
+  out.frame = in.text();
+  out.warnings = in.texts();
   if (out.layers < 1 || !(out.bytes_per_voxel > 0)) in.fail();
   return out;
 }

@@ -16,11 +16,11 @@ namespace reamsim::ct {
 
 // What child processes hand back about images. The functions that take it throw InputError where it is inconsistent.
 
-/// What the header of an image file leaves open.
-struct HeaderGaps {
-  bool says_orientation = true;   ///< how the axes lie in the body
-  std::string unknown_unit = {};  ///< of lengths, taken as mm; empty: none
-};
+/// The warning of a header without orientation.
+inline constexpr const char* kNoOrientation =
+    "the header does not say how the axes lie in the body; left, posterior, superior are assumed. Check side and "
+    "glenoid, "
+    "or export the file with its orientation";
 
 /// What the header of an image file says.
 struct ImageFacts {
@@ -28,8 +28,9 @@ struct ImageFacts {
   std::string pixel_type;  ///< "int16", "float", ...
   ScanGeometry geometry;
   int layers = 1;
-  double bytes_per_voxel = 0;  ///< of all layers
-  HeaderGaps gaps;
+  double bytes_per_voxel = 0;         ///< of all layers
+  std::string frame;                  ///< what in the header places the voxels
+  std::vector<std::string> warnings;  ///< what it leaves open or contradicts
 };
 
 /// The header of a DICOM file. Texts are printable ASCII without padding.

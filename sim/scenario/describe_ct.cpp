@@ -24,7 +24,21 @@ void describe_label_map(KeyVisitor& v, LabelMapSettings& labels) {
            "Largest distance over which the surface of the mask moves to the isosurface of refine_hu; 0: no refinement",
        .range = between(0, 5)},
       labels.refine_mm);
-  v.number({.name = "refine_hu", .doc = "Used with refine_mm only", .range = kHu}, labels.refine_hu);
+  v.number({.name = "refine_hu",
+            .doc = "Radiodensity of the surface with refine_mm; what is denser and has no label is warned of",
+            .range = kHu},
+           labels.refine_hu);
+  v.flag(
+      {.name = "fill",
+       .doc =
+           "Add bone without a label, at or above refine_hu, that the label surrounds or that lies in its holes up to "
+           "10 mm wide, and cavities that it encloses"},
+      labels.fill);
+}
+
+void describe_hu(KeyVisitor& v, HuSettings& hu) {
+  v.number({.name = "slope", .doc = "HU for each unit of the values", .range = between(0.001, 1000)}, hu.slope);
+  v.number({.name = "intercept", .doc = "HU of the value 0", .range = between(-70000, 70000)}, hu.intercept);
 }
 
 void describe_cut_sphere(KeyVisitor& v, CutSphereSettings& sphere) {
@@ -96,6 +110,11 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
           .required = true,
           .text = TextKind::input_path},
          ct.path);
+  v.optional_section(
+      {.name = "hu",
+       .doc = "HU from the values of a scan that are no HU, after the scale of the file: slope · value + "
+              "intercept"},
+      ct.hu, describe_hu);
   v.text({.name = "series",
           .doc = "DICOM series: UID, or number in the list that a warning gives; without it the CT series with the "
                  "most slices",

@@ -90,10 +90,18 @@ struct LabelMapSettings {
   std::vector<std::string> label{"1"};  ///< whole numbers or names of segments; several are one bone
   double refine_mm = 0;  ///< the mask's surface moves to the isosurface of refine_hu within this distance
   double refine_hu = 200;
+  bool fill = false;  ///< bone without a label that the label surrounds becomes bone
+};
+
+/// Radiodensity from the values of a scan, beside the scale of the file: HU = slope · value + intercept.
+struct HuSettings {
+  double slope = 1;
+  double intercept = 0;
 };
 
 struct CtSettings {
   std::string path;                  ///< DICOM folder, NRRD, NIfTI or MetaImage
+  std::optional<HuSettings> hu;      ///< of values that are no HU
   std::string series;                ///< of a DICOM folder: UID, or number in the list of series; "" = the largest
   Modality modality = Modality::ct;  ///< what a DICOM series may be
   std::optional<Vec3> crop_min_mm;
