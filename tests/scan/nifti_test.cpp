@@ -17,6 +17,7 @@
 
 #include "sim/base/error.h"
 #include "sim/scan/ct_import.h"
+#include "sim/scan/scan.h"
 #include "test_images.h"
 
 namespace reamsim::test {
@@ -163,6 +164,24 @@ class Nifti : public ::testing::Test {
     std::string bytes = out.str();
     for (const double value : egg_.value) append(bytes, static_cast<std::int16_t>(value), false);
     const std::string path = folder_.file("expected.nrrd");
+    std::ofstream(path, std::ios::binary) << bytes;
+    return path;
+  }
+
+  /// The same voxels as a MetaImage, whose axes are LPS.
+  std::string put_meta_image(const Mat3& steps, const Vec3& origin) {
+    std::ostringstream out;
+    out.precision(17);
+    const Vec3 spacing = steps.colwise().norm().transpose();
+    const Mat3 axes = steps * spacing.cwiseInverse().asDiagonal();
+    out << "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n"
+        << "TransformMatrix =";
+    for (int axis = 0; axis < 3; ++axis) out << " " << axes.col(axis).transpose();
+    out << "\nOffset = " << origin.transpose() << "\nElementSpacing = " << spacing.transpose()
+        << "\nDimSize = " << egg_.dims.transpose() << "\nElementType = MET_SHORT\nElementDataFile = LOCAL\n";
+    std::string bytes = out.str();
+    for (const double value : egg_.value) append(bytes, static_cast<std::int16_t>(value), false);
+    const std::string path = folder_.file("expected.mha");
     std::ofstream(path, std::ios::binary) << bytes;
     return path;
   }
@@ -339,6 +358,23 @@ TEST_F(Nifti, RandomHeadersArePlacedAsTheRuleSays) {
     const bool warned =
         std::ranges::any_of(warnings_, [](const std::string& w) { return w.find("differ by") != std::string::npos; });
     EXPECT_EQ(warned, h.sform.code > 0 && h.qform.code > 0 && !same) << what;
+  }
+}
+
+// 100 transforms each, of which half are sheared.
+TEST_F(Nifti, RandomDirectionsOfNrrdAndMetaImageAreTakenAsTheyStand) {
+  std::mt19937 random(20261129);
+  const Vec3 lps_from_ras(-1, -1, 1);
+  for (int run = 0; run < 100; ++run) {
+    const Form form = random_form(random, run % 2 == 0, egg_.spacing_mm);
+    const Mat3 steps = lps_from_ras.asDiagonal() * form.steps;
+    const Vec3 origin = lps_from_ras.cwiseProduct(form.origin);
+    for (const std::string& path : {put_nrrd(form, 1), put_meta_image(steps, origin)}) {
+      Diagnostics report;
+      const ct::ScanGeometry found = ct::open_scan(path, "key", {}, report)->geometry();
+      EXPECT_LT((found.step_mm - steps).norm(), 1e-6) << path << " " << run;
+      EXPECT_LT((found.origin_mm - origin).norm(), 1e-6) << path << " " << run;
+    }
   }
 }
 
