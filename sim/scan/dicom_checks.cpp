@@ -135,9 +135,12 @@ std::vector<std::string> named_like_slices(const Stack& stack, const std::vector
   const std::string files = low.path() + " and " + high.path();
   const std::string resample = std::string(kUnevenKey) + ": resample";
   if (fault.kind == SpacingFault::Kind::change) {
+    const std::string numbers =
+        fault.missing > 0 ? "; instance numbers jump there as well, so slices may be missing from there on" : "";
     throw InputError({high.path()}, key,
                      fmt::format("slice spacing changes from {:.3f} to {:.3f} mm at slice {} of {}: {}",
-                                 fault.before_mm, fault.gap_mm, fault.slice + 1, stack.size(), files),
+                                 fault.before_mm, fault.gap_mm, fault.slice + 1, stack.size(), files) +
+                         numbers,
                      "set " + resample + " to interpolate evenly spaced slices, or give a series of one spacing");
   }
   const std::string found = fmt::format("slice spacing is {:.3f} mm; most slices are {:.3f} mm apart: {}", fault.gap_mm,
@@ -195,7 +198,9 @@ void warn_of_missing_ends(const Stack& stack, const DicomSeries& series, Diagnos
   while (lowest < least && !is_missing(lowest)) ++lowest;
   int below = least - 1;
   while (below >= lowest && !is_missing(below)) --below;
-  if (lowest <= below) found = instances_text(lowest, below) + " before " + first.path();
+  // The numbers of a volume among others may begin anywhere.
+  const bool elsewhere = stack.size() < series.images.size() && below - lowest >= static_cast<int>(stack.size());
+  if (lowest <= below && !elsewhere) found = instances_text(lowest, below) + " before " + first.path();
   const int said = images_said(stack, series);
   if (said > most && said > *present.rbegin()) {
     found += (found.empty() ? "" : ", ") + instances_text(*present.rbegin() + 1, said) + " after " + last.path();

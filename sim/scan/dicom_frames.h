@@ -23,6 +23,11 @@ class DicomFrames {
   void copy(int frame, const IndexBox& box, double slope, double intercept, float* out) const;
 
  private:
+  void set_format(const std::string& path, const std::string& key, int samples, int bits, int stored, int high_bit,
+                  bool is_signed);
+  /// Takes pixels that are not compressed, of any kind of file. False: they are compressed.
+  bool take_plain(const std::string& path, const std::string& key);
+  void decode(const std::string& path, const std::string& key);
   [[nodiscard]] double value_at(std::size_t pixel) const;
 
   Vec3i dims_ = Vec3i::Zero();

@@ -5,12 +5,12 @@
 
 #include <fmt/core.h>
 #include <gdcmReader.h>
-#include <itkGDCMImageIO.h>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
 #include "sim/base/error.h"
+#include "sim/scan/dicom_files.h"
 #include "sim/scan/dicom_syntax.h"
 #include "sim/scan/dicom_tags.h"
 #include "sim/scan/dicom_values.h"
@@ -171,14 +171,6 @@ std::vector<DicomHeader> frames_of(const DicomValues& values, const DicomHeader&
   return out;
 }
 
-bool is_dicom(const std::string& path) {
-  try {
-    return itk::GDCMImageIO::New()->CanReadFile(path.c_str());
-  } catch (const std::exception&) {
-    return false;
-  }
-}
-
 }  // namespace
 
 DicomFile read_dicom_header(const std::string& path) {
@@ -188,7 +180,7 @@ DicomFile read_dicom_header(const std::string& path) {
     const std::string name = name_of_syntax(syntax);
     return {DicomKind::unsupported, name.empty() ? syntax : name + " (" + syntax + ")", {}};
   }
-  if (!is_dicom(path)) return {};
+  if (!looks_like_dicom(path)) return {};
   gdcm::Reader reader;
   try {
     reader.SetFileName(path.c_str());

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 #include <gdcmReader.h>
+#include <gdcmTrace.h>
 
 #include <algorithm>
 #include <cmath>
@@ -86,6 +87,7 @@ class SegFile {
  public:
   SegFile(const std::string& path, const std::string& key) : path_(path), key_(key) {
     const QuietLibraries quiet;
+    gdcm::Trace::WarningOn();  // GDCM reports missing pixels in no other way
     DicomFile file = read_dicom_header(path);
     frames_ = std::move(file.images);
     reader_.SetFileName(path.c_str());

@@ -28,7 +28,9 @@ class DicomValues {
  public:
   explicit DicomValues(const gdcm::DataSet& data) : data_(&data) {}
 
-  [[nodiscard]] bool has(const DicomTag& tag) const { return data_->FindDataElement(gdcm::Tag(tag.group, tag.element)); }
+  [[nodiscard]] bool has(const DicomTag& tag) const {
+    return data_->FindDataElement(gdcm::Tag(tag.group, tag.element));
+  }
   [[nodiscard]] std::string bytes(const DicomTag& tag) const;
   /// Without padding; other characters than printable ASCII become "?".
   [[nodiscard]] std::string text(const DicomTag& tag) const;

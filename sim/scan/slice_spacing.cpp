@@ -130,16 +130,17 @@ SpacingFault fault_at(const std::vector<SlicePlace>& places, const std::vector<d
   const bool is_multiple = multiple >= 2 && std::abs(gaps[gap] - static_cast<double>(multiple) * typical) <= reach;
   const std::vector<int> steps = instance_steps(places);
   const bool numbers_jump = !steps.empty() && steps[gap] == multiple;
-  if (is_multiple && (length == 1 || numbers_jump)) {
+  // Two wide gaps between slices without numbers are rather two missing slices than two changes.
+  constexpr std::size_t kMostMissing = 2;
+  const bool is_inside = gap > 0 && last + 1 < gaps.size();
+  const bool is_missing = length == 1 || numbers_jump || (steps.empty() && is_inside);
+  if (is_multiple && length <= kMostMissing && is_missing) {
     return {SpacingFault::Kind::missing, gap + 1, typical, gaps[gap], multiple - 1};
   }
-  // Two such gaps between slices without numbers are rather two missing slices than two changes.
-  if (is_multiple && steps.empty() && length == 2 && gap > 0 && last + 1 < gaps.size()) {
-    return {SpacingFault::Kind::missing, gap + 1, typical, gaps[gap], multiple - 1};
-  }
+  const long also_numbers = is_multiple && numbers_jump ? multiple - 1 : 0;
   if (length == 1 && gap > 0 && gap + 1 < gaps.size())
     return {SpacingFault::Kind::irregular, gap + 1, typical, gaps[gap], 0};
-  if (gap > 0) return {SpacingFault::Kind::change, gap + 1, gaps[gap - 1], gaps[gap], 0};
+  if (gap > 0) return {SpacingFault::Kind::change, gap + 1, gaps[gap - 1], gaps[gap], also_numbers};
   if (last + 1 < gaps.size()) return {SpacingFault::Kind::change, last + 2, gaps[gap], gaps[last + 1], 0};
   return {SpacingFault::Kind::irregular, gap + 1, typical, gaps[gap], 0};
 }

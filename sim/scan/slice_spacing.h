@@ -32,7 +32,7 @@ struct SpacingFault {
   std::size_t slice = 0;  ///< the gap ends at this slice
   double before_mm = 0;   ///< the usual spacing; before a change
   double gap_mm = 0;      ///< of this gap; after a change
-  long missing = 0;       ///< slices
+  long missing = 0;       ///< slices; after a change, per gap, if instance numbers jump as well
 };
 
 /// Median distance of neighbours, without those at the same place; slices closer than a hundredth of the largest gap
