@@ -108,7 +108,7 @@ TEST_F(DicomVolumes, AChangeOfSpacingIsCalledThatAndResampledOnRequest) {
   EXPECT_THAT(error_of("cd"), AllOf(HasSubstr("slice spacing changes from 1.000 to 2.000 mm at slice 16 of"),
                                     HasSubstr("IM0016"), HasSubstr("bone.ct.uneven: resample")));
   uneven_ = Uneven::resample;
-  expect_as(fine, "cd", 0.03);
+  expect_as(fine, "cd", 0.06, 0.4);  // the edge of the egg is sharp, slices of 2 mm lose some of it
   EXPECT_THAT(report_.warnings, Contains(AllOf(HasSubstr("unevenly spaced (from here 2.000 mm, before 1.000 mm)"),
                                                HasSubstr("slices were interpolated to"))));
   // A tilted gantry: slices lie on a line that is not their normal.
@@ -121,7 +121,7 @@ TEST_F(DicomVolumes, AChangeOfSpacingIsCalledThatAndResampledOnRequest) {
   uneven_ = Uneven::refuse;
   const FilledVoxmap expected = import("tilted_fine");
   uneven_ = Uneven::resample;
-  EXPECT_NEAR(volume_mm3(import("tilted")) / volume_mm3(expected), 1, 0.03);
+  EXPECT_NEAR(volume_mm3(import("tilted")) / volume_mm3(expected), 1, 0.06);
   uneven_ = Uneven::refuse;
   EXPECT_THAT(error_of("tilted"), HasSubstr("slice spacing changes from 1.000 to 2.000 mm"));
   // Thicker slices first, and one that is missing: with the key, it is interpolated and named.
