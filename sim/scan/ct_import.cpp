@@ -282,7 +282,8 @@ ct::BoneField segment(const ct::ScanSource& source, const ct::IndexBox& box, con
 template <class Use>
 auto with_open_scan(const CtSettings& settings, Diagnostics& report, const Use& use) {
   try {
-    const ct::DicomChoice choice{settings.series, settings.modality == Modality::any};
+    const ct::DicomChoice choice{settings.series, settings.modality == Modality::any,
+                                 settings.uneven == Uneven::resample};
     const auto source = ct::open_scan(settings.path, kPathKey, choice, report);
     note_image(*source, settings.path, report);
     return use(*source);

@@ -14,6 +14,7 @@
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"
+#include "sim/scan/dicom_files.h"
 #include "sim/scan/image_conventions.h"
 #include "sim/scan/image_io.h"
 #include "sim/scan/nifti_file.h"
@@ -179,10 +180,10 @@ std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string
                                       Diagnostics& report) {
   const bool folder = fs::is_directory(checked_status(path, key, "give a CT image"));
   try {
-    if (folder) return open_dicom_folder(path, key, choice, report);
     // DICOMDIR is the index file beside the folders of a study.
-    if (lower_file_name(path) == "dicomdir")
-      return open_dicom_folder(fs::path(path).parent_path().string(), key, choice, report);
+    if (!folder && lower_file_name(path) == "dicomdir")
+      return open_dicom(fs::path(path).parent_path().string(), key, choice, report);
+    if (folder || looks_like_dicom(path)) return open_dicom(path, key, choice, report);
     auto scan = std::make_unique<FileScan>(path, key, false, report);
     if (choice.series.empty()) return scan;
     throw InputError({path}, "bone.ct.series", "given for a file that is not a DICOM folder", "remove it");
@@ -192,9 +193,10 @@ std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string
 }
 
 std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key, Diagnostics& report) {
-  const char* expected = "give a label map: NRRD, NIfTI or MetaImage";
-  if (fs::is_directory(checked_status(path, key, expected))) throw InputError({path}, key, "a folder", expected);
+  const char* expected = "give a label map: NRRD, NIfTI, MetaImage or DICOM SEG";
+  const bool folder = fs::is_directory(checked_status(path, key, expected));
   try {
+    if (folder || looks_like_dicom(path)) return open_dicom_seg(path, key, report);
     return std::make_unique<FileScan>(path, key, true, report);
   } catch (const fs::filesystem_error&) {
     throw InputError({path}, key, "cannot be opened", "check its permissions");

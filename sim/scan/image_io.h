@@ -44,8 +44,13 @@ std::string pixel_type_of(const itk::ImageIOBase& io);
 void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std::string& path, const std::string& key,
                  float* out);
 
-/// Opens a folder of DICOM slices (dicom_stack.cpp). Throws InputError: no DICOM, slices that do not form a volume.
-std::unique_ptr<ScanSource> open_dicom_folder(const std::string& path, const std::string& key,
-                                              const DicomChoice& choice, Diagnostics& report);
+/// Opens a folder of DICOM slices, or a multi-frame file (dicom_scan.cpp). Throws InputError: no DICOM, slices that do
+/// not form a volume.
+std::unique_ptr<ScanSource> open_dicom(const std::string& path, const std::string& key, const DicomChoice& choice,
+                                       Diagnostics& report);
+
+/// Opens a DICOM segmentation (SEG), or a folder with one (dicom_seg.cpp). Each segment is named by its label; its
+/// value is its number. Throws InputError: no segmentation, several, damaged, frames that do not form a volume.
+std::unique_ptr<LabelSource> open_dicom_seg(const std::string& path, const std::string& key, Diagnostics& report);
 
 }  // namespace reamsim::ct

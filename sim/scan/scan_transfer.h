@@ -5,9 +5,7 @@
 
 #include <array>
 #include <map>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "sim/isolation/child_result.h"
 #include "sim/scan/scan.h"
@@ -33,39 +31,6 @@ struct ImageFacts {
   std::vector<std::string> warnings;  ///< what it leaves open or contradicts
 };
 
-/// The header of a DICOM file. Texts are printable ASCII without padding.
-struct DicomHeader {
-  std::string path;
-  std::string series_uid;
-  std::string instance_uid;
-  std::string description;
-  std::string kernel;    ///< convolution kernel of the reconstruction
-  std::string modality;  ///< "CT", "MR", ...
-  std::string photometric;
-  int series_number = 0;
-  int frames = 1;  ///< above 1: a multi-frame file
-  int columns = 0;
-  int rows = 0;
-  bool rescales = false;  ///< says how its values become HU
-  double kvp = 0;         ///< tube voltage, kV; 0: unknown
-  std::optional<Vec2> pixel_spacing_mm;
-  std::optional<Vec3> position_mm;  ///< of the first pixel, LPS
-  std::optional<Vec3> normal;       ///< across the slice
-};
-
-enum class DicomKind {
-  other,     ///< not a DICOM file
-  no_image,  ///< a DICOM file without an image: a report, a plan, a directory
-  damaged,   ///< a DICOM file whose header cannot be read
-  image
-};
-
-/// A DICOM file of a folder.
-struct DicomFile {
-  DicomKind kind = DicomKind::other;
-  DicomHeader header;
-};
-
 /// An IndexBox, or dimensions, as a plain value for a child.
 struct PlainBox {
   explicit PlainBox(const IndexBox& box)
@@ -87,8 +52,5 @@ ImageFacts take_facts(ResultReader& in);
 
 void put_texts(ResultWriter& out, const std::map<std::string, std::string>& texts);
 std::map<std::string, std::string> take_texts(ResultReader& in);
-
-void put_dicom_file(ResultWriter& out, const DicomFile& file);
-DicomFile take_dicom_file(ResultReader& in);
 
 }  // namespace reamsim::ct

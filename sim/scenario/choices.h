@@ -46,6 +46,11 @@ enum class Modality { ct, any };
 template <>
 inline constexpr auto kChoiceNames<Modality> = name_list("ct", "any");
 
+/// What happens to DICOM slices that are not evenly spaced.
+enum class Uneven { refuse, resample };
+template <>
+inline constexpr auto kChoiceNames<Uneven> = name_list("refuse", "resample");
+
 enum class Separate { none, humerus };
 template <>
 inline constexpr auto kChoiceNames<Separate> = name_list("none", "humerus");

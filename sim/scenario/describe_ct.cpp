@@ -117,10 +117,14 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
       ct.hu, describe_hu);
   v.text({.name = "series",
           .doc = "DICOM series: UID, or number in the list that a warning gives; without it the CT series with the "
-                 "most slices",
+                 "most slices. SERIES/2 or SERIES#AcquisitionNumber=1 chooses a volume of a series that holds several",
           .number_too = true},
          ct.series);
   v.choice({.name = "modality", .doc = "Accepted DICOM modality; any: also series that are not CT"}, ct.modality);
+  v.choice({.name = "uneven",
+            .doc = "DICOM slices whose spacing changes, or that are missing; resample: interpolated at the finest "
+                   "spacing, with a warning"},
+           ct.uneven);
   v.optional_vector(
       {.name = "crop_min_mm", .doc = "Lower corner of the crop, LPS; with crop_max_mm", .range = between(-10000, 9990)},
       ct.crop_min_mm);

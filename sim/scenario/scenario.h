@@ -102,8 +102,9 @@ struct HuSettings {
 struct CtSettings {
   std::string path;                  ///< DICOM folder, NRRD, NIfTI or MetaImage
   std::optional<HuSettings> hu;      ///< of values that are no HU
-  std::string series;                ///< of a DICOM folder: UID, or number in the list of series; "" = the largest
+  std::string series;                ///< of a DICOM folder, and its volume (docs/inputs.md); "" = the largest
   Modality modality = Modality::ct;  ///< what a DICOM series may be
+  Uneven uneven = Uneven::refuse;    ///< DICOM slices whose spacing changes
   std::optional<Vec3> crop_min_mm;
   std::optional<Vec3> crop_max_mm;
   CtFilter filter = CtFilter::none;

@@ -88,7 +88,7 @@ TEST_F(RoundTrip, EverySource) {
         "1}],\n"
         "    cut_planes: [{point_mm: [1, 2, 3], normal: [0, 1, 0]}], fill_holes: false}\n",
         "  source: ct\n  ct: {path: scan.nrrd, label_map: {path: scan.nrrd, label: 3}}\n",
-        "  source: ct\n  ct: {path: scan.nrrd, series: 2, modality: any,\n"
+        "  source: ct\n  ct: {path: scan.nrrd, series: 2, modality: any, uneven: resample,\n"
         "    label_map: {path: scan.nrrd, label: [7, \"scapula: left\", \"8\"], refine_mm: 1}}\n"}) {
     const Scenario s = parse(resolved(with(kValid, phantom, source + glenoid)));
     EXPECT_EQ(*s.bone.glenoid.normal, Vec3(0.611, -0.548, 0.572));
@@ -102,6 +102,7 @@ TEST_F(RoundTrip, EverySource) {
     }
     if (s.bone.ct.series == "2") {
       EXPECT_EQ(s.bone.ct.modality, Modality::any);
+      EXPECT_EQ(s.bone.ct.uneven, Uneven::resample);
       EXPECT_EQ(s.bone.ct.label_map->label, (std::vector<std::string>{"7", "scapula: left", "8"}));
       EXPECT_EQ(s.bone.ct.label_map->refine_mm, 1);
     }
