@@ -109,7 +109,7 @@ TEST_F(OddMeshes, AsciiStlInEveryDialect) {
   expect_whole("colour.stl", with(plain, " outer", " color 0.5 0.5 0.5\n outer"));
   expect_whole("no_endfacet.stl", with(plain, "endfacet\n", ""));
   expect_whole("padded.stl", plain + std::string(100, '\0'));
-  const std::size_t middle = plain.find("facet", plain.size() / 2);
+  const std::size_t middle = plain.find("facet normal", plain.size() / 2);
   expect_whole("two.stl", plain.substr(0, middle) + "endsolid a\nsolid b\n" + plain.substr(middle));
 }
 

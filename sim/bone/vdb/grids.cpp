@@ -266,11 +266,11 @@ openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSa
 
 namespace {
 
-/// Sets the sign of the distances in a brick of 8×8×8 samples.
+/// Sets the sign of the distances in a brick of 8×8×8 samples; those beyond the band become constant.
 void sign_leaf(Leaf& leaf, const InsideTest& inside, float outer, float inner) {
   for (openvdb::Index n = 0; n < Leaf::SIZE; ++n) {
     const openvdb::Coord at = leaf.offsetToGlobalCoord(n);
-    const float away = std::abs(leaf.getValue(n));
+    const float away = leaf.isValueOn(n) ? std::abs(leaf.getValue(n)) : std::max(inner, outer);
     const bool is_inside = inside({at.x(), at.y(), at.z()});
     leaf.setValueOnly(n, is_inside ? -std::min(away, inner) : std::min(away, outer));
   }
@@ -286,10 +286,10 @@ openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSa
       to_volume(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0), band, band,
                 static_cast<int>(openvdb::tools::UNSIGNED_DISTANCE_FIELD));
   Tree& tree = grid->tree();
+  tree.root().setBackground(outer, true);  // before the signs: it would change inner distances too
   std::vector<Leaf*> leaves;
   tree.getNodes(leaves);
   parallel_items(leaves.size(), [&](std::size_t n) { sign_leaf(*leaves[n], inside, outer, inner); });
-  tree.root().setBackground(outer, true);
   for (int z = 0; z < dims.z(); z += static_cast<int>(Leaf::DIM)) {
     for (int y = 0; y < dims.y(); y += static_cast<int>(Leaf::DIM)) {
       for (int x = 0; x < dims.x(); x += static_cast<int>(Leaf::DIM)) {
