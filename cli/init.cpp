@@ -156,6 +156,7 @@ struct InitOptions {
   MeshScale used_scale;
   std::optional<double> threshold_hu;
   double voxel_mm = 0.4;
+  std::vector<std::string> overrides;
   bool overwrite = false;
 };
 
@@ -179,6 +180,8 @@ std::string beside(const std::string& path, const std::string& scenario) {
 BoneSettings settings_of(const InitOptions& options) {
   std::vector<std::string> more{"bone.surface_voxels=partial"};
   if (!options.side.empty()) more.push_back("bone.side=" + options.side);
+  const std::vector<std::string> set = bone_keys(options.overrides);
+  more.insert(more.end(), set.begin(), set.end());
   return first_bone(options.input, options.voxel_mm, options.used_scale.scale,
                     options.threshold_hu.value_or(kThreshold_hu), more);
 }
@@ -186,9 +189,11 @@ BoneSettings settings_of(const InitOptions& options) {
 /// The point of the options; without one it is searched. Rounded as it is written, so that a run of the scenario finds
 /// what is found here: on some bones the face depends on the last digit.
 Vec3 near_of(const InitOptions& options, Diagnostics& report) {
-  const Vec3 near_mm = options.near_mm.empty()
-                           ? locate_glenoid(settings_of(options), report)
-                           : Vec3(options.near_mm.at(0), options.near_mm.at(1), options.near_mm.at(2));
+  const BoneSettings settings = settings_of(options);
+  const Vec3 near_mm = !options.near_mm.empty()
+                           ? Vec3(options.near_mm.at(0), options.near_mm.at(1), options.near_mm.at(2))
+                       : settings.glenoid.near_mm ? *settings.glenoid.near_mm
+                                                  : locate_glenoid(settings, report);
   return (near_mm * 100).array().round() / 100;
 }
 
@@ -251,7 +256,7 @@ void check_plunge(const LoadedBone& loaded, const PlungeSettings& plunge, const 
 
 /// Throws InputError for an input that is neither scan nor mesh, and for options that it cannot use.
 void check_input(const InitOptions& options) {
-  const BoneSource source = source_by_name(options.input);
+  const BoneSource source = source_of_file(options.input);
   if (source == BoneSource::vdb) {
     throw InputError({options.input, 0, 0}, "", "is a VDB file", "expected a CT or a mesh");
   }
@@ -263,7 +268,15 @@ void check_input(const InitOptions& options) {
   }
 }
 
+/// What `--set` says beside an option of its own.
+void take_overrides(InitOptions& options) {
+  options.scale = scale_of(options.scale, options.overrides);
+  const auto side = value_set(options.overrides, "bone.side");
+  if (options.side.empty() && side) options.side = *side;
+}
+
 void init_command(InitOptions options, const Console& console) {
+  take_overrides(options);
   check_input(options);
   require_replaceable_file(options.output, "-o", options.overwrite, is_first_scenario, {options.input, options.tool});
   const std::string tool = tool_of(options);
@@ -280,7 +293,7 @@ void init_command(InitOptions options, const Console& console) {
                       .plunge = first_plunge()};
   check_plunge(loaded, first.plunge, tool, report);
   first.bone.side = side_of(options, loaded);
-  replace_file(options.output, text_of(first));
+  replace_file(options.output, with_keys(text_of(first), options.overrides));
   for (const std::string& note : report.notes) console.say(note);
   report.notes.clear();
   console.print(report);
@@ -315,6 +328,12 @@ void add_init_command(CLI::App& app, Console& console) {
       ->check(CLI::Range(1e-6, 1e6));
   command->add_option("--threshold-hu", options->threshold_hu, "CT only: bone threshold, HU (default: 200)");
   command->add_option("--voxel-mm", options->voxel_mm, "Edge length of a voxel")->check(CLI::Range(0.01, 5.0));
+  command
+      ->add_option("--set", options->overrides,
+                   "Set a key of the scenario, for example bone.mesh.repair=true; repeatable")
+      ->type_name("KEY.PATH=VALUE")
+      ->expected(1)
+      ->take_all();
   command->add_flag("--overwrite", options->overwrite, "Replace a scenario that init wrote");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { init_command(*options, console); });

@@ -107,11 +107,15 @@ void require_scale(const std::string& path, double scale, const std::string& wha
   require_length(path, length_of(read_mesh(path, scale).bounds()), scale, what_to_set);
 }
 
+bool is_likely_length(const Aabb& bounds_mm) {
+  return kAnySolid.contains(length_of(bounds_mm));
+}
+
 void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scale, bool has_glenoid,
                      Diagnostics& report) {
   const double length_mm = length_of(bounds_mm);
   if (has_glenoid) return require_length(path, length_mm, scale, kSetScale);
-  if (kAnySolid.contains(length_mm)) return;
+  if (is_likely_length(bounds_mm)) return;
   report.warn(fmt::format("{}: the mesh is {:.3g} mm long; if that is wrong, {}", path, length_mm,
                           scale_advice(length_mm / scale, kSetScale)));
 }

@@ -26,6 +26,11 @@ enum class BoneSource { phantom, ct, mesh, vdb };
 template <>
 inline constexpr auto kChoiceNames<BoneSource> = name_list("phantom", "ct", "mesh", "vdb");
 
+/// The frame of a mesh's coordinates. file: as its header says; without a statement they are taken as they stand.
+enum class MeshFrame { file, lps, ras };
+template <>
+inline constexpr auto kChoiceNames<MeshFrame> = name_list("file", "lps", "ras");
+
 enum class BodySide { unknown, left, right };
 template <>
 inline constexpr auto kChoiceNames<BodySide> = name_list("", "left", "right");

@@ -234,15 +234,23 @@ void describe_phantom(KeyVisitor& v, PhantomSettings& phantom) {
 void describe_mesh(KeyVisitor& v, MeshBoneSettings& mesh) {
   v.text({.name = "path", .doc = "STL, OBJ or PLY", .required = true, .text = TextKind::input_file}, mesh.path);
   v.number({.name = "scale", .doc = "File units to mm", .range = kFileUnit}, mesh.scale);
+  v.choice(
+      {.name = "frame",
+       .doc = "Frame of the coordinates in the file; in the bone frame they are LPS. file: as its header says "
+              "(`SPACE=RAS`), and as they stand where it says nothing; ras: x and y are negated; lps: as they stand"},
+      mesh.frame);
   v.number({.name = "cortical_mm", .doc = "Thickness of the cortical shell", .range = between(0, 50)},
            mesh.cortical_mm);
   v.number({.name = "cortical_hu", .doc = "HU of the shell", .range = kHu}, mesh.cortical_hu);
   v.number({.name = "trabecular_hu", .doc = "HU of the interior", .range = kHu}, mesh.trabecular_hu);
-  v.flag(
-      {.name = "repair",
-       .doc =
-           "Repair an open, non-manifold or inconsistently oriented mesh as far as possible, and report what was done"},
-      mesh.repair);
+  v.flag({.name = "repair",
+          .doc = "Close the holes of a mesh and turn its triangles alike, and report what was done. Small holes need "
+                 "no repair"},
+         mesh.repair);
+  v.number({.name = "repair_change_percent",
+            .doc = "The most by which a repair may change the volume, in percent of it",
+            .range = between(0, 1000)},
+           mesh.repair_change_percent);
 }
 
 void describe_vdb(KeyVisitor& v, VdbBoneSettings& vdb) {

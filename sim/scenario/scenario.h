@@ -125,10 +125,12 @@ struct CtSettings {
 struct MeshBoneSettings {
   std::string path;
   double scale = 1;  ///< file units to mm
+  MeshFrame frame = MeshFrame::file;
   double cortical_mm = 1.5;
   double cortical_hu = 1500;
   double trabecular_hu = 300;
   bool repair = false;
+  double repair_change_percent = 1;  ///< the most by which a repair may change the volume
 };
 
 struct VdbBoneSettings {
