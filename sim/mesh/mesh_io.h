@@ -17,7 +17,7 @@ namespace reamsim {
 TriangleMesh read_mesh(const std::string& path, double scale);
 
 /// Writes a binary STL (mm). Throws RunError when the file cannot be written.
-void write_stl(const std::string& path, const TriangleMesh& mesh);
+void write_stl(const std::string& path, const TriangleMesh& mesh, const std::string& space = "");
 
 // A binary STL.
 inline constexpr std::size_t kStlHeaderBytes = 84;
