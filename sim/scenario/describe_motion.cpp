@@ -127,7 +127,7 @@ void describe_transform(KeyVisitor& v, TransformSettings& transform) {
                         transform.quaternion);
   v.points({.name = "rotation",
             .doc = "Rotation: the three rows of its matrix",
-            .range = between(-1.01, 1.01),
+            .range = between(-1.001, 1.001),
             .least_points = 3},
            transform.rotation);
   v.group({.names = {"quaternion", "rotation"}, .one_needed = false});
@@ -175,7 +175,7 @@ void describe_csv(KeyVisitor& v, CsvMotionSettings& csv) {
   v.choice({.name = "decimal", .doc = "Decimal mark of numbers"}, csv.decimal);
   v.integer({.name = "skip_lines",
              .doc = "Lines before the header that are skipped. Lines that begin with # always are",
-             .range = between(0, 100000)},
+             .range = between(0, 10000)},
             csv.skip_lines);
   describe_columns(v, csv);
   v.number({.name = "max_gap_s",

@@ -4,7 +4,9 @@
 // A recorded path from the log of a tracker: the same motion as keyframes removes the same bone.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <random>
 
 #include "sim/base/geometry.h"
