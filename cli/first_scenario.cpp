@@ -58,18 +58,45 @@ std::string mesh_text(const MeshBoneSettings& mesh, const std::string& scale_not
       shortest_text(mesh.cortical_hu), shortest_text(mesh.trabecular_hu));
 }
 
+/// A point with all its digits, so that the run is that of the landmarks as they are.
+std::string exact_vector(const Vec3& v) {
+  return fmt::format("[{}, {}, {}]", shortest_text(v.x()), shortest_text(v.y()), shortest_text(v.z()));
+}
+
+/// What gives the superior direction; `found`: that of the frame.
+std::string superior_text(const FirstScenario& first, const Vec3& found) {
+  const GlenoidSettings& glenoid = first.bone.glenoid;
+  if (const auto& marks = glenoid.landmarks) {
+    return fmt::format(
+        "    landmarks:              # for the superior direction and the scapular frame\n"
+        "      glenoid_center_mm: {}\n      trigonum_spinae_mm: {}\n      inferior_angle_mm: {}\n",
+        exact_vector(marks->glenoid_center_mm), exact_vector(marks->trigonum_spinae_mm),
+        exact_vector(marks->inferior_angle_mm));
+  }
+  if (glenoid.superior) return "    superior: " + exact_vector(*glenoid.superior) + "   # towards the superior point\n";
+  const char* text = first.bone.source == BoneSource::mesh
+                         ? "    superior: {}   # towards the narrow end of the face: check it\n"
+                         : "    # superior: {}\n";
+  return fmt::format(fmt::runtime(text), yaml_vector(found, 4));
+}
+
+std::string rim_text(const std::vector<Vec3>& rim_mm) {
+  if (rim_mm.empty()) return "";
+  std::string out = "    rim_mm:                 # of the face before reaming\n";
+  for (const Vec3& p : rim_mm) out += "      - " + exact_vector(p) + "\n";
+  return out;
+}
+
 std::string glenoid_text(const FirstScenario& first) {
   if (!first.bone.glenoid.near_mm || !first.glenoid) return "";
+  const GlenoidSettings& glenoid = first.bone.glenoid;
   const Mat3 axes = first.glenoid->linear();
-  const char* superior = first.bone.source == BoneSource::mesh
-                             ? "    superior: {}   # towards the narrow end of the face: check it\n"
-                             : "    # superior: {}\n";
   return fmt::format(
              "  glenoid:\n    near_mm: {}   # the face is found round this point\n"
              "    # Found: center_mm: {}, normal: {}.\n",
-             yaml_vector(*first.bone.glenoid.near_mm, 2), yaml_vector(first.glenoid->translation(), 2),
+             yaml_vector(*glenoid.near_mm, 2), yaml_vector(first.glenoid->translation(), 2),
              yaml_vector(axes.col(2), 4)) +
-         fmt::format(fmt::runtime(superior), yaml_vector(axes.col(1), 4));
+         superior_text(first, axes.col(1)) + rim_text(glenoid.rim_mm);
 }
 
 std::string bone_text(const FirstScenario& first) {

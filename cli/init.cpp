@@ -13,6 +13,7 @@
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/first_scenario.h"
+#include "cli/landmark_roles.h"
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -150,6 +151,9 @@ struct InitOptions {
   std::string input;
   std::string output;
   std::vector<double> near_mm;
+  std::vector<std::string> markups;
+  std::vector<std::string> points;  ///< "ROLE=LABEL"
+  GlenoidSettings landmarks;        ///< of the markups
   std::string side;
   std::string tool;
   std::optional<double> scale;
@@ -199,6 +203,7 @@ Vec3 near_of(const InitOptions& options, Diagnostics& report) {
 
 BoneSettings settings_near(const InitOptions& options, const Vec3& near_mm) {
   BoneSettings out = settings_of(options);
+  out.glenoid = options.landmarks;
   out.glenoid.near_mm = near_mm;
   if (out.side == BodySide::unknown) out.side = BodySide::left;  // of a CT the normal says it
   if (out.source == BoneSource::ct) crop_round_glenoid(out.ct, near_mm);
@@ -254,6 +259,19 @@ void check_plunge(const LoadedBone& loaded, const PlungeSettings& plunge, const 
   warn_of_contact(scene, forecast_contact(scene), report);
 }
 
+/// Takes the landmarks of the markups, and says which.
+void read_landmarks(InitOptions& options, const Console& console) {
+  if (options.markups.empty()) return;
+  FoundLandmarks found =
+      find_landmarks(options.markups, options.points, from_name<BodySide>(options.side).value_or(BodySide::unknown));
+  if (found.center && !options.near_mm.empty()) {
+    throw InputError({}, "--near", "given beside the centre of the glenoid in the markups", "leave one of them out");
+  }
+  if (found.center) options.near_mm.assign(found.center->begin(), found.center->end());
+  apply_landmarks(found, options.landmarks);
+  for (const std::string& line : found.found) console.say("markups: " + line);
+}
+
 /// Throws InputError for an input that is neither scan nor mesh, and for options that it cannot use.
 void check_input(const InitOptions& options) {
   const BoneSource source = source_of_file(options.input);
@@ -278,8 +296,11 @@ void take_overrides(InitOptions& options) {
 void init_command(InitOptions options, const Console& console) {
   take_overrides(options);
   check_input(options);
-  require_replaceable_file(options.output, "-o", options.overwrite, is_first_scenario, {options.input, options.tool});
+  std::vector<std::string> inputs{options.input, options.tool};
+  inputs.insert(inputs.end(), options.markups.begin(), options.markups.end());
+  require_replaceable_file(options.output, "-o", options.overwrite, is_first_scenario, inputs);
   const std::string tool = tool_of(options);
+  read_landmarks(options, console);
   options.used_scale = mesh_scale(options.input, options.scale, console);
   Diagnostics report;
   const PrintOnError warnings_of_error(report, console);
@@ -320,6 +341,23 @@ void add_init_command(CLI::App& app, Console& console) {
       ->type_name("X,Y,Z")
       ->delimiter(',')
       ->expected(3);
+  auto* markups =
+      command
+          ->add_option("--markups", options->markups,
+                       "Landmarks of 3D Slicer (.mrk.json, .fcsv), found by their labels: glenoid centre, superior, "
+                       "trigonum spinae, inferior angle, rim; repeatable")
+          ->type_name("FILE")
+          ->check(refuse_empty)
+          ->expected(1)
+          ->take_all();
+  command
+      ->add_option(
+          "--point", options->points,
+          "The point of the markups with this label is center, superior, trigonum, inferior_angle or rim; repeatable")
+      ->type_name("ROLE=LABEL")
+      ->needs(markups)
+      ->expected(1)
+      ->take_all();
   command->add_option("--side", options->side, "Shoulder side, left or right (CT default: from the face normal)")
       ->check(CLI::IsMember({"left", "right"}));
   command->add_option("--tool", options->tool, "Mesh of the reamer; without it the convex reamer of reamsim")

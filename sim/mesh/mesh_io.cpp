@@ -209,8 +209,9 @@ TriangleMesh read_mesh(const std::string& path, double scale) {
   return read_mesh_contents(path, scale).mesh;
 }
 
-void write_stl(const std::string& path, const TriangleMesh& mesh) {
+void write_stl(const std::string& path, const TriangleMesh& mesh, const std::string& space) {
   std::string bytes = "reamsim, mm";  // not "solid", which marks an ASCII STL
+  if (!space.empty()) bytes += ", SPACE=" + space;
   bytes.resize(kStlHeaderBytes - 4, ' ');
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   bytes.append(reinterpret_cast<const char*>(&count), sizeof count);

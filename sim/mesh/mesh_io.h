@@ -29,6 +29,6 @@ MeshContents read_mesh_contents(const std::string& path, double scale);
 TriangleMesh read_mesh(const std::string& path, double scale);
 
 /// Writes a binary STL (mm). Throws RunError when the file cannot be written.
-void write_stl(const std::string& path, const TriangleMesh& mesh);
+void write_stl(const std::string& path, const TriangleMesh& mesh, const std::string& space = "");
 
 }  // namespace reamsim

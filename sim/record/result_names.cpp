@@ -29,7 +29,8 @@ Names names_of_run() {
       "CITATION\\.txt|scenario\\.yaml|summary\\.json|verification\\.json|timings\\.csv|report\\.html|segmentation\\."
       "png|contact_"
       "sheet\\.png|"
-      "forces\\.(csv|gp|png|svg|pdf)|force_basis\\.npy|events\\.csv|depth_map\\.(csv|png)|clearance\\.csv|reamed\\.("
+      "forces\\.(csv|gp|png|svg|pdf)|force_basis\\.npy|events\\.csv|depth_map\\.(csv|png)|clearance\\.csv|planning\\."
+      "mrk\\.json|reamed\\.("
       "vdb|vti|glb|stl)|"
       "(reamed|turntable)\\.(mp4|webp|apng)|snapshots/([0-9]+\\.vdb|tool(_[0-9]+)?\\.stl)|turntable/[0-9]+\\.png|"
       "plots/(forces_decimated|forces_depth|energy|removed_density|spectrum|push|deflection)\\.(csv|gp|png|svg|pdf)";

@@ -56,7 +56,8 @@ void write_scenario(const std::string& dir, const SimulationInput& scene, const 
 /// be read.
 bool is_result_of(const std::string& dir, const Scenario& scenario);
 
-/// Writes reamed.vdb, reamed.vti and depth_map.csv into `dir`. Throws RunError when the disk is full.
+/// Writes reamed.vdb, reamed.vti, depth_map.csv and planning.mrk.json into `dir`. Throws RunError when the disk is
+/// full.
 void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
                    const RunFacts& facts);
 

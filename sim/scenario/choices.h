@@ -92,6 +92,32 @@ enum class PushEnd { depth, time, stall };
 template <>
 inline constexpr auto kChoiceNames<PushEnd> = name_list("depth", "time", "stall");
 
+/// The layout of a recording of poses.
+enum class PoseFormat { csv, tum };
+template <>
+inline constexpr auto kChoiceNames<PoseFormat> = name_list("csv", "tum");
+
+enum class Separator { comma, semicolon, tab, space };
+template <>
+inline constexpr auto kChoiceNames<Separator> = name_list("comma", "semicolon", "tab", "space");
+
+enum class DecimalMark { point, comma };
+template <>
+inline constexpr auto kChoiceNames<DecimalMark> = name_list("point", "comma");
+
+enum class LengthUnit { mm, cm, m, um, in };
+template <>
+inline constexpr auto kChoiceNames<LengthUnit> = name_list("mm", "cm", "m", "um", "in");
+
+enum class TimeUnit { s, ms, us, ns };
+template <>
+inline constexpr auto kChoiceNames<TimeUnit> = name_list("s", "ms", "us", "ns");
+
+/// The order of the components of a quaternion.
+enum class QuaternionOrder { wxyz, xyzw };
+template <>
+inline constexpr auto kChoiceNames<QuaternionOrder> = name_list("wxyz", "xyzw");
+
 enum class EngineKind { automatic, exact, bricked, direct, octree, implicit };
 template <>
 inline constexpr auto kChoiceNames<EngineKind> = name_list("auto", "exact", "bricked", "direct", "octree", "implicit");

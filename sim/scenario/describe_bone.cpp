@@ -27,18 +27,23 @@ void describe_density(KeyVisitor& v, DensitySettings& density) {
 namespace {
 
 void describe_landmarks(KeyVisitor& v, LandmarkSettings& landmarks) {
-  v.vector(
-      {.name = "glenoid_center_mm", .doc = "Centre of the glenoid, bone frame", .required = true, .range = kPosition},
-      landmarks.glenoid_center_mm);
+  v.vector({.name = "glenoid_center_mm",
+            .doc = "Centre of the glenoid, bone frame",
+            .required = true,
+            .range = kPosition,
+            .point = true},
+           landmarks.glenoid_center_mm);
   v.vector({.name = "trigonum_spinae_mm",
             .doc = "Where the scapular spine meets the medial border, bone frame",
             .required = true,
-            .range = kPosition},
+            .range = kPosition,
+            .point = true},
            landmarks.trigonum_spinae_mm);
   v.vector({.name = "inferior_angle_mm",
             .doc = "Lowest point of the scapula, bone frame",
             .required = true,
-            .range = kPosition},
+            .range = kPosition,
+            .point = true},
            landmarks.inferior_angle_mm);
 }
 
@@ -46,10 +51,12 @@ void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
   v.optional_vector({.name = "near_mm",
                      .doc = "A point within 8 mm of the centre of the face, bone frame. The face is found round it: "
                             "centre and normal, and superior too unless superior or landmarks give it",
-                     .range = kPosition},
+                     .range = kPosition,
+                     .point = true},
                     glenoid.near_mm);
-  v.optional_vector({.name = "center_mm", .doc = "Origin of the glenoid frame, bone frame", .range = kPosition},
-                    glenoid.center_mm);
+  v.optional_vector(
+      {.name = "center_mm", .doc = "Origin of the glenoid frame, bone frame", .range = kPosition, .point = true},
+      glenoid.center_mm);
   v.optional_vector({.name = "normal",
                      .doc = "Out of the bone, along the face normal (+z of the glenoid frame)",
                      .range = kComponent,
@@ -68,6 +75,7 @@ void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
             .doc = "Points on the rim of the face before reaming, bone frame, in order around it, at least 6. They "
                    "delimit the face whose orientation and area are measured. A glenoid or cup phantom has its own",
             .range = kPosition,
+            .point = true,
             .least_points = kLeastRimPoints},
            glenoid.rim_mm);
   v.group({.names = {"near_mm", "center_mm"}, .one_needed = false});
@@ -263,7 +271,8 @@ void describe_vdb(KeyVisitor& v, VdbBoneSettings& vdb) {
 
 void describe_pilot_hole(KeyVisitor& v, PilotHoleSettings& hole) {
   v.number({.name = "diameter_mm", .doc = "Diameter of the hole", .range = between(0.01, 30)}, hole.diameter_mm);
-  v.vector({.name = "entry_mm", .doc = "Start of the axis of the hole", .range = kPosition}, hole.entry_mm);
+  v.vector({.name = "entry_mm", .doc = "Start of the axis of the hole", .range = kPosition, .point = true},
+           hole.entry_mm);
   v.vector({.name = "axis", .doc = "Direction of drilling", .range = kComponent, .nonzero = true}, hole.axis);
   v.number({.name = "depth_mm", .doc = "Depth of the hole from entry_mm", .range = between(0.01, 500)}, hole.depth_mm);
   v.choice({.name = "frame", .doc = "Frame of entry_mm and axis"}, hole.frame);

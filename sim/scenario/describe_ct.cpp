@@ -42,15 +42,16 @@ void describe_hu(KeyVisitor& v, HuSettings& hu) {
 }
 
 void describe_cut_sphere(KeyVisitor& v, CutSphereSettings& sphere) {
-  v.vector({.name = "center_mm", .doc = "LPS", .required = true, .range = kPosition}, sphere.center_mm);
+  v.vector({.name = "center_mm", .doc = "LPS", .required = true, .range = kPosition, .point = true}, sphere.center_mm);
   v.number(
       {.name = "radius_mm", .doc = "Bone inside the sphere is removed", .required = true, .range = between(0.01, 500)},
       sphere.radius_mm);
 }
 
 void describe_cut_plane(KeyVisitor& v, CutPlaneSettings& plane) {
-  v.vector({.name = "point_mm", .doc = "A point of the plane, LPS", .required = true, .range = kPosition},
-           plane.point_mm);
+  v.vector(
+      {.name = "point_mm", .doc = "A point of the plane, LPS", .required = true, .range = kPosition, .point = true},
+      plane.point_mm);
   v.vector({.name = "normal",
             .doc = "Normal of the plane; bone on the side to which it points is removed",
             .required = true,
@@ -87,6 +88,7 @@ void describe_segmentation(KeyVisitor& v, CtSettings& ct) {
   v.optional_vector({.name = "seed_mm",
                      .doc = "Point inside the connected piece to keep, LPS; without it the largest piece is kept",
                      .range = kPosition,
+                     .point = true,
                      .unless = kLabels},
                     ct.seed_mm);
   v.choice(
@@ -125,12 +127,16 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
             .doc = "DICOM slices whose spacing changes, or that are missing; resample: interpolated at the finest "
                    "spacing, with a warning"},
            ct.uneven);
-  v.optional_vector(
-      {.name = "crop_min_mm", .doc = "Lower corner of the crop, LPS; with crop_max_mm", .range = between(-10000, 9990)},
-      ct.crop_min_mm);
-  v.optional_vector(
-      {.name = "crop_max_mm", .doc = "Upper corner of the crop, LPS; with crop_min_mm", .range = between(-9990, 10000)},
-      ct.crop_max_mm);
+  v.optional_vector({.name = "crop_min_mm",
+                     .doc = "Lower corner of the crop, LPS; with crop_max_mm",
+                     .range = between(-10000, 9990),
+                     .point = true},
+                    ct.crop_min_mm);
+  v.optional_vector({.name = "crop_max_mm",
+                     .doc = "Upper corner of the crop, LPS; with crop_min_mm",
+                     .range = between(-9990, 10000),
+                     .point = true},
+                    ct.crop_max_mm);
   v.choice({.name = "filter", .doc = "Noise filter before thresholding"}, ct.filter);
   v.integer({.name = "median_radius_voxels", .doc = "Used by `filter: median` only", .range = between(1, 10)},
             ct.median_radius_voxels);

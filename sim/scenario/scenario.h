@@ -314,6 +314,13 @@ struct OutputSettings {
   double checkpoint_s = 60;  ///< wall time between two checkpoints of a run; 0: none
 };
 
+/// A key whose points come from a markups file of 3D Slicer (sim/scenario/markups.h). Its value is that of the numbers.
+struct MarkupsSource {
+  std::string key;    ///< as for KeyLocations
+  std::string path;   ///< absolute
+  std::string found;  ///< for a note: which points, and the frame of the file
+};
+
 /// The version of the format that is written. Version 1 is read as well: see migrate().
 constexpr int kScenarioVersion = 2;
 
@@ -331,6 +338,7 @@ struct Scenario {
   MetricSettings metrics;
   RenderSettings render;
   OutputSettings output;
+  std::vector<MarkupsSource> markups;
   std::vector<std::string> notes;  ///< keys of older versions of the format that were migrated or have no effect
 };
 

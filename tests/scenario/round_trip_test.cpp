@@ -167,6 +167,37 @@ TEST_F(RoundTrip, OddTexts) {
   EXPECT_EQ(parse(to_yaml(s)).tool.mesh, s.tool.mesh);
 }
 
+TEST_F(RoundTrip, RecordedPoses) {
+  write("poses.txt", "x");
+  const std::vector<std::string> csv{"motion.keyframes=null", "motion.csv.path=poses.txt"};
+  const auto with_csv = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), csv.begin(), csv.end());
+    return more;
+  };
+  EXPECT_THAT(resolved(kValid, csv), HasSubstr("    separator: comma\n"));
+  const std::string tum = resolved(kValid, with_csv({"motion.csv.format=tum"}));
+  EXPECT_THAT(tum, HasSubstr("    separator: space\n"));
+  EXPECT_THAT(
+      tum, HasSubstr("    time_column: 1\n    time_unit: s\n    position_columns: [2, 3, 4]\n    position_unit: m\n"));
+  EXPECT_THAT(tum, HasSubstr("    quaternion_columns: [5, 6, 7, 8]\n    quaternion_order: xyzw\n"));
+  const Scenario s = parse(resolved(
+      kValid,
+      with_csv(
+          {"motion.csv.position_columns=[Tx, \"T y\", 4]", "motion.csv.max_gap_s=0.1",
+           "motion.csv.bone_from_tracker={translation_mm: [1, 2, 3], rotation: [[0, -1, 0], [1, 0, 0], [0, 0, 1]]}",
+           "motion.csv.marker_from_tool.quaternion=[0.6, 0.8, 0, 0]"})));
+  EXPECT_EQ(s.motion.csv->position_columns, (std::vector<std::string>{"Tx", "T y", "4"}));
+  EXPECT_NEAR((s.motion.csv->bone_from_tracker->rigid() * Vec3(1, 0, 0) - Vec3(1, 3, 3)).norm(), 0, 1e-15);
+  const auto said = [&](const std::string& more) { return complaint(kValid, with_csv({more})); };
+  EXPECT_THAT(said("motion.csv.position_columns=[a, b]"), HasSubstr("found a list of 2; expected 3 names or numbers"));
+  EXPECT_THAT(said("motion.csv.quaternion_columns=[0, 1, 2, 3]"), HasSubstr("found column 0; expected numbers from 1"));
+  EXPECT_THAT(said("motion.csv.decimal=comma"), HasSubstr("which separates the columns"));
+  EXPECT_THAT(said("motion.csv.bone_from_tracker.rotation=[[1, 0, 0], [0, 1, 0], [0, 0, -1]]"),
+              HasSubstr("a reflection"));
+  EXPECT_THAT(said("motion.csv.bone_from_tracker.rotation=[[1, 0, 0], [0, 1, 0], [0, 0.5, 1]]"),
+              HasSubstr("not perpendicular"));
+}
+
 TEST_F(RoundTrip, InputFilesAreNamed) {
   write("scan.nrrd", "x");
   write("poses.csv", "x");
