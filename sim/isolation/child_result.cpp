@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/process.h"
 
 namespace reamsim {
 
@@ -33,7 +34,10 @@ SharedMemory::SharedMemory(std::uint64_t result_bytes) : capacity_(std::max(resu
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free);  // between processes
   // System V memory: for files in memory the limit of file sizes counts, which this process may have itself.
   for (; memory_ == nullptr; capacity_ /= 2) {
-    if (capacity_ < kLeastResult) throw RunError("no memory to read files in a child process");
+    if (capacity_ < kLeastResult) {
+      const std::string limit = address_space_note();
+      throw RunError("no memory to read files in a child process" + (limit.empty() ? "" : "; " + limit + ": raise it"));
+    }
     id_ = shmget(IPC_PRIVATE, kHeadBytes + capacity_, IPC_CREAT | SHM_NORESERVE | 0600);
     if (id_ < 0) continue;
     void* memory = shmat(id_, nullptr, 0);

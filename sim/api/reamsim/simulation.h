@@ -39,7 +39,7 @@ class RunFailure : public Error {
   using Error::Error;
 };
 
-/// The caller ended a run. The message says what is kept, and whether RunOptions::resume continues it.
+/// RunOptions::stop ended a run. The message says which results are kept, and whether RunOptions::resume continues it.
 class Stopped : public Error {
   using Error::Error;
 };
@@ -160,7 +160,7 @@ struct RunOptions {
   std::string dir{};               ///< the results folder; "": output.dir of the scenario, else out/NAME
   bool overwrite = false;          ///< results of an older run in the folder are replaced once this one succeeds
   bool resume = false;             ///< an interrupted run in the folder is continued from its checkpoint
-  /// Finished frames of all. Called several times a second, on the thread that runs.
+  /// Numbers of finished frames and of all frames. Called several times a second, on the calling thread.
   std::function<void(std::int64_t done, std::int64_t total)> progress{};
   /// Called several times a second; where it returns true, the run ends, with a checkpoint: Stopped.
   std::function<bool()> stop{};
@@ -172,8 +172,8 @@ struct RunResults {
   std::vector<std::string> warnings;  ///< as of `reamsim run`, one text per warning
 };
 
-/// Runs a scenario into a results folder: the files of `reamsim run` to the byte, but for pictures, plots, meshes and
-/// the report, which `reamsim render DIR` makes. `scenario`: as for Simulation. Throws BadInput; RunFailure; Stopped.
+/// Runs a scenario and writes the files of `reamsim run`, except pictures, plots, meshes and the report, which
+/// `reamsim render DIR` adds. `scenario`: as for Simulation. Throws BadInput; RunFailure; Stopped.
 /// On an error the folder is left as `reamsim run` leaves it (docs/results.md).
 RunResults run_scenario(const std::string& scenario, const RunOptions& options = {});
 
