@@ -157,8 +157,8 @@ BoneMesh read_bone_mesh(const BoneSettings& settings, Diagnostics& report) {
   const MeshBoneSettings& source = settings.mesh;
   require_mesh(source.path, "bone.mesh.path");
   MeshContents contents = read_mesh_contents(source.path, source.scale);
-  for (const std::string& warning : contents.warnings) report.warn(source.path + ": " + warning);
-  for (const std::string& note : contents.notes) report.note(source.path + ": " + note);
+  for (const std::string& warning : contents.warnings) report.warn("bone.mesh.path: " + warning);
+  for (const std::string& note : contents.notes) report.note("bone.mesh.path: " + note);
   bring_into_lps(contents, source.frame, source.path, "bone.mesh.frame", report);
   BoneMesh out{.mesh = std::move(contents.mesh)};
   const Aabb box = out.mesh.bounds();

@@ -520,5 +520,19 @@ TEST_F(MeshBone, RealDirtyScapula) {
   EXPECT_THAT(report_.warnings, Contains(HasSubstr("mesh repaired")));
 }
 
+TEST_F(MeshFrames, OddFilesOfOtherPrograms) {
+  constexpr double kTruth_mm3 = 7187;
+  for (const char* name : {"slicer_space_ras.stl", "corners_differ.stl", "upper_case.stl", "count_zero.stl"}) {
+    BoneSettings settings;
+    settings.source = BoneSource::mesh;
+    settings.voxel_mm = 0.4;
+    settings.surface_voxels = SurfaceVoxels::partial;
+    settings.mesh.path = data_file(std::string("odd_files/") + name);
+    if (!std::filesystem::exists(settings.mesh.path)) GTEST_SKIP() << "no " << settings.mesh.path;
+    EXPECT_LT((centre_of(settings) - Vec3(10, -20, 30)).norm(), 2.5) << name;
+    EXPECT_NEAR(load_bone(settings, report_).view().bone_mm3(), kTruth_mm3, 0.01 * kTruth_mm3) << name;
+  }
+}
+
 }  // namespace
 }  // namespace reamsim::test
