@@ -39,7 +39,6 @@ class DicomScan : public ScanSource {
     if (static_cast<std::size_t>(stack_.files) != slices) out += std::to_string(slices) + " frames, ";
     return out + stack_.pixel_type;
   }
-  [[nodiscard]] bool is_unsigned() const override { return stack_.pixel_type.starts_with("uint"); }
   [[nodiscard]] double kvp() const override { return stack_.kvp; }
 
   [[nodiscard]] Scan read(const IndexBox& box) const override {

@@ -10,9 +10,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <numeric>
-#include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,13 +20,13 @@
 #include "sim/scan/dicom_files.h"
 #include "sim/scan/dicom_frames.h"
 #include "sim/scan/dicom_header.h"
+#include "sim/scan/dicom_seg_planes.h"
 #include "sim/scan/dicom_syntax.h"
 #include "sim/scan/dicom_values.h"
 #include "sim/scan/image_io.h"
 #include "sim/scan/scan.h"
 #include "sim/scan/scan_transfer.h"
 #include "sim/scan/segment.h"
-#include "sim/scan/slice_spacing.h"
 
 namespace reamsim::ct {
 
@@ -51,10 +48,6 @@ constexpr DicomTag kSegPixels{0x7fe0, 0x0010};
 bool is_segmentation(const DicomHeader& header) {
   return header.modality == "SEG" || header.sop_class == "1.2.840.10008.5.1.4.1.1.66.4" ||
          header.sop_class == "1.2.840.10008.5.1.4.1.1.66.7";
-}
-
-InputError bad_seg(const std::string& path, const std::string& key, const std::string& found) {
-  return {{path}, key, found, "export the segmentation again, or save it as NRRD (3D Slicer)"};
 }
 
 /// A text of any character set as UTF-8; other sets than UTF-8 and Latin-1 lose their special characters.
@@ -96,11 +89,9 @@ class SegFile {
     const DicomValues values(reader_.GetFile().GetDataSet());
     type_ = values.text(kSegmentationType);
     read_segments(values);
-    for (const DicomHeader& frame : frames_) {
-      if (frame.frame >= 0 && frame.position_mm && frame.axes && frame.pixel_spacing_mm) continue;
-      throw bad_seg(path, key, fmt::format("frame {} does not say where it lies", std::max(frame.frame, 0) + 1));
-    }
-    set_planes();
+    SegPlanes planes = seg_planes(frames_, path, key);
+    geometry_ = planes.geometry;
+    plane_ = std::move(planes.plane_of_frame);
     open_pixels(values);
   }
 
@@ -179,81 +170,6 @@ class SegFile {
           side.empty() ? std::to_string(segment.number) : utf8_text(side.front(), kCodeMeaning, set);
       segment.name += " (" + more + ")";
     }
-  }
-
-  /// The evenly spaced planes on which the frames lie; SEG leaves empty ones out.
-  void set_planes() {
-    const DicomHeader& first = frames_.front();
-    const Vec3 normal = first.normal();
-    std::vector<double> heights;
-    for (const DicomHeader& frame : frames_) {
-      if ((*frame.axes - *first.axes).cwiseAbs().maxCoeff() > 1e-3 ||
-          (*frame.pixel_spacing_mm - *first.pixel_spacing_mm).cwiseAbs().maxCoeff() > 1e-3) {
-        throw bad_seg(path_, key_, "its frames differ in orientation or pixel spacing");
-      }
-      heights.push_back(normal.dot(*frame.position_mm));
-    }
-    const double lowest = std::ranges::min(heights);
-    const double step = plane_step(heights, first.slice_spacing_mm);
-    std::map<int, Vec3> positions;
-    for (std::size_t n = 0; n < frames_.size(); ++n) {
-      plane_.push_back(static_cast<int>(std::lround((heights[n] - lowest) / step)));
-      positions.emplace(plane_.back(), *frames_[n].position_mm);
-    }
-    geometry_.dims = Vec3i(first.columns, first.rows, positions.rbegin()->first + 1);
-    geometry_.step_mm.col(0) = first.axes->col(0) * first.pixel_spacing_mm->x();
-    geometry_.step_mm.col(1) = first.axes->col(1) * first.pixel_spacing_mm->y();
-    geometry_.step_mm.col(2) = step * normal;
-    geometry_.origin_mm = positions.begin()->second;
-    if (positions.size() > 1) {
-      std::vector<Vec3> place;
-      std::vector<double> at;
-      for (const auto& [plane, position] : positions) {
-        place.push_back(position);
-        at.push_back(plane);
-      }
-      const SliceLine line = line_through(place, at);
-      geometry_.step_mm.col(2) = line.step_mm;
-      geometry_.origin_mm = line.point_mm;
-    }
-    check_planes();
-  }
-
-  void check_planes() const {
-    if (!is_plausible(geometry_)) throw bad_seg(path_, key_, "voxel spacing or axes are degenerate");
-    check_fits_in_memory(static_cast<double>(geometry_.size()), sizeof(float), path_, key_);
-    const double reach = 0.5 * geometry_.spacing_mm().minCoeff();
-    for (std::size_t n = 0; n < frames_.size(); ++n) {
-      const double off = (geometry_.point_mm({0, 0, double{1} * plane_[n]}) - *frames_[n].position_mm).norm();
-      if (off <= reach) continue;
-      throw bad_seg(path_, key_,
-                    fmt::format("frame {} is displaced by {:.2f} mm against evenly spaced planes", n + 1, off));
-    }
-  }
-
-  /// The finest distance of planes, of which the others are multiples; else the spacing in the header.
-  [[nodiscard]] double plane_step(std::vector<double> heights, double header_mm) const {
-    constexpr double kLeast_mm = 1e-3;
-    std::ranges::sort(heights);
-    std::vector<double> gaps;
-    for (std::size_t n = 1; n < heights.size(); ++n) {
-      if (heights[n] - heights[n - 1] > kLeast_mm) gaps.push_back(heights[n] - heights[n - 1]);
-    }
-    if (gaps.empty()) return header_mm > 0 ? header_mm : 1;
-    for (double step : {std::ranges::min(gaps), header_mm}) {
-      if (!(step > kLeast_mm)) continue;
-      const auto is_multiple = [step](double gap) {
-        constexpr double kTolerance = 0.1;
-        return std::lround(gap / step) >= 1 && std::abs(gap / step - std::round(gap / step)) <= kTolerance;
-      };
-      if (!std::ranges::all_of(gaps, is_multiple)) continue;
-      double planes = 0;
-      for (const double gap : gaps) planes += std::round(gap / step);
-      constexpr double kMostPlanes = 1e6;
-      if (planes > kMostPlanes) throw bad_seg(path_, key_, "its frames lie implausibly far apart");
-      return (heights.back() - heights.front()) / planes;
-    }
-    throw bad_seg(path_, key_, "its frames are not evenly spaced");
   }
 
   void open_pixels(const DicomValues& values) {
@@ -379,7 +295,6 @@ class SegSource : public LabelSource {
   [[nodiscard]] std::string description() const override {
     return fmt::format("DICOM SEG, {} segments", segments_.size());
   }
-  [[nodiscard]] bool is_unsigned() const override { return true; }
   [[nodiscard]] Scan read(const IndexBox& box) const override { return read_layer(box, 0); }
   [[nodiscard]] int layers() const override { return layers_; }
   [[nodiscard]] bool has_whole_numbers() const override { return true; }

@@ -120,7 +120,6 @@ class FileScan : public LabelSource {
   [[nodiscard]] std::string description() const override {
     return facts_.format + ", " + facts_.pixel_type + ", " + printable(facts_.frame);
   }
-  [[nodiscard]] bool is_unsigned() const override { return facts_.pixel_type.starts_with("uint"); }
   [[nodiscard]] Scan read(const IndexBox& box) const override { return read_layer(box, 0); }
 
   [[nodiscard]] int layers() const override { return facts_.layers; }

@@ -59,7 +59,6 @@ class ScanSource {
   [[nodiscard]] virtual const ScanGeometry& geometry() const = 0;
   /// Format and pixel type for the report: "NRRD, int16".
   [[nodiscard]] virtual std::string description() const = 0;
-  [[nodiscard]] virtual bool is_unsigned() const = 0;
   /// Tube voltage, kV; 0: the file does not say.
   [[nodiscard]] virtual double kvp() const { return 0; }
   /// The values of the voxels in `box`, which lies inside the image. Throws InputError: truncated, damaged.
