@@ -100,10 +100,12 @@ AlignedImage permute(const Scan& scan) {
   return out;
 }
 
-/// The spacing along each LPS axis is that of the closest image axis.
+/// The spacing along each LPS axis is that of the closest image axis, and finer: voxels are interpolated from this
+/// lattice again, and each interpolation rounds off the edges of the bone.
 Vec3 lattice_spacing(const ScanGeometry& geometry) {
+  constexpr double kFiner = 0.8;
   const std::array<int, 3> lps_axis = dominant_axes(geometry.step_mm);
-  const Vec3 spacing = geometry.spacing_mm();
+  const Vec3 spacing = kFiner * geometry.spacing_mm();
   if (!is_permutation(lps_axis)) return Vec3::Constant(spacing.minCoeff());
   Vec3 out;
   for (int axis = 0; axis < 3; ++axis) out[lps_axis[axis]] = spacing[axis];
