@@ -140,10 +140,12 @@ std::string text_of(const std::vector<MeshHole>& holes, double surface_mm2) {
   const double area = area_of(holes);
   const Vec3& c = widest.centre_mm;
   const bool one = holes.size() == 1;
-  return fmt::format("{}, {:.3g} mm2 ({:.2g} % of the surface){}{:.2g} mm wide at ({:.1f}, {:.1f}, {:.1f}) mm",
-                     one ? "1 hole" : fmt::format("{} holes", holes.size()), area,
-                     surface_mm2 > 0 ? 100 * area / surface_mm2 : 100, one ? ", " : " together, the widest ",
-                     widest.width_mm, c.x(), c.y(), c.z());
+  // Two digits, and no exponent.
+  const auto two_digits = [](double x) { return x < 10 ? fmt::format("{:.2g}", x) : fmt::format("{:.0f}", x); };
+  return fmt::format("{}, {} mm2 ({} % of the surface){}{} mm wide at ({:.1f}, {:.1f}, {:.1f}) mm",
+                     one ? "1 hole" : fmt::format("{} holes", holes.size()), two_digits(area),
+                     two_digits(surface_mm2 > 0 ? 100 * area / surface_mm2 : 100),
+                     one ? ", " : " together, the widest ", two_digits(widest.width_mm), c.x(), c.y(), c.z());
 }
 
 }  // namespace reamsim

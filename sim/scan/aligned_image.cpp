@@ -9,7 +9,6 @@
 #include <limits>
 #include <stdexcept>
 
-#include "sim/base/parallel.h"
 #include "sim/bone/voxmap/sparse_bricks.h"
 
 namespace reamsim::ct {
@@ -33,41 +32,22 @@ bool is_permutation(const std::array<int, 3>& axes) {
   return axes[0] != axes[1] && axes[1] != axes[2] && axes[0] != axes[2];
 }
 
-/// Weights of the voxels at -1, 0, 1 and 2 (Keys 1981, doi:10.1109/TASSP.1981.1163711, a = -1/2).
-std::array<double, 4> cubic_weights(double t) {
-  return {t * (-0.5 + t * (1 - 0.5 * t)), 1 + t * t * (-2.5 + 1.5 * t), t * (0.5 + t * (2 - 1.5 * t)),
-          t * t * (-0.5 + 0.5 * t)};
-}
-
-/// Cubic convolution, limited to the range of the eight voxels around the place: an edge of bone stays sharper than by
-/// trilinear interpolation, and nothing overshoots.
-double interpolate(const Scan& scan, const Vec3& index, float outside) {
+double trilinear(const Scan& scan, const Vec3& index, float outside) {
   const Vec3i& dims = scan.geometry.dims;
-  std::array<std::array<double, 4>, 3> weight{};
-  std::array<std::array<int, 4>, 3> at{};
+  Vec3i low;
+  Vec3 fraction;
   for (int axis = 0; axis < 3; ++axis) {
-    const int last = dims[axis] - 1;
+    const double last = dims[axis] - 1;
     // The outermost half voxel belongs to the image and has the value of the outermost voxel.
     if (index[axis] < -0.5 || index[axis] > last + 0.5) return outside;
-    const double inside = std::clamp<double>(index[axis], 0, last);
-    const int low = std::min(static_cast<int>(inside), std::max(last - 1, 0));
-    weight[axis] = cubic_weights(inside - low);
-    for (int n = 0; n < 4; ++n) at[axis][n] = std::clamp(low + n - 1, 0, last);
+    const double inside = std::clamp(index[axis], 0.0, last);
+    low[axis] = std::min(static_cast<int>(inside), std::max(dims[axis] - 2, 0));
+    fraction[axis] = inside - low[axis];
   }
   double sum = 0;
-  float least = std::numeric_limits<float>::max(), most = std::numeric_limits<float>::lowest();
-  for (int k = 0; k < 4; ++k) {
-    for (int j = 0; j < 4; ++j) {
-      const float* row = scan.value.data() + index_in(dims, {0, at[1][j], at[2][k]});
-      double along = 0;
-      for (int i = 0; i < 4; ++i) along += weight[0][i] * double{row[at[0][i]]};
-      sum += weight[1][j] * weight[2][k] * along;
-      if (j == 0 || j == 3 || k == 0 || k == 3) continue;
-      least = std::min({least, row[at[0][1]], row[at[0][2]]});
-      most = std::max({most, row[at[0][1]], row[at[0][2]]});
-    }
-  }
-  return std::clamp<double>(sum, least, most);
+  for_each_trilinear_weight(
+      fraction, [&](const Vec3i& step, double weight) { sum += weight * scan.value[index_in(dims, low + step)]; });
+  return sum;
 }
 
 Aabb cropped(Aabb box, const Crop& crop) {
@@ -100,12 +80,10 @@ AlignedImage permute(const Scan& scan) {
   return out;
 }
 
-/// The spacing along each LPS axis is that of the closest image axis, and finer: voxels are interpolated from this
-/// lattice again, and each interpolation rounds off the edges of the bone.
+/// The spacing along each LPS axis is that of the closest image axis.
 Vec3 lattice_spacing(const ScanGeometry& geometry) {
-  constexpr double kFiner = 0.8;
   const std::array<int, 3> lps_axis = dominant_axes(geometry.step_mm);
-  const Vec3 spacing = kFiner * geometry.spacing_mm();
+  const Vec3 spacing = geometry.spacing_mm();
   if (!is_permutation(lps_axis)) return Vec3::Constant(spacing.minCoeff());
   Vec3 out;
   for (int axis = 0; axis < 3; ++axis) out[lps_axis[axis]] = spacing[axis];
@@ -123,14 +101,9 @@ AlignedImage resample_oblique(const Scan& scan, const Crop& crop, float outside)
   lattice.origin_mm = box.min + 0.5 * lattice.spacing_mm;
   out.value.resize(static_cast<std::size_t>(lattice.size()));
   const Mat3 index_from_mm = scan.geometry.step_mm.inverse();
-  parallel_items(static_cast<std::size_t>(lattice.dims.z()), [&](std::size_t k) {
-    Vec3i voxel(0, 0, static_cast<int>(k));
-    for (voxel.y() = 0; voxel.y() < lattice.dims.y(); ++voxel.y()) {
-      for (voxel.x() = 0; voxel.x() < lattice.dims.x(); ++voxel.x()) {
-        const Vec3 index = index_from_mm * (lattice.center_mm(voxel) - scan.geometry.origin_mm);
-        out.value[index_in(lattice.dims, voxel)] = static_cast<float>(interpolate(scan, index, outside));
-      }
-    }
+  lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+    const Vec3 index = index_from_mm * (lattice.center_mm(voxel) - scan.geometry.origin_mm);
+    out.value[at] = static_cast<float>(trilinear(scan, index, outside));
   });
   return out;
 }

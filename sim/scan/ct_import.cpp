@@ -84,10 +84,11 @@ ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& setting
 }
 
 /// Warns of values that cannot be HU: scans have air, fat or water below 0 HU. Proposes the offset that makes the
-/// lowest peak of the histogram air.
+/// lowest peak of the histogram air; not where no bone would be left, as in an image that is masked with 0.
 void warn_of_offset(const std::vector<float>& values, const std::string& path, Diagnostics& report) {
-  constexpr double kBin = 8, kAir_hu = -1000, kPeakFraction = 0.005, kLeastHu = -100;
-  const double least = static_cast<double>(*std::ranges::min_element(values));
+  constexpr double kBin = 8, kAir_hu = -1000, kBone_hu = 200, kPeakFraction = 0.005, kLeastHu = -100;
+  const auto [low, high] = std::ranges::minmax(values);
+  const double least = double{low};
   if (least < kLeastHu) return;
   std::map<std::int64_t, std::size_t> histogram;
   for (const float value : values)
@@ -100,6 +101,7 @@ void warn_of_offset(const std::vector<float>& values, const std::string& path, D
     peak = kBin * static_cast<double>(at->first);
     break;
   }
+  if (double{high} + kAir_hu - peak < kBone_hu) return;
   report.warn(
       fmt::format("{}: the least value is {:.0f}, and the lowest common one {:.0f}; HU of a scan are below 0 in air "
                   "and fat. If that is air, the values are offset: set bone.ct.hu.intercept to {:.0f}. As they "

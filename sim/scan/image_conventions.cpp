@@ -28,7 +28,7 @@ namespace {
 
 /// What ITK leaves out of the header of an NRRD, or converts by rules that differ between its versions.
 struct NrrdHeader {
-  std::string space = {};             ///< letters and digits in lower case. ITK names the space into which it converted
+  std::string space = {};             ///< as written. ITK names the space into which it converted
   std::vector<Vec3> directions = {};  ///< of the axes that have one, in the space and its units
   Vec3 to_mm = Vec3::Ones();          ///< millimetres in the length unit of each axis of the space
   std::string unknown_unit = {};      ///< the first that is no known length unit, taken as mm; empty: none
@@ -160,7 +160,9 @@ std::vector<Vec3> vectors_in(const std::string& text) {
 NrrdHeader read_nrrd_header(const std::string& path) {
   std::map<std::string, std::string> fields = fields_of(path);
   const std::vector<std::string> units = space_units(fields);
-  NrrdHeader out{.space = plain(fields["space"]), .directions = vectors_in(fields["spacedirections"])};
+  const std::string& space = fields["space"];
+  NrrdHeader out{.space = space.substr(0, space.find_last_not_of(" \t\r") + 1),
+                 .directions = vectors_in(fields["spacedirections"])};
   for (std::size_t axis = 0; axis < std::min<std::size_t>(units.size(), 3); ++axis) {
     const double mm = mm_of_unit(units[axis]);
     if (mm > 0) {
@@ -180,7 +182,7 @@ std::optional<Vec3> lps_from(const std::string& space) {
                                                    {"ras", {-1, -1, 1}},
                                                    {"las", {1, -1, 1}},
                                                    {"leftanteriorsuperior", {1, -1, 1}}};
-  std::string name = space;
+  std::string name = plain(space);
   if (name.ends_with("time")) name.resize(name.size() - 4);
   if (name.size() == 4 && name.ends_with("t")) name.resize(3);
   const auto found = kSpaces.find(name);

@@ -52,7 +52,7 @@ TEST_F(BadData, BoneAbsentFromTheCrop) {
 }
 
 TEST_F(BadData, WarningsBeforeAnErrorArePrintedWithIt) {
-  write("scan.nrrd", with(block_nrrd(), "type: short", "type: ushort"));
+  write("scan.nrrd", with(block_nrrd(), "space: left-posterior-superior", "space dimension: 3"));
   write("s.yaml", ct_bone("scan.nrrd", ", crop_min_mm: [50, 50, 50], crop_max_mm: [60, 60, 60]"));
   const std::vector<std::vector<std::string>> commands{{"run", "s.yaml", "-o", "out"},
                                                        {"check", "s.yaml"},
@@ -64,9 +64,10 @@ TEST_F(BadData, WarningsBeforeAnErrorArePrintedWithIt) {
     const ProgramResult result = reamsim({.arguments = command, .environment = {}, .folder = "", .interrupt_when = {}});
     SCOPED_TRACE(command.front());
     EXPECT_EQ(result.status, 2) << result.out << result.err;
-    const std::size_t warning = result.err.find("pixels are unsigned");
+    const std::size_t warning = result.err.find("the header does not say how the axes lie in the body");
     EXPECT_LT(warning, result.err.find("reamsim: error: ")) << result.err;
-    EXPECT_EQ(warning, result.err.rfind("pixels are unsigned")) << "once: " << result.err;
+    EXPECT_EQ(warning, result.err.rfind("the header does not say how the axes lie in the body"))
+        << "once: " << result.err;
   }
 }
 

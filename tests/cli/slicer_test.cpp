@@ -175,12 +175,12 @@ TEST_F(SlicerTest, PlanningHasPlanesAxisPegsAndLandmarks) {
       EXPECT_EQ(plane["center"][i], plane["controlPoints"][0]["position"][i]);
     }
     EXPECT_NEAR(length, 1, 1e-9);
-    EXPECT_GT(normal[2].get<double>(), 0.9) << "out of the bone";
+    EXPECT_GT(normal[0].get<double>(), 0.9) << "lateral, out of the bone";
   }
   const SlicerJson axis = markup(planning, "reamer axis")["controlPoints"];
-  EXPECT_NEAR(axis[1]["position"][2].get<double>() - axis[0]["position"][2].get<double>(), 60, 1e-6);
+  EXPECT_NEAR(axis[1]["position"][0].get<double>() - axis[0]["position"][0].get<double>(), 60, 1e-6);
   const SlicerJson peg = markup(planning, "peg 1")["controlPoints"];
-  EXPECT_NEAR(peg[0]["position"][2].get<double>() - peg[1]["position"][2].get<double>(), 10, 1e-6);
+  EXPECT_NEAR(peg[0]["position"][0].get<double>() - peg[1]["position"][0].get<double>(), 10, 1e-6);
   EXPECT_EQ(markup(planning, "landmarks")["controlPoints"].size(), 3u);
   EXPECT_EQ(markup(planning, "glenoid rim")["type"], "ClosedCurve");
 }
@@ -236,7 +236,7 @@ TEST_F(InitMarkupsTest, SuperiorRimAndNamedPoints) {
   std::vector<std::pair<std::string, Point>> points{
       {"GC", {3, -2, 4}}, {"glenoid_superior", {3, 14, 4}}, {"P7", {0, 0, 0}}};
   // Not in order round the face.
-  const std::array<Point, 6> rim{{{0, 17, 4.7}, {12, 0, 2.3}, {0, -17, 4.7}, {-12, 0, 2.3}, {9, 9, 2.6}, {-9, 9, 2.6}}};
+  const std::array<Point, 6> rim{{{4.7, 17, 0}, {2.3, 0, -12}, {4.7, -17, 0}, {2.3, 0, 12}, {2.6, 9, -9}, {2.6, 9, 9}}};
   for (std::size_t i = 0; i < rim.size(); ++i) points.push_back({"Rim-" + std::to_string(i + 1), rim[i]});
   write("m.mrk.json", mrk_json(points));
   const ProgramResult made = init({"--markups", "m.mrk.json"});

@@ -153,6 +153,7 @@ SECTIONS = {
     "bone.glenoid.landmarks": merged(mesh_bone(), {"bone": {"side": "left"}, "motion": {"frame": "glenoid"}}),
     "bone.phantom": {},
     "bone.ct": ct_bone(),
+    "bone.ct.hu": ct_bone(hu={"slope": 1}),
     "bone.ct.label_map": labelled(),
     "bone.ct.cut_spheres": ct_bone(cut_spheres=[{"center_mm": [5, 5, 5], "radius_mm": 2}]),
     "bone.ct.cut_planes": ct_bone(cut_planes=[{"point_mm": [0, 0, 3], "normal": [0, 0, 1]}]),

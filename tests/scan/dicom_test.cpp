@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <random>
 
 #include "dicom_bytes.h"
 #include "dicom_fixture.h"
+#include "sim/scan/scan.h"
 
 namespace reamsim::test {
 namespace {
@@ -260,6 +262,31 @@ TEST_F(Dicom, FramesWithoutAPlaceAreRefused) {
 TEST_F(Dicom, ASingleFileIsNoVolume) {
   write_dicom(egg_, folder_.file("cd"));
   EXPECT_THAT(error_of("cd/slice010.dcm"), HasSubstr("a single DICOM slice; give the folder of the series"));
+}
+
+// 100 orientations, of which half have a tilted gantry. Slices are sorted along the normal.
+TEST_F(Dicom, RandomOrientationsAreTakenAsTheyStand) {
+  std::mt19937 random(20261130);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> tilt(-0.4, 0.4);
+  for (int run = 0; run < 100; ++run) {
+    TestImage image{.dims = {4, 3, 5}, .spacing_mm = {0.5, 0.7, 1.1}, .value = std::vector<double>(60, 100)};
+    image.direction = Quat(normal(random), normal(random), normal(random), normal(random)).normalized().matrix();
+    if (run % 2 == 1) image.direction.col(2) += tilt(random) * image.direction.col(1);
+    if (random() % 2 == 0) image.direction.col(2) *= -1;
+    image.origin_mm = 100 * Vec3(normal(random), normal(random), normal(random));
+    const std::string name = "series" + std::to_string(run);
+    write_slices(image, folder_.file(name), {.decimals = 9});
+    Mat3 steps = image.direction * image.spacing_mm.asDiagonal();
+    Vec3 origin = image.origin_mm;
+    if (steps.determinant() < 0) {
+      origin = image.point_mm(0, 0, image.dims.z() - 1);
+      steps.col(2) *= -1;
+    }
+    const ct::ScanGeometry found = ct::open_scan(folder_.file(name), "key", {}, report_)->geometry();
+    EXPECT_LT((found.step_mm - steps).norm(), 1e-6) << name;
+    EXPECT_LT((found.origin_mm - origin).norm(), 1e-6) << name;
+  }
 }
 
 }  // namespace

@@ -290,7 +290,7 @@ TEST_F(LabelMap, AMapThatCutsTheBoneOffIsWarnedOf) {
 }
 
 TEST_F(LabelMap, WhatIsNoLabelMap) {
-  EXPECT_THAT(error_of(".", {"5"}), HasSubstr("a folder; give a label map"));
+  EXPECT_THAT(error_of(".", {"5"}), HasSubstr("no DICOM segmentation (SEG) in this folder; give a label map"));
   std::ofstream(folder_.file("text.nrrd")) << "no image";
   EXPECT_THAT(error_of("text.nrrd", {"5"}), HasSubstr("text.nrrd: bone.ct.label_map.path"));
   EXPECT_THAT(error_of("plain.nrrd", {"7"}), HasSubstr("no voxel in the crop has label 7; the map holds 5, 9 there"));
