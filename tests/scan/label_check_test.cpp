@@ -76,8 +76,9 @@ TEST_F(LabelCheck, AHoleIsWarnedOfWithVolumeAndPlaceAndFilledOnRequest) {
   ASSERT_TRUE(
       std::regex_search(warnings_[0], found, std::regex(R"((\d+) mm3 of bone \(\d+ mm3 at \(10\.0, -20\.0, 30\.0\))")))
       << warnings_[0];
-  EXPECT_NEAR(std::stod(found[1]), whole - cut, 0.1 * (whole - cut));
-  EXPECT_NEAR(volume_mm3(import(with_hole, true)), whole, 0.01 * whole);
+  // Both ends of the hole, at the surface, are not surrounded by the label.
+  EXPECT_NEAR(std::stod(found[1]), whole - cut, 0.2 * (whole - cut));
+  EXPECT_NEAR(volume_mm3(import(with_hole, true)), whole, 0.02 * whole);
   EXPECT_THAT(warnings_, Not(Contains(HasSubstr("have no label"))));
 }
 
