@@ -19,6 +19,7 @@
 #include "cli/manual.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/mesh/mesh_format.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {
@@ -311,8 +312,19 @@ std::string lower_extension(const std::string& path) {
   return text;
 }
 
-BoneSource source_by_name(const std::string& path) {
-  constexpr std::array kMeshes{".stl", ".obj", ".ply", ".vtp", ".vtk"};
+BoneSource source_of_file(const std::string& path) {
+  switch (content_kind(path)) {
+    case ContentKind::mesh:
+    case ContentKind::foreign_mesh:
+      return BoneSource::mesh;
+    case ContentKind::vdb:
+      return BoneSource::vdb;
+    case ContentKind::image:
+      return BoneSource::ct;
+    case ContentKind::unknown:
+      break;
+  }
+  constexpr std::array kMeshes{".stl", ".obj", ".ply", ".vtp", ".vtk", ".off", ".3mf", ".step", ".stp", ".glb", ".fbx"};
   const std::string kind = lower_extension(path);
   if (kind == ".vdb") return BoneSource::vdb;
   return std::ranges::find(kMeshes, kind) != kMeshes.end() ? BoneSource::mesh : BoneSource::ct;

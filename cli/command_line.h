@@ -56,9 +56,9 @@ void set_help(CLI::App& app, const std::string& name = "");
 /// The extension of a file name in small letters, with its dot: ".yaml"; "" without one.
 std::string lower_extension(const std::string& path);
 
-/// The source of a bone by the name of its file: vdb, mesh or ct. VTK's surfaces count as meshes, which gives a helpful
-/// error message.
-BoneSource source_by_name(const std::string& path);
+/// The source of a bone by the content of its file: vdb, mesh or ct; by the ending of its name where the content says
+/// nothing. Meshes in formats that are not read count as meshes, which gives a helpful error message.
+BoneSource source_of_file(const std::string& path);
 
 /// Lets an option of the command line take names as shipped_or_path().
 void take_shipped_names(CLI::Option& option, ShippedKind kind);

@@ -4,7 +4,10 @@
 #include "cli/first_scenario.h"
 
 #include <fmt/core.h>
+#include <algorithm>
+#include <charconv>
 #include <filesystem>
+#include <iterator>
 
 #include "cli/command_line.h"
 #include "sim/base/error.h"
@@ -55,18 +58,45 @@ std::string mesh_text(const MeshBoneSettings& mesh, const std::string& scale_not
       shortest_text(mesh.cortical_hu), shortest_text(mesh.trabecular_hu));
 }
 
+/// A point with all its digits, so that the run is that of the landmarks as they are.
+std::string exact_vector(const Vec3& v) {
+  return fmt::format("[{}, {}, {}]", shortest_text(v.x()), shortest_text(v.y()), shortest_text(v.z()));
+}
+
+/// What gives the superior direction; `found`: that of the frame.
+std::string superior_text(const FirstScenario& first, const Vec3& found) {
+  const GlenoidSettings& glenoid = first.bone.glenoid;
+  if (const auto& marks = glenoid.landmarks) {
+    return fmt::format(
+        "    landmarks:              # for the superior direction and the scapular frame\n"
+        "      glenoid_center_mm: {}\n      trigonum_spinae_mm: {}\n      inferior_angle_mm: {}\n",
+        exact_vector(marks->glenoid_center_mm), exact_vector(marks->trigonum_spinae_mm),
+        exact_vector(marks->inferior_angle_mm));
+  }
+  if (glenoid.superior) return "    superior: " + exact_vector(*glenoid.superior) + "   # towards the superior point\n";
+  const char* text = first.bone.source == BoneSource::mesh
+                         ? "    superior: {}   # towards the narrow end of the face: check it\n"
+                         : "    # superior: {}\n";
+  return fmt::format(fmt::runtime(text), yaml_vector(found, 4));
+}
+
+std::string rim_text(const std::vector<Vec3>& rim_mm) {
+  if (rim_mm.empty()) return "";
+  std::string out = "    rim_mm:                 # of the face before reaming\n";
+  for (const Vec3& p : rim_mm) out += "      - " + exact_vector(p) + "\n";
+  return out;
+}
+
 std::string glenoid_text(const FirstScenario& first) {
   if (!first.bone.glenoid.near_mm || !first.glenoid) return "";
+  const GlenoidSettings& glenoid = first.bone.glenoid;
   const Mat3 axes = first.glenoid->linear();
-  const char* superior = first.bone.source == BoneSource::mesh
-                             ? "    superior: {}   # towards the narrow end of the face: check it\n"
-                             : "    # superior: {}\n";
   return fmt::format(
              "  glenoid:\n    near_mm: {}   # the face is found round this point\n"
              "    # Found: center_mm: {}, normal: {}.\n",
-             yaml_vector(*first.bone.glenoid.near_mm, 2), yaml_vector(first.glenoid->translation(), 2),
+             yaml_vector(*glenoid.near_mm, 2), yaml_vector(first.glenoid->translation(), 2),
              yaml_vector(axes.col(2), 4)) +
-         fmt::format(fmt::runtime(superior), yaml_vector(axes.col(1), 4));
+         superior_text(first, axes.col(1)) + rim_text(glenoid.rim_mm);
 }
 
 std::string bone_text(const FirstScenario& first) {
@@ -103,7 +133,7 @@ std::string own_reamer() {
 
 BoneSettings first_bone(const std::string& path, double voxel_mm, double scale, double threshold_hu,
                         const std::vector<std::string>& more) {
-  const BoneSource source = source_by_name(path);
+  const BoneSource source = source_of_file(path);
   if (source == BoneSource::vdb) {
     BoneSettings out;
     out.source = source;
@@ -141,6 +171,91 @@ std::string text_of(const FirstScenario& first) {
 
 namespace {
 
+using Lines = std::vector<std::string>;
+
+std::size_t indent_of(const std::string& line) {
+  return std::min(line.find_first_not_of(' '), line.size());
+}
+
+bool is_code(const std::string& line) {
+  const std::size_t first = indent_of(line);
+  return first < line.size() && line[first] != '#';
+}
+
+/// The line `name:` with this indent from `begin` on, within its section; the end of the section without one.
+std::size_t find_name(const Lines& lines, std::size_t begin, std::size_t indent, const std::string& name) {
+  std::size_t end = begin;
+  for (std::size_t i = begin; i < lines.size(); ++i) {
+    if (!is_code(lines[i])) continue;
+    if (indent_of(lines[i]) < indent) break;
+    if (indent_of(lines[i]) == indent && lines[i].compare(indent, name.size() + 1, name + ":") == 0) return i;
+    end = i + 1;
+  }
+  return end;
+}
+
+void set_key(Lines& lines, const std::vector<std::string>& names, const std::string& value) {
+  constexpr std::size_t kIndent = 2;
+  std::size_t at = 0;
+  for (std::size_t depth = 0; depth < names.size(); ++depth) {
+    const std::size_t indent = kIndent * depth;
+    const std::string key = std::string(indent, ' ') + names[depth] + ":";
+    const bool last = depth + 1 == names.size();
+    at = find_name(lines, at, indent, names[depth]);
+    if (at == lines.size() || !lines[at].starts_with(key)) {
+      lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(at), last ? key + " " + value : key);
+    } else if (last) {
+      lines[at] = key + " " + value;
+    }
+    ++at;
+  }
+}
+
+}  // namespace
+
+std::string with_keys(const std::string& text, const std::vector<std::string>& assignments) {
+  Lines lines = split(text, '\n');
+  for (const std::string& assignment : assignments) {
+    const std::size_t equals = std::min(assignment.find('='), assignment.size());
+    if (equals == assignment.size()) {
+      throw InputError({}, "--set", "found " + printable(assignment), "expected KEY.PATH=VALUE");
+    }
+    set_key(lines, split(assignment.substr(0, equals), '.'), assignment.substr(equals + 1));
+  }
+  std::string out;
+  for (std::size_t i = 0; i < lines.size(); ++i) out += (i == 0 ? "" : "\n") + lines[i];
+  return out;
+}
+
+std::vector<std::string> bone_keys(const std::vector<std::string>& assignments) {
+  std::vector<std::string> out;
+  std::ranges::copy_if(assignments, std::back_inserter(out),
+                       [](const std::string& assignment) { return assignment.starts_with("bone."); });
+  return out;
+}
+
+std::optional<std::string> value_set(const std::vector<std::string>& assignments, const std::string& key) {
+  std::optional<std::string> out;
+  for (const std::string& assignment : assignments) {
+    if (assignment.starts_with(key + "=")) out = assignment.substr(key.size() + 1);
+  }
+  return out;
+}
+
+std::optional<double> scale_of(std::optional<double> of_option, const std::vector<std::string>& assignments) {
+  const auto set = value_set(assignments, "bone.mesh.scale");
+  if (!set) return of_option;
+  if (of_option) throw InputError({}, "--scale", "given beside --set bone.mesh.scale=...", "give one of them");
+  double out = 0;
+  const char* const end = set->data() + set->size();
+  if (std::from_chars(set->data(), end, out).ptr != end || !(out > 0)) {
+    throw InputError({}, "--set bone.mesh.scale", "found " + printable(*set), "expected a number above 0");
+  }
+  return out;
+}
+
+namespace {
+
 constexpr const char* kGiveScale = "give --scale";
 
 std::string why(const FoundScale& found) {
@@ -152,7 +267,7 @@ std::string why(const FoundScale& found) {
 }  // namespace
 
 MeshScale mesh_scale(const std::string& path, std::optional<double> of_option, const Console& console) {
-  if (source_by_name(path) != BoneSource::mesh) {
+  if (source_of_file(path) != BoneSource::mesh) {
     if (of_option) throw InputError({path, 0, 0}, "--scale", "only a mesh has a scale", "leave it out");
     return {};
   }

@@ -41,6 +41,18 @@ struct FirstScenario {
 /// The file: comments say what its keys are for.
 std::string text_of(const FirstScenario& first);
 
+/// That text with the keys of `--set KEY.PATH=VALUE`: their values replaced, or added to their sections.
+std::string with_keys(const std::string& text, const std::vector<std::string>& assignments);
+
+/// The keys of the bone among the assignments of `--set`.
+std::vector<std::string> bone_keys(const std::vector<std::string>& assignments);
+
+/// What `--set` gives a key; the last one counts.
+std::optional<std::string> value_set(const std::vector<std::string>& assignments, const std::string& key);
+
+/// The scale of the option, or that of `--set bone.mesh.scale=...`. Throws InputError: both, or no number.
+std::optional<double> scale_of(std::optional<double> of_option, const std::vector<std::string>& assignments);
+
 /// File units to mm of a bone's mesh that has no scenario yet.
 struct MeshScale {
   double scale = 1;

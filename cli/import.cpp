@@ -140,7 +140,7 @@ Scenario scenario_of(const ImportOptions& options) {
   if (is_scenario_name(options.input)) {
     scenario = parse_scenario(options.input, options.overrides);
   } else {
-    const bool mesh = source_by_name(options.input) == BoneSource::mesh;
+    const bool mesh = source_of_file(options.input) == BoneSource::mesh;
     scenario.bone = parse_bone_settings(mesh ? "mesh" : "ct", options.input, options.overrides);
   }
   scenario.bone = with_surface_voxels(scenario.bone, scenario.cutting);

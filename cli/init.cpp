@@ -13,6 +13,7 @@
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/first_scenario.h"
+#include "cli/landmark_roles.h"
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -150,12 +151,16 @@ struct InitOptions {
   std::string input;
   std::string output;
   std::vector<double> near_mm;
+  std::vector<std::string> markups;
+  std::vector<std::string> points;  ///< "ROLE=LABEL"
+  GlenoidSettings landmarks;        ///< of the markups
   std::string side;
   std::string tool;
   std::optional<double> scale;
   MeshScale used_scale;
   std::optional<double> threshold_hu;
   double voxel_mm = 0.4;
+  std::vector<std::string> overrides;
   bool overwrite = false;
 };
 
@@ -179,6 +184,8 @@ std::string beside(const std::string& path, const std::string& scenario) {
 BoneSettings settings_of(const InitOptions& options) {
   std::vector<std::string> more{"bone.surface_voxels=partial"};
   if (!options.side.empty()) more.push_back("bone.side=" + options.side);
+  const std::vector<std::string> set = bone_keys(options.overrides);
+  more.insert(more.end(), set.begin(), set.end());
   return first_bone(options.input, options.voxel_mm, options.used_scale.scale,
                     options.threshold_hu.value_or(kThreshold_hu), more);
 }
@@ -186,14 +193,17 @@ BoneSettings settings_of(const InitOptions& options) {
 /// The point of the options; without one it is searched. Rounded as it is written, so that a run of the scenario finds
 /// what is found here: on some bones the face depends on the last digit.
 Vec3 near_of(const InitOptions& options, Diagnostics& report) {
-  const Vec3 near_mm = options.near_mm.empty()
-                           ? locate_glenoid(settings_of(options), report)
-                           : Vec3(options.near_mm.at(0), options.near_mm.at(1), options.near_mm.at(2));
+  const BoneSettings settings = settings_of(options);
+  const Vec3 near_mm = !options.near_mm.empty()
+                           ? Vec3(options.near_mm.at(0), options.near_mm.at(1), options.near_mm.at(2))
+                       : settings.glenoid.near_mm ? *settings.glenoid.near_mm
+                                                  : locate_glenoid(settings, report);
   return (near_mm * 100).array().round() / 100;
 }
 
 BoneSettings settings_near(const InitOptions& options, const Vec3& near_mm) {
   BoneSettings out = settings_of(options);
+  out.glenoid = options.landmarks;
   out.glenoid.near_mm = near_mm;
   if (out.side == BodySide::unknown) out.side = BodySide::left;  // of a CT the normal says it
   if (out.source == BoneSource::ct) crop_round_glenoid(out.ct, near_mm);
@@ -249,9 +259,22 @@ void check_plunge(const LoadedBone& loaded, const PlungeSettings& plunge, const 
   warn_of_contact(scene, forecast_contact(scene), report);
 }
 
+/// Takes the landmarks of the markups, and says which.
+void read_landmarks(InitOptions& options, const Console& console) {
+  if (options.markups.empty()) return;
+  FoundLandmarks found =
+      find_landmarks(options.markups, options.points, from_name<BodySide>(options.side).value_or(BodySide::unknown));
+  if (found.center && !options.near_mm.empty()) {
+    throw InputError({}, "--near", "given beside the centre of the glenoid in the markups", "leave one of them out");
+  }
+  if (found.center) options.near_mm.assign(found.center->begin(), found.center->end());
+  apply_landmarks(found, options.landmarks);
+  for (const std::string& line : found.found) console.say("markups: " + line);
+}
+
 /// Throws InputError for an input that is neither scan nor mesh, and for options that it cannot use.
 void check_input(const InitOptions& options) {
-  const BoneSource source = source_by_name(options.input);
+  const BoneSource source = source_of_file(options.input);
   if (source == BoneSource::vdb) {
     throw InputError({options.input, 0, 0}, "", "is a VDB file", "expected a CT or a mesh");
   }
@@ -263,10 +286,21 @@ void check_input(const InitOptions& options) {
   }
 }
 
+/// What `--set` says beside an option of its own.
+void take_overrides(InitOptions& options) {
+  options.scale = scale_of(options.scale, options.overrides);
+  const auto side = value_set(options.overrides, "bone.side");
+  if (options.side.empty() && side) options.side = *side;
+}
+
 void init_command(InitOptions options, const Console& console) {
+  take_overrides(options);
   check_input(options);
-  require_replaceable_file(options.output, "-o", options.overwrite, is_first_scenario, {options.input, options.tool});
+  std::vector<std::string> inputs{options.input, options.tool};
+  inputs.insert(inputs.end(), options.markups.begin(), options.markups.end());
+  require_replaceable_file(options.output, "-o", options.overwrite, is_first_scenario, inputs);
   const std::string tool = tool_of(options);
+  read_landmarks(options, console);
   options.used_scale = mesh_scale(options.input, options.scale, console);
   Diagnostics report;
   const PrintOnError warnings_of_error(report, console);
@@ -280,7 +314,7 @@ void init_command(InitOptions options, const Console& console) {
                       .plunge = first_plunge()};
   check_plunge(loaded, first.plunge, tool, report);
   first.bone.side = side_of(options, loaded);
-  replace_file(options.output, text_of(first));
+  replace_file(options.output, with_keys(text_of(first), options.overrides));
   for (const std::string& note : report.notes) console.say(note);
   report.notes.clear();
   console.print(report);
@@ -307,6 +341,23 @@ void add_init_command(CLI::App& app, Console& console) {
       ->type_name("X,Y,Z")
       ->delimiter(',')
       ->expected(3);
+  auto* markups =
+      command
+          ->add_option("--markups", options->markups,
+                       "Landmarks of 3D Slicer (.mrk.json, .fcsv), found by their labels: glenoid centre, superior, "
+                       "trigonum spinae, inferior angle, rim; repeatable")
+          ->type_name("FILE")
+          ->check(refuse_empty)
+          ->expected(1)
+          ->take_all();
+  command
+      ->add_option(
+          "--point", options->points,
+          "The point of the markups with this label is center, superior, trigonum, inferior_angle or rim; repeatable")
+      ->type_name("ROLE=LABEL")
+      ->needs(markups)
+      ->expected(1)
+      ->take_all();
   command->add_option("--side", options->side, "Shoulder side, left or right (CT default: from the face normal)")
       ->check(CLI::IsMember({"left", "right"}));
   command->add_option("--tool", options->tool, "Mesh of the reamer; without it the convex reamer of reamsim")
@@ -315,6 +366,12 @@ void add_init_command(CLI::App& app, Console& console) {
       ->check(CLI::Range(1e-6, 1e6));
   command->add_option("--threshold-hu", options->threshold_hu, "CT only: bone threshold, HU (default: 200)");
   command->add_option("--voxel-mm", options->voxel_mm, "Edge length of a voxel")->check(CLI::Range(0.01, 5.0));
+  command
+      ->add_option("--set", options->overrides,
+                   "Set a key of the scenario, for example bone.mesh.repair=true; repeatable")
+      ->type_name("KEY.PATH=VALUE")
+      ->expected(1)
+      ->take_all();
   command->add_flag("--overwrite", options->overwrite, "Replace a scenario that init wrote");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { init_command(*options, console); });

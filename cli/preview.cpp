@@ -35,6 +35,7 @@ struct PreviewOptions {
   std::string output;
   std::string tool;
   std::optional<double> scale;
+  std::vector<std::string> overrides;
   bool overwrite = false;
 };
 
@@ -46,9 +47,10 @@ std::string recorded_absolute_path(const std::string& path) {
 /// A first scenario for the bone in `options.input`: its file, the reamer `tool`, and a plunge along the normal of a
 /// glenoid that is still to be placed.
 PreviewRequest starting_request(const PreviewOptions& options, const std::string& tool, const Console& console) {
-  const MeshScale scale = mesh_scale(options.input, options.scale, console);
+  const MeshScale scale = mesh_scale(options.input, scale_of(options.scale, options.overrides), console);
   const FirstScenario first{.first_line = "# A first scenario, put together by reamsim preview.",
-                            .bone = first_bone(options.input, kVoxel_mm, scale.scale, CtSettings().threshold_hu),
+                            .bone = first_bone(options.input, kVoxel_mm, scale.scale, CtSettings().threshold_hu,
+                                               bone_keys(options.overrides)),
                             .bone_path = recorded_absolute_path(options.input),
                             .tool_path = recorded_absolute_path(tool),
                             .scale_note = scale.why,
@@ -59,7 +61,7 @@ PreviewRequest starting_request(const PreviewOptions& options, const std::string
   out.scenario.tool.mesh = tool;
   out.scenario.motion.frame = PoseFrame::glenoid;
   out.scenario.motion.plunge = first.plunge;
-  out.text = text_of(first);
+  out.text = with_keys(text_of(first), options.overrides);
   const fs::path name = fs::path(options.input).lexically_normal();
   out.source = (name.has_filename() ? name : name.parent_path()).filename().string();
   out.file_name = fs::path(out.source).stem().string() + ".yaml";
@@ -72,13 +74,12 @@ bool is_placed_in_page(const Mistake& mistake) {
 }
 
 /// The scenario. A glenoid frame or a side that is still missing is no mistake, because the page is there to place it.
-Scenario parse_for_preview(const std::string& file) {
+Scenario parse_for_preview(const std::string& file, std::vector<std::string> overrides) {
   try {
-    return parse_scenario(file, {});
+    return parse_scenario(file, overrides);
   } catch (const InputError& error) {
     if (!std::ranges::all_of(error.mistakes(), is_placed_in_page)) throw;
     const auto names = [&](const char* key) { return std::ranges::count(error.mistakes(), key, &Mistake::key) > 0; };
-    std::vector<std::string> overrides;
     if (names("bone.side")) overrides.emplace_back("bone.side=left");
     if (names("motion.frame")) overrides.emplace_back("motion.frame=bone");
     Scenario scenario = parse_scenario(file, overrides);
@@ -98,9 +99,10 @@ PreviewRequest request_of(const PreviewOptions& options, const Console& console)
   }
   if (!options.tool.empty()) throw InputError({}, "--tool", "the scenario names the reamer", "change tool.mesh there");
   if (options.scale) throw InputError({}, "--scale", "the scenario has a scale", "change bone.mesh.scale there");
-  const Scenario scenario = parse_for_preview(options.input);
+  const Scenario scenario = parse_for_preview(options.input, options.overrides);
+  // With --set the page holds the resolved scenario, because keys may stand in any form in a file.
   return {.scenario = scenario,
-          .text = read_file(options.input, "a scenario"),
+          .text = options.overrides.empty() ? read_file(options.input, "a scenario") : to_yaml(scenario),
           .file_name = fs::path(options.input).filename().string(),
           .source = scenario.name};
 }
@@ -153,6 +155,12 @@ void add_preview_command(CLI::App& app, Console& console) {
   command->add_option("--tool", options->tool, "Reamer of a bone without a scenario (default: the convex one)")
       ->type_name("MESH");
   command->add_option("--scale", options->scale, "Mesh without a scenario: file units to mm (default: by its length)");
+  command
+      ->add_option("--set", options->overrides,
+                   "Set a key of the scenario, for example bone.mesh.repair=true; repeatable")
+      ->type_name("KEY.PATH=VALUE")
+      ->expected(1)
+      ->take_all();
   command->add_flag("--overwrite", options->overwrite, "Replace the output file");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { preview_command(*options, console); });

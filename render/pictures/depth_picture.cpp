@@ -227,7 +227,7 @@ void write_meshes(const RunData& run, double depth_max_mm, Diagnostics& report) 
     return;
   }
   write_glb(dir + "/reamed.glb", reamed, depth_scale(run, depth_max_mm).max);
-  write_stl(dir + "/reamed.stl", reamed.mesh);
+  write_stl(dir + "/reamed.stl", reamed.mesh, "LPS");
 }
 
 }  // namespace reamsim

@@ -7,10 +7,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -35,15 +37,27 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-double number(const SourceLocation& where, std::string_view name, std::string_view cell) {
-  const std::string_view digits = cell.starts_with('+') ? cell.substr(1) : cell;
-  double value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) {
-    throw InputError(where, std::string(name), "found '" + printable(cell.substr(0, 40)) + "'",
-                     "expected a finite number");
+/// The number that a cell is, infinite or NaN where written so.
+std::optional<double> number_of(std::string_view cell, bool decimal_comma) {
+  std::string with_point;
+  if (decimal_comma) {
+    with_point = cell;
+    std::ranges::replace(with_point, '.', '?');  // a point would separate thousands, or be a mistake
+    std::ranges::replace(with_point, ',', '.');
+    cell = with_point;
   }
+  if (cell.starts_with('+')) cell.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (error != std::errc() || end != cell.data() + cell.size()) return std::nullopt;
   return value;
+}
+
+/// What trackers write where they have lost sight.
+bool is_missing(std::string_view cell) {
+  std::string word(cell);
+  std::ranges::transform(word, word.begin(), [](unsigned char c) { return std::tolower(c); });
+  return word.empty() || word == "nan" || word == "missing";
 }
 
 }  // namespace
@@ -62,10 +76,26 @@ void refuse_other_separator(std::string_view line, const SourceLocation& where) 
                    "save it with commas between columns and points in numbers, such as \"CSV UTF-8\"");
 }
 
-std::vector<std::string_view> csv_cells(std::string_view line) {
+namespace {
+
+std::vector<std::string_view> cells_between_blanks(std::string_view line) {
+  constexpr std::string_view kBlank = " \t\r";
+  std::vector<std::string_view> cells;
+  for (std::size_t at = line.find_first_not_of(kBlank); at != std::string_view::npos;) {
+    const std::size_t end = std::min(line.find_first_of(kBlank, at), line.size());
+    cells.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(kBlank, end);
+  }
+  return cells;
+}
+
+}  // namespace
+
+std::vector<std::string_view> csv_cells(std::string_view line, char separator) {
+  if (separator == ' ') return cells_between_blanks(line);
   std::vector<std::string_view> cells;
   for (;;) {
-    const std::size_t comma = line.find(',');
+    const std::size_t comma = line.find(separator);
     std::string_view cell = trimmed(line.substr(0, comma));
     if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
     cells.push_back(cell);
@@ -74,13 +104,56 @@ std::vector<std::string_view> csv_cells(std::string_view line) {
   }
 }
 
+namespace {
+
+CsvLayout layout_of(std::span<const std::string_view> names, std::span<const std::string_view> optional) {
+  CsvLayout out;
+  for (const std::string_view name : names) out.columns.push_back({.name = std::string(name)});
+  for (const std::string_view name : optional) {
+    out.columns.push_back({.name = std::string(name), .number = 0, .may_be_missing = true});
+  }
+  return out;
+}
+
+}  // namespace
+
 CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
                      std::span<const std::string_view> optional)
-    : path_(path), names_(names.begin(), names.end()) {
-  names_.insert(names_.end(), optional.begin(), optional.end());
+    : CsvReader(path, layout_of(names, optional), expected) {}
+
+CsvReader::CsvReader(const std::string& path, CsvLayout layout, const std::string& expected)
+    : path_(path), layout_(std::move(layout)) {
   open(expected);
-  if (!next_line()) throw InputError({path, 0, 0}, "", "is empty", expected);
-  find_columns(text_, names.size(), expected);
+  for (int i = 0; i < layout_.skip_lines && in_; ++i) {
+    in_.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+    byte_ += in_.gcount();
+    ++line_;
+  }
+  read_header(expected);
+}
+
+void CsvReader::read_header(const std::string& expected) {
+  const auto by_name = [](const CsvColumn& column) { return column.number == 0 && !column.may_be_missing; };
+  has_header_ = std::ranges::any_of(layout_.columns, by_name);
+  do {
+    before_ = {byte_, line_};
+    if (!next_line_or_comment()) throw InputError({path_, 0, 0}, "", "is empty", expected);
+    if (has_header_ && is_header(text_)) return find_columns(trimmed(text_).substr(1), expected);
+  } while (layout_.comments && trimmed(text_).starts_with('#'));
+  find_columns(text_, expected);
+}
+
+bool CsvReader::is_header(std::string_view comment) const {
+  comment = trimmed(comment);
+  if (!layout_.comments || !comment.starts_with('#')) return false;
+  const auto cells = cells_of(comment.substr(1));
+  return std::ranges::all_of(layout_.columns, [&](const CsvColumn& column) {
+    return column.number > 0 || column.may_be_missing || std::ranges::find(cells, column.name) != cells.end();
+  });
+}
+
+std::vector<std::string_view> CsvReader::cells_of(std::string_view line) const {
+  return csv_cells(line, layout_.separator);
 }
 
 void CsvReader::open(const std::string& expected) {
@@ -95,24 +168,49 @@ void CsvReader::open(const std::string& expected) {
   if (!in_) fail("cannot be read");
 }
 
-void CsvReader::find_columns(std::string_view header, std::size_t required, const std::string& expected) {
-  refuse_other_separator(header, where());
-  const auto found = csv_cells(header);
+void CsvReader::find_columns(std::string_view header, const std::string& expected) {
+  if (layout_.separator == ',') refuse_other_separator(header, where());
+  const auto found = cells_of(header);
   columns_ = found.size();
-  for (const std::string_view name : names_) {
-    const auto at = std::ranges::find(found, name);
+  std::vector<bool> used(columns_);
+  for (CsvColumn& column : layout_.columns) {
+    if (column.number > columns_) {
+      throw InputError(where(), "",
+                       "found " + std::to_string(columns_) + " columns, and no column " + std::to_string(column.number),
+                       expected);
+    }
+    auto at = found.end();
+    if (column.number > 0) at = found.begin() + static_cast<std::ptrdiff_t>(column.number - 1);
+    if (column.number == 0 && has_header_) at = std::ranges::find(found, column.name);
     const bool missing = at == found.end();
-    if (missing && places_.size() < required) throw InputError(where(), std::string(name), "no such column", expected);
-    if (!missing && std::find(at + 1, found.end(), name) != found.end())
-      throw InputError(where(), std::string(name), "the column is given twice", "give each column once");
+    if (missing && !column.may_be_missing)
+      throw InputError(where(), printable(column.name), "no such column", expected);
+    if (!missing && column.number == 0 && std::find(at + 1, found.end(), column.name) != found.end())
+      throw InputError(where(), printable(column.name), "the column is given twice", "give each column once");
     places_.push_back(missing ? kMissing : static_cast<std::size_t>(at - found.begin()));
+    if (!missing) used[places_.back()] = true;
   }
-  for (const std::string_view name : found) {
-    if (std::ranges::find(names_, name) == names_.end()) skipped_.emplace_back(name);
+  if (!has_header_) {
+    const auto is_text = [&](std::size_t place) {
+      return place == kMissing || !number_of(found[place], layout_.decimal_comma);
+    };
+    has_header_ = std::ranges::all_of(places_, is_text);
+    pending_ = !has_header_;
+  }
+  for (std::size_t i = 0; has_header_ && i < columns_; ++i) {
+    if (!used[i]) skipped_.emplace_back(found[i]);
   }
 }
 
 bool CsvReader::next_line() {
+  if (std::exchange(pending_, false)) return true;
+  while (next_line_or_comment()) {
+    if (!layout_.comments || !trimmed(text_).starts_with('#')) return true;
+  }
+  return false;
+}
+
+bool CsvReader::next_line_or_comment() {
   std::array<char, kMostLine> buffer;
   do {
     in_.getline(buffer.data(), buffer.size());
@@ -132,25 +230,37 @@ bool CsvReader::next_line() {
 }
 
 void CsvReader::seek(const Place& place) {
+  pending_ = false;
   in_.clear();
   in_.seekg(place.byte);
   byte_ = place.byte;
   line_ = place.line;
 }
 
+double CsvReader::value_of(std::size_t column, std::string_view cell, std::string_view may_be_empty) const {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const std::string& name = layout_.columns[column].name;
+  if (cell.empty() && name == may_be_empty) return kNone;
+  if (layout_.missing_cells && is_missing(cell)) return kNone;
+  const std::optional<double> value = number_of(cell, layout_.decimal_comma);
+  if (value && std::isfinite(*value)) return *value;
+  throw InputError(where(), printable(name), "found '" + printable(cell.substr(0, 40)) + "'",
+                   std::string("expected a finite number") + (layout_.decimal_comma ? " with a decimal comma" : ""));
+}
+
 bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty) {
   if (!next_line()) return false;
-  const auto cells = csv_cells(text_);
-  if (cells.size() == 1) refuse_other_separator(text_, where());
+  const auto cells = cells_of(text_);
+  if (cells.size() == 1 && layout_.separator == ',') refuse_other_separator(text_, where());
   if (cells.size() != columns_) {
-    throw InputError(where(), "", "found " + std::to_string(cells.size()) + (cells.size() == 1 ? " cell" : " cells"),
-                     "expected " + std::to_string(columns_) + ", as in the header");
+    throw InputError(
+        where(), "", "found " + std::to_string(cells.size()) + (cells.size() == 1 ? " cell" : " cells"),
+        "expected " + std::to_string(columns_) + (has_header_ ? ", as in the header" : ", as in the first row"));
   }
   values.clear();
-  for (std::size_t i = 0; i < names_.size(); ++i) {
-    const std::string_view cell = places_[i] == kMissing ? std::string_view() : cells[places_[i]];
-    const bool empty = places_[i] == kMissing || (cell.empty() && names_[i] == may_be_empty);
-    values.push_back(empty ? std::numeric_limits<double>::quiet_NaN() : number(where(), names_[i], cell));
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const bool missing = places_[i] == kMissing;
+    values.push_back(missing ? std::numeric_limits<double>::quiet_NaN() : value_of(i, cells[places_[i]], may_be_empty));
   }
   return true;
 }

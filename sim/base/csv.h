@@ -15,8 +15,26 @@
 
 namespace reamsim {
 
-/// Reads the named columns of a CSV file with a header line, in any order, and skips the others. Takes what
-/// spreadsheets write: a byte order mark, CRLF, blank lines, blanks and quotes around cells.
+/// A column of a CSV file.
+struct CsvColumn {
+  std::string name;        ///< in the header; of a column with a number: for messages
+  std::size_t number = 0;  ///< from 1; 0: the column is found by its name
+  bool may_be_missing = false;
+};
+
+/// How a CSV file is laid out.
+struct CsvLayout {
+  std::vector<CsvColumn> columns;
+  char separator = ',';        ///< ' ': any number of blanks and tabulators
+  bool decimal_comma = false;  ///< numbers have a comma for the point
+  bool comments = false;       ///< lines that begin with # are skipped; one of them may be the header
+  bool missing_cells = false;  ///< a cell that is empty, "nan" or "missing" is NaN
+  int skip_lines = 0;          ///< before the header
+};
+
+/// Reads columns of a CSV file, in any order, and skips the others. Takes what spreadsheets write: a byte order mark,
+/// CRLF, blank lines, blanks and quotes around cells. Where a column has a name, the first line is the header; where
+/// all have numbers, it is one if none of these columns has a number there.
 class CsvReader {
  public:
   /// A place between rows.
@@ -29,6 +47,8 @@ class CsvReader {
   /// Throws InputError: unreadable, larger than 4 GiB, empty, a column missing or given twice.
   CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
             std::span<const std::string_view> optional = {});
+  /// The same for another layout.
+  CsvReader(const std::string& path, CsvLayout layout, const std::string& expected);
 
   /// Reads the next row that is not blank into `values`, in the order of the names; false at the end. An empty cell is
   /// NaN in the column `may_be_empty`, and so is a column that is missing. Throws InputError with file and line: fewer
@@ -39,21 +59,30 @@ class CsvReader {
   [[nodiscard]] SourceLocation where() const { return {path_, line_, 0}; }
   /// Names of the columns that are skipped.
   [[nodiscard]] const std::vector<std::string>& skipped() const { return skipped_; }
-  [[nodiscard]] Place place() const { return {byte_, line_}; }
+  [[nodiscard]] Place place() const { return pending_ ? before_ : Place{byte_, line_}; }
   /// Goes on at a place that place() has returned. Only where the file is a regular one.
   void seek(const Place& place);
 
  private:
   void open(const std::string& expected);
-  void find_columns(std::string_view header, std::size_t required, const std::string& expected);
-  /// Reads the next line that is not blank.
+  void read_header(const std::string& expected);
+  void find_columns(std::string_view header, const std::string& expected);
+  /// Whether a comment is the header: it has all names.
+  [[nodiscard]] bool is_header(std::string_view comment) const;
+  /// Reads the next line that is not blank, or a comment.
   bool next_line();
+  bool next_line_or_comment();
+  [[nodiscard]] std::vector<std::string_view> cells_of(std::string_view line) const;
+  [[nodiscard]] double value_of(std::size_t column, std::string_view cell, std::string_view may_be_empty) const;
 
   std::string path_;
-  std::vector<std::string_view> names_;
+  CsvLayout layout_;
   std::vector<std::size_t> places_;
   std::vector<std::string> skipped_;
-  std::size_t columns_ = 0;  ///< of the header
+  std::size_t columns_ = 0;  ///< of the header, or of the first row
+  bool has_header_ = true;
+  bool pending_ = false;  ///< the line has been read to see that it is no header
+  Place before_;          ///< it
   std::ifstream in_;
   std::string text_;
   std::int64_t byte_ = 0;  ///< after the line
@@ -68,8 +97,8 @@ std::string csv_header(std::string line, const SourceLocation& where);
 /// write them: it has no comma.
 void refuse_other_separator(std::string_view line, const SourceLocation& where);
 
-/// The cells of a line, without blanks and quotes around them.
-std::vector<std::string_view> csv_cells(std::string_view line);
+/// The cells of a line, without blanks and quotes around them. `separator`: see CsvLayout.
+std::vector<std::string_view> csv_cells(std::string_view line, char separator = ',');
 
 /// A text as a CSV cell, on one line and quoted where necessary (RFC 4180). A spreadsheet would take a text that begins
 /// with =, +, - or @ for a formula, so an apostrophe precedes it.

@@ -13,7 +13,8 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/mesh_unit.h"
+#include "sim/bone/inside_columns.h"
+#include "sim/bone/mesh_source.h"
 #include "sim/bone/phantom.h"
 #include "sim/bone/vdb/grids.h"
 #include "sim/bone/voxmap/cube_fraction.h"
@@ -21,8 +22,7 @@
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/bone/voxmap/sparse_bricks.h"
 #include "sim/bone/voxmap/voxel_grid.h"
-#include "sim/mesh/mesh_check.h"
-#include "sim/mesh/mesh_io.h"
+#include "sim/mesh/mesh_holes.h"
 #include "sim/mesh/mesh_repair.h"
 #include "sim/mesh/triangle_mesh.h"
 
@@ -35,8 +35,10 @@ namespace {
 /// some voxels apart: a band of all voxels down to 1.5 mm takes most of the time and the memory of loading a fine bone.
 class MeshDepth {
  public:
-  /// `layer_voxels`: depth to which distances are needed. Throws InputError where the mesh cannot be sampled.
-  MeshDepth(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid, double layer_voxels);
+  /// `layer_voxels`: depth to which distances are needed. `inside`: what lies inside, for a mesh that is not clean.
+  /// Throws InputError where the mesh cannot be sampled.
+  MeshDepth(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid, double layer_voxels,
+            const InsideColumns* inside = nullptr);
 
   /// Distances near the surface, by voxel; constant outside and below.
   [[nodiscard]] const openvdb::FloatTree& near_surface() const { return near_->tree(); }
@@ -94,7 +96,8 @@ class SamplesAround {
   std::array<float, std::size_t{kSide} * kSide * kSide> values_{};
 };
 
-MeshDepth::MeshDepth(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid, double layer_voxels)
+MeshDepth::MeshDepth(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid, double layer_voxels,
+                     const InsideColumns* inside)
     : ratio_(std::max(1, static_cast<int>(layer_voxels / kSamplesInLayer))) {
   const DistanceSampling near{.first_mm = grid.center_mm({0, 0, 0}),
                               .spacing_mm = grid.voxel_mm,
@@ -104,8 +107,18 @@ MeshDepth::MeshDepth(const std::string& path, const TriangleMesh& mesh, const Vo
   deep.spacing_mm = ratio_ * grid.voxel_mm;
   deep.inner_spacings = layer_voxels / ratio_ + kBeyond;
   try {
-    near_ = mesh_distance(mesh, near);
-    deep_ = ratio_ == 1 ? near_ : mesh_distance(mesh, deep);
+    if (inside == nullptr) {
+      near_ = mesh_distance(mesh, near);
+      deep_ = ratio_ == 1 ? near_ : mesh_distance(mesh, deep);
+      return;
+    }
+    constexpr double kEdgeVoxels = 2;
+    const TriangleMesh boundary = inside->is_simple() ? mesh : boundary_of_inside(mesh, kEdgeVoxels * grid.voxel_mm);
+    const auto contains = [&](int ratio) {
+      return [inside, ratio](const Vec3i& sample) { return inside->contains(ratio * sample); };
+    };
+    near_ = mesh_distance(boundary, near, grid.dims, contains(1));
+    deep_ = ratio_ == 1 ? near_ : mesh_distance(boundary, deep, grid.dims / ratio_, contains(ratio_));
   } catch (const std::bad_alloc&) {
     throw InputError({path, 0, 0}, "", "the distance field of the mesh does not fit into memory",
                      "increase bone.voxel_mm");
@@ -138,8 +151,10 @@ void MeshDepth::of_brick(const Vec3i& brick, Distances& out) const {
   }
 }
 
-/// Largest relative deviation of the voxelized volume from that of the mesh.
+/// Largest relative deviation of the voxelized volume from that of the mesh without a warning.
 constexpr double kMaxVolumeError = 0.1;
+/// Beyond this it is found out whether a closed mesh overlaps itself.
+constexpr double kMaxVolumeErrorOfSimple = 0.01;
 
 /// Grades by depth below the surface, voxels: cortical down to `cortical_voxels`, trabecular below.
 struct GradesByDepth {
@@ -219,84 +234,65 @@ void set_fill_at_surface(const openvdb::FloatTree& distance, const GradesByDepth
   set_partial_fill(sample, voxmap);
 }
 
-InputError unrepaired(const std::string& path, const MeshDiagnosis& found) {
-  if (found.boundary_edges == 0 && found.nonmanifold_edges == 0) {
-    return {{path, 0, 0},
-            "",
-            "the triangles have no consistent orientation: " + found.text(),
-            "set bone.mesh.repair: true, which turns them, or export the mesh with consistent normals"};
-  }
-  return {{path, 0, 0},
-          "",
-          "not a closed surface: " + found.text(),
-          "give a closed, two-manifold mesh: repair it, or set bone.mesh.repair: true"};
+/// Upper bound of the fraction of the mesh's box in bricks with bone: the volume, and the bricks at the surface. A
+/// surface of area A intersects about √3·A/b² bricks of side b.
+double bone_fraction(const BoneMesh& bone, double voxel_mm) {
+  constexpr double kPassed = 2;
+  const double brick_mm = GradeBricks::kSide * voxel_mm;
+  const double box_mm3 = bone.mesh.bounds().half().prod() * 8;
+  return std::min(1.0, (bone.outer_mm3 + kPassed * area_mm2(bone.mesh) * brick_mm) / box_mm3);
 }
 
-/// The mesh of the scenario, and what it needed.
-struct CheckedMesh {
-  TriangleMesh mesh;
-  bool repaired = false;
-  double outer_mm3 = 0;  ///< outer_volume_mm3()
-};
+double relative_difference(double voxels_mm3, double mesh_mm3) {
+  return std::abs(voxels_mm3 - mesh_mm3) / mesh_mm3;
+}
 
-/// The mesh, repaired if requested. Throws InputError if meshToVolume cannot use it.
-CheckedMesh checked_mesh(const MeshBoneSettings& settings, Diagnostics& report) {
-  require_mesh_name(settings.path, "bone.mesh.path");
-  CheckedMesh out{read_mesh(settings.path, settings.scale)};
-  TriangleMesh& mesh = out.mesh;
-  const MeshDiagnosis found = diagnose(mesh);
-  out.repaired = !found.closed_manifold();
-  if (out.repaired && !settings.repair) throw unrepaired(settings.path, found);
-  report.note("mesh: " + std::to_string(mesh.triangles.size()) + " triangles, " + found.text());
-  if (out.repaired) report.warn("mesh repaired: " + repair(mesh).text());
-  const std::vector<MeshPiece> pieces = turn_outwards(mesh);
-  out.outer_mm3 = outer_volume_mm3(pieces);
-  const double box_mm3 = mesh.bounds().half().prod() * 8;
-  if (out.outer_mm3 <= 1e-9 * box_mm3) {
-    throw InputError({settings.path, 0, 0}, "", "the mesh encloses no volume", "give the surface of a solid");
+/// Compares the volume of the voxels with that of the mesh, to detect leaks.
+void check_volume(double mesh_mm3, bool by_winding, double voxels_mm3, Diagnostics& report) {
+  report.note(fmt::format("bone volume: {:.0f} mm3 in voxels, {:.0f} mm3 in the mesh{}", voxels_mm3, mesh_mm3,
+                          by_winding ? " by winding numbers, which count what surfaces enclose twice once" : ""));
+  if (relative_difference(voxels_mm3, mesh_mm3) <= kMaxVolumeError) return;
+  report.warn(
+      fmt::format("the bone has {:.0f} mm3 in voxels but {:.0f} mm3 in the mesh: the mesh is thinner than a "
+                  "voxel, or has the wrong scale (bone.mesh.scale)",
+                  voxels_mm3, mesh_mm3));
+}
+
+FilledVoxmap voxmap_of(const MeshDepth& depth, const BoneSettings& settings, const VoxelGrid& grid,
+                       const GradesByDepth& by_depth) {
+  FilledVoxmap out = grades_from_depth(depth, grid, by_depth);
+  if (out.count_bone() == 0) {
+    throw InputError({settings.mesh.path, 0, 0}, "bone.voxel_mm", "the mesh contains no voxel centre",
+                     "use smaller voxels, a larger bone.mesh.scale, or a closed mesh");
   }
-  for (const std::string& warning : warnings_of(pieces)) report.warn(warning);
+  if (settings.surface_voxels == SurfaceVoxels::partial) set_fill_at_surface(depth.near_surface(), by_depth, out);
   return out;
 }
 
-/// Upper bound of the fraction of the mesh's box in bricks with bone: the volume, and the bricks at the surface. A
-/// surface of area A intersects about √3·A/b² bricks of side b.
-double bone_fraction(const CheckedMesh& checked, double voxel_mm) {
-  constexpr double kPassed = 2;
-  const TriangleMesh& mesh = checked.mesh;
-  double area_mm2 = 0;
-  for (const auto& triangle : mesh.triangles) {
-    const auto [a, b, c] = mesh.corners(triangle);
-    area_mm2 += 0.5 * (b - a).cross(c - a).norm();
+/// The voxels of a bone. A clean surface is filled from outside; one that is not, or that overlaps itself, by winding
+/// numbers.
+FilledVoxmap filled_voxmap(const BoneSettings& settings, const BoneMesh& source, const VoxelGrid& grid,
+                           const GradesByDepth& by_depth, const StageSink& stages, Diagnostics& report) {
+  const std::string& path = settings.mesh.path;
+  if (source.was_clean) {
+    const MeshDepth depth(path, source.mesh, grid, by_depth.cortical_voxels);
+    begin_stage(stages, BoneStage::voxels);
+    FilledVoxmap out = voxmap_of(depth, settings, grid, by_depth);
+    const bool fits = relative_difference(out.bone_mm3(), source.outer_mm3) <= kMaxVolumeErrorOfSimple;
+    if (fits || InsideColumns(source.mesh, grid).is_simple()) {
+      check_volume(source.outer_mm3, false, out.bone_mm3(), report);
+      return out;
+    }
+    report.warn("the mesh overlaps itself; what is inside is decided by winding numbers");
   }
-  const double brick_mm = GradeBricks::kSide * voxel_mm;
-  const double box_mm3 = mesh.bounds().half().prod() * 8;
-  return std::min(1.0, (checked.outer_mm3 + kPassed * area_mm2 * brick_mm) / box_mm3);
-}
-
-/// What to do where the voxels of a repaired mesh differ from it.
-std::string remedy_for(const MeshDiagnosis& repaired) {
-  if (repaired.inconsistent_edges > 0) {
-    return fmt::format(
-        "orient the triangles of the mesh alike: {} between triangles with opposite orientation",
-        repaired.inconsistent_edges == 1 ? "1 edge lies" : fmt::format("{} edges lie", repaired.inconsistent_edges));
-  }
-  return "close the holes of the mesh, of which only those smaller than a voxel or with a single rim can be repaired, "
-         "and unite surfaces that overlap";
-}
-
-/// Compares the volume of the voxels with that of the mesh, to detect leaks and overlaps.
-void check_volume(const std::string& path, const CheckedMesh& checked, double voxels_mm3, Diagnostics& report) {
-  const double mesh_mm3 = checked.outer_mm3;
-  const double error = std::abs(voxels_mm3 - mesh_mm3) / mesh_mm3;
-  report.note(fmt::format("bone volume: {:.0f} mm3 in voxels, {:.0f} mm3 in the mesh", voxels_mm3, mesh_mm3));
-  if (error <= kMaxVolumeError) return;
-  const std::string found =
-      fmt::format("the bone has {:.0f} mm3 in voxels but {:.0f} mm3 in the mesh", voxels_mm3, mesh_mm3);
-  if (checked.repaired) {
-    throw InputError({path, 0, 0}, "", "the repair failed: " + found, remedy_for(diagnose(checked.mesh)));
-  }
-  report.warn(found + ": the mesh overlaps itself, is thinner than a voxel, or has the wrong scale (bone.mesh.scale)");
+  TriangleMesh mesh = source.mesh;
+  turn_outwards(mesh, true);  // a surface inside another creates no cavity
+  const InsideColumns inside(mesh, grid);
+  const MeshDepth depth(path, mesh, grid, by_depth.cortical_voxels, &inside);
+  begin_stage(stages, BoneStage::voxels);
+  FilledVoxmap out = voxmap_of(depth, settings, grid, by_depth);
+  check_volume(inside.volume_mm3(), true, out.bone_mm3(), report);
+  return out;
 }
 
 }  // namespace
@@ -304,33 +300,21 @@ void check_volume(const std::string& path, const CheckedMesh& checked, double vo
 FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Diagnostics& report, const StageSink& stages) {
   const MeshBoneSettings& bone = settings.mesh;
   begin_stage(stages, BoneStage::read);
-  const CheckedMesh checked = checked_mesh(bone, report);
-  const TriangleMesh& mesh = checked.mesh;
-  const bool has_glenoid = settings.glenoid.center_mm || settings.glenoid.landmarks || settings.glenoid.near_mm;
-  check_mesh_unit(bone.path, mesh.bounds(), bone.scale, has_glenoid, report);
-  const VoxelGrid grid = lattice_around(bone.path, mesh.bounds(), settings.voxel_mm, kMarginVoxels,
-                                        {bone_fraction(checked, settings.voxel_mm), kMeshBytesPerVoxel});
+  const BoneMesh source = read_bone_mesh(settings, report);
+  const VoxelGrid grid = lattice_around(bone.path, source.mesh.bounds(), settings.voxel_mm, kMarginVoxels,
+                                        {bone_fraction(source, settings.voxel_mm), kMeshBytesPerVoxel});
   begin_stage(stages, BoneStage::distances);
-  const double cortical_voxels = bone.cortical_mm / settings.voxel_mm;
-  const MeshDepth depth(bone.path, mesh, grid, cortical_voxels);
-
-  begin_stage(stages, BoneStage::voxels);
   const DensityMapping mapping = mapping_from(settings.density);
-  const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };
   warn_of_density_limit(mapping, "bone.mesh.cortical_hu", bone.cortical_hu, report);
   warn_of_density_limit(mapping, "bone.mesh.trabecular_hu", bone.trabecular_hu, report);
-  const GradesByDepth by_depth{cortical_voxels, grade(bone.cortical_hu), grade(bone.trabecular_hu)};
-  FilledVoxmap voxmap = grades_from_depth(depth, grid, by_depth);
+  const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };
+  const GradesByDepth by_depth{bone.cortical_mm / settings.voxel_mm, grade(bone.cortical_hu),
+                               grade(bone.trabecular_hu)};
+  FilledVoxmap voxmap = filled_voxmap(settings, source, grid, by_depth, stages, report);
   voxmap.mapping = mapping;
   voxmap.layers = BoneLayers{bone.cortical_mm, DensityMapping::density_from_grade(by_depth.cortical),
                              DensityMapping::density_from_grade(by_depth.trabecular)};
   voxmap.frame = "mesh";
-  if (voxmap.count_bone() == 0) {
-    throw InputError({bone.path, 0, 0}, "bone.voxel_mm", "the mesh contains no voxel centre",
-                     "use smaller voxels, a larger bone.mesh.scale, or a closed mesh");
-  }
-  if (settings.surface_voxels == SurfaceVoxels::partial) set_fill_at_surface(depth.near_surface(), by_depth, voxmap);
-  check_volume(bone.path, checked, voxmap.bone_mm3(), report);
   return voxmap;
 }
 

@@ -36,19 +36,21 @@ double length_of(const Aabb& bounds) {
   return (bounds.max - bounds.min).maxCoeff();
 }
 
-struct LengthUnit {
+struct UnitOfLength {
   const char* name;
   double mm;
 };
-constexpr std::array kUnits{LengthUnit{"metres", 1000}, LengthUnit{"centimetres", 10}, LengthUnit{"inches", 25.4},
-                            LengthUnit{"micrometres", 0.001}};
+constexpr std::array kUnits{UnitOfLength{"metres", 1000}, UnitOfLength{"centimetres", 10}, UnitOfLength{"inches", 25.4},
+                            UnitOfLength{"micrometres", 0.001}};
 
 /// The units for which the length lies in the range, sorted by the similarity to a scapula.
-std::vector<LengthUnit> units_that_fit(double file_length, const LengthRange& range) {
-  std::vector<LengthUnit> out;
+std::vector<UnitOfLength> units_that_fit(double file_length, const LengthRange& range) {
+  std::vector<UnitOfLength> out;
   std::ranges::copy_if(kUnits, std::back_inserter(out),
-                       [&](const LengthUnit& unit) { return range.contains(unit.mm * file_length); });
-  const auto distance = [&](const LengthUnit& unit) { return std::abs(std::log(unit.mm * file_length / kScapula_mm)); };
+                       [&](const UnitOfLength& unit) { return range.contains(unit.mm * file_length); });
+  const auto distance = [&](const UnitOfLength& unit) {
+    return std::abs(std::log(unit.mm * file_length / kScapula_mm));
+  };
   std::ranges::sort(out, {}, distance);
   return out;
 }
@@ -56,8 +58,8 @@ std::vector<LengthUnit> units_that_fit(double file_length, const LengthRange& ra
 /// The scales that would fit, the most likely first: that of a unit, or else the estimate from a scapula.
 std::string scale_advice(double file_length, const std::string& what_to_set) {
   std::vector<std::string> scales;
-  const std::vector<LengthUnit> units = units_that_fit(file_length, kBoneWithGlenoid);
-  for (const LengthUnit& unit : units) {
+  const std::vector<UnitOfLength> units = units_that_fit(file_length, kBoneWithGlenoid);
+  for (const UnitOfLength& unit : units) {
     scales.push_back(fmt::format("{:g} if the file is in {} ({:.0f} mm)", unit.mm, unit.name, unit.mm * file_length));
   }
   const std::string estimate =
@@ -90,7 +92,7 @@ std::optional<FoundScale> find_scale(double file_length) {
     out.assumed = true;
     return out;
   }
-  const std::vector<LengthUnit> units = units_that_fit(file_length, kScapulas);
+  const std::vector<UnitOfLength> units = units_that_fit(file_length, kScapulas);
   if (units.size() != 1) return std::nullopt;
   return FoundScale{.scale = units.front().mm, .unit = units.front().name, .length_mm = units.front().mm * file_length};
 }
@@ -107,11 +109,15 @@ void require_scale(const std::string& path, double scale, const std::string& wha
   require_length(path, length_of(read_mesh(path, scale).bounds()), scale, what_to_set);
 }
 
+bool is_likely_length(const Aabb& bounds_mm) {
+  return kAnySolid.contains(length_of(bounds_mm));
+}
+
 void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scale, bool has_glenoid,
                      Diagnostics& report) {
   const double length_mm = length_of(bounds_mm);
   if (has_glenoid) return require_length(path, length_mm, scale, kSetScale);
-  if (kAnySolid.contains(length_mm)) return;
+  if (is_likely_length(bounds_mm)) return;
   report.warn(fmt::format("{}: the mesh is {:.3g} mm long; if that is wrong, {}", path, length_mm,
                           scale_advice(length_mm / scale, kSetScale)));
 }

@@ -17,6 +17,9 @@ namespace reamsim {
 void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scale, bool has_glenoid,
                      Diagnostics& report);
 
+/// Whether a solid of this length, 10 to 400 mm, is likely to be given in the right unit.
+bool is_likely_length(const Aabb& bounds_mm);
+
 /// What is known of the unit of a mesh.
 struct FoundScale {
   double scale = 1;      ///< file units to mm

@@ -13,22 +13,88 @@
 #include <utility>
 
 #include "sim/mesh/mesh_check.h"
+#include "sim/mesh/mesh_holes.h"
 
 namespace reamsim {
 
 namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
-using Loop = std::vector<std::int32_t>;
 
+/// The vertices of a triangle in order: the same for all triangles that lie on each other.
+Triangle place_of(Triangle t) {
+  std::ranges::sort(t);
+  return t;
+}
+
+/// Whether the order of the vertices is an even permutation of that of place_of().
+bool is_forward(const Triangle& t) {
+  const Triangle sorted = place_of(t);
+  const auto first = static_cast<std::size_t>(std::ranges::find(t, sorted[0]) - t.begin());
+  return t[(first + 1) % 3] == sorted[1];
+}
+
+using Edge = std::pair<std::int32_t, std::int32_t>;
+
+std::array<Edge, 3> edges_of(const Triangle& t) {
+  return {std::minmax(t[0], t[1]), std::minmax(t[1], t[2]), std::minmax(t[2], t[0])};
+}
+
+/// The places of balanced triangles, as many forward as backward, that are needed: groups of them that share edges, and
+/// at most of whose outer edges the other triangles leave a hole; or that have no outer edge, as a surface with two
+/// sides.
+class NeededPlaces {
+ public:
+  NeededPlaces(const std::map<Triangle, int>& balance) {
+    for (const auto& [place, sum] : balance) {
+      for (const Edge& edge : edges_of(place)) (sum == 0 ? balanced_[edge] : others_[edge]).push_back(place);
+    }
+    for (const auto& [place, sum] : balance) {
+      if (sum == 0 && !visited_.contains(place)) visit(place);
+    }
+  }
+  [[nodiscard]] bool contains(const Triangle& place) const { return needed_.contains(place); }
+
+ private:
+  void visit(const Triangle& start) {
+    std::vector<Triangle> group{start};
+    visited_.insert(start);
+    std::size_t outer = 0, open = 0;
+    for (std::size_t n = 0; n < group.size(); ++n) {
+      for (const Edge& edge : edges_of(Triangle(group[n]))) {
+        const std::vector<Triangle>& beside = balanced_[edge];
+        if (beside.size() == 1) {
+          const auto others = others_.find(edge);
+          const std::size_t count = others == others_.end() ? 0 : others->second.size();
+          ++outer;
+          open += count % 2;
+        }
+        for (const Triangle& next : beside) {
+          if (visited_.insert(next).second) group.push_back(next);
+        }
+      }
+    }
+    if (2 * open >= outer) needed_.insert(group.begin(), group.end());
+  }
+
+  std::map<Edge, std::vector<Triangle>> balanced_, others_;
+  std::set<Triangle> visited_, needed_;
+};
+
+/// Removes collapsed triangles, and all but one at each place; of balanced ones also that, unless it is needed.
 std::size_t remove_degenerate(std::vector<Triangle>& triangles) {
-  std::set<Triangle> seen;
   const std::size_t before = triangles.size();
-  std::erase_if(triangles, [&seen](const Triangle& t) {
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
-    Triangle key = t;
-    std::sort(key.begin(), key.end());
-    return !seen.insert(key).second;
+  std::erase_if(triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  std::map<Triangle, int> balance;
+  for (const Triangle& t : triangles) balance[place_of(t)] += is_forward(t) ? 1 : -1;
+  if (balance.size() == triangles.size()) return before - triangles.size();
+  const NeededPlaces needed(balance);
+  std::set<Triangle> seen;
+  std::erase_if(triangles, [&](const Triangle& t) {
+    const Triangle place = place_of(t);
+    const int sum = balance[place];
+    if (sum == 0 ? !needed.contains(place) : is_forward(t) != (sum > 0)) return true;
+    return !seen.insert(place).second;
   });
   return before - triangles.size();
 }
@@ -100,67 +166,32 @@ std::size_t turn_alike(std::vector<Triangle>& triangles) {
   return count;
 }
 
-/// The boundary edges from each rim vertex. Their direction is opposite to that in their triangle, so that the
-/// triangles that close a hole have the orientation of their neighbours.
-std::multimap<std::int32_t, std::int32_t> rim_edges(const std::vector<Triangle>& triangles) {
-  std::map<std::pair<std::int32_t, std::int32_t>, int> uses;
-  for (const Triangle& t : triangles) {
-    for (std::size_t c = 0; c < 3; ++c) ++uses[std::minmax(t[c], t[(c + 1) % 3])];
-  }
-  std::multimap<std::int32_t, std::int32_t> out;
-  for (const Triangle& t : triangles) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::int32_t a = t[c];
-      const std::int32_t b = t[(c + 1) % 3];
-      if (uses[std::minmax(a, b)] == 1) out.emplace(b, a);
-    }
-  }
-  return out;
-}
-
-/// Follows the rim from its first edge until it closes or ends, and removes these edges from `rim`.
-Loop extract_loop(std::multimap<std::int32_t, std::int32_t>& rim) {
-  const std::int32_t start = rim.begin()->first;
-  Loop loop{start};
-  for (std::int32_t at = start;;) {
-    const auto edge = rim.find(at);
-    if (edge == rim.end()) return loop;
-    at = edge->second;
-    rim.erase(edge);
-    if (at == start) return loop;
-    loop.push_back(at);
-  }
-}
-
 }  // namespace
 
-RepairResult repair(TriangleMesh& mesh) {
+RepairResult clean(TriangleMesh& mesh) {
   RepairResult out;
   out.dropped_triangles = remove_degenerate(mesh.triangles);
   out.turned_triangles = turn_alike(mesh.triangles);
-  auto rim = rim_edges(mesh.triangles);
-  while (!rim.empty()) {
-    const Loop loop = extract_loop(rim);
-    if (loop.size() < 3) continue;
-    Vec3 middle = Vec3::Zero();
-    for (const std::int32_t v : loop) middle += mesh.vertices[static_cast<std::size_t>(v)];
-    middle /= static_cast<double>(loop.size());
-    const auto center = static_cast<std::int32_t>(mesh.vertices.size());
-    mesh.vertices.push_back(middle);
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      mesh.triangles.push_back({loop[i], loop[(i + 1) % loop.size()], center});
-      const double reach_mm = (mesh.vertices[static_cast<std::size_t>(loop[i])] - middle).norm();
-      out.widest_hole_mm = std::max(out.widest_hole_mm, 2 * reach_mm);
-    }
-    ++out.closed_holes;
-    out.added_triangles += loop.size();
-  }
+  return out;
+}
+
+RepairResult repair(TriangleMesh& mesh) {
+  RepairResult out = clean(mesh);
+  const std::vector<Neighbours> edges = neighbours_in(mesh.triangles);
+  if (std::ranges::any_of(edges, &Neighbours::opposite)) return out;
+  const std::vector<MeshHole> holes = holes_of(mesh);
+  const std::size_t before = mesh.triangles.size();
+  close_holes(mesh, holes);
+  out.closed_holes = holes.size();
+  out.added_triangles = mesh.triangles.size() - before;
+  for (const MeshHole& hole : holes) out.widest_hole_mm = std::max(out.widest_hole_mm, hole.length_mm);
   return out;
 }
 
 std::string RepairResult::text() const {
   return fmt::format(
-      "{} degenerate triangles removed, {} triangles turned, {} holes closed with {} triangles (largest hole: {:.2f} "
+      "{} collapsed or doubled triangles removed, {} triangles turned, {} holes closed with {} triangles (largest "
+      "hole: {:.2f} "
       "mm)",
       dropped_triangles, turned_triangles, closed_holes, added_triangles, widest_hole_mm);
 }
@@ -260,7 +291,7 @@ void mark_enclosed(const TriangleMesh& mesh, const std::vector<std::size_t>& pie
   }
 }
 
-std::string place_of(const MeshPiece& piece) {
+std::string text_of(const MeshPiece& piece) {
   const Vec3& c = piece.centre_mm;
   return fmt::format("{:.{}f} mm3 at ({:.1f}, {:.1f}, {:.1f}) mm", piece.volume_mm3, piece.volume_mm3 < 10 ? 2 : 0,
                      c.x(), c.y(), c.z());
@@ -271,7 +302,7 @@ std::string places_of(const std::vector<MeshPiece>& pieces) {
   constexpr std::size_t kMostNamed = 3;
   std::string out;
   for (std::size_t n = 0; n < std::min(pieces.size(), kMostNamed); ++n) {
-    out += (n == 0 ? "" : ", ") + place_of(pieces[n]);
+    out += (n == 0 ? "" : ", ") + text_of(pieces[n]);
   }
   return pieces.size() <= kMostNamed ? out : out + fmt::format(" and {} more", pieces.size() - kMostNamed);
 }
@@ -316,12 +347,12 @@ std::vector<MeshPiece> pieces_of(const TriangleMesh& mesh) {
   return out;
 }
 
-std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh) {
+std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh, bool all) {
   const std::vector<std::size_t> piece_of = components_of(mesh);
   std::vector<MeshPiece> out = pieces_in_order(mesh, piece_of);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const MeshPiece& piece = out[piece_of[i]];
-    if (piece.faces_inwards && !piece.inside_another) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+    if (piece.faces_inwards && (all || !piece.inside_another)) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
   }
   sort_by_volume(out);
   return out;

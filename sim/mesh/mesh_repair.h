@@ -11,8 +11,9 @@
 
 namespace reamsim {
 
+/// What repair(), or clean() alone, did.
 struct RepairResult {
-  std::size_t dropped_triangles = 0;  ///< collapsed or duplicate
+  std::size_t dropped_triangles = 0;  ///< collapsed or doubled
   std::size_t turned_triangles = 0;   ///< for one orientation of each surface
   std::size_t closed_holes = 0;
   std::size_t added_triangles = 0;
@@ -21,9 +22,12 @@ struct RepairResult {
   [[nodiscard]] std::string text() const;
 };
 
-/// Removes collapsed and duplicate triangles, turns triangles to the orientation that most of their surface has, and
-/// closes each hole with a fan from the centre of its rim. meshToVolume tolerates the remaining defects (non-manifold
-/// edges, a surface that cannot be oriented): it only determines which voxels are separated from the outside.
+/// Removes collapsed triangles and the copies of doubled ones, and turns triangles to the orientation that most of
+/// their surface has. Of triangles that lie on each other with opposite orientations one is kept where the surface
+/// would have a hole without it; where it would be a loose flap, none.
+RepairResult clean(TriangleMesh& mesh);
+
+/// clean(), and closes each hole (mesh_holes.h), unless the surface cannot be oriented.
 RepairResult repair(TriangleMesh& mesh);
 
 /// A surface of a mesh that shares no vertex with the others.
@@ -37,9 +41,9 @@ struct MeshPiece {
 /// The pieces of a mesh of closed surfaces, the largest volume first.
 std::vector<MeshPiece> pieces_of(const TriangleMesh& mesh);
 
-/// Turns the triangles of each piece outside the others outwards; those inside another stay as they are. Returns the
-/// pieces as they were, in the order of pieces_of().
-std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh);
+/// Turns the triangles of each piece outside the others outwards; those inside another stay as they are, unless `all`.
+/// Returns the pieces as they were, in the order of pieces_of().
+std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh, bool all = false);
 
 /// The volume of the pieces outside the others, which is what voxels of them have: a surface inside another does not
 /// create a cavity.

@@ -52,7 +52,8 @@ void write_scenario(const std::string& dir, const SimulationInput& scene, const 
 /// Whether the scenario.yaml in `dir` is that of this scenario, with the same inputs. Throws InputError.
 bool is_result_of(const std::string& dir, const Scenario& scenario);
 
-/// Writes reamed.vdb, reamed.vti and depth_map.csv into `dir`. Throws RunError when the disk is full.
+/// Writes reamed.vdb, reamed.vti, depth_map.csv and planning.mrk.json into `dir`. Throws RunError when the disk is
+/// full.
 void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
                    const RunFacts& facts);
 

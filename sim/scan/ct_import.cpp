@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -36,11 +37,6 @@ void note_image(const ct::ScanSource& source, const std::string& path, Diagnosti
   report.note("image " + path + ": " + source.description() + ", " + shape_text(source.geometry()) + ", " +
               (ct::is_axis_aligned(source.geometry()) ? "axes along LPS" : "oblique, resampled to LPS axes") + ", " +
               ct::box_text(source.geometry().bounds_mm()));
-  if (source.is_unsigned()) {
-    report.warn(
-        path +
-        ": pixels are unsigned and cannot hold negative HU; if the values are not HU, threshold and density are wrong");
-  }
 }
 
 bool is_default(const DensitySettings& density) {
@@ -87,11 +83,46 @@ ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& setting
   return box;
 }
 
+/// Warns of values that cannot be HU: scans have air, fat or water below 0 HU. Proposes the offset that makes the
+/// lowest peak of the histogram air; not where no bone would be left, as in an image that is masked with 0.
+void warn_of_offset(const std::vector<float>& values, const std::string& path, Diagnostics& report) {
+  constexpr double kBin = 8, kAir_hu = -1000, kBone_hu = 200, kPeakFraction = 0.005, kLeastHu = -100;
+  const auto [low, high] = std::ranges::minmax(values);
+  const double least = double{low};
+  if (least < kLeastHu) return;
+  std::map<std::int64_t, std::size_t> histogram;
+  for (const float value : values)
+    ++histogram[static_cast<std::int64_t>(std::floor(static_cast<double>(value) / kBin))];
+  double peak = least;
+  for (auto at = histogram.begin(); at != histogram.end(); ++at) {
+    const auto next = std::next(at);
+    if (static_cast<double>(at->second) < kPeakFraction * static_cast<double>(values.size())) continue;
+    if (next != histogram.end() && next->second > at->second) continue;
+    peak = kBin * static_cast<double>(at->first);
+    break;
+  }
+  if (double{high} + kAir_hu - peak < kBone_hu) return;
+  report.warn(
+      fmt::format("{}: the least value is {:.0f}, and the lowest common one {:.0f}; HU of a scan are below 0 in air "
+                  "and fat. If that is air, the values are offset: set bone.ct.hu.intercept to {:.0f}. As they "
+                  "are, threshold and density may be wrong",
+                  path, least, peak, kAir_hu - peak));
+}
+
 /// The voxels in the crop, on LPS axes. Beyond an oblique image they get its least value.
 ct::AlignedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box, const CtSettings& settings,
                               Diagnostics& report) {
   ct::Scan scan = source.read(box);
-  const float least = replace_non_finite(scan.value, settings.path, kPathKey, report);
+  float least = replace_non_finite(scan.value, settings.path, kPathKey, report);
+  if (settings.hu) {
+    const auto to_hu = [&](float value) {
+      return static_cast<float>(settings.hu->slope * static_cast<double>(value) + settings.hu->intercept);
+    };
+    std::ranges::transform(scan.value, scan.value.begin(), to_hu);
+    least = to_hu(least);
+    report.note(fmt::format("bone.ct.hu: HU = {:g} · value + {:g}", settings.hu->slope, settings.hu->intercept));
+  }
+  warn_of_offset(scan.value, settings.path, report);
   return ct::align_to_lps(scan, {settings.crop_min_mm, settings.crop_max_mm}, least);
 }
 
@@ -253,7 +284,8 @@ ct::BoneField segment(const ct::ScanSource& source, const ct::IndexBox& box, con
 template <class Use>
 auto with_open_scan(const CtSettings& settings, Diagnostics& report, const Use& use) {
   try {
-    const ct::DicomChoice choice{settings.series, settings.modality == Modality::any};
+    const ct::DicomChoice choice{settings.series, settings.modality == Modality::any,
+                                 settings.uneven == Uneven::resample};
     const auto source = ct::open_scan(settings.path, kPathKey, choice, report);
     note_image(*source, settings.path, report);
     return use(*source);

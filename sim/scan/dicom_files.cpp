@@ -3,18 +3,20 @@
 
 #include "sim/scan/dicom_files.h"
 
-#include <gdcmReader.h>
+#include <fmt/core.h>
 #include <itkGDCMImageIO.h>
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <cstdlib>
-#include <cstring>
+#include <memory>
 #include <set>
 
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 #include "sim/isolation/read_in_child.h"
+#include "sim/scan/dicom_frames.h"
+#include "sim/scan/dicom_syntax.h"
 #include "sim/scan/image_io.h"
+#include "sim/scan/scan_transfer.h"
 #include "sim/scan/segment.h"
 
 namespace reamsim::ct {
@@ -34,13 +36,24 @@ ReadLimits limits_for(const std::vector<std::string>& files) {
   return limits;
 }
 
+/// What headers may take: those of a large multi-frame file are many.
+constexpr std::uint64_t kHeadersPerFileByte = 4;
+
+ReadLimits limits_for_headers(const std::vector<std::string>& files) {
+  ReadLimits limits = limits_for(files);
+  for (const std::string& file : files) {
+    limits.result_bytes += std::min<std::uint64_t>(kHeadersPerFileByte * bytes_of_file(file), std::uint64_t{64} << 20);
+  }
+  return limits;
+}
+
 /// The headers of all files; those of `damaged` ones are not read.
 void put_headers(ResultWriter& out, const std::vector<std::string>& files, const std::vector<std::string>& damaged) {
   for (const std::string& path : files) {
-    DicomFile file{DicomKind::damaged, {}};
+    DicomFile file{DicomKind::damaged, "", {}};
     if (std::ranges::find(damaged, path) == damaged.end()) {
       out.begin_file(path);
-      file.kind = read_dicom_header(path, file.header);
+      file = read_dicom_header(path);
     }
     put_dicom_file(out, file);
   }
@@ -50,7 +63,7 @@ void put_headers(ResultWriter& out, const std::vector<std::string>& files, const
 std::vector<DicomFile> read_headers_but(const std::set<std::string>& damaged, const std::vector<std::string>& files,
                                         const std::string& folder, const std::string& key) {
   const std::vector<std::string> unread(damaged.begin(), damaged.end());
-  ChildResult result = read_in_child<put_headers>({folder, key}, limits_for(files), files, unread);
+  ChildResult result = read_in_child<put_headers>({folder, key}, limits_for_headers(files), files, unread);
   std::vector<DicomFile> out(files.size());
   for (DicomFile& file : out) file = take_dicom_file(result.reader());
   return out;
@@ -78,21 +91,92 @@ void put_slice_facts(ResultWriter& out, const std::vector<std::string>& files, c
   }
 }
 
-void put_slices(ResultWriter& out, const std::vector<std::string>& files, const PlainBox& box, const std::string& key) {
+/// Pixels of a coding that GDCM should decode and does not: damaged, or a variant.
+[[noreturn]] void refuse_coding(const InputError& error, const std::string& path, const std::string& key) {
+  const std::string syntax = syntax_in_file(path);
+  const std::string name = name_of_syntax(syntax);
+  if (name.empty()) throw error;
+  throw InputError({path}, key, "the pixels cannot be decoded from " + name + " (" + syntax + ")",
+                   "the file is truncated or damaged, or coded in an unusual way: " + how_to_decode(name));
+}
+
+void put_slice(const std::string& path, const IndexBox& in_slice, const std::string& key, float* place) {
+  const itk::GDCMImageIO::Pointer io = open_slice(path, key);
+  const Vec3i dims = geometry_of(*io, path, key, true).dims;
+  if (((in_slice.start + in_slice.size).array() > dims.array()).any()) {
+    throw InputError({path}, key, "the slice has changed while it was read", "start again");
+  }
+  // Each slice has its own rescale slope and intercept, so it has its own reader.
+  try {
+    read_voxels(*io, in_slice, 0, path, key, place);
+  } catch (const InputError& error) {
+    refuse_coding(error, path, key);
+  }
+}
+
+/// What put_slices() reads, as plain values.
+struct FrameRescale {
+  int frame;
+  double slope;
+  double intercept;
+};
+
+void put_frames(const std::string& path, const std::vector<std::string>& files, const std::vector<FrameRescale>& frames,
+                const IndexBox& in_slice, const std::string& key, float* first) {
+  std::unique_ptr<DicomFrames> decoded;
+  try {
+    decoded = std::make_unique<DicomFrames>(path, key);
+  } catch (const InputError& error) {
+    refuse_coding(error, path, key);
+  }
+  for (std::size_t n = 0; n < files.size(); ++n) {
+    if (files[n] != path) continue;
+    const Vec3i& dims = decoded->dims();
+    const Vec3i end = in_slice.start + in_slice.size;
+    if (end.x() > dims.x() || end.y() > dims.y() || frames[n].frame >= dims.z()) {
+      throw InputError({path}, key, fmt::format("the file has {} frames of {}x{} pixels", dims.z(), dims.x(), dims.y()),
+                       "its header claims more: give a complete file");
+    }
+    decoded->copy(frames[n].frame, in_slice, frames[n].slope, frames[n].intercept,
+                  first + n * static_cast<std::size_t>(in_slice.voxels()));
+  }
+}
+
+void put_slices(ResultWriter& out, const std::vector<std::string>& files, const std::vector<FrameRescale>& frames,
+                const PlainBox& box, const std::string& key) {
   const IndexBox in_slice = box.get();
   const auto pixels = static_cast<std::size_t>(in_slice.voxels());
-  float* place = out.array<float>(pixels * files.size());
-  for (const std::string& path : files) {
-    out.begin_file(path);
-    const itk::GDCMImageIO::Pointer io = open_slice(path, key);
-    const Vec3i dims = geometry_of(*io, path, key, true).dims;
-    if (((in_slice.start + in_slice.size).array() > dims.array()).any()) {
-      throw InputError({path}, key, "the slice has changed while it was read", "start again");
+  float* first = out.array<float>(pixels * files.size());
+  std::set<std::string> multi_frame;
+  for (std::size_t n = 0; n < files.size(); ++n) {
+    const bool is_frame = frames[n].frame >= 0;
+    if (is_frame && !multi_frame.insert(files[n]).second) continue;
+    out.begin_file(files[n]);
+    if (is_frame) {
+      put_frames(files[n], files, frames, in_slice, key, first);
+    } else {
+      put_slice(files[n], in_slice, key, first + n * pixels);
     }
-    // Each slice has its own rescale slope and intercept, so it has its own reader.
-    read_voxels(*io, in_slice, 0, path, key, place);
-    place += pixels;
   }
+}
+
+/// The geometry of a frame, from its header.
+ScanGeometry geometry_of_frame(const DicomHeader& header, const std::string& key) {
+  ScanGeometry out;
+  if (!header.axes || !header.pixel_spacing_mm || !header.position_mm) {
+    throw InputError({header.path}, key,
+                     fmt::format("frame {} has no position, orientation or pixel spacing", header.frame + 1),
+                     "export the original series");
+  }
+  out.dims = Vec3i(header.columns, header.rows, 1);
+  out.step_mm.col(0) = header.axes->col(0) * header.pixel_spacing_mm->x();
+  out.step_mm.col(1) = header.axes->col(1) * header.pixel_spacing_mm->y();
+  out.step_mm.col(2) = header.normal() * (header.slice_spacing_mm > 0 ? header.slice_spacing_mm : 1);
+  out.origin_mm = *header.position_mm;
+  if (!is_plausible(out)) {
+    throw InputError({header.path}, key, "voxel spacing or axes are degenerate", "export the original series");
+  }
+  return out;
 }
 
 }  // namespace
@@ -111,137 +195,51 @@ std::vector<DicomFile> read_dicom_headers(const std::vector<std::string>& files,
   }
 }
 
-std::vector<SliceFacts> read_slice_facts(const std::vector<std::string>& files, const std::string& key) {
-  if (files.empty()) return {};
+bool looks_like_dicom(const std::string& path) {
+  const std::string start = read_file_start(path, 132);
+  if (start.size() == 132 && start.ends_with("DICM")) return true;
+  const bool of_first_group = start.size() >= 4 && (start[0] == 2 || start[0] == 8) && start[1] == 0 && start[3] == 0;
+  return of_first_group && start[2] != 0;
+}
+
+std::vector<SliceFacts> read_slice_facts(const std::vector<const DicomHeader*>& headers, const std::string& key) {
+  std::vector<SliceFacts> out(headers.size());
+  std::vector<std::string> files;
+  for (std::size_t n = 0; n < headers.size(); ++n) {
+    if (headers[n]->frame < 0) {
+      files.push_back(headers[n]->path);
+    } else {
+      out[n] = {geometry_of_frame(*headers[n], key), headers[n]->pixel_type};
+    }
+  }
+  if (files.empty()) return out;
   ChildResult result = read_in_child<put_slice_facts>({files.front(), key}, limits_for(files), files, key);
-  std::vector<SliceFacts> out(files.size());
-  for (SliceFacts& slice : out) {
-    slice.geometry = take_geometry(result.reader());
-    slice.pixel_type = result.reader().text();
+  for (std::size_t n = 0; n < headers.size(); ++n) {
+    if (headers[n]->frame >= 0) continue;
+    out[n].geometry = take_geometry(result.reader());
+    out[n].pixel_type = result.reader().text();
   }
   return out;
 }
 
-std::vector<float> read_slices(const std::vector<std::string>& files, const IndexBox& in_slice,
+std::vector<float> read_slices(const std::vector<SliceSource>& slices, const IndexBox& in_slice,
                                const std::string& key) {
   const auto pixels = static_cast<std::size_t>(in_slice.voxels());
-  ReadLimits limits = limits_for(files);
+  std::vector<std::string> files;
+  std::vector<FrameRescale> frames;
+  double most_pixels = 0;
+  for (const SliceSource& slice : slices) {
+    files.push_back(slice.path);
+    frames.push_back({slice.frame, slice.slope, slice.intercept});
+    if (slice.frame >= 0) most_pixels = std::max(most_pixels, slice.file_pixels);
+  }
+  constexpr double kBytesPerPixel = 12;  // coded, decoded by frame, and decoded as a whole
+  ReadLimits limits = limits_for(files).with(0, static_cast<std::uint64_t>(kBytesPerPixel * most_pixels));
   limits.result_bytes += pixels * files.size() * sizeof(float);
-  ChildResult result = read_in_child<put_slices>({files.front(), key}, limits, files, PlainBox(in_slice), key);
+  ChildResult result = read_in_child<put_slices>({files.front(), key}, limits, files, frames, PlainBox(in_slice), key);
   std::vector<float> out = result.reader().array<float>();
   if (out.size() != pixels * files.size()) result.reader().fail();
   return out;
-}
-
-namespace {
-
-class DicomValues {
- public:
-  explicit DicomValues(const gdcm::DataSet& data) : data_(data) {}
-
-  [[nodiscard]] std::string bytes(std::uint16_t group, std::uint16_t element) const {
-    const gdcm::Tag tag(group, element);
-    if (!data_.FindDataElement(tag)) return "";
-    const gdcm::ByteValue* value = data_.GetDataElement(tag).GetByteValue();
-    return value == nullptr ? "" : std::string(value->GetPointer(), value->GetLength());
-  }
-
-  [[nodiscard]] std::string text(std::uint16_t group, std::uint16_t element) const {
-    std::string out = bytes(group, element);
-    for (char& c : out) c = c == '\0' ? ' ' : (c < 0x20 || c > 0x7e) ? '?' : c;
-    const std::size_t first = out.find_first_not_of(' ');
-    if (first == std::string::npos) return "";
-    return out.substr(first, out.find_last_not_of(' ') - first + 1);
-  }
-
-  /// The numbers of a text "a\b\c"; empty if one of them is invalid.
-  [[nodiscard]] std::vector<double> numbers(std::uint16_t group, std::uint16_t element) const {
-    const std::string list = text(group, element);
-    std::vector<double> out;
-    for (std::size_t at = 0; at < list.size();) {
-      const std::size_t end = std::min(list.find('\\', at), list.size());
-      const std::string item = list.substr(at, end - at);
-      char* rest = nullptr;
-      const double number = std::strtod(item.c_str(), &rest);
-      if (rest == item.c_str() || !std::isfinite(number)) return {};
-      out.push_back(number);
-      at = end + 1;
-    }
-    return out;
-  }
-
-  [[nodiscard]] int integer(std::uint16_t group, std::uint16_t element, int fallback) const {
-    const std::vector<double> all = numbers(group, element);
-    return all.empty() || std::abs(all[0]) > 1e9 ? fallback : static_cast<int>(all[0]);
-  }
-
-  /// A 16-bit number, in the byte order of this machine.
-  [[nodiscard]] int short_integer(std::uint16_t group, std::uint16_t element) const {
-    const std::string raw = bytes(group, element);
-    std::uint16_t out = 0;
-    if (raw.size() >= sizeof out) std::memcpy(&out, raw.data(), sizeof out);
-    return out;
-  }
-
- private:
-  const gdcm::DataSet& data_;
-};
-
-constexpr const char* kCtStorage = "1.2.840.10008.5.1.4.1.1.2";
-
-void fill_header(const DicomValues& values, DicomHeader& header) {
-  header.series_uid = values.text(0x0020, 0x000e);
-  header.instance_uid = values.text(0x0008, 0x0018);
-  header.description = values.text(0x0008, 0x103e);
-  header.kernel = values.text(0x0018, 0x1210);
-  header.modality = values.text(0x0008, 0x0060);
-  if (header.modality.empty() && values.text(0x0008, 0x0016) == kCtStorage) header.modality = "CT";
-  header.photometric = values.text(0x0028, 0x0004);
-  header.series_number = values.integer(0x0020, 0x0011, 0);
-  header.frames = values.integer(0x0028, 0x0008, 1);
-  header.rescales = !values.numbers(0x0028, 0x1052).empty() || !values.numbers(0x0028, 0x1053).empty();
-  const std::vector<double> kvp = values.numbers(0x0018, 0x0060);
-  if (!kvp.empty()) header.kvp = kvp[0];
-  const std::vector<double> spacing = values.numbers(0x0028, 0x0030);
-  if (spacing.size() >= 2) header.pixel_spacing_mm = Vec2(spacing[1], spacing[0]);
-  const std::vector<double> position = values.numbers(0x0020, 0x0032);
-  if (position.size() >= 3) header.position_mm = Vec3(position[0], position[1], position[2]);
-  const std::vector<double> axes = values.numbers(0x0020, 0x0037);
-  if (axes.size() >= 6) {
-    header.normal = Vec3(axes[0], axes[1], axes[2]).cross(Vec3(axes[3], axes[4], axes[5])).stableNormalized();
-  }
-}
-
-bool is_dicom(const std::string& path) {
-  try {
-    return itk::GDCMImageIO::New()->CanReadFile(path.c_str());
-  } catch (const std::exception&) {
-    return false;
-  }
-}
-
-}  // namespace
-
-DicomKind read_dicom_header(const std::string& path, DicomHeader& header) {
-  const QuietLibraries quiet;
-  if (!is_dicom(path)) return DicomKind::other;
-  gdcm::Reader reader;
-  try {
-    reader.SetFileName(path.c_str());
-    if (!reader.ReadUpToTag(gdcm::Tag(0x6000, 0x0000))) return DicomKind::damaged;  // overlays, then pixels
-  } catch (const std::exception&) {
-    return DicomKind::damaged;
-  }
-  const DicomValues values(reader.GetFile().GetDataSet());
-  header.path = path;
-  header.rows = values.short_integer(0x0028, 0x0010);
-  header.columns = values.short_integer(0x0028, 0x0011);
-  if (header.rows == 0 || header.columns == 0) {
-    // A report has no pixels; a slice of a CT always does.
-    return values.text(0x0008, 0x0016) == kCtStorage ? DicomKind::damaged : DicomKind::no_image;
-  }
-  fill_header(values, header);
-  return DicomKind::image;
 }
 
 }  // namespace reamsim::ct

@@ -12,13 +12,13 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/scan/dicom_syntax.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 
 namespace {
 
-constexpr const char* kSeriesKey = "bone.ct.series";
 constexpr const char* kModalityKey = "bone.ct.modality";
 /// Spacings that differ by less than this fraction are the same.
 constexpr double kSameSpacing = 0.01;
@@ -26,6 +26,7 @@ constexpr double kSameSpacing = 0.01;
 /// The files in a folder and its subfolders, sorted by path. Links to folders are not followed.
 std::vector<std::string> files_below(const std::string& folder) {
   namespace fs = std::filesystem;
+  if (!fs::is_directory(folder)) return {folder};
   std::vector<std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
     std::error_code ignored;
@@ -35,15 +36,32 @@ std::vector<std::string> files_below(const std::string& folder) {
   return files;
 }
 
-/// Median distance of neighbouring slices along the normal of the first; 0 where unknown.
+/// Files whose coding GDCM does not have. Skipped with a warning where others are images: a folder may hold videos.
+void report_unsupported(const std::vector<std::string>& files, const std::vector<DicomFile>& read, bool has_images,
+                        const std::string& key, Diagnostics& report) {
+  const auto first = std::ranges::find(read, DicomKind::unsupported, &DicomFile::kind);
+  if (first == read.end()) return;
+  const std::string& path = files[static_cast<std::size_t>(first - read.begin())];
+  const auto count = std::ranges::count(read, DicomKind::unsupported, &DicomFile::kind);
+  std::string found = "coded as " + first->note + ", which GDCM cannot decode";
+  if (count > 1) found += fmt::format(", as {} more files are", count - 1);
+  if (!has_images) throw InputError({path}, key, found, how_to_decode(first->note));
+  report.warn(path + ": skipped: " + found + "; " + how_to_decode(first->note));
+}
+
+/// Median distance of neighbouring positions along the normal of the first; 0 where unknown.
 double slice_distance(const std::vector<DicomHeader>& images) {
   const auto placed = [](const DicomHeader& image) { return image.position_mm.has_value(); };
-  if (images.size() < 2 || !images.front().normal || !std::ranges::all_of(images, placed)) return 0;
+  if (images.size() < 2 || !images.front().axes || !std::ranges::all_of(images, placed)) return 0;
   std::vector<double> height;
-  for (const DicomHeader& image : images) height.push_back(images.front().normal->dot(*image.position_mm));
+  for (const DicomHeader& image : images) height.push_back(images.front().normal().dot(*image.position_mm));
   std::ranges::sort(height);
   std::vector<double> gap;
-  for (std::size_t n = 1; n < height.size(); ++n) gap.push_back(height[n] - height[n - 1]);
+  constexpr double kSamePlace_mm = 1e-3;  // of several phases
+  for (std::size_t n = 1; n < height.size(); ++n) {
+    if (height[n] - height[n - 1] > kSamePlace_mm) gap.push_back(height[n] - height[n - 1]);
+  }
+  if (gap.empty()) return 0;
   std::ranges::nth_element(gap, gap.begin() + static_cast<std::ptrdiff_t>(gap.size() / 2));
   return gap[gap.size() / 2];
 }
@@ -61,7 +79,7 @@ std::string words_of(const DicomSeries& series) {
   const DicomHeader& first = series.images.front();
   const Vec3& s = series.spacing_mm;
   std::string out = "UID " + series.uid + ", \"" + series.description + "\", " + series.modality + ", ";
-  out += first.frames > 1 ? fmt::format("{} frames", first.frames) : std::to_string(series.images.size()) + " slices";
+  out += std::to_string(series.slices()) + (first.frames > 1 ? " frames" : " slices");
   out += fmt::format(" of {}x{}, {:.4g}x{:.4g}x{:.4g} mm", first.columns, first.rows, s.x(), s.y(), s.z());
   if (!series.kernel.empty()) out += ", kernel " + series.kernel;
   return out;
@@ -99,25 +117,24 @@ const DicomSeries& named_series(const std::vector<DicomSeries>& all, const std::
                    "expected a UID, or a number from 1 to " + std::to_string(all.size()) + ": " + list_of(all));
 }
 
-void check_modality(const DicomSeries& series, const DicomChoice& choice, const std::string& folder) {
-  if (choice.any_modality || series.modality == "CT") return;
+void check_modality(const DicomSeries& series, bool any_modality, const std::string& folder) {
+  if (any_modality || series.modality == "CT") return;
   throw InputError({folder}, kModalityKey,
                    "the series is " + (series.modality.empty() ? "of unknown modality" : series.modality) +
                        ", not CT: " + words_of(series),
                    "choose a CT series, or set bone.ct.modality: any if its values are HU");
 }
 
-std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, const DicomChoice& choice,
-                                              const std::string& folder) {
+std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, bool any_modality) {
   std::vector<const DicomSeries*> out;
   for (const DicomSeries& series : found.series) {
-    if (choice.any_modality || series.modality == "CT") out.push_back(&series);
+    if (any_modality || series.modality == "CT") out.push_back(&series);
   }
   const auto is_none = [](const DicomSeries* series) { return !may_be_a_volume(*series); };
   if (!std::ranges::all_of(out, is_none)) std::erase_if(out, is_none);
-  if (out.empty() && found.series.size() == 1) check_modality(found.series.front(), choice, folder);
+  if (out.empty() && found.series.size() == 1) check_modality(found.series.front(), any_modality, found.folder);
   if (out.empty()) {
-    throw InputError({folder}, kModalityKey,
+    throw InputError({found.folder}, kModalityKey,
                      "none of the " + std::to_string(found.series.size()) + " DICOM series is CT",
                      "expected a CT series, or bone.ct.modality: any; found " + list_of(found.series));
   }
@@ -129,27 +146,35 @@ std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, const Di
 
 int DicomSeries::slices() const {
   int out = 0;
-  for (const DicomHeader& image : images) out += std::clamp(image.frames, 1, 1'000'000);
+  for (const DicomHeader& image : images) out += image.frame >= 0 ? 1 : std::clamp(image.frames, 1, 1'000'000);
   return out;
 }
 
 DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Diagnostics& report) {
   DicomFolder out;
+  out.folder = folder;
   const std::vector<std::string> files = files_below(folder);
   std::vector<DicomFile> read = read_dicom_headers(files, folder, key);
   std::map<std::string, std::vector<DicomHeader>> by_uid;
   for (std::size_t n = 0; n < files.size(); ++n) {
-    DicomHeader& header = read[n].header;
+    if (read[n].kind == DicomKind::unsupported) out.unsupported.push_back(files[n]);
     if (read[n].kind == DicomKind::damaged) out.damaged.push_back(files[n]);
     if (read[n].kind == DicomKind::other) out.others.push_back(files[n]);
-    if (read[n].kind == DicomKind::image) by_uid[header.series_uid].push_back(std::move(header));
+    for (DicomHeader& header : read[n].images) by_uid[header.series_uid].push_back(std::move(header));
   }
+  report_unsupported(files, read, !by_uid.empty(), key, report);
   if (!out.damaged.empty()) {
     report.warn(folder + ": damaged DICOM files skipped: " + std::to_string(out.damaged.size()) + ", the first is " +
                 out.damaged.front());
   }
   for (auto& [uid, images] : by_uid) out.series.push_back(series_from(uid, std::move(images)));
   std::ranges::stable_sort(out.series, {}, [](const DicomSeries& s) { return std::tie(s.number, s.uid); });
+  if (out.series.empty() && !std::filesystem::is_directory(folder)) {
+    throw InputError({folder}, key,
+                     out.damaged.empty() && out.others.empty() ? "a DICOM file without an image"
+                                                               : "the DICOM header is truncated or damaged",
+                     "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
+  }
   if (out.series.empty()) {
     throw InputError({folder}, key,
                      "no DICOM image found in this folder or its subfolders" +
@@ -167,14 +192,39 @@ std::string list_of(const std::vector<DicomSeries>& series) {
   return out;
 }
 
-const DicomSeries& choose_series(const DicomFolder& found, const DicomChoice& choice, const std::string& folder,
-                                 Diagnostics& report) {
-  if (!choice.series.empty()) {
-    const DicomSeries& chosen = named_series(found.series, choice.series, folder);
-    check_modality(chosen, choice, folder);
-    return chosen;
+SeriesChoice parse_series_choice(const std::string& text, const std::string& folder) {
+  SeriesChoice out;
+  const auto refuse = [&](const std::string& found) {
+    throw InputError({folder}, kSeriesKey, "found '" + text + "': " + found,
+                     "expected a series, as 2 or its UID; 2/1 for its first volume; or 2#AcquisitionNumber=1");
+  };
+  const std::size_t mark = std::min(text.find_first_of("/#"), text.size());
+  out.series = text.substr(0, mark);
+  if (mark == text.size()) return out;
+  const std::string rest = text.substr(mark + 1);
+  if (text[mark] == '/') {
+    constexpr std::size_t kMostDigits = 4;
+    if (!is_whole_number(rest) || rest.size() > kMostDigits || std::stoi(rest) < 1) refuse("no number follows '/'");
+    out.volume = std::stoi(rest);
+    return out;
   }
-  const std::vector<const DicomSeries*> candidates = candidates_of(found, choice, folder);
+  for (const std::string& part : split(rest, '#')) {
+    const std::size_t equals = part.find('=');
+    if (equals == std::string::npos) refuse("'" + part + "' is no TAG=VALUE");
+    out.tags.emplace_back(part.substr(0, equals), part.substr(equals + 1));
+  }
+  return out;
+}
+
+const DicomSeries& choose_series(const DicomFolder& found, const SeriesChoice& chosen, bool any_modality,
+                                 Diagnostics& report) {
+  const std::string& folder = found.folder;
+  if (!chosen.series.empty()) {
+    const DicomSeries& series = named_series(found.series, chosen.series, folder);
+    check_modality(series, any_modality, folder);
+    return series;
+  }
+  const std::vector<const DicomSeries*> candidates = candidates_of(found, any_modality);
   const DicomSeries& best = *candidates.front();
   if (candidates.size() > 1 && same_size(best, *candidates[1])) {
     throw InputError(

@@ -4,7 +4,6 @@
 #include "sim/scan/image_conventions.h"
 
 #include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
 #include <algorithm>
@@ -19,7 +18,9 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/error.h"
 #include "sim/base/geometry.h"
+#include "sim/base/text.h"
 
 namespace reamsim::ct {
 
@@ -27,7 +28,7 @@ namespace {
 
 /// What ITK leaves out of the header of an NRRD, or converts by rules that differ between its versions.
 struct NrrdHeader {
-  std::string space = {};             ///< letters and digits in lower case. ITK names the space into which it converted
+  std::string space = {};             ///< as written. ITK names the space into which it converted
   std::vector<Vec3> directions = {};  ///< of the axes that have one, in the space and its units
   Vec3 to_mm = Vec3::Ones();          ///< millimetres in the length unit of each axis of the space
   std::string unknown_unit = {};      ///< the first that is no known length unit, taken as mm; empty: none
@@ -159,7 +160,9 @@ std::vector<Vec3> vectors_in(const std::string& text) {
 NrrdHeader read_nrrd_header(const std::string& path) {
   std::map<std::string, std::string> fields = fields_of(path);
   const std::vector<std::string> units = space_units(fields);
-  NrrdHeader out{.space = plain(fields["space"]), .directions = vectors_in(fields["spacedirections"])};
+  const std::string& space = fields["space"];
+  NrrdHeader out{.space = space.substr(0, space.find_last_not_of(" \t\r") + 1),
+                 .directions = vectors_in(fields["spacedirections"])};
   for (std::size_t axis = 0; axis < std::min<std::size_t>(units.size(), 3); ++axis) {
     const double mm = mm_of_unit(units[axis]);
     if (mm > 0) {
@@ -179,7 +182,7 @@ std::optional<Vec3> lps_from(const std::string& space) {
                                                    {"ras", {-1, -1, 1}},
                                                    {"las", {1, -1, 1}},
                                                    {"leftanteriorsuperior", {1, -1, 1}}};
-  std::string name = space;
+  std::string name = plain(space);
   if (name.ends_with("time")) name.resize(name.size() - 4);
   if (name.size() == 4 && name.ends_with("t")) name.resize(3);
   const auto found = kSpaces.find(name);
@@ -210,53 +213,39 @@ Vec3 signs_of(const NrrdHeader& header, const Mat3& steps_of_itk) {
 bool is_nrrd(const itk::ImageIOBase& io) {
   return dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr;
 }
-bool is_nifti(const itk::ImageIOBase& io) {
-  return dynamic_cast<const itk::NiftiImageIO*>(&io) != nullptr;
-}
-
-double mm_of(int nifti_units) {
-  return nifti_units == NIFTI_UNITS_METER ? 1e3 : nifti_units == NIFTI_UNITS_MICRON ? 1e-3 : 1.0;
-}
-
-/// Whether ITK's origin (LPS) is that of the qform or the sform without conversion from the unit of the file to mm.
-bool is_origin_of(const nifti_image& header, const Vec3& origin) {
-  const auto stands_in = [&](const mat44& ras) {
-    const Vec3 stored(-ras.m[0][3], -ras.m[1][3], ras.m[2][3]);
-    return (origin - stored).norm() <= 1e-5 * stored.norm();
-  };
-  return stands_in(header.qto_xyz) || stands_in(header.sto_xyz);
-}
-
 }  // namespace
 
 ScanGeometry apply_format_conventions(const itk::ImageIOBase& io, ScanGeometry geometry) {
-  if (is_nrrd(io)) {
-    const NrrdHeader header = read_nrrd_header(io.GetFileName());
-    const Vec3 to_mm = signs_of(header, geometry.step_mm).cwiseProduct(header.to_mm);
-    geometry.step_mm = to_mm.asDiagonal() * geometry.step_mm;
-    geometry.origin_mm = to_mm.cwiseProduct(geometry.origin_mm);
-  }
-  if (is_nifti(io)) {
-    const NiftiHeader header = read_nifti_header(io.GetFileName());
-    if (header && is_origin_of(*header, geometry.origin_mm)) geometry.origin_mm *= mm_of(header->xyz_units);
-  }
+  if (!is_nrrd(io)) return geometry;
+  const NrrdHeader header = read_nrrd_header(io.GetFileName());
+  const Vec3 to_mm = signs_of(header, geometry.step_mm).cwiseProduct(header.to_mm);
+  geometry.step_mm = to_mm.asDiagonal() * geometry.step_mm;
+  geometry.origin_mm = to_mm.cwiseProduct(geometry.origin_mm);
   return geometry;
 }
 
-double offset_in_error(const itk::ImageIOBase& io) {
-  if (!is_nifti(io)) return 0;
-  const NiftiHeader header = read_nifti_header(io.GetFileName());
-  return header && header->scl_slope == 0 ? header->scl_inter : 0;
+void describe_header(const itk::ImageIOBase& io, ImageFacts& facts) {
+  facts.frame = "TransformMatrix, taken as LPS";
+  if (!is_nrrd(io)) return;
+  const NrrdHeader header = read_nrrd_header(io.GetFileName());
+  constexpr std::size_t kLongestUnit = 40;
+  if (!header.unknown_unit.empty()) {
+    facts.warnings.push_back(
+        "lengths are in \"" + header.unknown_unit.substr(0, kLongestUnit) +
+        "\", an unknown unit; mm are assumed. Check the size of the scan, or export the file in mm");
+  }
+  facts.frame = "space " + header.space;
+  if (says_orientation(header)) return;
+  facts.frame = "no orientation in the header";
+  facts.warnings.emplace_back(kNoOrientation);
 }
 
-HeaderGaps gaps_of(const itk::ImageIOBase& io) {
-  if (is_nrrd(io)) {
-    const NrrdHeader header = read_nrrd_header(io.GetFileName());
-    return {.says_orientation = says_orientation(header), .unknown_unit = header.unknown_unit};
-  }
-  if (!is_nifti(io)) return {};
-  const NiftiHeader header = read_nifti_header(io.GetFileName());
-  return {.says_orientation = header && (header->qform_code > 0 || header->sform_code > 0)};
+void check_encoding(const std::string& path, const std::string& key) {
+  static constexpr std::array kKnown{"raw", "txt", "text", "ascii", "hex", "gz", "gzip", ""};
+  const std::string encoding = plain(fields_of(path)["encoding"]);
+  if (std::ranges::find(kKnown, encoding) != kKnown.end()) return;
+  throw InputError({path}, key, "the voxels are encoded as " + printable(encoding) + ", which this program cannot read",
+                   "save the file as raw or gzip (3D Slicer, or unu save -f nrrd -e gzip)");
 }
 
 bool can_be_read_in_part(itk::ImageIOBase& io) {

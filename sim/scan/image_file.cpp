@@ -6,13 +6,18 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <numbers>
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"
+#include "sim/scan/dicom_files.h"
+#include "sim/scan/image_conventions.h"
 #include "sim/scan/image_io.h"
+#include "sim/scan/nifti_file.h"
 #include "sim/scan/scan_transfer.h"
 
 namespace reamsim::ct {
@@ -39,6 +44,11 @@ std::map<std::string, std::string> metadata_of(const itk::ImageIOBase& io) {
 }
 
 void put_header(ResultWriter& out, const std::string& path, const std::string& key, bool allow_layers) {
+  if (const auto nifti = read_nifti_header(path, key)) {
+    put_facts(out, facts_of(*nifti, path, key, allow_layers));
+    put_texts(out, {});
+    return;
+  }
   std::string format;
   const itk::ImageIOBase::Pointer io = open_image_io(path, key, format);
   put_facts(out, check_image(*io, path, key, format, allow_layers));
@@ -53,29 +63,44 @@ struct Part {
   int layer;
 };
 
+/// Throws InputError unless the file still has the dimensions of its header.
+void check_unchanged(const Part& part, const Vec3i& dims, int layers, const std::string& path, const std::string& key) {
+  if (dims == part.whole.get().size && layers == part.layers) return;
+  throw InputError({path}, key, "the file has changed while it was read", "start again");
+}
+
 void put_part(ResultWriter& out, const std::string& path, const std::string& key, const Part& part) {
+  const IndexBox box = part.box.get();
+  if (const auto nifti = read_nifti_header(path, key)) {
+    check_unchanged(part, placement_of(*nifti, path, key).geometry.dims, nifti->layers(), path, key);
+    float* const voxels = out.array<float>(static_cast<std::size_t>(box.voxels()));
+    return read_nifti_voxels(*nifti, box, part.layer, path, key, voxels);
+  }
   std::string format;
   const itk::ImageIOBase::Pointer io = open_image_io(path, key, format);
   read_header(*io, path, key, format);
   const ScanGeometry now = geometry_of(*io, path, key, false, true);
-  if (now.dims != part.whole.get().size || static_cast<int>(io->GetNumberOfComponents()) != part.layers) {
-    throw InputError({path}, key, "the file has changed while it was read", "start again");
-  }
-  const IndexBox box = part.box.get();
+  check_unchanged(part, now.dims, static_cast<int>(io->GetNumberOfComponents()), path, key);
   read_voxels(*io, box, part.layer, path, key, out.array<float>(static_cast<std::size_t>(box.voxels())));
 }
 
-void warn_of_gaps(const std::string& path, const HeaderGaps& gaps, Diagnostics& report) {
-  constexpr std::size_t kLongestUnit = 40;
-  if (!gaps.unknown_unit.empty()) {
-    report.warn(path + ": lengths are in \"" + printable(gaps.unknown_unit.substr(0, kLongestUnit)) +
-                "\", an unknown unit; mm are assumed. Check the size of the scan, or export the file in mm");
-  }
-  if (!gaps.says_orientation) {
-    report.warn(path +
-                ": the header does not say how the axes lie in the body; left, posterior, superior are assumed. "
-                "Check side and glenoid, or export the file with its orientation");
-  }
+/// The largest angle by which two axes miss a right one, degrees.
+double skew_deg(const ScanGeometry& geometry) {
+  const Mat3 axes = geometry.step_mm.colwise().normalized();
+  double sine = 0;
+  for (int axis = 0; axis < 3; ++axis) sine = std::max(sine, std::abs(axes.col(axis).dot(axes.col((axis + 1) % 3))));
+  return std::asin(std::min(sine, 1.0)) * 180 / std::numbers::pi;
+}
+
+void warn_of_header(const std::string& path, const ImageFacts& facts, Diagnostics& report) {
+  for (const std::string& warning : facts.warnings) report.warn(path + ": " + printable(warning));
+  constexpr double kWorthWarning_deg = 0.5;
+  const double skew = skew_deg(facts.geometry);
+  if (skew <= kWorthWarning_deg) return;
+  report.warn(path +
+              fmt::format(": the axes of the image miss right angles by up to {:.2g}° (a tilted gantry, or rounded "
+                          "numbers); it is resampled as they say",
+                          skew));
 }
 
 /// An NRRD, NIfTI or MetaImage file. A child process reads its header, and another one its voxels.
@@ -88,12 +113,13 @@ class FileScan : public LabelSource {
     facts_ = take_facts(result.reader());
     metadata_ = take_texts(result.reader());
     check_fits_in_memory(static_cast<double>(facts_.geometry.size()), facts_.bytes_per_voxel, path, key);
-    warn_of_gaps(path, facts_.gaps, report);
+    warn_of_header(path, facts_, report);
   }
 
   [[nodiscard]] const ScanGeometry& geometry() const override { return facts_.geometry; }
-  [[nodiscard]] std::string description() const override { return facts_.format + ", " + facts_.pixel_type; }
-  [[nodiscard]] bool is_unsigned() const override { return facts_.pixel_type.starts_with("uint"); }
+  [[nodiscard]] std::string description() const override {
+    return facts_.format + ", " + facts_.pixel_type + ", " + printable(facts_.frame);
+  }
   [[nodiscard]] Scan read(const IndexBox& box) const override { return read_layer(box, 0); }
 
   [[nodiscard]] int layers() const override { return facts_.layers; }
@@ -153,10 +179,10 @@ std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string
                                       Diagnostics& report) {
   const bool folder = fs::is_directory(checked_status(path, key, "give a CT image"));
   try {
-    if (folder) return open_dicom_folder(path, key, choice, report);
     // DICOMDIR is the index file beside the folders of a study.
-    if (lower_file_name(path) == "dicomdir")
-      return open_dicom_folder(fs::path(path).parent_path().string(), key, choice, report);
+    if (!folder && lower_file_name(path) == "dicomdir")
+      return open_dicom(fs::path(path).parent_path().string(), key, choice, report);
+    if (folder || looks_like_dicom(path)) return open_dicom(path, key, choice, report);
     auto scan = std::make_unique<FileScan>(path, key, false, report);
     if (choice.series.empty()) return scan;
     throw InputError({path}, "bone.ct.series", "given for a file that is not a DICOM folder", "remove it");
@@ -166,9 +192,10 @@ std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string
 }
 
 std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key, Diagnostics& report) {
-  const char* expected = "give a label map: NRRD, NIfTI or MetaImage";
-  if (fs::is_directory(checked_status(path, key, expected))) throw InputError({path}, key, "a folder", expected);
+  const char* expected = "give a label map: NRRD, NIfTI, MetaImage or DICOM SEG";
+  const bool folder = fs::is_directory(checked_status(path, key, expected));
   try {
+    if (folder || looks_like_dicom(path)) return open_dicom_seg(path, key, report);
     return std::make_unique<FileScan>(path, key, true, report);
   } catch (const fs::filesystem_error&) {
     throw InputError({path}, key, "cannot be opened", "check its permissions");

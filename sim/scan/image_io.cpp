@@ -6,9 +6,7 @@
 #include <fmt/core.h>
 #include <itkGDCMImageIO.h>
 #include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -59,6 +57,38 @@ std::string format_by_name(const std::string& path) {
   if (extension == ".dcm") return kDicom;
   return "";
 }
+
+constexpr std::size_t kHeaderStart = 1 << 16;
+
+/// Lines "Key = value", the first of which names the object or its dimensions.
+bool is_meta_image(const std::string& start) {
+  const bool begins = start.starts_with("ObjectType") || start.starts_with("NDims") || start.starts_with("Comment");
+  return begins && start.find("NDims") != std::string::npos;
+}
+
+/// What the first bytes of a file say, for a file of no format that is read.
+struct KnownStart {
+  std::string_view bytes;
+  const char* what;
+  const char* advice;
+};
+constexpr const char* kUnpack = "unpack it";
+constexpr const char* kAsMesh = "use bone.mesh for a surface";
+constexpr std::array kKnownStarts{
+    KnownStart{"\x1f\x8b", "compressed with gzip, and no NIfTI", kUnpack},
+    KnownStart{"BZh", "compressed with bzip2", kUnpack},
+    KnownStart{"PK\x03\x04", "a ZIP archive", kUnpack},
+    KnownStart{"\xfd"
+               "7zXZ",
+               "compressed with xz", kUnpack},
+    KnownStart{"7z\xbc\xaf", "a 7z archive", kUnpack},
+    KnownStart{"\x89HDF", "an HDF5 or MINC 2 file", "convert it to NRRD or NIfTI (3D Slicer)"},
+    KnownStart{"CDF", "a MINC 1 file", "convert it to NIfTI (mnc2nii)"},
+    KnownStart{"\x89PNG", "a PNG picture", "give the scan itself"},
+    KnownStart{"\xff\xd8\xff", "a JPEG picture", "give the scan itself"},
+    KnownStart{"solid", "an STL mesh", kAsMesh},
+    KnownStart{"ply", "a PLY mesh", kAsMesh},
+    KnownStart{"OFF", "an OFF mesh", kAsMesh}};
 
 /// Formats with header and voxels in one file, so that its length limits the number of voxels.
 bool contains_its_voxels(const std::string& path) {
@@ -166,37 +196,6 @@ void check_meta_image(const std::string& path, const std::string& key) {
   }
 }
 
-/// ITK ends the program where the axes of a NIfTI are not numbers.
-void check_nifti(const std::string& path, const std::string& key) {
-  const NiftiHeader header = read_nifti_header(path);
-  if (!header) return;
-  for (const mat44* matrix : {&header->sto_xyz, &header->qto_xyz}) {
-    const float* first = &matrix->m[0][0];
-    if (std::all_of(first, first + 16, [](float value) { return std::isfinite(value); })) continue;
-    throw InputError({path}, key, "the axes or the origin in the NIfTI header (sform, qform) are not finite",
-                     "the file is damaged: export it again");
-  }
-}
-
-/// Whether the file of a NIfTI header (or its .img), compressed or not, contains all its voxels. ITK itself fills
-/// missing voxels with uninitialized memory.
-bool nifti_is_complete(const std::string& path) {
-  const NiftiHeader header = read_nifti_header(path);
-  if (!header || header->iname == nullptr || header->nbyper <= 0 || header->iname_offset < 0) return false;
-  const double claimed = static_cast<double>(header->iname_offset) + static_cast<double>(header->nvox) * header->nbyper;
-  // gzread() also reads files that are not compressed.
-  const std::unique_ptr<gzFile_s, decltype(&gzclose)> file(gzopen(header->iname, "rb"), &gzclose);
-  if (!file) return false;
-  std::vector<char> chunk(1 << 20);
-  double read = 0;
-  while (read < claimed) {
-    const int bytes = gzread(file.get(), chunk.data(), static_cast<unsigned>(chunk.size()));
-    if (bytes <= 0) return false;
-    read += bytes;
-  }
-  return true;
-}
-
 /// Throws InputError when the file is shorter than its header claims.
 void check_file_length(const std::string& path, const std::string& key, std::int64_t voxels, double bytes_per_voxel) {
   if (!contains_its_voxels(path)) return;
@@ -207,6 +206,23 @@ void check_file_length(const std::string& path, const std::string& key, std::int
                    "the header claims " + std::to_string(voxels) + " voxels, but the file has only " +
                        std::to_string(length) + " bytes",
                    "give a complete file");
+}
+
+/// Throws the InputError of a file that is none of the formats.
+[[noreturn]] void refuse_format(const std::string& path, const std::string& key, const std::string& start) {
+  if (is_vtk(path)) {
+    throw InputError(
+        {path}, key, "a VTK file",
+        "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); use bone.mesh for a surface, as STL or PLY");
+  }
+  const std::string promised = format_by_name(path);
+  for (const KnownStart& known : kKnownStarts) {
+    if (promised != "NIfTI" && start.starts_with(known.bytes)) throw InputError({path}, key, known.what, known.advice);
+  }
+  const std::string found = start.empty()      ? "the file is empty"
+                            : promised.empty() ? "not a readable CT image"
+                                               : "the " + promised + " header is truncated or damaged";
+  throw InputError({path}, key, found, "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
 }
 
 [[noreturn]] void refuse_single_dicom(const itk::ImageIOBase& io, const std::string& path, const std::string& key) {
@@ -221,29 +237,24 @@ void check_file_length(const std::string& path, const std::string& key, std::int
 
 itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format) {
   const QuietLibraries quiet;
-  if (format_by_name(path) == "MetaImage") check_meta_image(path, key);
-  const std::pair<std::string, itk::ImageIOBase::Pointer> readers[] = {
-      {"NRRD", itk::NrrdImageIO::New().GetPointer()},
-      {"NIfTI", itk::NiftiImageIO::New().GetPointer()},
-      {"MetaImage", itk::MetaImageIO::New().GetPointer()},
-      {kDicom, itk::GDCMImageIO::New().GetPointer()}};
-  for (const auto& [name, io] : readers) {
-    if (!can_read(*io, path)) continue;
-    format = name;
-    if (name == "NIfTI") check_nifti(path, key);
-    io->SetFileName(path);
-    return io;
+  const std::string start = read_file_start(path, kHeaderStart);
+  itk::ImageIOBase::Pointer io;
+  if (start.starts_with("NRRD")) {
+    check_encoding(path, key);
+    format = "NRRD";
+    io = itk::NrrdImageIO::New().GetPointer();
+  } else if (is_meta_image(start)) {
+    check_meta_image(path, key);
+    format = "MetaImage";
+    io = itk::MetaImageIO::New().GetPointer();
+  } else if (const auto dicom = itk::GDCMImageIO::New(); can_read(*dicom, path)) {
+    format = kDicom;
+    io = dicom.GetPointer();
+  } else {
+    refuse_format(path, key, start);
   }
-  const std::string promised = format_by_name(path);
-  if (is_vtk(path)) {
-    throw InputError(
-        {path}, key, "a VTK file",
-        "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); use bone.mesh for a surface, as STL or PLY");
-  }
-  const std::string found = fs::file_size(path) == 0 ? "the file is empty"
-                            : promised.empty()       ? "not a readable CT image"
-                                                     : "the " + promised + " header is truncated or damaged";
-  throw InputError({path}, key, found, "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
+  io->SetFileName(path);
+  return io;
 }
 
 ImageFacts check_image(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format,
@@ -256,11 +267,9 @@ ImageFacts check_image(itk::ImageIOBase& io, const std::string& path, const std:
   out.pixel_type = pixel_type_of(io);
   out.layers = static_cast<int>(io.GetNumberOfComponents());
   out.bytes_per_voxel = static_cast<double>(io.GetComponentSize()) * io.GetNumberOfComponents();
-  out.gaps = gaps_of(io);
+  describe_header(io, out);
   check_fits_in_memory(static_cast<double>(out.geometry.size()), out.bytes_per_voxel, path, key);
   check_file_length(path, key, out.geometry.size(), out.bytes_per_voxel);
-  const QuietLibraries quiet;
-  if (format == "NIfTI" && !nifti_is_complete(path)) throw cut_off(path, key);
   return out;
 }
 
@@ -284,19 +293,26 @@ bool is_plausible(const ScanGeometry& geometry) {
          std::abs(geometry.step_mm.determinant()) >= kLeastVolume * edge.prod();
 }
 
+void check_volume(const std::vector<std::int64_t>& sizes, bool allow_slice, const std::string& path,
+                  const std::string& key) {
+  std::string shape;
+  bool volume = sizes.size() >= (allow_slice ? 2U : 3U);
+  for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
+    shape += (axis == 0 ? "" : "×") + std::to_string(sizes[axis]);
+    const bool single = sizes[axis] == 1;
+    if (axis >= 3 && !single) volume = false;
+    if (axis == 2 && single && !allow_slice) volume = false;
+    if (sizes[axis] < 1 || sizes[axis] > std::numeric_limits<int>::max()) volume = false;
+  }
+  if (!volume) throw InputError({path}, key, "an image of " + shape + " pixels", "expected a volume, three axes");
+}
+
 ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, const std::string& key, bool allow_slice,
                          bool allow_layers) {
   const unsigned dimensions = io.GetNumberOfDimensions();
-  std::string shape;
-  bool volume = dimensions >= (allow_slice ? 2U : 3U);
-  for (unsigned axis = 0; axis < dimensions; ++axis) {
-    shape += (axis == 0 ? "" : "×") + std::to_string(io.GetDimensions(axis));
-    const bool single = io.GetDimensions(axis) == 1;
-    if (axis >= 3 && !single) volume = false;
-    if (axis == 2 && single && !allow_slice) volume = false;
-    if (io.GetDimensions(axis) == 0 || io.GetDimensions(axis) > std::numeric_limits<int>::max()) volume = false;
-  }
-  if (!volume) throw InputError({path}, key, "an image of " + shape + " pixels", "expected a volume, three axes");
+  std::vector<std::int64_t> sizes;
+  for (unsigned axis = 0; axis < dimensions; ++axis) sizes.push_back(static_cast<std::int64_t>(io.GetDimensions(axis)));
+  check_volume(sizes, allow_slice, path, key);
   const bool several = io.GetNumberOfComponents() != 1 && !allow_layers;
   if (several || io.GetNumberOfComponents() == 0 || pixel_type_of(io).empty()) {
     throw InputError({path}, key, std::to_string(io.GetNumberOfComponents()) + " numbers in each voxel",
@@ -346,9 +362,6 @@ void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std
     const Layer wanted{layer, static_cast<int>(io.GetNumberOfComponents())};
     copy_as_float<unsigned char, signed char, unsigned short, short, unsigned, int, unsigned long, long,
                   unsigned long long, long long, float, double>(io, raw.get(), held, box, wanted, out);
-    if (const double offset = offset_in_error(io); offset != 0) {
-      for (float* value = out; value != out + box.voxels(); ++value) *value -= static_cast<float>(offset);
-    }
   } catch (const std::bad_alloc&) {
     throw InputError({path}, key, "the voxels exceed the memory of this machine", "use a smaller image, or a crop");
   } catch (const std::exception&) {

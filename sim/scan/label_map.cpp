@@ -134,7 +134,7 @@ class LabelReader {
     if (box.empty()) throw no_overlap(map_.path, source_->geometry(), image_, part_);
     const std::size_t voxels = static_cast<std::size_t>(part_.size());
     selected_.assign(voxels, 0);
-    if (map_.refine_mm > 0) other_.assign(voxels, 0);
+    other_.assign(voxels, 0);
     for (int layer = 0; layer < source_->layers(); ++layer) {
       LayerClasses classes(labels, layer);
       if (classes.any()) add_layer(box, layer, classes);
@@ -143,9 +143,7 @@ class LabelReader {
     if (wanted_voxels_ == 0) fail_without_label();
     report_cut_off(cut_, map_.path, settings_.threshold_hu, report_);
     const Crop crop{settings_.crop_min_mm, settings_.crop_max_mm};
-    LabelImages out{align_to_lps({part_, std::move(selected_)}, crop, 0), {}};
-    if (!other_.empty()) out.other = align_to_lps({part_, std::move(other_)}, crop, 0);
-    return out;
+    return {align_to_lps({part_, std::move(selected_)}, crop, 0), align_to_lps({part_, std::move(other_)}, crop, 0)};
   }
 
  private:
@@ -178,7 +176,7 @@ class LabelReader {
       if (classes.is_wanted(value)) {
         selected_[index_in(part_.dims, voxel)] = 1;
         ++wanted_voxels_;
-      } else if (value != 0 && !other_.empty()) {
+      } else if (value != 0) {
         other_[index_in(part_.dims, voxel)] = 1;
       }
     });

@@ -45,7 +45,7 @@ std::string words_of_labels(const std::vector<std::string>& labels);
 /// A label map on the lattice of a CT.
 struct LabelImages {
   AlignedImage selected;  ///< 1 in voxels with one of the wanted labels, 0 elsewhere
-  AlignedImage other;     ///< 1 in voxels with another label of the same layer; empty unless the mask will be refined
+  AlignedImage other;     ///< 1 in voxels with another label of the same layer
 };
 
 /// The nearest voxel of a label map to a voxel of an image, in patient space. Halfway points, to within a tolerance,

@@ -12,8 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"
-#include "sim/scan/image_conventions.h"
-#include "sim/scan/segment.h"
+#include "sim/scan/nifti_file.h"
 
 namespace reamsim::ct {
 
@@ -149,17 +148,9 @@ namespace {
 
 /// In a child process.
 std::vector<NamedSegment> read_nifti_segments(const std::string& path) {
-  const QuietLibraries quiet;
   std::vector<NamedSegment> out;
-  if (!is_nifti_file(path.c_str())) return out;
-  const NiftiHeader header = read_nifti_header(path);
-  if (!header) return out;
-  for (int n = 0; n < header->num_ext; ++n) {
-    const nifti1_extension& extension = header->ext_list[n];
-    constexpr int kHead = 8;  // size and code, which the size includes
-    if (extension.edata == nullptr || extension.esize <= kHead) continue;
-    add_xml_labels(std::string(extension.edata, static_cast<std::size_t>(extension.esize - kHead)), out);
-  }
+  const auto header = read_nifti_header(path, kLabelMapPathKey);
+  for (const std::string& text : header ? header->extensions : std::vector<std::string>()) add_xml_labels(text, out);
   return out;
 }
 

@@ -59,7 +59,6 @@ class ScanSource {
   [[nodiscard]] virtual const ScanGeometry& geometry() const = 0;
   /// Format and pixel type for the report: "NRRD, int16".
   [[nodiscard]] virtual std::string description() const = 0;
-  [[nodiscard]] virtual bool is_unsigned() const = 0;
   /// Tube voltage, kV; 0: the file does not say.
   [[nodiscard]] virtual double kvp() const { return 0; }
   /// The values of the voxels in `box`, which lies inside the image. Throws InputError: truncated, damaged.
@@ -79,17 +78,18 @@ class LabelSource : public ScanSource {
 
 /// Selects a DICOM series of a folder.
 struct DicomChoice {
-  std::string series;  ///< UID, or number in the list of series, from 1; empty: the largest
+  std::string series;  ///< bone.ct.series; empty: the largest
   bool any_modality = false;
+  bool resample = false;  ///< slices that are not evenly spaced are interpolated
 };
 
-/// Opens a DICOM folder, NRRD, NIfTI or MetaImage. `key` is the scenario key of `path`, for messages.
-/// Throws InputError: no such file, none of these formats, not a volume of single numbers, larger than the memory, or
-/// shorter than its header claims; for DICOM see choose_series() and stack_slices().
+/// Opens a DICOM folder, a multi-frame DICOM file, NRRD, NIfTI or MetaImage. `key` is the scenario key of `path`, for
+/// messages. Throws InputError: no such file, none of these formats, not a volume of single numbers, larger than the
+/// memory, or shorter than its header claims; for DICOM see choose_series() and stack_slices().
 std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string& key, const DicomChoice& choice,
                                       Diagnostics& report);
 
-/// Opens an NRRD, NIfTI or MetaImage. Throws InputError as open_scan() does.
+/// Opens an NRRD, NIfTI, MetaImage or DICOM SEG. Throws InputError as open_scan() does.
 std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key, Diagnostics& report);
 
 /// Throws InputError when `voxels` voxels of `bytes_per_voxel` are more than half of this machine's memory.

@@ -17,21 +17,6 @@ void take_numbers(ResultReader& in, double* first, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) first[i] = in.get<double>();
 }
 
-template <class Vector>
-void put_optional(ResultWriter& out, const std::optional<Vector>& vector) {
-  out.put(vector.has_value());
-  if (vector) put_numbers(out, vector->data(), static_cast<std::size_t>(vector->size()));
-}
-
-template <class Vector>
-std::optional<Vector> take_optional(ResultReader& in) {
-  if (in.get<unsigned char>() == 0) return std::nullopt;
-  Vector out;
-  take_numbers(in, out.data(), static_cast<std::size_t>(out.size()));
-  if (!out.allFinite()) in.fail();
-  return out;
-}
-
 }  // namespace
 
 void put_geometry(ResultWriter& out, const ScanGeometry& geometry) {
@@ -55,8 +40,8 @@ void put_facts(ResultWriter& out, const ImageFacts& facts) {
   put_geometry(out, facts.geometry);
   out.put(facts.layers);
   out.put(facts.bytes_per_voxel);
-  out.put(facts.gaps.says_orientation);
-  out.put(facts.gaps.unknown_unit);
+  out.put(facts.frame);
+  out.put(facts.warnings);
 }
 
 ImageFacts take_facts(ResultReader& in) {
@@ -66,8 +51,8 @@ ImageFacts take_facts(ResultReader& in) {
   out.geometry = take_geometry(in);
   out.layers = in.get<int>();
   out.bytes_per_voxel = in.get<double>();
-  out.gaps.says_orientation = in.get<unsigned char>() != 0;
-  out.gaps.unknown_unit = in.text();
+  out.frame = in.text();
+  out.warnings = in.texts();
   if (out.layers < 1 || !(out.bytes_per_voxel > 0)) in.fail();
   return out;
 }
@@ -86,39 +71,6 @@ std::map<std::string, std::string> take_texts(ResultReader& in) {
     std::string name = in.text();
     out[std::move(name)] = in.text();
   }
-  return out;
-}
-
-void put_dicom_file(ResultWriter& out, const DicomFile& file) {
-  const DicomHeader& header = file.header;
-  out.put(file.kind);
-  for (const std::string* text : {&header.path, &header.series_uid, &header.instance_uid, &header.description,
-                                  &header.kernel, &header.modality, &header.photometric}) {
-    out.put(*text);
-  }
-  for (const int number : {header.series_number, header.frames, header.columns, header.rows}) out.put(number);
-  out.put(header.rescales);
-  out.put(header.kvp);
-  put_optional(out, header.pixel_spacing_mm);
-  put_optional(out, header.position_mm);
-  put_optional(out, header.normal);
-}
-
-DicomFile take_dicom_file(ResultReader& in) {
-  DicomFile out;
-  out.kind = in.get<DicomKind>();
-  if (out.kind < DicomKind::other || out.kind > DicomKind::image) in.fail();
-  DicomHeader& header = out.header;
-  for (std::string* text : {&header.path, &header.series_uid, &header.instance_uid, &header.description, &header.kernel,
-                            &header.modality, &header.photometric}) {
-    *text = in.text();
-  }
-  for (int* number : {&header.series_number, &header.frames, &header.columns, &header.rows}) *number = in.get<int>();
-  header.rescales = in.get<unsigned char>() != 0;
-  header.kvp = in.get<double>();
-  header.pixel_spacing_mm = take_optional<Vec2>(in);
-  header.position_mm = take_optional<Vec3>(in);
-  header.normal = take_optional<Vec3>(in);
   return out;
 }
 

@@ -5,9 +5,7 @@
 
 #include <array>
 #include <map>
-#include <optional>
 #include <string>
-#include <vector>
 
 #include "sim/isolation/child_result.h"
 #include "sim/scan/scan.h"
@@ -16,11 +14,11 @@ namespace reamsim::ct {
 
 // What child processes hand back about images. The functions that take it throw InputError where it is inconsistent.
 
-/// What the header of an image file leaves open.
-struct HeaderGaps {
-  bool says_orientation = true;   ///< how the axes lie in the body
-  std::string unknown_unit = {};  ///< of lengths, taken as mm; empty: none
-};
+/// The warning of a header without orientation.
+inline constexpr const char* kNoOrientation =
+    "the header does not say how the axes lie in the body; left, posterior, superior are assumed. Check side and "
+    "glenoid, "
+    "or export the file with its orientation";
 
 /// What the header of an image file says.
 struct ImageFacts {
@@ -28,41 +26,9 @@ struct ImageFacts {
   std::string pixel_type;  ///< "int16", "float", ...
   ScanGeometry geometry;
   int layers = 1;
-  double bytes_per_voxel = 0;  ///< of all layers
-  HeaderGaps gaps;
-};
-
-/// The header of a DICOM file. Texts are printable ASCII without padding.
-struct DicomHeader {
-  std::string path;
-  std::string series_uid;
-  std::string instance_uid;
-  std::string description;
-  std::string kernel;    ///< convolution kernel of the reconstruction
-  std::string modality;  ///< "CT", "MR", ...
-  std::string photometric;
-  int series_number = 0;
-  int frames = 1;  ///< above 1: a multi-frame file
-  int columns = 0;
-  int rows = 0;
-  bool rescales = false;  ///< says how its values become HU
-  double kvp = 0;         ///< tube voltage, kV; 0: unknown
-  std::optional<Vec2> pixel_spacing_mm;
-  std::optional<Vec3> position_mm;  ///< of the first pixel, LPS
-  std::optional<Vec3> normal;       ///< across the slice
-};
-
-enum class DicomKind {
-  other,     ///< not a DICOM file
-  no_image,  ///< a DICOM file without an image: a report, a plan, a directory
-  damaged,   ///< a DICOM file whose header cannot be read
-  image
-};
-
-/// A DICOM file of a folder.
-struct DicomFile {
-  DicomKind kind = DicomKind::other;
-  DicomHeader header;
+  double bytes_per_voxel = 0;         ///< of all layers
+  std::string frame;                  ///< what in the header places the voxels
+  std::vector<std::string> warnings;  ///< what it leaves open or contradicts
 };
 
 /// An IndexBox, or dimensions, as a plain value for a child.
@@ -86,8 +52,5 @@ ImageFacts take_facts(ResultReader& in);
 
 void put_texts(ResultWriter& out, const std::map<std::string, std::string>& texts);
 std::map<std::string, std::string> take_texts(ResultReader& in);
-
-void put_dicom_file(ResultWriter& out, const DicomFile& file);
-DicomFile take_dicom_file(ResultReader& in);
 
 }  // namespace reamsim::ct

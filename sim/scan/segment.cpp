@@ -5,7 +5,6 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
-#include <nifti1_io.h>
 #include <unistd.h>
 #include <algorithm>
 #include <array>
@@ -13,6 +12,7 @@
 #include <cstdio>
 
 #include "sim/base/error.h"
+#include "sim/scan/label_check.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {
@@ -235,6 +235,7 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
 BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtSettings& settings,
                            Diagnostics& report) {
   const LabelMapSettings& map = *settings.label_map;
+  check_label(labels, hu, settings, report);
   AlignedImage& selected = labels.selected;
   gaussian_filter(selected, kLabelSmoothing_voxels);
   for (float& value : selected.value) value -= 0.5F;
@@ -256,8 +257,6 @@ BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtS
 
 QuietLibraries::QuietLibraries()
     : cerr_(std::cerr.rdbuf(captured_.rdbuf())), cout_(std::cout.rdbuf(captured_.rdbuf())) {
-  nifti_set_debug_level(0);
-  // The NIfTI library prints some errors to C's stderr at any debug level.
   std::fflush(stderr);
   stderr_ = dup(STDERR_FILENO);
   const int null_device = open("/dev/null", O_WRONLY | O_CLOEXEC);

@@ -55,7 +55,7 @@ std::vector<float> signed_field(const AlignedImage& hu, double threshold_hu, con
 void refine_to_isosurface(AlignedImage& field, const AlignedImage& other, const AlignedImage& hu, double threshold_hu,
                           double reach_mm, Diagnostics& report);
 
-/// Suppresses the output of ITK, GDCM, MetaIO and NIfTI during its lifetime. These libraries print warnings about
+/// Suppresses the output of ITK, GDCM and MetaIO during its lifetime. These libraries print warnings about
 /// damaged files, where a user should see only the message of the exception. Not for concurrent use.
 class QuietLibraries {
  public:

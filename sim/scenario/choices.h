@@ -26,6 +26,11 @@ enum class BoneSource { phantom, ct, mesh, vdb };
 template <>
 inline constexpr auto kChoiceNames<BoneSource> = name_list("phantom", "ct", "mesh", "vdb");
 
+/// The frame of a mesh's coordinates. file: as its header says; without a statement they are taken as they stand.
+enum class MeshFrame { file, lps, ras };
+template <>
+inline constexpr auto kChoiceNames<MeshFrame> = name_list("file", "lps", "ras");
+
 enum class BodySide { unknown, left, right };
 template <>
 inline constexpr auto kChoiceNames<BodySide> = name_list("", "left", "right");
@@ -45,6 +50,11 @@ inline constexpr auto kChoiceNames<Walch> = name_list("none", "A1", "A2", "B2", 
 enum class Modality { ct, any };
 template <>
 inline constexpr auto kChoiceNames<Modality> = name_list("ct", "any");
+
+/// What happens to DICOM slices that are not evenly spaced.
+enum class Uneven { refuse, resample };
+template <>
+inline constexpr auto kChoiceNames<Uneven> = name_list("refuse", "resample");
 
 enum class Separate { none, humerus };
 template <>
@@ -81,6 +91,32 @@ inline constexpr auto kChoiceNames<PlungeStart> = name_list("entry", "contact");
 enum class PushEnd { depth, time, stall };
 template <>
 inline constexpr auto kChoiceNames<PushEnd> = name_list("depth", "time", "stall");
+
+/// The layout of a recording of poses.
+enum class PoseFormat { csv, tum };
+template <>
+inline constexpr auto kChoiceNames<PoseFormat> = name_list("csv", "tum");
+
+enum class Separator { comma, semicolon, tab, space };
+template <>
+inline constexpr auto kChoiceNames<Separator> = name_list("comma", "semicolon", "tab", "space");
+
+enum class DecimalMark { point, comma };
+template <>
+inline constexpr auto kChoiceNames<DecimalMark> = name_list("point", "comma");
+
+enum class LengthUnit { mm, cm, m, um, in };
+template <>
+inline constexpr auto kChoiceNames<LengthUnit> = name_list("mm", "cm", "m", "um", "in");
+
+enum class TimeUnit { s, ms, us, ns };
+template <>
+inline constexpr auto kChoiceNames<TimeUnit> = name_list("s", "ms", "us", "ns");
+
+/// The order of the components of a quaternion.
+enum class QuaternionOrder { wxyz, xyzw };
+template <>
+inline constexpr auto kChoiceNames<QuaternionOrder> = name_list("wxyz", "xyzw");
 
 enum class EngineKind { automatic, exact, bricked, direct, octree, implicit };
 template <>

@@ -36,12 +36,14 @@ void describe_user_camera(KeyVisitor& v, UserCamera& camera) {
   v.text({.name = "name", .doc = "Lower-case letters, digits, _ and -; suffix of its file names", .required = true},
          camera.name);
   v.choice({.name = "frame", .doc = "Frame of position_mm, target_mm and up"}, camera.frame);
-  v.vector({.name = "position_mm", .doc = "Position of the camera", .required = true, .range = kPosition},
-           camera.position_mm);
+  v.vector(
+      {.name = "position_mm", .doc = "Position of the camera", .required = true, .range = kPosition, .point = true},
+      camera.position_mm);
   v.optional_vector(
       {.name = "target_mm",
        .doc = "Point in the centre of the view; without it the centre of the glenoid, or the reamed region",
-       .range = kPosition},
+       .range = kPosition,
+       .point = true},
       camera.target_mm);
   v.optional_vector({.name = "up",
                      .doc = "Upward direction of the picture; without it superior",

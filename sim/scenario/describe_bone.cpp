@@ -27,18 +27,23 @@ void describe_density(KeyVisitor& v, DensitySettings& density) {
 namespace {
 
 void describe_landmarks(KeyVisitor& v, LandmarkSettings& landmarks) {
-  v.vector(
-      {.name = "glenoid_center_mm", .doc = "Centre of the glenoid, bone frame", .required = true, .range = kPosition},
-      landmarks.glenoid_center_mm);
+  v.vector({.name = "glenoid_center_mm",
+            .doc = "Centre of the glenoid, bone frame",
+            .required = true,
+            .range = kPosition,
+            .point = true},
+           landmarks.glenoid_center_mm);
   v.vector({.name = "trigonum_spinae_mm",
             .doc = "Where the scapular spine meets the medial border, bone frame",
             .required = true,
-            .range = kPosition},
+            .range = kPosition,
+            .point = true},
            landmarks.trigonum_spinae_mm);
   v.vector({.name = "inferior_angle_mm",
             .doc = "Lowest point of the scapula, bone frame",
             .required = true,
-            .range = kPosition},
+            .range = kPosition,
+            .point = true},
            landmarks.inferior_angle_mm);
 }
 
@@ -46,10 +51,12 @@ void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
   v.optional_vector({.name = "near_mm",
                      .doc = "A point within 8 mm of the centre of the face, bone frame. The face is found round it: "
                             "centre and normal, and superior too unless superior or landmarks give it",
-                     .range = kPosition},
+                     .range = kPosition,
+                     .point = true},
                     glenoid.near_mm);
-  v.optional_vector({.name = "center_mm", .doc = "Origin of the glenoid frame, bone frame", .range = kPosition},
-                    glenoid.center_mm);
+  v.optional_vector(
+      {.name = "center_mm", .doc = "Origin of the glenoid frame, bone frame", .range = kPosition, .point = true},
+      glenoid.center_mm);
   v.optional_vector({.name = "normal",
                      .doc = "Out of the bone, along the face normal (+z of the glenoid frame)",
                      .range = kComponent,
@@ -68,6 +75,7 @@ void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
             .doc = "Points on the rim of the face before reaming, bone frame, in order around it, at least 6. They "
                    "delimit the face whose orientation and area are measured. A glenoid or cup phantom has its own",
             .range = kPosition,
+            .point = true,
             .least_points = kLeastRimPoints},
            glenoid.rim_mm);
   v.group({.names = {"near_mm", "center_mm"}, .one_needed = false});
@@ -234,15 +242,23 @@ void describe_phantom(KeyVisitor& v, PhantomSettings& phantom) {
 void describe_mesh(KeyVisitor& v, MeshBoneSettings& mesh) {
   v.text({.name = "path", .doc = "STL, OBJ or PLY", .required = true, .text = TextKind::input_file}, mesh.path);
   v.number({.name = "scale", .doc = "File units to mm", .range = kFileUnit}, mesh.scale);
+  v.choice(
+      {.name = "frame",
+       .doc = "Frame of the coordinates in the file; in the bone frame they are LPS. file: as its header says "
+              "(`SPACE=RAS`), and as they stand where it says nothing; ras: x and y are negated; lps: as they stand"},
+      mesh.frame);
   v.number({.name = "cortical_mm", .doc = "Thickness of the cortical shell", .range = between(0, 50)},
            mesh.cortical_mm);
   v.number({.name = "cortical_hu", .doc = "HU of the shell", .range = kHu}, mesh.cortical_hu);
   v.number({.name = "trabecular_hu", .doc = "HU of the interior", .range = kHu}, mesh.trabecular_hu);
-  v.flag(
-      {.name = "repair",
-       .doc =
-           "Repair an open, non-manifold or inconsistently oriented mesh as far as possible, and report what was done"},
-      mesh.repair);
+  v.flag({.name = "repair",
+          .doc = "Close the holes of a mesh and turn its triangles alike, and report what was done. Small holes need "
+                 "no repair"},
+         mesh.repair);
+  v.number({.name = "repair_change_percent",
+            .doc = "The most by which a repair may change the volume, in percent of it",
+            .range = between(0, 1000)},
+           mesh.repair_change_percent);
 }
 
 void describe_vdb(KeyVisitor& v, VdbBoneSettings& vdb) {
@@ -255,7 +271,8 @@ void describe_vdb(KeyVisitor& v, VdbBoneSettings& vdb) {
 
 void describe_pilot_hole(KeyVisitor& v, PilotHoleSettings& hole) {
   v.number({.name = "diameter_mm", .doc = "Diameter of the hole", .range = between(0.01, 30)}, hole.diameter_mm);
-  v.vector({.name = "entry_mm", .doc = "Start of the axis of the hole", .range = kPosition}, hole.entry_mm);
+  v.vector({.name = "entry_mm", .doc = "Start of the axis of the hole", .range = kPosition, .point = true},
+           hole.entry_mm);
   v.vector({.name = "axis", .doc = "Direction of drilling", .range = kComponent, .nonzero = true}, hole.axis);
   v.number({.name = "depth_mm", .doc = "Depth of the hole from entry_mm", .range = between(0.01, 500)}, hole.depth_mm);
   v.choice({.name = "frame", .doc = "Frame of entry_mm and axis"}, hole.frame);

@@ -24,19 +24,34 @@ void describe_label_map(KeyVisitor& v, LabelMapSettings& labels) {
            "Largest distance over which the surface of the mask moves to the isosurface of refine_hu; 0: no refinement",
        .range = between(0, 5)},
       labels.refine_mm);
-  v.number({.name = "refine_hu", .doc = "Used with refine_mm only", .range = kHu}, labels.refine_hu);
+  v.number({.name = "refine_hu",
+            .doc = "Radiodensity of the surface with refine_mm; what is denser and has no label is warned of",
+            .range = kHu},
+           labels.refine_hu);
+  v.flag(
+      {.name = "fill",
+       .doc =
+           "Add bone without a label, at or above refine_hu, that the label surrounds or that lies in its holes up to "
+           "10 mm wide, and cavities that it encloses"},
+      labels.fill);
+}
+
+void describe_hu(KeyVisitor& v, HuSettings& hu) {
+  v.number({.name = "slope", .doc = "HU for each unit of the values", .range = between(0.001, 1000)}, hu.slope);
+  v.number({.name = "intercept", .doc = "HU of the value 0", .range = between(-70000, 70000)}, hu.intercept);
 }
 
 void describe_cut_sphere(KeyVisitor& v, CutSphereSettings& sphere) {
-  v.vector({.name = "center_mm", .doc = "LPS", .required = true, .range = kPosition}, sphere.center_mm);
+  v.vector({.name = "center_mm", .doc = "LPS", .required = true, .range = kPosition, .point = true}, sphere.center_mm);
   v.number(
       {.name = "radius_mm", .doc = "Bone inside the sphere is removed", .required = true, .range = between(0.01, 500)},
       sphere.radius_mm);
 }
 
 void describe_cut_plane(KeyVisitor& v, CutPlaneSettings& plane) {
-  v.vector({.name = "point_mm", .doc = "A point of the plane, LPS", .required = true, .range = kPosition},
-           plane.point_mm);
+  v.vector(
+      {.name = "point_mm", .doc = "A point of the plane, LPS", .required = true, .range = kPosition, .point = true},
+      plane.point_mm);
   v.vector({.name = "normal",
             .doc = "Normal of the plane; bone on the side to which it points is removed",
             .required = true,
@@ -73,6 +88,7 @@ void describe_segmentation(KeyVisitor& v, CtSettings& ct) {
   v.optional_vector({.name = "seed_mm",
                      .doc = "Point inside the connected piece to keep, LPS; without it the largest piece is kept",
                      .range = kPosition,
+                     .point = true,
                      .unless = kLabels},
                     ct.seed_mm);
   v.choice(
@@ -96,18 +112,31 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
           .required = true,
           .text = TextKind::input_path},
          ct.path);
+  v.optional_section(
+      {.name = "hu",
+       .doc = "HU from the values of a scan that are no HU, after the scale of the file: slope · value + "
+              "intercept"},
+      ct.hu, describe_hu);
   v.text({.name = "series",
           .doc = "DICOM series: UID, or number in the list that a warning gives; without it the CT series with the "
-                 "most slices",
+                 "most slices. SERIES/2 or SERIES#AcquisitionNumber=1 chooses a volume of a series that holds several",
           .number_too = true},
          ct.series);
   v.choice({.name = "modality", .doc = "Accepted DICOM modality; any: also series that are not CT"}, ct.modality);
-  v.optional_vector(
-      {.name = "crop_min_mm", .doc = "Lower corner of the crop, LPS; with crop_max_mm", .range = between(-10000, 9990)},
-      ct.crop_min_mm);
-  v.optional_vector(
-      {.name = "crop_max_mm", .doc = "Upper corner of the crop, LPS; with crop_min_mm", .range = between(-9990, 10000)},
-      ct.crop_max_mm);
+  v.choice({.name = "uneven",
+            .doc = "DICOM slices whose spacing changes, or that are missing; resample: interpolated at the finest "
+                   "spacing, with a warning"},
+           ct.uneven);
+  v.optional_vector({.name = "crop_min_mm",
+                     .doc = "Lower corner of the crop, LPS; with crop_max_mm",
+                     .range = between(-10000, 9990),
+                     .point = true},
+                    ct.crop_min_mm);
+  v.optional_vector({.name = "crop_max_mm",
+                     .doc = "Upper corner of the crop, LPS; with crop_min_mm",
+                     .range = between(-9990, 10000),
+                     .point = true},
+                    ct.crop_max_mm);
   v.choice({.name = "filter", .doc = "Noise filter before thresholding"}, ct.filter);
   v.integer({.name = "median_radius_voxels", .doc = "Used by `filter: median` only", .range = between(1, 10)},
             ct.median_radius_voxels);

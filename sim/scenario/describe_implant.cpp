@@ -61,7 +61,8 @@ void describe_pose(KeyVisitor& v, ImplantSettings& implant) {
       implant.frame);
   v.vector({.name = "center_mm",
             .doc = "Apex of the back of the implant; with `seat` only its place across the axis counts",
-            .range = kPosition},
+            .range = kPosition,
+            .point = true},
            implant.center_mm);
   v.vector({.name = "axis",
             .doc = "Axis of the implant, out of the bone: another axis than that of the reamer tilts the implant",

@@ -13,7 +13,8 @@ constexpr Range kFeed = between(1e-4, 1000);  // mm/s
 void describe_plunge(KeyVisitor& v, PlungeSettings& plunge) {
   v.vector({.name = "entry_mm",
             .doc = "A point of the line of the plunge, through which the origin of the tool passes",
-            .range = kPosition},
+            .range = kPosition,
+            .point = true},
            plunge.entry_mm);
   v.vector({.name = "axis",
             .doc = "Direction of the feed; the opposite of +z of the tool",
@@ -39,7 +40,8 @@ void describe_plunge(KeyVisitor& v, PlungeSettings& plunge) {
 void describe_push(KeyVisitor& v, PushSettings& push) {
   v.vector({.name = "entry_mm",
             .doc = "A point of the line of the push, through which the origin of the tool passes",
-            .range = kPosition},
+            .range = kPosition,
+            .point = true},
            push.entry_mm);
   v.vector({.name = "axis",
             .doc = "Direction of the push; the opposite of +z of the tool",
@@ -95,7 +97,8 @@ void describe_keyframe(KeyVisitor& v, KeyframeSettings& key) {
             .required = true,
             .range = between(0, 1e5)},
            key.time_s);
-  v.vector({.name = "position_mm", .doc = "Origin of the tool", .required = true, .range = kPosition}, key.position_mm);
+  v.vector({.name = "position_mm", .doc = "Origin of the tool", .required = true, .range = kPosition, .point = true},
+           key.position_mm);
   v.optional_vector({.name = "axis",
                      .doc = "+z of the tool: out of the bone, towards the drive",
                      .range = kComponent,
@@ -116,12 +119,76 @@ void describe_pass(KeyVisitor& v, PassSettings& pass) {
   v.section({.name = "plunge", .doc = "Motion of this pass"}, pass.plunge, describe_plunge);
 }
 
+void describe_transform(KeyVisitor& v, TransformSettings& transform) {
+  v.vector({.name = "translation_mm", .doc = "Added after the rotation", .range = kPosition}, transform.translation_mm);
+  v.optional_quaternion({.name = "quaternion",
+                         .doc = "Rotation: unit quaternion w, x, y, z; without it and rotation: none",
+                         .range = between(-1.01, 1.01)},
+                        transform.quaternion);
+  v.points({.name = "rotation",
+            .doc = "Rotation: the three rows of its matrix",
+            .range = between(-1.001, 1.001),
+            .least_points = 3},
+           transform.rotation);
+  v.group({.names = {"quaternion", "rotation"}, .one_needed = false});
+}
+
+void describe_columns(KeyVisitor& v, CsvMotionSettings& csv) {
+  v.text({.name = "time_column",
+          .doc = "Column of the time: its name in the header, or its number from 1",
+          .number_too = true,
+          .default_by = "format"},
+         csv.time_column);
+  v.choice({.name = "time_unit", .doc = "Unit of the time"}, csv.time_unit);
+  v.names({.name = "position_columns",
+           .doc = "The three columns of the position of the tool, by name or number",
+           .default_by = "format"},
+          csv.position_columns);
+  v.choice({.name = "position_unit", .doc = "Unit of the position", .default_by = "format"}, csv.position_unit);
+  v.names({.name = "quaternion_columns",
+           .doc = "The four columns of the rotation from the tool, by name or number, in the order quaternion_order",
+           .default_by = "format"},
+          csv.quaternion_columns);
+  v.choice({.name = "quaternion_order",
+            .doc = "Whether quaternion_columns begin with the real part, w, or end with it",
+            .default_by = "format"},
+           csv.quaternion_order);
+  v.text({.name = "spin_column",
+          .doc = "Column of the spindle speed, rpm, by name or number; a file without it has spin_rpm",
+          .number_too = true},
+         csv.spin_column);
+}
+
 void describe_csv(KeyVisitor& v, CsvMotionSettings& csv) {
   v.text({.name = "path",
-          .doc = "Recorded poses: time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm",
+          .doc = "Recorded poses, a row each. Without further keys: time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally "
+                 "spin_rpm",
           .required = true,
           .text = TextKind::input_file},
          csv.path);
+  v.choice({.name = "format",
+            .doc = "csv: columns with a header or numbers. tum: `t tx ty tz qx qy qz qw` between blanks, s and m"},
+           csv.format);
+  v.defaults([&csv] { apply_format_defaults(csv); });
+  v.choice({.name = "separator", .doc = "What separates columns; space: any blanks", .default_by = "format"},
+           csv.separator);
+  v.choice({.name = "decimal", .doc = "Decimal mark of numbers"}, csv.decimal);
+  v.integer({.name = "skip_lines",
+             .doc = "Lines before the header that are skipped. Lines that begin with # always are",
+             .range = between(0, 10000)},
+            csv.skip_lines);
+  describe_columns(v, csv);
+  v.number({.name = "max_gap_s",
+            .doc = "Longest time without a pose; a longer one is an input error, and rows without a pose (empty, nan, "
+                   "missing) are skipped. 0: any time between rows, and each has a pose",
+            .range = between(0, 3600)},
+           csv.max_gap_s);
+  v.optional_section(
+      {.name = "bone_from_tracker", .doc = "Registration: from the frame of the recording to that of the bone"},
+      csv.bone_from_tracker, describe_transform);
+  v.optional_section(
+      {.name = "marker_from_tool", .doc = "Calibration: from the tool to the recorded marker that is fixed to it"},
+      csv.marker_from_tool, describe_transform);
   v.number({.name = "spin_rpm", .doc = "Spindle speed if the file has no such column", .range = kSpin}, csv.spin_rpm);
 }
 

@@ -63,9 +63,10 @@ class TreeBuilder : public KeyVisitor {
     leaf(info, KeyNode::Kind::choices, "[" + json + "]");
   }
   void names(const KeyInfo& info, std::vector<std::string>& values) override {
-    const std::string& first = values.front();  // a default is one
-    const bool number = is_whole_number(first);
-    leaf(info, KeyNode::Kind::names, number ? first : json_string(first));
+    std::string json;
+    for (const std::string& value : values)
+      json += (json.empty() ? "" : ", ") + (is_whole_number(value) ? value : json_string(value));
+    leaf(info, KeyNode::Kind::names, values.size() == 1 ? json : "[" + json + "]");
   }
   void vector(const KeyInfo& info, Vec3& value) override { leaf(info, KeyNode::Kind::vector, vector_json(value)); }
   void optional_vector(const KeyInfo& info, std::optional<Vec3>&) override { leaf(info, KeyNode::Kind::vector, ""); }
@@ -175,10 +176,12 @@ std::string expectation(const KeyInfo& info, KeyNode::Kind kind) {
     case KeyNode::Kind::vector:
       if (info.nonzero) return "3 numbers [x, y, z], not all zero, each " + range;
       return "3 numbers [x, y, z]" + (range.empty() ? "" : ", each " + range) +
-             (unit.empty() ? "" : " (" + std::string(unit) + ")");
+             (unit.empty() ? "" : " (" + std::string(unit) + ")") +
+             (info.point ? ", or {markups: FILE, point: LABEL}" : "");
     case KeyNode::Kind::points:
       return "a list of " + std::to_string(info.least_points) + " or more points [[x, y, z], ...]" +
-             (range.empty() ? "" : ", each number " + range) + (unit.empty() ? "" : " (" + std::string(unit) + ")");
+             (range.empty() ? "" : ", each number " + range) + (unit.empty() ? "" : " (" + std::string(unit) + ")") +
+             (info.point ? ", or {markups: FILE}" : "");
     case KeyNode::Kind::quaternion:
       return "4 numbers [w, x, y, z] of length 1";
     case KeyNode::Kind::text:

@@ -51,6 +51,7 @@ struct KeyInfo {
   TextKind text = TextKind::word;
   bool number_too = false;        ///< text that may look like a number
   bool nonzero = false;           ///< a direction: not all components zero
+  bool point = false;             ///< a point in space, or a list of them, which a file of markups may give too
   When when{};                    ///< empty: always
   std::string_view unless{};      ///< does not apply where this sibling is given
   int least_points = 1;           ///< of a list of points

@@ -92,10 +92,37 @@ struct KeyframeSettings {
   double spin_rpm = 0;
 };
 
+/// A transform without scale: a point p becomes R·p + translation_mm.
+struct TransformSettings {
+  Vec3 translation_mm = Vec3::Zero();
+  std::optional<Quat> quaternion{};  ///< R; or
+  std::vector<Vec3> rotation{};      ///< the rows of R; empty with the quaternion; without both R is the identity
+
+  [[nodiscard]] Rigid rigid() const;
+};
+
+/// Recorded poses. A column is the name in the header, or its number from 1.
 struct CsvMotionSettings {
   std::string path;
   double spin_rpm = 250;  ///< where the file has no such column
+  PoseFormat format = PoseFormat::csv;
+  Separator separator = Separator::comma;
+  DecimalMark decimal = DecimalMark::point;
+  int skip_lines = 0;  ///< before the header
+  std::string time_column = "time_s";
+  TimeUnit time_unit = TimeUnit::s;
+  std::vector<std::string> position_columns{"x_mm", "y_mm", "z_mm"};
+  LengthUnit position_unit = LengthUnit::mm;
+  std::vector<std::string> quaternion_columns{"qw", "qx", "qy", "qz"};
+  QuaternionOrder quaternion_order = QuaternionOrder::wxyz;
+  std::string spin_column = "spin_rpm";
+  double max_gap_s = 0;  ///< between two poses; 0: any
+  std::optional<TransformSettings> bone_from_tracker{};
+  std::optional<TransformSettings> marker_from_tool{};
 };
+
+/// The layout of a TUM trajectory: `t tx ty tz qx qy qz qw`, s and m.
+void apply_format_defaults(CsvMotionSettings& csv);
 
 /// A plunge of a procedure with several reamers.
 struct PassSettings {

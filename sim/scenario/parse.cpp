@@ -81,6 +81,7 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
     require_recordable(absolute.string(), {file, 0, 0}, "");
     ScenarioReader reader(document, file, absolute.parent_path().string(), mistakes);
     describe_scenario(reader, scenario);
+    scenario.markups = reader.markups();
     apply_preset(reader.locations(), scenario.cutting);
     check_rules(scenario, reader.locations(), mistakes);
     mistakes.throw_if_any();
@@ -173,6 +174,10 @@ std::vector<std::pair<std::string, std::string>> input_files(const Scenario& sce
   if (scenario.motion.csv) files.emplace_back("motion.csv.path", scenario.motion.csv->path);
   if (scenario.motion.push && !scenario.motion.push->profile.empty())
     files.emplace_back("motion.push.profile", scenario.motion.push->profile);
+  for (const MarkupsSource& source : scenario.markups) {
+    const auto same = [&](const auto& file) { return file.second == source.path; };
+    if (std::ranges::none_of(files, same)) files.emplace_back(source.key, source.path);
+  }
   return files;
 }
 

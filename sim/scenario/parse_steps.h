@@ -49,8 +49,15 @@ void check_implant(const ImplantSettings& implant, const KeyLocations& locations
 /// The rules of bone.glenoid.rim_mm: the size of a joint face, not on a line, in order around it. Throws InputError.
 void check_rim(const std::vector<Vec3>& rim_mm, const KeyLocations& locations);
 
+/// Points of markups are in the frame of the bone: lists a mistake for each key that has another frame.
+void check_markups_frames(const Scenario& scenario, const KeyLocations& locations, MistakeList& mistakes);
+
 /// The rules of motion.push: what the balance of forces in every frame needs. Throws InputError.
 void check_push(const Scenario& scenario, const KeyLocations& locations);
+
+/// The rules of motion.csv: as many columns as there are components, rotations that are some, and one frame of the
+/// poses. Throws InputError.
+void check_csv(const Scenario& scenario, const KeyLocations& locations);
 
 /// The rules of motion.compliance: likewise. Throws InputError.
 void check_compliance(const Scenario& scenario, const KeyLocations& locations);

@@ -15,7 +15,7 @@
 namespace reamsim {
 
 ScenarioReader::ScenarioReader(YamlNodePtr document, std::string file, std::string folder, MistakeList& mistakes)
-    : file_(std::move(file)), folder_(std::move(folder)), mistakes_(mistakes) {
+    : file_(std::move(file)), folder_(std::move(folder)), markups_(file_, folder_), mistakes_(mistakes) {
   Level top;
   top.node = std::move(document);
   top.where = {file_, 0, 0};
@@ -214,30 +214,48 @@ void ScenarioReader::vector(const KeyInfo& info, Vec3& value) {
 }
 
 void ScenarioReader::optional_vector(const KeyInfo& info, std::optional<Vec3>& value) {
-  mistakes_.attempt([&] {
-    const YamlNodePtr node = take(info);
-    if (!node) return;
-    const std::string expected = expectation(info, KeyNode::Kind::vector);
-    const std::vector<double> numbers = components(info, *node, 3, expected);
-    const Vec3 found(numbers[0], numbers[1], numbers[2]);
-    // Shorter than this, squared lengths lose their digits.
-    constexpr double kShortest = 1e-9;
-    if (info.nonzero && found.norm() < kShortest) {
-      reject(info.name, *node, "found a direction of length 0", expected);
-    }
-    value = found;
-  });
+  mistakes_.attempt([&] { read_vector(info, value); });
+}
+
+void ScenarioReader::read_vector(const KeyInfo& info, std::optional<Vec3>& value) {
+  const YamlNodePtr node = take(info);
+  if (!node) return;
+  if (MarkupsKeys::are_in(info, *node)) {
+    value = markups_.point(info, *node, path_of(info.name));
+    return;
+  }
+  const std::string expected = expectation(info, KeyNode::Kind::vector);
+  const std::vector<double> numbers = components(info, *node, 3, expected);
+  const Vec3 found(numbers[0], numbers[1], numbers[2]);
+  // Shorter than this, squared lengths lose their digits.
+  constexpr double kShortest = 1e-9;
+  if (info.nonzero && found.norm() < kShortest) {
+    reject(info.name, *node, "found a direction of length 0", expected);
+  }
+  value = found;
 }
 
 void ScenarioReader::points(const KeyInfo& info, std::vector<Vec3>& values) {
+  mistakes_.attempt([&] { read_points(info, values); });
+}
+
+void ScenarioReader::read_points(const KeyInfo& info, std::vector<Vec3>& values) {
   const YamlNodePtr node = take(info);
   if (!node) return;
+  if (MarkupsKeys::are_in(info, *node)) {
+    values = markups_.points(info, *node, path_of(info.name));
+    return;
+  }
   const std::string expected = expectation(info, KeyNode::Kind::points);
   if (node->kind != YamlNode::Kind::sequence || std::ssize(node->items) < info.least_points) {
     reject(info.name, *node, "found " + shown(*node), expected);
   }
   values.clear();
   for (const auto& item : node->items) {
+    if (MarkupsKeys::are_in(info, *item)) {
+      values.push_back(markups_.point(info, *item, path_of(info.name)));
+      continue;
+    }
     const std::vector<double> numbers = components(info, *item, 3, expected);
     values.emplace_back(numbers[0], numbers[1], numbers[2]);
   }

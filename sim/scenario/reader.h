@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/scenario/key_locations.h"
 #include "sim/scenario/key_visitor.h"
+#include "sim/scenario/markups_keys.h"
 #include "sim/scenario/yaml_tree.h"
 
 namespace reamsim {
@@ -28,6 +29,8 @@ class ScenarioReader : public KeyVisitor {
   ScenarioReader(YamlNodePtr document, std::string file, std::string folder, MistakeList& mistakes);
 
   [[nodiscard]] const KeyLocations& locations() const { return locations_; }
+  /// The keys read so far whose points come from a file of markups.
+  [[nodiscard]] const std::vector<MarkupsSource>& markups() const { return markups_.sources(); }
 
   void number(const KeyInfo& info, double& value) override;
   void integer(const KeyInfo& info, int& value) override;
@@ -77,6 +80,8 @@ class ScenarioReader : public KeyVisitor {
   void take_missing(const KeyInfo& info);
   [[nodiscard]] Applies applies(const KeyInfo& info, std::string& why_not) const;
   void read_text(const KeyInfo& info, std::string& value);
+  void read_vector(const KeyInfo& info, std::optional<Vec3>& value);
+  void read_points(const KeyInfo& info, std::vector<Vec3>& values);
   void read_choices(const KeyInfo& info, std::vector<std::string>& values);
   void read_quaternion(const KeyInfo& info, std::optional<Quat>& value);
   void check_group(const KeyGroup& group) const;
@@ -94,6 +99,7 @@ class ScenarioReader : public KeyVisitor {
   std::string folder_;
   std::vector<Level> levels_;
   KeyLocations locations_;
+  MarkupsKeys markups_;
   MistakeList& mistakes_;
 };
 

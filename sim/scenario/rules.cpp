@@ -40,6 +40,7 @@ class Rules {
     rule({"motion"}, &Rules::check_keyframes);
     rule({"motion"}, &Rules::check_frame_count);
     rule({"motion", "cutting", "engine", "tool", "output"}, &Rules::check_push_rules);
+    rule({"motion"}, &Rules::check_csv_rules);
     rule({"motion", "cutting", "tool", "output"}, &Rules::check_compliance_rules);
     rule({"engine.type", "tool.spin", "motion.passes"}, &Rules::check_spin_of_implicit);
     rule({"engine.type", "cutting.law"}, &Rules::check_law_of_implicit);
@@ -89,6 +90,7 @@ class Rules {
   void check_keyframes() const;
   void check_frame_count() const;
   void check_push_rules() const { check_push(s_, at_); }
+  void check_csv_rules() const { check_csv(s_, at_); }
   void check_compliance_rules() const { check_compliance(s_, at_); }
   void require_envelope(const std::string& because) const;
   void check_spin_of_implicit() const;
@@ -362,6 +364,7 @@ constexpr double kLeastView_mm = 0.1;
 
 void check_rules(const Scenario& scenario, const KeyLocations& locations, MistakeList& mistakes) {
   Rules(scenario, locations, mistakes).check();
+  check_markups_frames(scenario, locations, mistakes);
 }
 
 void check_cameras(const RenderSettings& render, const KeyLocations& locations) {

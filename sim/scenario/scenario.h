@@ -90,12 +90,21 @@ struct LabelMapSettings {
   std::vector<std::string> label{"1"};  ///< whole numbers or names of segments; several are one bone
   double refine_mm = 0;  ///< the mask's surface moves to the isosurface of refine_hu within this distance
   double refine_hu = 200;
+  bool fill = false;  ///< bone without a label that the label surrounds becomes bone
+};
+
+/// Radiodensity from the values of a scan, beside the scale of the file: HU = slope · value + intercept.
+struct HuSettings {
+  double slope = 1;
+  double intercept = 0;
 };
 
 struct CtSettings {
   std::string path;                  ///< DICOM folder, NRRD, NIfTI or MetaImage
-  std::string series;                ///< of a DICOM folder: UID, or number in the list of series; "" = the largest
+  std::optional<HuSettings> hu;      ///< of values that are no HU
+  std::string series;                ///< of a DICOM folder, and its volume (docs/inputs.md); "" = the largest
   Modality modality = Modality::ct;  ///< what a DICOM series may be
+  Uneven uneven = Uneven::refuse;    ///< DICOM slices whose spacing changes
   std::optional<Vec3> crop_min_mm;
   std::optional<Vec3> crop_max_mm;
   CtFilter filter = CtFilter::none;
@@ -116,10 +125,12 @@ struct CtSettings {
 struct MeshBoneSettings {
   std::string path;
   double scale = 1;  ///< file units to mm
+  MeshFrame frame = MeshFrame::file;
   double cortical_mm = 1.5;
   double cortical_hu = 1500;
   double trabecular_hu = 300;
   bool repair = false;
+  double repair_change_percent = 1;  ///< the most by which a repair may change the volume
 };
 
 struct VdbBoneSettings {
@@ -303,6 +314,13 @@ struct OutputSettings {
   double checkpoint_s = 60;  ///< wall time between two checkpoints of a run; 0: none
 };
 
+/// A key whose points come from a markups file of 3D Slicer (sim/scenario/markups.h). Its value is that of the numbers.
+struct MarkupsSource {
+  std::string key;    ///< as for KeyLocations
+  std::string path;   ///< absolute
+  std::string found;  ///< for a note: which points, and the frame of the file
+};
+
 /// The version of the format that is written. Version 1 is read as well: see migrate().
 constexpr int kScenarioVersion = 2;
 
@@ -320,6 +338,7 @@ struct Scenario {
   MetricSettings metrics;
   RenderSettings render;
   OutputSettings output;
+  std::vector<MarkupsSource> markups;
   std::vector<std::string> notes;  ///< keys of older versions of the format that were migrated or have no effect
 };
 

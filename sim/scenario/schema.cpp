@@ -39,6 +39,33 @@ Json numbers_type(const KeyNode& key, int count) {
   return {{"type", "array"}, {"items", number_type(key, "number")}, {"minItems", count}, {"maxItems", count}};
 }
 
+/// A point of a markups file of 3D Slicer; with `many` several labels, or all points.
+Json markups_schema(bool many) {
+  const Json label{{"type", {"string", "number"}}, {"minLength", 1}};
+  const Json labels{{"anyOf", Json::array({label, {{"type", "array"}, {"items", label}, {"minItems", 1}}})}};
+  return {{"description", "A point of a markups file of 3D Slicer (.mrk.json or .fcsv), by its label"},
+          {"type", "object"},
+          {"required", {"markups"}},
+          {"additionalProperties", false},
+          {"properties", {{"markups", {{"type", "string"}, {"minLength", 1}}}, {"point", many ? labels : label}}}};
+}
+
+Json markups_type(bool many) {
+  return {{"$ref", many ? "#/definitions/points_of_markups" : "#/definitions/point_of_markups"}};
+}
+
+/// The type of a vector, or of a point, which markups may give too.
+Json vector_type(const KeyNode& key) {
+  if (!key.info.point) return numbers_type(key, 3);
+  return {{"anyOf", Json::array({numbers_type(key, 3), markups_type(false)})}};
+}
+
+Json points_type(const KeyNode& key) {
+  const Json list{{"type", "array"}, {"items", vector_type(key)}, {"minItems", key.info.least_points}};
+  if (!key.info.point) return list;
+  return {{"anyOf", Json::array({list, markups_type(true)})}};
+}
+
 /// A name or a whole number, or a list of them.
 Json names_type() {
   const Json name{{"type", {"string", "integer"}}, {"minLength", 1}, {"minimum", 0}};
@@ -123,9 +150,9 @@ Json type_schema(const KeyNode& key) {
     case Kind::names:
       return names_type();
     case Kind::vector:
-      return numbers_type(key, 3);
+      return vector_type(key);
     case Kind::points:
-      return {{"type", "array"}, {"items", numbers_type(key, 3)}, {"minItems", key.info.least_points}};
+      return points_type(key);
     case Kind::quaternion:
       return numbers_type(key, 4);
     case Kind::text:
@@ -152,6 +179,7 @@ std::string scenario_json_schema() {
             "Which bone, which reamer, and how the reamer moves. Made from the parser's own description "
             "of keys; do not edit."}};
   out.update(section_schema(key_tree()));
+  out["definitions"] = {{"point_of_markups", markups_schema(false)}, {"points_of_markups", markups_schema(true)}};
   return out.dump(2) + "\n";
 }
 
@@ -176,9 +204,10 @@ std::string type_text(const KeyNode& key) {
     case Kind::names:
       return "name or whole number, or a list of them";
     case Kind::vector:
-      return "3 numbers";
+      return key.info.point ? "3 numbers, or a point of [markups](inputs.md#points-of-3d-slicer)" : "3 numbers";
     case Kind::points:
-      return "list of points, 3 numbers each";
+      return std::string("list of points, 3 numbers each") +
+             (key.info.point ? ", or [markups](inputs.md#points-of-3d-slicer)" : "");
     case Kind::quaternion:
       return "4 numbers";
     case Kind::text:

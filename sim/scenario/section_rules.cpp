@@ -57,6 +57,34 @@ void check_push(const Scenario& scenario, const KeyLocations& locations) {
   if (scenario.bone.source != BoneSource::vdb) check_push_step(scenario, locations);
 }
 
+namespace {
+
+/// The key that says in which frame the point of a key is, with its value; "" where that is the frame of the bone.
+std::string other_frame(const Scenario& s, const std::string& key) {
+  const auto unless_bone = [](const std::string& frame_key, const std::string& frame) {
+    return frame == name_of(PoseFrame::bone) ? "" : frame_key + " is " + frame;
+  };
+  const std::string camera = "render.user_cameras.", implant = "metrics.implant.", hole = "bone.pilot_hole.";
+  if (key.starts_with("motion.")) return unless_bone("motion.frame", name_of(s.motion.frame));
+  if (key.starts_with(implant)) return unless_bone(implant + "frame", name_of(s.metrics.implant->frame));
+  if (key.starts_with(hole)) return unless_bone(hole + "frame", name_of(s.bone.pilot_hole->frame));
+  if (!key.starts_with(camera)) return "";
+  const std::string section = key.substr(0, key.rfind('.'));
+  return unless_bone(section + ".frame", name_of(s.render.user_cameras[std::stoul(key.substr(camera.size()))].frame));
+}
+
+}  // namespace
+
+void check_markups_frames(const Scenario& scenario, const KeyLocations& locations, MistakeList& mistakes) {
+  for (const MarkupsSource& source : scenario.markups) {
+    const std::string frame = other_frame(scenario, source.key);
+    if (frame.empty()) continue;
+    mistakes.add(InputError(locations.of(source.key), source.key,
+                            "found a point of markups, which is in the frame of the bone, and " + frame,
+                            "expected frame: bone, or 3 numbers"));
+  }
+}
+
 void check_compliance(const Scenario& scenario, const KeyLocations& locations) {
   if (!scenario.motion.compliance) return;
   const std::string section = "motion.compliance";

@@ -12,6 +12,7 @@
 #include <span>
 #include <tuple>
 
+#include "sim/bone/mesh_frame.h"
 #include "sim/bone/voxel_surface.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/scenario/passes.h"
@@ -104,6 +105,7 @@ class Surfaces {
   }
 
   std::vector<Cluster> clusters;
+  Diagnostics envelope;  ///< what is said of its mesh
 
  private:
   void add_voxel(const Vec3i& voxel, const VoxelCut& cut, Cluster& cluster) const {
@@ -114,9 +116,22 @@ class Surfaces {
     if (cut.plane) add_solid(passing, *cut.plane, cluster.patches);
   }
 
+  TriangleMesh read_envelope(const ClearanceEnvelopeSettings& settings) {
+    require_mesh(settings.path, "clearance.envelope.path");
+    MeshContents contents = read_mesh_contents(settings.path, settings.scale);
+    Diagnostics report = {.notes = contents.notes, .warnings = contents.warnings, .listings = {}};
+    bring_into_lps(contents, MeshFrame::file, settings.path, "", report);
+    if (meet_after_half_turn_only(contents.mesh.bounds(), bone_.voxmap.grid.bounds_mm())) {
+      report.warn(
+          "its box does not meet that of the bone, and would after a half turn about z: it or the bone is in RAS");
+    }
+    for (const std::string& note : report.notes) envelope.note("clearance.envelope: " + note);
+    for (const std::string& warning : report.warnings) envelope.warn("clearance.envelope: " + warning);
+    return std::move(contents.mesh);
+  }
+
   void add_envelope(const ClearanceEnvelopeSettings& settings, double cell_mm) {
-    require_mesh_name(settings.path, "clearance.envelope.path");
-    const TriangleMesh mesh = read_mesh(settings.path, settings.scale);
+    const TriangleMesh mesh = read_envelope(settings);
     std::map<std::tuple<int, int, int>, std::vector<SurfacePatch>> cells;
     for (const auto& triangle : mesh.triangles) {
       SurfacePatch patch;
@@ -217,6 +232,7 @@ class ClearanceSearch {
   }
 
   [[nodiscard]] double reach_mm() const { return reach_mm_; }
+  [[nodiscard]] const Diagnostics& said_of_envelope() const { return surfaces_.envelope; }
 
   /// The clearance at the next sample of the path.
   FrameClearance at(const PathSample& sample) {
@@ -310,6 +326,7 @@ std::string place_of(const FrameClearance& at, const SimulationInput& scene) {
 void add_pass(const BoneView& bone, const Tool& tool, const Motion& motion, const ClearanceSettings& settings,
               HolderClearance& out) {
   ClearanceSearch search(bone, tool, motion, settings);
+  out.envelope = search.said_of_envelope();
   BoundedPath path(search.reach_mm(), kMeasuredStepVoxels * bone.voxmap.grid.voxel_mm, {}, kMostMeasured);
   path.add(motion.poses);
   for (const PathSample& sample : path.finish()) {
@@ -356,6 +373,8 @@ std::string sentence_of(const HolderClearance& clearance, const SimulationInput&
 }
 
 void warn_of_clearance(const HolderClearance& clearance, const SimulationInput& scene, Diagnostics& report) {
+  for (const std::string& note : clearance.envelope.notes) report.note(note);
+  for (const std::string& warning : clearance.envelope.warnings) report.warn(warning);
   if (!clearance.first_below) return;
   report.warn(fmt::format("{}; less than clearance.least_mm ({:g} mm) between frames {} and {}",
                           sentence_of(clearance, scene), scene.scenario.clearance.least_mm, *clearance.first_below,

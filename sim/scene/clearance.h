@@ -35,6 +35,7 @@ struct HolderClearance {
   FrameClearance least;
   std::optional<std::int64_t> first_below;  ///< the first of `frames` with less than clearance.least_mm, and the last
   std::optional<std::int64_t> last_below;
+  Diagnostics envelope;  ///< what is said of its mesh
 };
 
 /// nullopt where no pass has a tool.holder. Throws InputError where the mesh of the envelope cannot be read.

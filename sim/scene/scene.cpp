@@ -118,6 +118,7 @@ SimulationInput load_scene(const Scenario& scenario, Diagnostics& report, Mistak
   SimulationInput scene;
   scene.scenario = scenario;
   for (const std::string& note : scenario.notes) report.warn(note);
+  for (const MarkupsSource& source : scenario.markups) report.note(source.key + ": " + source.found);
   MistakeList mistakes;
   // All parts are loaded even if one fails, to report all mistakes at once.
   const bool bone = mistakes.attempt([&] {

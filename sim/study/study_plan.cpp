@@ -5,12 +5,15 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <iterator>
 #include <map>
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
+#include "sim/scenario/find_key.h"
+#include "sim/scenario/markups_keys.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/show.h"
@@ -165,6 +168,11 @@ class Planner {
     YamlNodePtr document = base_;
     for (const std::string& assignment : run.overrides) document = apply_override(document, assignment);
     const YamlNode* node = node_at(document.get(), sampled.key);
+    const KeyInfo& info = find_key(sampled.key, sampled.where).info;
+    if (node != nullptr && MarkupsKeys::are_in(info, *node)) {
+      return MarkupsKeys(shown_path(study_.base), std::filesystem::path(study_.base).parent_path().string())
+          .point(info, *node, sampled.key);
+    }
     Vec3 out;
     bool read = node != nullptr && node->items.size() == 3;
     for (std::size_t i = 0; read && i < 3; ++i) {

@@ -136,7 +136,7 @@ std::unique_ptr<const KeyTrack> store_track(std::vector<KeyPose> keys) {
 
 void note_start(double start_s, Diagnostics& report) {
   if (start_s == 0) return;
-  report.note("motion: the first pose is at " + rounded_text(start_s) + " s; that is time 0 of the simulation");
+  report.note("motion: the first pose is at " + shortest_text(start_s) + " s; that is time 0 of the simulation");
 }
 
 }  // namespace reamsim

@@ -24,7 +24,11 @@ namespace {
 enum Column { kTime, kX, kY, kZ, kQw, kQx, kQy, kQz, kSpin };
 constexpr std::array<std::string_view, kSpin> kNames{"time_s", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz"};
 constexpr std::array<std::string_view, 1> kOptionalNames{"spin_rpm"};
-constexpr const char* kPoseColumns = "the header must name time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm";
+constexpr const char* kPoseColumns =
+    "the header must name time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm; other recordings: "
+    "motion.csv.format, "
+    "separator and columns";
+constexpr const char* kDescribedColumns = "the columns that motion.csv names";
 constexpr std::size_t kMaxRows = 10'000'000;
 constexpr double kFarthest_mm = 1e6;
 constexpr double kFastest_rpm = 1e6;
@@ -59,23 +63,132 @@ class RowWarnings {
 
 }  // namespace
 
+namespace {
+
+CsvColumn column_of(const std::string& text, bool may_be_missing = false) {
+  const std::optional<std::uint64_t> number = whole_number(text);
+  if (!number) return {text, 0, may_be_missing};
+  return {"column " + text, static_cast<std::size_t>(*number), may_be_missing};
+}
+
+char character_of(Separator separator) {
+  switch (separator) {
+    case Separator::comma:
+      break;
+    case Separator::semicolon:
+      return ';';
+    case Separator::tab:
+      return '\t';
+    case Separator::space:
+      return ' ';
+  }
+  return ',';
+}
+
+/// The layout of a file, with its columns in the order of Column.
+CsvLayout layout_of(const CsvMotionSettings& settings) {
+  CsvLayout out{.columns = {column_of(settings.time_column)},
+                .separator = character_of(settings.separator),
+                .decimal_comma = settings.decimal == DecimalMark::comma,
+                .comments = true,
+                .missing_cells = settings.max_gap_s > 0,
+                .skip_lines = settings.skip_lines};
+  for (const std::string& column : settings.position_columns) out.columns.push_back(column_of(column));
+  std::vector<std::string> quaternion = settings.quaternion_columns;
+  if (settings.quaternion_order == QuaternionOrder::xyzw)
+    std::rotate(quaternion.begin(), quaternion.end() - 1, quaternion.end());
+  for (const std::string& column : quaternion) out.columns.push_back(column_of(column));
+  out.columns.push_back(column_of(settings.spin_column, /*may_be_missing=*/true));
+  return out;
+}
+
+bool is_plain(const CsvMotionSettings& settings) {
+  return settings.format == PoseFormat::csv && settings.separator == Separator::comma &&
+         settings.time_column == kNames[kTime] && settings.position_columns.front() == kNames[kX];
+}
+
+double mm_per(LengthUnit unit) {
+  switch (unit) {
+    case LengthUnit::mm:
+      break;
+    case LengthUnit::cm:
+      return 10;
+    case LengthUnit::m:
+      return 1000;
+    case LengthUnit::um:
+      return 1e-3;
+    case LengthUnit::in:
+      return 25.4;
+  }
+  return 1;
+}
+
+/// A value in units of which 1, 10³, 10⁶ or 10⁹ are a second. A division keeps decimal fractions.
+double seconds(double value, TimeUnit unit) {
+  switch (unit) {
+    case TimeUnit::s:
+      break;
+    case TimeUnit::ms:
+      return value / 1e3;
+    case TimeUnit::us:
+      return value / 1e6;
+    case TimeUnit::ns:
+      return value / 1e9;
+  }
+  return value;
+}
+
+}  // namespace
+
 PoseCsv::PoseCsv(const CsvMotionSettings& settings, Diagnostics& report)
-    : rows_(settings.path, kNames, kPoseColumns, kOptionalNames), spin_rpm_(settings.spin_rpm) {
+    : settings_(settings),
+      rows_(settings.path, layout_of(settings), is_plain(settings) ? kPoseColumns : kDescribedColumns) {
+  if (settings.bone_from_tracker) bone_from_tracker_ = settings.bone_from_tracker->rigid();
+  if (settings.marker_from_tool) marker_from_tool_ = settings.marker_from_tool->rigid();
   std::string ignored;
   for (const std::string& name : rows_.skipped()) ignored += (ignored.empty() ? "\"" : ", \"") + printable(name) + '"';
   if (!ignored.empty()) report.note(rows_.where().text() + ": ignored columns: " + ignored.substr(0, 200));
 }
 
-bool PoseCsv::next(KeyPose& pose, Diagnostics& row_report) {
-  if (!rows_.next(row_)) return false;
+bool PoseCsv::has_pose() const {
+  const auto missing = std::count_if(row_.begin() + kX, row_.begin() + kSpin, [](double v) { return std::isnan(v); });
+  if (missing > 0 && missing < kSpin - kX) {
+    throw InputError(rows_.where(), "", "a part of the pose is missing", "give all of it, or leave all of it empty");
+  }
+  if (std::isnan(row_[kTime])) throw InputError(rows_.where(), "", "the time is missing", "each row needs one");
+  return missing == 0;
+}
+
+KeyPose PoseCsv::pose_of_row(Diagnostics& row_report) const {
   const SourceLocation where = rows_.where();
-  for (const Column c : {kX, kY, kZ}) check_range(where, kNames[c], row_[c], kFarthest_mm, "mm");
-  if (std::isnan(row_[kSpin])) row_[kSpin] = spin_rpm_;
-  check_range(where, kOptionalNames[0], row_[kSpin], kFastest_rpm, "rpm");
+  const Vec3 position_mm = mm_per(settings_.position_unit) * Vec3(row_[kX], row_[kY], row_[kZ]);
+  for (const Column c : {kX, kY, kZ}) check_range(where, kNames[c], position_mm[c - kX], kFarthest_mm, "mm");
+  const double spin_rpm = std::isnan(row_[kSpin]) ? settings_.spin_rpm : row_[kSpin];
+  check_range(where, kOptionalNames[0], spin_rpm, kFastest_rpm, "rpm");
   const Quat q(row_[kQw], row_[kQx], row_[kQy], row_[kQz]);
-  pose = {row_[kTime],
-          {{row_[kX], row_[kY], row_[kZ]}, normalized_or_warn(q, where.text(), row_report), 0, row_[kSpin]}};
-  return true;
+  KeyPose out{seconds(row_[kTime], settings_.time_unit),
+              {position_mm, normalized_or_warn(q, where.text(), row_report), 0, spin_rpm}};
+  ToolPose& pose = out.pose;
+  if (marker_from_tool_) {
+    pose.position_mm += pose.orientation * marker_from_tool_->translation();
+    pose.orientation = (pose.orientation * Quat(marker_from_tool_->linear())).normalized();
+  }
+  if (bone_from_tracker_) {
+    pose.position_mm = *bone_from_tracker_ * pose.position_mm;
+    pose.orientation = (Quat(bone_from_tracker_->linear()) * pose.orientation).normalized();
+  }
+  return out;
+}
+
+bool PoseCsv::next(KeyPose& pose, Diagnostics& row_report) {
+  while (rows_.next(row_)) {
+    if (has_pose()) {
+      pose = pose_of_row(row_report);
+      return true;
+    }
+    ++skipped_rows_;
+  }
+  return false;
 }
 
 void scan_pose_csv(PoseCsv& csv, const std::string& path, Diagnostics& report,
@@ -88,8 +201,14 @@ void scan_pose_csv(PoseCsv& csv, const std::string& path, Diagnostics& report,
   for (PoseCsv::Place place = csv.place(); csv.next(pose, row_report); place = csv.place(), ++rows) {
     if (rows == kMaxRows) throw InputError(csv.where(), "", "more than ten million rows", "record at a lower rate");
     if (rows > 0 && !(pose.time_s > before_s)) {
-      throw InputError(csv.where(), "", "time_s is " + rounded_text(pose.time_s) + " after " + rounded_text(before_s),
+      throw InputError(csv.where(), "", "time_s is " + shortest_text(pose.time_s) + " after " + shortest_text(before_s),
                        "times must increase from row to row");
+    }
+    if (const double gap_s = pose.time_s - before_s; rows > 0 && csv.max_gap_s() > 0 && gap_s > csv.max_gap_s()) {
+      throw InputError(csv.where(), "",
+                       "no pose for " + rounded_text(gap_s) + " s, from " + shortest_text(before_s) + " s to this row",
+                       "at most " + rounded_text(csv.max_gap_s()) +
+                           " s is allowed: repair the recording, or raise motion.csv.max_gap_s");
     }
     before_s = pose.time_s;
     warnings.take(row_report, report);
@@ -100,6 +219,8 @@ void scan_pose_csv(PoseCsv& csv, const std::string& path, Diagnostics& report,
                      "at least two are needed");
   }
   warnings.finish(path, report);
+  if (csv.skipped_rows() > 0)
+    report.note(path + ": " + std::to_string(csv.skipped_rows()) + " rows without a pose were skipped");
 }
 
 std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostics& report) {

@@ -65,8 +65,15 @@ Vec3 centroid(const TriangleMesh& mesh) {
 }
 
 TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Diagnostics& report) {
-  require_mesh_name(settings.mesh, "tool.mesh");
-  TriangleMesh mesh = read_mesh(settings.mesh, settings.scale);
+  require_mesh(settings.mesh, "tool.mesh");
+  MeshContents contents = read_mesh_contents(settings.mesh, settings.scale);
+  for (const std::string& warning : contents.warnings) report.warn("tool.mesh: " + warning);
+  for (const std::string& note : contents.notes) report.note("tool.mesh: " + note);
+  if (!contents.space.empty()) {
+    report.note("tool.mesh: the header says SPACE=" + contents.space +
+                "; the coordinates of a tool are taken as they stand, in the tool frame");
+  }
+  TriangleMesh mesh = std::move(contents.mesh);
   const MeshDiagnosis diagnosis = diagnose(mesh);
   if (!diagnosis.closed_manifold()) throw tool_error(settings, diagnosis.text(), "give a closed two-manifold surface");
   const Vec3 size = mesh.bounds().max - mesh.bounds().min;

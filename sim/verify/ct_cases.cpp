@@ -54,7 +54,6 @@ class SlabScan final : public ct::ScanSource {
 
   [[nodiscard]] const ct::ScanGeometry& geometry() const override { return geometry_; }
   [[nodiscard]] std::string description() const override { return "slab"; }
-  [[nodiscard]] bool is_unsigned() const override { return false; }
   [[nodiscard]] ct::Scan read(const ct::IndexBox& box) const override {
     ct::Scan out{ct::part_of(geometry_, box), {}};
     out.value.reserve(static_cast<std::size_t>(box.voxels()));

@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 
 #include "bone_fixture.h"
@@ -113,15 +114,61 @@ TEST_F(MeshBone, InsideOutIsTurnedAndSaid) {
 TEST_F(MeshBone, OpenMeshIsRefusedUntilRepairIsAskedFor) {
   TriangleMesh mesh = sphere_mesh({0, 0, 0}, 8, 3);
   const double truth_mm3 = mesh.volume_mm3();
-  mesh.triangles.erase(mesh.triangles.begin() + 40, mesh.triangles.begin() + 42);
+  mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 16);
   BoneSettings settings = settings_for(mesh, 0.4);
   const std::string text = input_error([&] { voxmap_from_mesh(settings, report_); });
   EXPECT_THAT(text, HasSubstr(settings.mesh.path));
   EXPECT_THAT(text, HasSubstr("boundary edges (the first at "));
+  EXPECT_THAT(text, HasSubstr("1 hole, "));
   EXPECT_THAT(text, HasSubstr("bone.mesh.repair"));
   settings.mesh.repair = true;
   EXPECT_NEAR(voxmap_from_mesh(settings, report_).bone_mm3(), truth_mm3, 0.01 * truth_mm3);
-  EXPECT_THAT(report_.warnings, Contains(HasSubstr("holes closed")));
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("1 holes closed")));
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("volume of the mesh by winding numbers: ")));
+}
+
+TEST_F(MeshBone, ARepairThatChangesTheVolumeIsRefusedUnlessAskedFor) {
+  TriangleMesh mesh = box_mesh({0, 0, 0}, {20, 20, 20});
+  mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 6);  // three faces of six
+  BoneSettings settings = settings_for(mesh, 0.5);
+  settings.mesh.repair = true;
+  const std::string text = input_error([&] { voxmap_from_mesh(settings, report_); });
+  EXPECT_THAT(text, HasSubstr("bone.mesh.repair: closing the holes would change the volume by more than 1 %: "));
+  EXPECT_THAT(text, HasSubstr("bone.mesh.repair_change_percent: "));
+  settings.mesh.repair_change_percent = 1000;
+  EXPECT_GT(voxmap_from_mesh(settings, report_).bone_mm3(), 100);
+}
+
+TEST_F(MeshBone, SmallHolesNeitherStopARunNorChangeAVolume) {
+  TriangleMesh mesh = sphere_mesh({0, 0, 0}, 12, 4);
+  const double truth_mm3 = mesh.volume_mm3();
+  for (int hole = 0; hole < 8; ++hole) mesh.triangles.erase(mesh.triangles.begin() + 500 * hole);
+  for (const SurfaceVoxels surface : {SurfaceVoxels::whole, SurfaceVoxels::partial}) {
+    report_ = {};
+    BoneSettings settings = settings_for(mesh, 0.4);
+    settings.surface_voxels = surface;
+    EXPECT_NEAR(voxmap_from_mesh(settings, report_).bone_mm3(), truth_mm3, 0.004 * truth_mm3);
+    EXPECT_THAT(report_.warnings, Contains(HasSubstr("the mesh is not clean: ")));
+    EXPECT_THAT(report_.notes, Contains(HasSubstr("quality of the mesh: 8 holes, ")));
+  }
+}
+
+TEST_F(MeshBone, AMeshThatIsNotCleanGivesTheVoxelsOfTheCleanOne) {
+  const TriangleMesh sphere = sphere_mesh({3.1, -7.3, 20.7}, 10, 4);
+  BoneSettings settings = settings_for(sphere, 0.25);
+  settings.mesh.cortical_mm = 2;
+  settings.surface_voxels = SurfaceVoxels::partial;
+  const FilledVoxmap clean = voxmap_from_mesh(settings, report_);
+  TriangleMesh doubled = sphere;
+  doubled.triangles.insert(doubled.triangles.end(), sphere.triangles.begin(), sphere.triangles.begin() + 200);
+  write_stl(settings.mesh.path, doubled);
+  const FilledVoxmap same = voxmap_from_mesh(settings, report_);
+  const auto count = static_cast<double>(clean.count_bone());
+  EXPECT_NEAR(static_cast<double>(same.count_bone()), count, 1e-3 * count);
+  EXPECT_NEAR(same.bone_mm3(), clean.bone_mm3(), 1e-4 * clean.bone_mm3());
+  const int cortical = DensityMapping::grade_from_density(DensityMapping().density_from_hu(1500));
+  EXPECT_NEAR(static_cast<double>(count_grade(same, cortical)), static_cast<double>(count_grade(clean, cortical)),
+              0.002 * static_cast<double>(count_grade(clean, cortical)));
 }
 
 TriangleMesh joined(TriangleMesh a, const TriangleMesh& b) {
@@ -186,12 +233,31 @@ TEST_F(MeshBone, TrianglesOfMixedOrientationAreTurnedByTheRepair) {
   EXPECT_THAT(report_.warnings, Contains(HasSubstr("triangles turned")));
 }
 
-TEST_F(MeshBone, OverlappingSurfacesAreNoHoles) {
-  TriangleMesh mesh = joined(sphere_mesh({0, 0, 0}, 8, 3), sphere_mesh({0.3, 0.2, 0.1}, 8, 3));
-  mesh.triangles.pop_back();  // the repair closes it
-  BoneSettings settings = settings_for(mesh, 0.5);
-  settings.mesh.repair = true;
-  EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }), HasSubstr("unite surfaces that overlap"));
+/// Two boxes that overlap by 5 mm along x: 20·10·10 − 5·10·10 mm³.
+TriangleMesh overlapping_boxes() {
+  return joined(box_mesh({0, 0, 0}, {10, 10, 10}), box_mesh({5, 0, 0}, {15, 10, 10}));
+}
+
+TEST_F(MeshBone, OverlappingSurfacesCountOnce) {
+  BoneSettings settings = settings_for(overlapping_boxes(), 0.5);
+  EXPECT_NEAR(voxmap_from_mesh(settings, report_).bone_mm3(), 1500, 1e-6);
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("the mesh overlaps itself")));
+  TriangleMesh open = joined(sphere_mesh({0, 0, 0}, 8, 4), sphere_mesh({5, 0, 0}, 8, 4));
+  open.triangles.pop_back();
+  settings = settings_for(open, 0.4);
+  const double cap_mm = 8 - 2.5, cap_mm3 = std::numbers::pi * cap_mm * cap_mm * (8 - cap_mm / 3);
+  const double truth_mm3 = 2 * 4.0 / 3 * std::numbers::pi * 512 - 2 * cap_mm3;
+  EXPECT_NEAR(voxmap_from_mesh(settings, report_).bone_mm3(), truth_mm3, 0.01 * truth_mm3);
+}
+
+TEST_F(MeshBone, WallsWithinTheSolidAreNoCortex) {
+  BoneSettings settings = settings_for(overlapping_boxes(), 0.25);
+  settings.mesh.cortical_mm = 1;
+  const FilledVoxmap voxmap = voxmap_from_mesh(settings, report_);
+  const int trabecular = DensityMapping::grade_from_density(DensityMapping().density_from_hu(300));
+  EXPECT_EQ(grade_at(voxmap, {5.1, 5, 5}), trabecular);
+  EXPECT_EQ(grade_at(voxmap, {9.9, 5, 5}), trabecular);
+  EXPECT_NE(grade_at(voxmap, {0.2, 5, 5}), trabecular);
 }
 
 TEST_F(MeshBone, RadiodensityAboveTheDensestGradeIsWarnedOf) {
@@ -313,6 +379,82 @@ TEST_F(MeshBone, UnitThatMakesABoneWithAGlenoidTooSmallOrLargeIsRefused) {
   }
 }
 
+TEST_F(MeshBone, UnitAndHolesAreReportedTogetherTheUnitFirst) {
+  TriangleMesh mesh = sphere_mesh({0, 0, 0}, 0.07, 3);  // metres
+  mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 64);
+  BoneSettings settings = settings_for(mesh, 0.5);
+  settings.side = BodySide::left;
+  settings.glenoid.near_mm = Vec3(0, 0, 0);
+  std::string text;  // two lines
+  try {
+    voxmap_from_mesh(settings, report_);
+  } catch (const InputError& error) {
+    text = error.what();
+  }
+  const std::size_t unit = text.find("set bone.mesh.scale: 1000"), holes = text.find("not a closed surface");
+  ASSERT_NE(unit, std::string::npos) << text;
+  ASSERT_NE(holes, std::string::npos) << text;
+  EXPECT_LT(unit, holes);
+  settings.glenoid.near_mm.reset();
+  EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }), HasSubstr("not a closed surface"));
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("set bone.mesh.scale: 1000")));
+}
+
+class MeshFrames : public MeshBone {
+ protected:
+  /// A box whose header says this.
+  BoneSettings settings_with(const std::string& header) const {
+    BoneSettings settings = settings_for(box_mesh({-30, -20, 5}, {-10, -10, 25}), 0.5);
+    std::fstream file(settings.mesh.path, std::ios::in | std::ios::out | std::ios::binary);
+    file.write(header.data(), static_cast<std::streamsize>(header.size()));
+    return settings;
+  }
+  Vec3 centre_of(const BoneSettings& settings) {
+    report_ = {};
+    const Bone bone = load_bone(settings, report_);
+    return bone.voxmap->grid.bounds_mm().center();
+  }
+};
+
+TEST_F(MeshFrames, AreThatOfTheHeaderOrOfTheKey) {
+  const Vec3 as_it_stands(-20, -15, 15), turned(20, 15, 15);
+  BoneSettings settings = settings_with("no word of a frame");
+  EXPECT_LT((centre_of(settings) - as_it_stands).norm(), 2.5);
+  EXPECT_THAT(report_.notes, Contains(HasSubstr("its header states none; the coordinates are taken as they stand")));
+  settings.mesh.frame = MeshFrame::ras;
+  EXPECT_LT((centre_of(settings) - turned).norm(), 2.5);
+  EXPECT_THAT(report_.notes, Contains(HasSubstr("frame of the mesh: RAS, by bone.mesh.frame")));
+
+  settings = settings_with("3D Slicer output. SPACE=RAS");
+  EXPECT_LT((centre_of(settings) - turned).norm(), 2.5);
+  EXPECT_THAT(report_.notes, Contains(HasSubstr("RAS, as its header says (SPACE=RAS); x and y were negated")));
+  settings.mesh.frame = MeshFrame::lps;
+  EXPECT_LT((centre_of(settings) - as_it_stands).norm(), 2.5);
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("the header of the mesh says SPACE=RAS; the key counts")));
+
+  settings = settings_with("3D Slicer output. SPACE=LPS");
+  EXPECT_LT((centre_of(settings) - as_it_stands).norm(), 2.5);
+  EXPECT_THAT(report_.notes, Contains(HasSubstr("LPS, as its header says (SPACE=LPS)")));
+
+  settings = settings_with("SPACE=LAS ");
+  EXPECT_THAT(input_error([&] { voxmap_from_mesh(settings, report_); }),
+              HasSubstr("bone.mesh.frame: the header of the mesh says SPACE=LAS; expected LPS or RAS"));
+  settings.mesh.frame = MeshFrame::lps;
+  EXPECT_NO_THROW(voxmap_from_mesh(settings, report_));
+}
+
+TEST_F(MeshFrames, PointsThatFitAfterAHalfTurnAreSaid) {
+  BoneSettings settings = settings_with("");
+  settings.side = BodySide::left;
+  settings.glenoid.near_mm = Vec3(12, 14, 15);
+  voxmap_from_mesh(settings, report_);
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("the points of bone.glenoid lie outside the mesh, and would lie")));
+  settings.mesh.frame = MeshFrame::ras;
+  report_ = {};
+  voxmap_from_mesh(settings, report_);
+  EXPECT_THAT(report_.warnings, testing::IsEmpty());
+}
+
 TEST_F(MeshBone, UnitIsCheckedAfterTheScale) {
   BoneSettings settings = settings_for(box_mesh({0, 0, 0}, {1, 0.5, 2.78}), 0.5);
   settings.glenoid.landmarks = LandmarkSettings{};
@@ -376,6 +518,20 @@ TEST_F(MeshBone, RealDirtyScapula) {
   EXPECT_GT(voxmap.bone_mm3(), 55e3);
   EXPECT_LT(voxmap.bone_mm3(), 75e3);
   EXPECT_THAT(report_.warnings, Contains(HasSubstr("mesh repaired")));
+}
+
+TEST_F(MeshFrames, OddFilesOfOtherPrograms) {
+  constexpr double kTruth_mm3 = 7187;
+  for (const char* name : {"slicer_space_ras.stl", "corners_differ.stl", "upper_case.stl", "count_zero.stl"}) {
+    BoneSettings settings;
+    settings.source = BoneSource::mesh;
+    settings.voxel_mm = 0.4;
+    settings.surface_voxels = SurfaceVoxels::partial;
+    settings.mesh.path = data_file(std::string("odd_files/") + name);
+    if (!std::filesystem::exists(settings.mesh.path)) GTEST_SKIP() << "no " << settings.mesh.path;
+    EXPECT_LT((centre_of(settings) - Vec3(10, -20, 30)).norm(), 2.5) << name;
+    EXPECT_NEAR(load_bone(settings, report_).view().bone_mm3(), kTruth_mm3, 0.01 * kTruth_mm3) << name;
+  }
 }
 
 }  // namespace

@@ -262,6 +262,21 @@ def place_rim(page):
     assert not page.warned("Problem"), page.warnings()
 
 
+def check_markups(page):
+    """The placed points go to 3D Slicer and come back, also in RAS."""
+    before, markups = page.yaml(), json.loads(page.script("return preview.markupsText()"))
+    markup, = markups["markups"]
+    assert markup["coordinateSystem"] == "LPS" and len(markup["controlPoints"]) == 3 + 8 + 2, markup  # with seed and landmarks
+    rows = [f'1,{-x},{-y},{z},0,0,0,1,1,1,0,{point["label"]},,,2,0' for point in markup["controlPoints"] for x, y, z in [point["position"]]]
+    fcsv = "\n".join(["# Markups fiducial file version = 5.6", "# CoordinateSystem = RAS",
+                      "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID", *rows, "1,0,0,0,0,0,0,1,1,1,0,coracoid,,,2,0"])
+    for text in (json.dumps(markups), fcsv):
+        page.script("preview.model.remove('trigonum'); preview.model.set({ rim: [] })")
+        said = page.script("return preview.applyMarkups(arguments[0])", text)
+        assert "trigonum spinae" in said and "rim (8)" in said and ("coracoid" in said) == (text == fcsv), said
+        assert yaml.safe_load(page.yaml())["bone"]["glenoid"]["rim_mm"] == yaml.safe_load(before)["bone"]["glenoid"]["rim_mm"]
+
+
 def check_reamer(page):
     last = int(page.find("#pose").get_attribute("max"))
     page.set_slider("#pose", 0)
@@ -342,6 +357,7 @@ def use(page, scenario, folder, reamsim):
     check_landmarks(page)
     check_mask(page)
     place_rim(page)
+    check_markups(page)
     page.press("#show-reamer")
     check_reamer(page)
     check_saved(saved_text(page, folder), scenario, reamsim)

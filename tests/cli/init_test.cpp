@@ -125,6 +125,26 @@ TEST_F(InitTest, SaysWhichUnitOfAMeshWasFoundOrAssumed) {
   }
 }
 
+TEST_F(InitTest, TakesKeysOfTheScenario) {
+  write_glenoid_mesh();
+  const auto init = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"init", "bone.stl", "-o", "my.yaml", "--voxel-mm", "0.8", "--overwrite"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return call(arguments);
+  };
+  const ProgramResult made =
+      init({"--set", "bone.side=left", "--set", "bone.mesh.scale=1", "--set", "bone.mesh.cortical_hu=1200", "--set",
+            "bone.mesh.frame=lps", "--set", "tool.spin=resolved", "--set", "engine.device=serial"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const std::string text = read("my.yaml");
+  for (const char* line : {"\n    cortical_hu: 1200\n", "\n    frame: lps\n", "\n  spin: resolved\n",
+                           "\nengine:\n  device: serial\n", "\n  side: left\n"}) {
+    EXPECT_THAT(text, HasSubstr(line));
+  }
+  expect_refused(init({"--side", "left", "--set", "bone.mesh.nix=1"}), 2, {"bone.mesh.nix"});
+  expect_refused(init({"--side", "left", "--scale", "1", "--set", "bone.mesh.scale=2"}), 2, {"--scale"});
+}
+
 TEST_F(InitTest, FindsTheUnitOfARealScapula) {
   const std::string file = data_file("scapula_mesh/scapula_left.stl");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << "; set REAMSIM_DATA";

@@ -25,8 +25,8 @@ class Output : public CliTest {
 TEST_F(Output, IsComplete) {
   expect_done(run(kSmall));
   for (const char* file : {"scenario.yaml", "forces.csv", "forces.png", "forces.svg", "forces.gp", "reamed.vdb",
-                           "reamed.vti", "forces.pdf", "reamed.glb", "reamed.stl", "summary.json", "timings.csv",
-                           "snapshots/000000.vdb", "snapshots/tool.stl"}) {
+                           "reamed.vti", "planning.mrk.json", "forces.pdf", "reamed.glb", "reamed.stl", "summary.json",
+                           "timings.csv", "snapshots/000000.vdb", "snapshots/tool.stl"}) {
     EXPECT_TRUE(exists(std::string("out/") + file)) << file;
   }
   const std::string forces = read("out/forces.csv");

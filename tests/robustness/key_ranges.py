@@ -48,6 +48,7 @@ class Key:
 def numeric_keys(schema, path=""):
     for name, key in schema["properties"].items():
         here = path + ("." if path else "") + name
+        key = as_numbers(key)
         if "properties" in key:
             yield from numeric_keys(key, here)
         elif key.get("type") in ("number", "integer"):
@@ -57,8 +58,13 @@ def numeric_keys(schema, path=""):
             yield from keys_of_list(key, here)
 
 
+def as_numbers(key):
+    """A point may be given by markups too; its numbers come first."""
+    return key["anyOf"][0] if key.get("anyOf") and key["anyOf"][0].get("type") == "array" else key
+
+
 def keys_of_list(key, here):
-    items = key["items"]
+    items = as_numbers(key["items"])
     if "properties" in items:
         yield from numeric_keys(items, here + "[]")
     elif items.get("type") == "number":

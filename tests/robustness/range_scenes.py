@@ -113,6 +113,19 @@ SKIN = {"files": {"skin.obj": cube(30)}, "clearance": {"envelope": {"path": "ski
 SLOW = {"approach_mm": 0.001, "depth_mm": 0.001, "retract_mm": 0.001}
 
 
+RECORDED = {"motion": {"plunge": None, "csv": {"path": "poses.csv"}}}
+
+
+def rotated(section):
+    """A rotation whose first row is an axis or its opposite."""
+    def scene(component, value):
+        rows = [axis((component + i) % 3, value if i == 0 else 1.0) for i in range(3)]
+        rows[2] = [value * x for x in rows[2]]
+        return merged(RECORDED, {"motion": {"csv": {section: {"rotation": rows}}}})
+
+    return scene
+
+
 def holder(**part):
     return {"tool": {"holder": [{"from_z_mm": 8, "to_z_mm": 40, "diameter_mm": 3, **part}]}}
 
@@ -140,6 +153,7 @@ SECTIONS = {
     "bone.glenoid.landmarks": merged(mesh_bone(), {"bone": {"side": "left"}, "motion": {"frame": "glenoid"}}),
     "bone.phantom": {},
     "bone.ct": ct_bone(),
+    "bone.ct.hu": ct_bone(hu={"slope": 1}),
     "bone.ct.label_map": labelled(),
     "bone.ct.cut_spheres": ct_bone(cut_spheres=[{"center_mm": [5, 5, 5], "radius_mm": 2}]),
     "bone.ct.cut_planes": ct_bone(cut_planes=[{"point_mm": [0, 0, 3], "normal": [0, 0, 1]}]),
@@ -154,7 +168,9 @@ SECTIONS = {
     "motion.push": push(),
     "motion.compliance": {"motion": {"compliance": {"stiffness_n_mm": [100, 100, 100]}}},
     "motion.keyframes": keyframes({}, {}),
-    "motion.csv": {"motion": {"plunge": None, "csv": {"path": "poses.csv"}}},
+    "motion.csv": RECORDED,
+    "motion.csv.bone_from_tracker": RECORDED,
+    "motion.csv.marker_from_tool": RECORDED,
     "engine": {},
     "cutting": {},
     "cutting.specific_energy_table": cutting(**TABLE),
@@ -171,6 +187,8 @@ SECTIONS = {
 
 PHANTOM = "bone.phantom."
 KEYS = {
+    "bone.ct.hu.intercept@min": ct_bone(hu={"slope": 100}),
+    "motion.csv.skip_lines": merged(RECORDED, {"motion": {"csv": {"path": "late.csv"}}, "files": {"late.csv": "#\n" * 10000 + POSES}}),
     "bone.voxel_mm@min": merged(shape("half_space", size_mm=[0.5] * 3), plunge(1000, approach_mm=0.01, depth_mm=0.02, retract_mm=0.01)),
     PHANTOM + "size_mm@min": {"bone": {"voxel_mm": 0.1}},
     PHANTOM + "size_mm@max": {"bone": {"voxel_mm": 2}},
@@ -344,6 +362,8 @@ def camera_up(component, value):
 
 
 DIRECTED = {
+    "motion.csv.bone_from_tracker.rotation": rotated("bone_from_tracker"),
+    "motion.csv.marker_from_tool.rotation": rotated("marker_from_tool"),
     "bone.glenoid.center_mm": center,
     "bone.glenoid.near_mm": near,
     "bone.glenoid.normal": normal,

@@ -4,11 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <filesystem>
+#include <random>
 
-#include "sim/base/error.h"
-#include "sim/scan/ct_import.h"
-#include "test_images.h"
+#include "dicom_bytes.h"
+#include "dicom_fixture.h"
+#include "sim/scan/scan.h"
 
 namespace reamsim::test {
 namespace {
@@ -16,53 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using ::testing::Not;
-
-/// DICOM as clinics export it.
-class Dicom : public ::testing::Test {
- protected:
-  void SetUp() override {
-    write_image<std::int16_t>(egg_, folder_.file("reference.nrrd"));
-    reference_ = import("reference.nrrd");
-    report_ = {};
-  }
-
-  FilledVoxmap import(const std::string& name) { return voxmap_from_ct(settings(name), report_); }
-  BoneSettings settings(const std::string& name) const {
-    BoneSettings out = settings_for(folder_.file(name), 1);
-    out.ct.series = series_;
-    out.ct.modality = modality_;
-    return out;
-  }
-  std::string error_of(const std::string& name) {
-    try {
-      import(name);
-    } catch (const InputError& error) {
-      const std::string message = error.what();
-      EXPECT_THAT(message, Not(HasSubstr("\n")));
-      return message;
-    }
-    ADD_FAILURE() << "no error for " << name;
-    return "";
-  }
-  void expect_egg(const std::string& name) { expect_same(import(name), reference_, name); }
-  void write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder_.file(name), std::ios::binary) << bytes;
-  }
-  /// The egg, displaced: another volume.
-  TestImage other() const {
-    TestImage out = egg_;
-    out.sample([](const Vec3& p) { return knobbed_egg(p + Vec3(2, 0, 0)); });
-    return out;
-  }
-
-  TempFolder folder_;
-  TestImage egg_ = egg_image();
-  FilledVoxmap reference_;
-  Diagnostics report_;
-  std::string series_;
-  Modality modality_ = Modality::ct;
-};
 
 TEST_F(Dicom, SubfoldersAndFilesWithoutExtensionAreFound) {
   write_dicom(egg_, folder_.file("cd/PA000001/ST000001/SE000001"), -1, {.ending = ""});
@@ -158,7 +112,7 @@ TEST_F(Dicom, Monochrome1IsRefused) {
   for (const auto& file : fs::directory_iterator(folder_.file("cd"))) {
     patch_file(file.path().string(), "MONOCHROME2", "MONOCHROME1");
   }
-  EXPECT_THAT(error_of("cd"), AllOf(HasSubstr("slice001.dcm"), HasSubstr("MONOCHROME1"), HasSubstr("inverted")));
+  EXPECT_THAT(error_of("cd"), AllOf(HasSubstr("slice024.dcm"), HasSubstr("MONOCHROME1"), HasSubstr("inverted")));
 }
 
 TEST_F(Dicom, ASliceWithoutRescaleAmongOthersIsRefused) {
@@ -277,41 +231,24 @@ TEST_F(Dicom, SlicesInOnePlace) {
               AllOf(HasSubstr("phase_2.dcm"), HasSubstr("has the same position as"), HasSubstr("slice010.dcm")));
 }
 
-/// An element of a DICOM file, explicit VR, little endian.
-std::string element(unsigned group, unsigned number, const std::string& vr, std::string value) {
-  const auto put = [](std::size_t n, int bytes) {
-    std::string out;
-    for (int b = 0; b < bytes; ++b) out.push_back(static_cast<char>(n >> (8 * b) & 255));
-    return out;
-  };
-  if (value.size() % 2 != 0) value.push_back(vr == "UI" ? '\0' : ' ');
-  const bool long_length = vr == "OB" || vr == "OW";
-  return put(group, 2) + put(number, 2) + vr + (long_length ? put(0, 2) + put(value.size(), 4) : put(value.size(), 2)) +
-         value;
-}
-
-/// An enhanced CT of `frames` frames of 4×4 pixels in one file.
-std::string enhanced_ct(int frames) {
-  const std::string explicit_little = "1.2.840.10008.1.2.1";
+/// A multi-frame file of `frames` frames of 4×4 pixels that does not say where they lie.
+std::string frames_without_place(int frames) {
   const std::string storage = "1.2.840.10008.5.1.4.1.1.2.1";
-  const auto us = [](int n) { return std::string{static_cast<char>(n), '\0'}; };
-  const std::string meta =
-      element(2, 2, "UI", storage) + element(2, 3, "UI", "1.2.3.9") + element(2, 0x10, "UI", explicit_little);
-  std::string out = std::string(128, '\0') + "DICM" +
-                    element(2, 0, "UL", std::string{static_cast<char>(meta.size()), '\0', '\0', '\0'}) + meta;
+  std::string out;
   out += element(8, 0x16, "UI", storage) + element(8, 0x18, "UI", "1.2.3.9") + element(8, 0x60, "CS", "CT");
   out += element(0x20, 0xd, "UI", "1.2.3") + element(0x20, 0xe, "UI", "1.2.3.4");
   out += element(0x28, 2, "US", us(1)) + element(0x28, 4, "CS", "MONOCHROME2") +
          element(0x28, 8, "IS", std::to_string(frames)) + element(0x28, 0x10, "US", us(4)) +
          element(0x28, 0x11, "US", us(4)) + element(0x28, 0x100, "US", us(16)) + element(0x28, 0x101, "US", us(16)) +
          element(0x28, 0x102, "US", us(15)) + element(0x28, 0x103, "US", us(1));
-  return out + element(0x7fe0, 0x10, "OW", std::string(static_cast<std::size_t>(frames) * 32, '\1'));
+  out += element(0x7fe0, 0x10, "OW", std::string(static_cast<std::size_t>(frames) * 32, '\1'));
+  return dicom_file(storage, "1.2.3.9", out);
 }
 
-TEST_F(Dicom, AnEnhancedMultiFrameFileIsRefused) {
+TEST_F(Dicom, FramesWithoutAPlaceAreRefused) {
   fs::create_directory(folder_.file("cd"));
-  write("cd/IM0001", enhanced_ct(30));
-  const auto refusal = AllOf(HasSubstr("IM0001"), HasSubstr("a multi-frame DICOM file"),
+  write("cd/IM0001", frames_without_place(30));
+  const auto refusal = AllOf(HasSubstr("IM0001"), HasSubstr("a multi-frame DICOM file (30 frames) without functional"),
                              HasSubstr("convert it to NRRD or NIfTI (3D Slicer, dcm2niix), or export single slices"));
   EXPECT_THAT(error_of("cd"), refusal);
   EXPECT_THAT(error_of("cd/IM0001"), refusal);
@@ -325,6 +262,31 @@ TEST_F(Dicom, AnEnhancedMultiFrameFileIsRefused) {
 TEST_F(Dicom, ASingleFileIsNoVolume) {
   write_dicom(egg_, folder_.file("cd"));
   EXPECT_THAT(error_of("cd/slice010.dcm"), HasSubstr("a single DICOM slice; give the folder of the series"));
+}
+
+// 100 orientations, of which half have a tilted gantry. Slices are sorted along the normal.
+TEST_F(Dicom, RandomOrientationsAreTakenAsTheyStand) {
+  std::mt19937 random(20261130);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> tilt(-0.4, 0.4);
+  for (int run = 0; run < 100; ++run) {
+    TestImage image{.dims = {4, 3, 5}, .spacing_mm = {0.5, 0.7, 1.1}, .value = std::vector<double>(60, 100)};
+    image.direction = Quat(normal(random), normal(random), normal(random), normal(random)).normalized().matrix();
+    if (run % 2 == 1) image.direction.col(2) += tilt(random) * image.direction.col(1);
+    if (random() % 2 == 0) image.direction.col(2) *= -1;
+    image.origin_mm = 100 * Vec3(normal(random), normal(random), normal(random));
+    const std::string name = "series" + std::to_string(run);
+    write_slices(image, folder_.file(name), {.decimals = 9});
+    Mat3 steps = image.direction * image.spacing_mm.asDiagonal();
+    Vec3 origin = image.origin_mm;
+    if (steps.determinant() < 0) {
+      origin = image.point_mm(0, 0, image.dims.z() - 1);
+      steps.col(2) *= -1;
+    }
+    const ct::ScanGeometry found = ct::open_scan(folder_.file(name), "key", {}, report_)->geometry();
+    EXPECT_LT((found.step_mm - steps).norm(), 1e-6) << name;
+    EXPECT_LT((found.origin_mm - origin).norm(), 1e-6) << name;
+  }
 }
 
 }  // namespace

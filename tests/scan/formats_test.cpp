@@ -129,12 +129,21 @@ TEST_F(Formats, SignedBytesKeepTheirSign) {
   EXPECT_NEAR(volume_mm3(voxmap_from_ct(settings, report)), volume_mm3(reference_), 1e-6);
 }
 
-TEST_F(Formats, UnsignedPixelsAreWarnedOf) {
-  write_image<std::uint16_t>(egg_, folder_.file("u.nrrd"));
+TEST_F(Formats, ValuesWithAnOffsetAreWarnedOfAndReadByAKey) {
+  TestImage in_air = egg_, offset = egg_;
+  for (double& value : in_air.value) value = value == 0 ? -1000 : value;
+  std::ranges::transform(in_air.value, offset.value.begin(), [](double hu) { return hu + 1024; });
+  write_image<std::int16_t>(in_air, folder_.file("hu.nrrd"));
+  write_image<std::uint16_t>(offset, folder_.file("offset.nrrd"));
+  BoneSettings settings = settings_for(folder_.file("offset.nrrd"), 1);
   Diagnostics report;
-  voxmap_from_ct(settings_for(folder_.file("u.nrrd"), 1), report);
+  voxmap_from_ct(settings, report);
   ASSERT_FALSE(report.warnings.empty());
-  EXPECT_THAT(report.warnings.front(), HasSubstr("unsigned"));
+  EXPECT_THAT(report.warnings.front(), HasSubstr("set bone.ct.hu.intercept to -1024"));
+  settings.ct.hu = {.slope = 1, .intercept = -1024};
+  report = {};
+  expect_same(voxmap_from_ct(settings, report), import(folder_.file("hu.nrrd")), "by the key");
+  EXPECT_TRUE(report.warnings.empty());
 }
 
 TEST_F(Formats, EveryOrderAndSenseOfTheAxesGivesTheSameVoxmap) {
@@ -166,7 +175,7 @@ TEST_F(Formats, ReportSaysWhatWasDone) {
   voxmap_from_ct(settings_for(folder_.file("reference.nrrd"), 0.5), report);
   std::string all;
   for (const std::string& note : report.notes) all += note + "\n";
-  EXPECT_THAT(all, HasSubstr("NRRD, int16, 26x30x24 voxels of 1x1x1.25 mm"));
+  EXPECT_THAT(all, HasSubstr("NRRD, int16, space left-posterior-superior, 26x30x24 voxels of 1x1x1.25 mm"));
   EXPECT_THAT(all, HasSubstr("threshold 200 HU"));
   EXPECT_THAT(all, HasSubstr("1 connected pieces"));
   EXPECT_THAT(all, HasSubstr("mm3"));

@@ -5,12 +5,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nifti1_io.h>
 
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 
 #include "sim/base/error.h"
+#include "sim/base/file.h"
 #include "sim/scan/ct_import.h"
 #include "test_images.h"
 
@@ -174,17 +175,20 @@ TEST_F(LabelMap, ThreeDimensionalSegNrrd) {
 
 TEST_F(LabelMap, NamesInANiftiExtension) {
   write_image<std::uint8_t>(labels_, folder_.file("total.nii"));
-  nifti_image* image = nifti_image_read(folder_.file("total.nii").c_str(), 1);
-  ASSERT_NE(image, nullptr);
-  const std::string xml =
+  std::string xml =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?><CaretExtension><VolumeInformation Index=\"0\"><LabelTable>"
       "<Label Key=\"9\" Red=\"1\">humerus_left</Label>\n<Label Key=\"5\" Red=\"0\"><![CDATA[scapula_left]]></Label>"
       "</LabelTable></VolumeInformation></CaretExtension>";
-  nifti_add_extension(image, xml.data(), static_cast<int>(xml.size()), NIFTI_ECODE_CARET);
-  nifti_set_filenames(image, folder_.file("named.nii").c_str(), 0, 1);
-  nifti_set_iname_offset(image);
-  nifti_image_write(image);
-  nifti_image_free(image);
+  constexpr std::size_t kHeader = 348, kVoxOffset = 108, kBlock = 16;
+  constexpr std::int32_t kCaret = 30;  // NIFTI_ECODE_CARET
+  xml.resize((8 + xml.size() + kBlock - 1) / kBlock * kBlock - 8, '\0');
+  const std::int32_t head[] = {static_cast<std::int32_t>(8 + xml.size()), kCaret};
+  std::string bytes = read_file(folder_.file("total.nii"), "a file");
+  bytes[kHeader] = 1;  // extensions follow
+  const auto offset = static_cast<float>(kHeader + 4 + 8 + xml.size());
+  std::memcpy(bytes.data() + kVoxOffset, &offset, sizeof offset);
+  bytes.insert(kHeader + 4, std::string(reinterpret_cast<const char*>(head), sizeof head) + xml);
+  std::ofstream(folder_.file("named.nii"), std::ios::binary) << bytes;
   expect_reference("named.nii", {"scapula_left"});
   EXPECT_THAT(error_of("named.nii", {"clavicle"}), HasSubstr("expected one of humerus_left, scapula_left"));
 }
@@ -286,7 +290,7 @@ TEST_F(LabelMap, AMapThatCutsTheBoneOffIsWarnedOf) {
 }
 
 TEST_F(LabelMap, WhatIsNoLabelMap) {
-  EXPECT_THAT(error_of(".", {"5"}), HasSubstr("a folder; give a label map"));
+  EXPECT_THAT(error_of(".", {"5"}), HasSubstr("no DICOM segmentation (SEG) in this folder; give a label map"));
   std::ofstream(folder_.file("text.nrrd")) << "no image";
   EXPECT_THAT(error_of("text.nrrd", {"5"}), HasSubstr("text.nrrd: bone.ct.label_map.path"));
   EXPECT_THAT(error_of("plain.nrrd", {"7"}), HasSubstr("no voxel in the crop has label 7; the map holds 5, 9 there"));

@@ -123,7 +123,8 @@ TEST(RealBody, Int32NiftiInRasIsReadWithTheRightAxes) {
   BoneSettings settings = settings_for(path, 3);
   settings.ct.closing_mm = 0;
   const FilledVoxmap spine = voxmap_from_ct(settings, report);
-  EXPECT_THAT(report.notes.front(), HasSubstr("NIfTI, int32, 122x101x112 voxels of 3x3x3 mm, axes along LPS"));
+  EXPECT_THAT(report.notes.front(), HasSubstr("NIfTI, int32, sform (code 2, coordinates aligned to another scan), "
+                                              "122x101x112 voxels of 3x3x3 mm, axes along LPS"));
   // 122 × 3 mm wide, 101 × 3 mm deep, 112 × 3 mm high, whatever the order and sense of the axes in the file.
   const std::string& note = report.notes.front();
   double low[3];

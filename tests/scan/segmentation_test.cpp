@@ -76,7 +76,7 @@ TEST_F(Segmentation, ACutThatBoneEnclosesIsNotFilled) {
 TEST_F(Segmentation, BoneDenserThanAGradeHoldsIsWarnedOf) {
   const auto warnings_with = [this](double hu) {
     report_ = {};
-    import(write([hu](const Vec3& p) { return p.norm() > 9 ? 0 : p.norm() < 4 ? hu : 600.0; }));
+    import(write([hu](const Vec3& p) { return p.norm() > 9 ? -1000 : p.norm() < 4 ? hu : 600.0; }));
   return testing::PrintToString(report_.warnings);
 };
 EXPECT_EQ(warnings_with(1700), "{}");

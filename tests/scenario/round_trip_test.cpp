@@ -88,7 +88,7 @@ TEST_F(RoundTrip, EverySource) {
         "1}],\n"
         "    cut_planes: [{point_mm: [1, 2, 3], normal: [0, 1, 0]}], fill_holes: false}\n",
         "  source: ct\n  ct: {path: scan.nrrd, label_map: {path: scan.nrrd, label: 3}}\n",
-        "  source: ct\n  ct: {path: scan.nrrd, series: 2, modality: any,\n"
+        "  source: ct\n  ct: {path: scan.nrrd, series: 2, modality: any, uneven: resample,\n"
         "    label_map: {path: scan.nrrd, label: [7, \"scapula: left\", \"8\"], refine_mm: 1}}\n"}) {
     const Scenario s = parse(resolved(with(kValid, phantom, source + glenoid)));
     EXPECT_EQ(*s.bone.glenoid.normal, Vec3(0.611, -0.548, 0.572));
@@ -102,6 +102,7 @@ TEST_F(RoundTrip, EverySource) {
     }
     if (s.bone.ct.series == "2") {
       EXPECT_EQ(s.bone.ct.modality, Modality::any);
+      EXPECT_EQ(s.bone.ct.uneven, Uneven::resample);
       EXPECT_EQ(s.bone.ct.label_map->label, (std::vector<std::string>{"7", "scapula: left", "8"}));
       EXPECT_EQ(s.bone.ct.label_map->refine_mm, 1);
     }
@@ -164,6 +165,37 @@ TEST_F(RoundTrip, OddTexts) {
   Scenario s = parse(kValid);
   s.tool.mesh = path("a ${b} $${c} 'd\".stl");
   EXPECT_EQ(parse(to_yaml(s)).tool.mesh, s.tool.mesh);
+}
+
+TEST_F(RoundTrip, RecordedPoses) {
+  write("poses.txt", "x");
+  const std::vector<std::string> csv{"motion.keyframes=null", "motion.csv.path=poses.txt"};
+  const auto with_csv = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), csv.begin(), csv.end());
+    return more;
+  };
+  EXPECT_THAT(resolved(kValid, csv), HasSubstr("    separator: comma\n"));
+  const std::string tum = resolved(kValid, with_csv({"motion.csv.format=tum"}));
+  EXPECT_THAT(tum, HasSubstr("    separator: space\n"));
+  EXPECT_THAT(
+      tum, HasSubstr("    time_column: 1\n    time_unit: s\n    position_columns: [2, 3, 4]\n    position_unit: m\n"));
+  EXPECT_THAT(tum, HasSubstr("    quaternion_columns: [5, 6, 7, 8]\n    quaternion_order: xyzw\n"));
+  const Scenario s = parse(resolved(
+      kValid,
+      with_csv(
+          {"motion.csv.position_columns=[Tx, \"T y\", 4]", "motion.csv.max_gap_s=0.1",
+           "motion.csv.bone_from_tracker={translation_mm: [1, 2, 3], rotation: [[0, -1, 0], [1, 0, 0], [0, 0, 1]]}",
+           "motion.csv.marker_from_tool.quaternion=[0.6, 0.8, 0, 0]"})));
+  EXPECT_EQ(s.motion.csv->position_columns, (std::vector<std::string>{"Tx", "T y", "4"}));
+  EXPECT_NEAR((s.motion.csv->bone_from_tracker->rigid() * Vec3(1, 0, 0) - Vec3(1, 3, 3)).norm(), 0, 1e-15);
+  const auto said = [&](const std::string& more) { return complaint(kValid, with_csv({more})); };
+  EXPECT_THAT(said("motion.csv.position_columns=[a, b]"), HasSubstr("found a list of 2; expected 3 names or numbers"));
+  EXPECT_THAT(said("motion.csv.quaternion_columns=[0, 1, 2, 3]"), HasSubstr("found column 0; expected numbers from 1"));
+  EXPECT_THAT(said("motion.csv.decimal=comma"), HasSubstr("which separates the columns"));
+  EXPECT_THAT(said("motion.csv.bone_from_tracker.rotation=[[1, 0, 0], [0, 1, 0], [0, 0, -1]]"),
+              HasSubstr("a reflection"));
+  EXPECT_THAT(said("motion.csv.bone_from_tracker.rotation=[[1, 0, 0], [0, 1, 0], [0, 0.5, 1]]"),
+              HasSubstr("not perpendicular"));
 }
 
 TEST_F(RoundTrip, InputFilesAreNamed) {

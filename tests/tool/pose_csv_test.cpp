@@ -8,10 +8,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <numbers>
 
 #include "sim/base/error.h"
+#include "tests/support/real_data.h"
 #include "tests/support/temp_dir.h"
 
 namespace reamsim::test {
@@ -155,6 +158,113 @@ TEST_F(PoseCsv, RefusesWhatIsNoFileOrNoText) {
       "ELF\x01\x02\x03\n\xff\xfe\n");
   EXPECT_THAT(binary, HasSubstr("time_s: no such column"));
   for (const char c : binary) EXPECT_GE(static_cast<unsigned char>(c), ' ') << "one printable line";
+}
+
+/// The same two poses as every recording below: at 10.5 s in (1, 2, 3), at 10.75 s in (-4, 5.5, 6), turned about z.
+void expect_two_poses(const std::vector<KeyPose>& poses, const std::string& text) {
+  ASSERT_EQ(poses.size(), 2u) << text;
+  EXPECT_DOUBLE_EQ(poses[0].time_s, 10.5) << text;
+  EXPECT_DOUBLE_EQ(poses[1].time_s, 10.75) << text;
+  EXPECT_NEAR((poses[0].pose.position_mm - Vec3(1, 2, 3)).norm(), 0, 1e-12) << text;
+  EXPECT_NEAR((poses[1].pose.position_mm - Vec3(-4, 5.5, 6)).norm(), 0, 1e-12) << text;
+  EXPECT_EQ(poses[0].pose.orientation.coeffs(), Quat::Identity().coeffs()) << text;
+  EXPECT_NEAR(poses[1].pose.orientation.angularDistance(Quat(0.8, 0, 0, 0.6)), 0, 1e-12) << text;
+}
+
+TEST_F(PoseCsv, ReadsATumTrajectory) {
+  CsvMotionSettings settings = saved(
+      "# timestamp tx ty tz qx qy qz qw\n10.5 0.001 0.002 0.003 0 0 0 1\n\n  10.75\t-0.004 0.0055  0.006 0 0 0.6 0.8 "
+      "\r\n");
+  settings.format = PoseFormat::tum;
+  apply_format_defaults(settings);
+  expect_two_poses(read_pose_csv(settings, report_), "tum");
+  EXPECT_EQ(read_pose_csv(settings, report_)[0].pose.spin_rpm, 250);
+  EXPECT_THAT(report_.warnings, IsEmpty());
+  EXPECT_THAT(report_.notes, IsEmpty());
+}
+
+TEST_F(PoseCsv, ReadsTheOddTrajectory) {
+  CsvMotionSettings settings;
+  settings.path = data_file("odd_files/tracker_tum.txt");
+  if (!std::filesystem::exists(settings.path)) GTEST_SKIP() << "no " << settings.path << "; set REAMSIM_DATA";
+  settings.format = PoseFormat::tum;
+  apply_format_defaults(settings);
+  const auto poses = read_pose_csv(settings, report_);
+  ASSERT_EQ(poses.size(), 120u);
+  EXPECT_NEAR((poses.front().pose.position_mm - Vec3(0, 0.1, 3)).norm(), 0, 1e-9);
+  EXPECT_NEAR((poses.back().pose.position_mm - Vec3(-0.0972, 0.0236, -2.95)).norm(), 0, 1e-9);
+  EXPECT_NEAR(poses[1].time_s - poses[0].time_s, 0.035916, 1e-6);
+}
+
+TEST_F(PoseCsv, ReadsOtherRecordingsByDescription) {
+  // A spreadsheet of a country with decimal commas.
+  CsvMotionSettings settings = saved(
+      "Tracker 3\nserial;17\nFrame;Zeit [ms];Tx [cm];Ty;Tz;Q0;Qx;Qy;Qz;rpm\n1;10500;0,1;0,2;0,3;1;0;0;0;100\n"
+      "2;10750;-0,4;0,55;0,6;0,8;0;0;0,6;120\n");
+  settings.separator = Separator::semicolon;
+  settings.decimal = DecimalMark::comma;
+  settings.skip_lines = 2;
+  settings.time_column = "Zeit [ms]";
+  settings.time_unit = TimeUnit::ms;
+  settings.position_columns = {"Tx [cm]", "Ty", "Tz"};
+  settings.position_unit = LengthUnit::cm;
+  settings.quaternion_columns = {"Q0", "Qx", "Qy", "Qz"};
+  settings.spin_column = "rpm";
+  const auto poses = read_pose_csv(settings, report_);
+  expect_two_poses(poses, "semicolons");
+  EXPECT_EQ(poses[1].pose.spin_rpm, 120);
+  EXPECT_THAT(report_.notes, ElementsAre(HasSubstr("ignored columns: \"Frame\"")));
+
+  // EuRoC: the header is a comment, time in ns; and the same by numbers, where a header is seen as one.
+  for (const std::string head : {"#timestamp [ns], p_x [m], p_y [m], p_z [m], q_w [], q_x [], q_y [], q_z []\n",
+                                 "timestamp,x,y,z,w,i,j,k\n", ""}) {
+    settings = saved(head + "10500000000,0.001,0.002,0.003,1,0,0,0\n10750000000,-0.004,0.0055,0.006,0.8,0,0,0.6\n");
+    const bool names = head.starts_with('#');
+    settings.time_column = names ? "timestamp [ns]" : "1";
+    settings.time_unit = TimeUnit::ns;
+    settings.position_columns = {names ? "p_x [m]" : "2", "3", "4"};
+    settings.position_unit = LengthUnit::m;
+    settings.quaternion_columns = {"5", "6", "7", "8"};
+    expect_two_poses(read_pose_csv(settings, report_), head);
+  }
+  settings.quaternion_columns = {"5", "6", "7", "9"};
+  EXPECT_THAT(error_of(settings), HasSubstr("found 8 columns, and no column 9"));
+}
+
+TEST_F(PoseCsv, AppliesRegistrationAndCalibration) {
+  CsvMotionSettings settings = saved(with_row("1,10,0,0,0.7071067811865476,0,0,0.7071067811865476"));
+  settings.marker_from_tool = TransformSettings{.translation_mm = {5, 0, 0}};
+  settings.bone_from_tracker =
+      TransformSettings{.translation_mm = {0, 0, 100}, .rotation = {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}};
+  const auto poses = read_pose_csv(settings, report_);
+  // The tool lies 5 mm along x of the marker: (10, 5, 0) in the tracker, and y of the tracker is z of the bone.
+  EXPECT_NEAR((poses[1].pose.position_mm - Vec3(10, 0, 105)).norm(), 0, 1e-12);
+  EXPECT_NEAR((poses[1].pose.orientation * Vec3::UnitX() - Vec3::UnitZ()).norm(), 0, 1e-12);
+  settings.bone_from_tracker->rotation.clear();
+  settings.bone_from_tracker->quaternion = Quat(std::sqrt(0.5), std::sqrt(0.5), 0, 0);
+  EXPECT_NEAR((read_pose_csv(settings, report_)[1].pose.position_mm - Vec3(10, 0, 105)).norm(), 0, 1e-12);
+}
+
+TEST_F(PoseCsv, AGapIsAnErrorAndLostRowsAreSkipped) {
+  const std::string lost = kHeader +
+                           "\n1700000000.1,0,0,0,1,0,0,0\n1700000000.2,,,,,,,\n"
+                           "1700000000.3,MISSING,nan,NaN,missing,,,\n1700000000.4,1,0,0,1,0,0,0\n";
+  CsvMotionSettings settings = saved(lost);
+  EXPECT_THAT(error_of(settings), HasSubstr("poses.csv:3: x_mm: found ''"));
+  settings.max_gap_s = 0.5;
+  EXPECT_EQ(read_pose_csv(settings, report_).size(), 2u);
+  EXPECT_THAT(report_.notes, ElementsAre(HasSubstr("2 rows without a pose were skipped")));
+  settings.max_gap_s = 0.25;
+  EXPECT_THAT(error_of(settings), AllOf(HasSubstr("poses.csv:5: no pose for 0.3 s, from 1700000000.1 s to this row"),
+                                        HasSubstr("at most 0.25 s is allowed")));
+  settings = saved(with_row("1,0,0,,1,0,0,0"));
+  settings.max_gap_s = 2;
+  EXPECT_THAT(error_of(settings), HasSubstr("poses.csv:3: a part of the pose is missing"));
+}
+
+TEST_F(PoseCsv, NamesTheWayToReadOtherRecordings) {
+  EXPECT_THAT(error_of("# t tx ty tz qx qy qz qw\n1 2 3 4 0 0 0 1\n"),
+              AllOf(HasSubstr("time_s: no such column"), HasSubstr("other recordings: motion.csv.format")));
 }
 
 TEST_F(PoseCsv, WarnsOfQuaternionsThatAreNoUnitButNotEndlessly) {

@@ -3,6 +3,7 @@
 
 // The controls beside the views.
 import { find, fixedText, part } from "../shared/scene.js";
+import { applyMarkups, markupsText } from "./markups.js";
 import { colors } from "./model.js";
 import { same } from "./volume.js";
 
@@ -11,6 +12,13 @@ const kTools = [
   ["trigonum", "Trigonum spinae"], ["inferior", "Inferior angle"], ["rim", "Rim of the face"],
 ];
 
+// Downloads a text as a file.
+export function saveText(text, name, type) {
+  const url = URL.createObjectURL(new Blob([text], { type }));
+  part("a", { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}
+
 const pointText = (p) => (p === null ? "not placed" : p.map((c) => fixedText(c, 1)).join(", "));
 
 export class Controls {
@@ -18,6 +26,7 @@ export class Controls {
     Object.assign(this, { model, slices, window });
     this.addTools();
     this.addPoint();
+    this.addMarkups();
     this.addFrame();
     this.addSegmentation();
     this.addReamer();
@@ -82,6 +91,25 @@ export class Controls {
       const placed = this.model.pointOf(this.model.tool) !== null;
       this.model.place(this.model.tool, point, placed && this.model.tool !== "center");
       return this.model.moveCross(point);
+    });
+  }
+
+  addMarkups() {
+    const say = (text) => { find("markups-state").textContent = text; };
+    find("read-markups").addEventListener("change", async ({ target }) => {
+      const [file] = target.files;
+      if (file === undefined) return;
+      try {
+        say(applyMarkups(this.model, await file.text()));
+      } catch (error) {
+        say(`${file.name} cannot be read: ${error.message}.`);
+      }
+      target.value = "";  // the same file can be read again
+    });
+    find("save-markups").addEventListener("click", () => {
+      const name = this.model.data.file_name.replace(/\.ya?ml$/, "") + ".mrk.json";
+      saveText(markupsText(this.model), name, "application/json");
+      say(`Saved as ${name}.`);
     });
   }
 

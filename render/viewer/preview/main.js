@@ -3,6 +3,7 @@
 
 import { pageData, viewMissing } from "../shared/scene.js";
 import { Controls } from "./controls.js";
+import { applyMarkups, markupsText } from "./markups.js";
 import { Model } from "./model.js";
 import { ScenarioView } from "./scenario_view.js";
 import { Slice, windowOf } from "./slices.js";
@@ -39,5 +40,5 @@ model.listen((what) => {
 });
 
 // For tests: what a user can see, as numbers.
-globalThis.preview = { model, slices, solid, edited };
+globalThis.preview = { model, slices, solid, edited, applyMarkups: (text) => applyMarkups(model, text), markupsText: () => markupsText(model) };
 requestAnimationFrame(() => setTimeout(() => { document.documentElement.dataset.readyMs = Math.round(performance.now()); }));

@@ -3,6 +3,7 @@
 
 // The scenario's text with its changed lines marked, to copy or to save.
 import { find, part } from "../shared/scene.js";
+import { saveText } from "./controls.js";
 import { scenarioText } from "./scenario_text.js";
 
 // Which lines of `after` are not in `before`, by a longest common subsequence.
@@ -57,9 +58,7 @@ export class ScenarioView {
   }
 
   save() {
-    const url = URL.createObjectURL(new Blob([this.text], { type: "application/yaml" }));
-    part("a", { href: url, download: this.model.data.file_name }).click();
-    setTimeout(() => URL.revokeObjectURL(url), 10_000);
+    saveText(this.text, this.model.data.file_name, "application/yaml");
     find("yaml-state").textContent = `Saved as ${this.model.data.file_name}.`;
   }
 

@@ -4,9 +4,12 @@
 #include "sim/bone/vdb/grids.h"
 
 #include <openvdb/tools/MeshToVolume.h>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
+
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 
@@ -236,20 +239,66 @@ SampledMesh sampled(const TriangleMesh& mesh, const DistanceSampling& sampling) 
 
 }  // namespace
 
-openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::math::Transform& transform,
-                                      double outer_spacings, double inner_spacings, bool exact) {
+namespace {
+
+openvdb::FloatGrid::Ptr to_volume(const SampledMesh& mesh, const openvdb::math::Transform& transform,
+                                  double outer_spacings, double inner_spacings, int flags) {
   openvdb::initialize();
   // OpenVDB's library contains the instance for this adapter and interrupter; others take minutes to compile.
   const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(mesh.points, mesh.triangles);
   openvdb::util::NullInterrupter never;
   return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter, transform, static_cast<float>(outer_spacings),
-                                                          static_cast<float>(inner_spacings),
-                                                          exact ? openvdb::tools::DISABLE_RENORMALIZATION : 0);
+                                                          static_cast<float>(inner_spacings), flags);
+}
+
+}  // namespace
+
+openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::math::Transform& transform,
+                                      double outer_spacings, double inner_spacings, bool exact) {
+  const int flags = exact ? openvdb::tools::DISABLE_RENORMALIZATION : 0;
+  return to_volume(mesh, transform, outer_spacings, inner_spacings, flags);
 }
 
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling) {
   return mesh_distance(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0),
                        sampling.outer_spacings, sampling.inner_spacings, sampling.exact);
+}
+
+namespace {
+
+/// Sets the sign of the distances in a brick of 8×8×8 samples; those beyond the band become constant.
+void sign_leaf(Leaf& leaf, const InsideTest& inside, float outer, float inner) {
+  for (openvdb::Index n = 0; n < Leaf::SIZE; ++n) {
+    const openvdb::Coord at = leaf.offsetToGlobalCoord(n);
+    const float away = leaf.isValueOn(n) ? std::abs(leaf.getValue(n)) : std::max(inner, outer);
+    const bool is_inside = inside({at.x(), at.y(), at.z()});
+    leaf.setValueOnly(n, is_inside ? -std::min(away, inner) : std::min(away, outer));
+  }
+}
+
+}  // namespace
+
+openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling, const Vec3i& dims,
+                                      const InsideTest& inside) {
+  const auto outer = static_cast<float>(sampling.outer_spacings), inner = static_cast<float>(sampling.inner_spacings);
+  const double band = std::max(sampling.outer_spacings, sampling.inner_spacings);
+  const openvdb::FloatGrid::Ptr grid =
+      to_volume(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0), band, band,
+                static_cast<int>(openvdb::tools::UNSIGNED_DISTANCE_FIELD));
+  Tree& tree = grid->tree();
+  tree.root().setBackground(outer, true);  // before the signs: it would change inner distances too
+  std::vector<Leaf*> leaves;
+  tree.getNodes(leaves);
+  parallel_items(leaves.size(), [&](std::size_t n) { sign_leaf(*leaves[n], inside, outer, inner); });
+  for (int z = 0; z < dims.z(); z += static_cast<int>(Leaf::DIM)) {
+    for (int y = 0; y < dims.y(); y += static_cast<int>(Leaf::DIM)) {
+      for (int x = 0; x < dims.x(); x += static_cast<int>(Leaf::DIM)) {
+        const openvdb::Coord corner(x, y, z);
+        if (tree.probeConstLeaf(corner) == nullptr && inside({x, y, z})) tree.addTile(1, corner, -inner, false);
+      }
+    }
+  }
+  return grid;
 }
 
 }  // namespace reamsim

@@ -5,6 +5,9 @@
 
 #include <openvdb/openvdb.h>
 
+#include <functional>
+#include <vector>
+
 #include "sim/isolation/child_result.h"
 #include "sim/mesh/triangle_mesh.h"
 
@@ -45,5 +48,12 @@ openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::ma
                                       double outer_spacings, double inner_spacings, bool exact);
 /// The same in spacings, for a mesh in mm.
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling);
+
+/// Says of a sample whether it lies inside.
+using InsideTest = std::function<bool(const Vec3i&)>;
+/// The same for a surface that need not be closed: `inside` gives the sign of the samples from 0 to dims − 1, and
+/// those beyond are outside.
+openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling, const Vec3i& dims,
+                                      const InsideTest& inside);
 
 }  // namespace reamsim

@@ -1,0 +1,279 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/scan/dicom_header.h"
+
+#include <fmt/core.h>
+#include <gdcmReader.h>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "sim/base/error.h"
+#include "sim/scan/dicom_files.h"
+#include "sim/scan/dicom_syntax.h"
+#include "sim/scan/dicom_tags.h"
+#include "sim/scan/dicom_values.h"
+#include "sim/scan/scan_transfer.h"
+#include "sim/scan/segment.h"
+
+namespace reamsim::ct {
+
+namespace {
+
+constexpr const char* kCtStorage = "1.2.840.10008.5.1.4.1.1.2";
+
+constexpr DicomTag kSopClass{0x0008, 0x0016};
+constexpr DicomTag kSopInstance{0x0008, 0x0018};
+constexpr DicomTag kModality{0x0008, 0x0060};
+constexpr DicomTag kSeriesDescription{0x0008, 0x103e};
+constexpr DicomTag kSliceThickness{0x0018, 0x0050};
+constexpr DicomTag kKvp{0x0018, 0x0060};
+constexpr DicomTag kSliceSpacing{0x0018, 0x0088};
+constexpr DicomTag kKernel{0x0018, 0x1210};
+constexpr DicomTag kSeriesUid{0x0020, 0x000e};
+constexpr DicomTag kSeriesNumber{0x0020, 0x0011};
+constexpr DicomTag kInstanceNumber{0x0020, 0x0013};
+constexpr DicomTag kPosition{0x0020, 0x0032};
+constexpr DicomTag kOrientation{0x0020, 0x0037};
+constexpr DicomTag kImagesInAcquisition{0x0020, 0x1002};
+constexpr DicomTag kPhotometric{0x0028, 0x0004};
+constexpr DicomTag kFrames{0x0028, 0x0008};
+constexpr DicomTag kRows{0x0028, 0x0010};
+constexpr DicomTag kColumns{0x0028, 0x0011};
+constexpr DicomTag kPixelSpacing{0x0028, 0x0030};
+constexpr DicomTag kBitsAllocated{0x0028, 0x0100};
+constexpr DicomTag kPixelRepresentation{0x0028, 0x0103};
+constexpr DicomTag kIntercept{0x0028, 0x1052};
+constexpr DicomTag kSlope{0x0028, 0x1053};
+constexpr DicomTag kLossy{0x0028, 0x2110};
+constexpr DicomTag kLossyRatio{0x0028, 0x2112};
+constexpr DicomTag kLossyMethod{0x0028, 0x2114};
+constexpr DicomTag kSharedGroups{0x5200, 0x9229};
+constexpr DicomTag kFrameGroups{0x5200, 0x9230};
+
+/// Of the functional groups, the sequences that hold what a slice has at the top of its file.
+constexpr DicomTag kMacros[] = {
+    {0x0020, 0x9111},  // frame content
+    {0x0020, 0x9113},  // plane position
+    {0x0020, 0x9116},  // plane orientation
+    {0x0028, 0x9110},  // pixel measures
+    {0x0028, 0x9145},  // pixel value transformation
+    {0x0018, 0x9329},  // CT image frame type
+    {0x0018, 0x9314},  // CT reconstruction
+    {0x0018, 0x9325},  // CT X-ray details
+    {0x0018, 0x9118},  // cardiac synchronization
+    {0x0020, 0x9310},  // temporal position
+    {0x0018, 0x9226},  // MR image frame type
+    {0x0018, 0x9114},  // MR echo
+    {0x0062, 0x000a},  // segment identification
+    {0x0020, 0x9170},  // converted attributes, shared
+    {0x0020, 0x9171}   // converted attributes, of a frame
+};
+
+std::string lossy_words(const DicomValues& values, const std::string& syntax) {
+  const std::string flag = values.text(kLossy);
+  if (flag != "01" && !is_lossy_syntax(syntax) && !(may_be_lossy_syntax(syntax) && flag.empty())) return "";
+  std::string out = values.text(kLossyMethod);
+  if (out.empty()) out = name_of_syntax(syntax).empty() ? "method unknown" : name_of_syntax(syntax);
+  const std::string ratio = values.text(kLossyRatio);
+  return out + (ratio.empty() ? "" : ", ratio " + ratio);
+}
+
+/// What the slice, or one of the functional groups of a frame, says about its place and its values.
+void fill_place(const DicomValues& values, DicomHeader& header) {
+  const std::vector<double> spacing = values.numbers(kPixelSpacing);
+  if (spacing.size() >= 2) header.pixel_spacing_mm = Vec2(spacing[1], spacing[0]);
+  const std::vector<double> position = values.numbers(kPosition);
+  if (position.size() >= 3) {
+    header.position_mm = Vec3(position[0], position[1], position[2]);
+    header.position_text = values.text(kPosition);
+  }
+  const std::vector<double> axes = values.numbers(kOrientation);
+  if (axes.size() >= 6) {
+    SliceAxes out;
+    out.col(0) = Vec3(axes[0], axes[1], axes[2]).stableNormalized();
+    out.col(1) = Vec3(axes[3], axes[4], axes[5]).stableNormalized();
+    header.axes = out;
+  }
+  header.slice_spacing_mm =
+      std::abs(values.number(kSliceSpacing, values.number(kSliceThickness, header.slice_spacing_mm)));
+  header.kvp = values.number(kKvp, header.kvp);
+  const std::vector<double> intercept = values.numbers(kIntercept);
+  const std::vector<double> slope = values.numbers(kSlope);
+  header.rescales = header.rescales || !intercept.empty() || !slope.empty();
+  if (!intercept.empty()) header.intercept = intercept[0];
+  if (!slope.empty()) header.slope = slope[0];
+  add_tags(values, header.tags);
+}
+
+/// The type of the values after their rescale.
+std::string pixel_type_of(const DicomValues& values, const DicomHeader& header) {
+  const auto is_whole = [](double x) { return x == std::floor(x); };
+  if (!is_whole(header.slope) || !is_whole(header.intercept)) return "float";
+  const bool is_signed = values.short_integer(kPixelRepresentation) == 1 || header.intercept < 0 || header.slope < 0;
+  return (is_signed ? "int" : "uint") + std::to_string(values.short_integer(kBitsAllocated));
+}
+
+DicomHeader header_of_file(const DicomValues& values, const std::string& path, const std::string& syntax) {
+  DicomHeader header;
+  header.path = path;
+  header.rows = values.short_integer(kRows);
+  header.columns = values.short_integer(kColumns);
+  header.series_uid = values.text(kSeriesUid);
+  header.instance_uid = values.text(kSopInstance);
+  header.sop_class = values.text(kSopClass);
+  header.description = values.text(kSeriesDescription);
+  header.kernel = values.text(kKernel);
+  header.modality = values.text(kModality);
+  if (header.modality.empty() && header.sop_class == kCtStorage) header.modality = "CT";
+  header.photometric = values.text(kPhotometric);
+  header.series_number = values.integer(kSeriesNumber, 0);
+  header.frames = values.integer(kFrames, 1);
+  header.images_in_acquisition = values.integer(kImagesInAcquisition, 0);
+  if (const std::vector<double> number = values.numbers(kInstanceNumber); !number.empty()) {
+    header.instance_number = values.integer(kInstanceNumber, 0);
+  }
+  header.lossy = lossy_words(values, syntax);
+  fill_place(values, header);
+  header.pixel_type = pixel_type_of(values, header);
+  return header;
+}
+
+void fill_from_groups(const DicomValues& groups, DicomHeader& header) {
+  for (const DicomTag& macro : kMacros) {
+    const std::vector<DicomValues> items = groups.items(macro);
+    if (!items.empty()) fill_place(items.front(), header);
+  }
+}
+
+/// The frames of a file with functional groups; the file as a whole without them.
+std::vector<DicomHeader> frames_of(const DicomValues& values, const DicomHeader& file) {
+  const std::vector<DicomValues> frames = values.items(kFrameGroups);
+  if (file.position_mm || frames.empty() || frames.size() != static_cast<std::size_t>(std::max(file.frames, 1))) {
+    return {file};
+  }
+  DicomHeader shared = file;
+  const std::vector<DicomValues> of_all = values.items(kSharedGroups);
+  if (!of_all.empty()) fill_from_groups(of_all.front(), shared);
+  shared.instance_number.reset();  // the file's
+  std::vector<DicomHeader> out;
+  for (const DicomValues& groups : frames) {
+    DicomHeader frame = shared;
+    frame.frame = static_cast<int>(out.size());
+    fill_from_groups(groups, frame);
+    const auto kernel = frame.tags.find("ConvolutionKernel");
+    if (kernel != frame.tags.end()) frame.kernel = kernel->second;
+    frame.instance_uid += "#" + std::to_string(frame.frame + 1);
+    frame.pixel_type = pixel_type_of(values, frame);
+    out.push_back(std::move(frame));
+  }
+  return out;
+}
+
+}  // namespace
+
+DicomFile read_dicom_header(const std::string& path) {
+  const QuietLibraries quiet;
+  const std::string syntax = syntax_in_file(path);
+  if (!is_supported_syntax(syntax)) {
+    const std::string name = name_of_syntax(syntax);
+    return {DicomKind::unsupported, name.empty() ? syntax : name + " (" + syntax + ")", {}};
+  }
+  if (!looks_like_dicom(path)) return {};
+  gdcm::Reader reader;
+  try {
+    reader.SetFileName(path.c_str());
+    if (!reader.ReadUpToTag(gdcm::Tag(0x6000, 0x0000))) return {DicomKind::damaged, "", {}};  // overlays, then pixels
+    const DicomValues values(reader.GetFile().GetDataSet());
+    const DicomHeader header = header_of_file(values, path, syntax);
+    if (header.rows == 0 || header.columns == 0) {
+      // A report has no pixels; a slice of a CT always does.
+      return {header.sop_class == kCtStorage ? DicomKind::damaged : DicomKind::no_image, header.modality, {}};
+    }
+    return {DicomKind::image, "", frames_of(values, header)};
+  } catch (const std::exception&) {
+    return {DicomKind::damaged, "", {}};
+  }
+}
+
+namespace {
+
+template <class Header, class Texts, class Numbers, class Reals>
+void for_each_member(Header& header, const Texts& text, const Numbers& number, const Reals& real) {
+  for (auto* value :
+       {&header.path, &header.series_uid, &header.instance_uid, &header.sop_class, &header.description, &header.kernel,
+        &header.modality, &header.photometric, &header.pixel_type, &header.position_text, &header.lossy}) {
+    text(*value);
+  }
+  for (auto* value : {&header.series_number, &header.frames, &header.frame, &header.columns, &header.rows,
+                      &header.images_in_acquisition}) {
+    number(*value);
+  }
+  for (auto* value : {&header.slope, &header.intercept, &header.kvp, &header.slice_spacing_mm}) real(*value);
+}
+
+template <class Matrix>
+void put_optional(ResultWriter& out, const std::optional<Matrix>& matrix) {
+  out.put(matrix.has_value());
+  if (!matrix) return;
+  for (const double value : matrix->reshaped()) out.put(value);
+}
+
+template <class Matrix>
+std::optional<Matrix> take_optional(ResultReader& in) {
+  if (in.get<unsigned char>() == 0) return std::nullopt;
+  Matrix out;
+  for (double& value : out.reshaped()) value = in.get<double>();
+  if (!out.allFinite()) in.fail();
+  return out;
+}
+
+void put_dicom_header(ResultWriter& out, const DicomHeader& header) {
+  const auto put = [&out](const auto& value) { out.put(value); };
+  for_each_member(header, put, put, put);
+  out.put(header.rescales);
+  out.put(header.instance_number.has_value());
+  out.put(header.instance_number.value_or(0));
+  put_optional(out, header.pixel_spacing_mm);
+  put_optional(out, header.position_mm);
+  put_optional(out, header.axes);
+  put_texts(out, header.tags);
+}
+
+DicomHeader take_dicom_header(ResultReader& in) {
+  DicomHeader header;
+  for_each_member(
+      header, [&in](std::string& text) { text = in.text(); }, [&in](int& number) { number = in.get<int>(); },
+      [&in](double& real) { real = in.get<double>(); });
+  header.rescales = in.get<unsigned char>() != 0;
+  const bool numbered = in.get<unsigned char>() != 0;
+  const int number = in.get<int>();
+  if (numbered) header.instance_number = number;
+  header.pixel_spacing_mm = take_optional<Vec2>(in);
+  header.position_mm = take_optional<Vec3>(in);
+  header.axes = take_optional<SliceAxes>(in);
+  header.tags = take_texts(in);
+  return header;
+}
+
+}  // namespace
+
+void put_dicom_file(ResultWriter& out, const DicomFile& file) {
+  out.put(file.kind);
+  out.put(file.note);
+  out.put(std::uint64_t{file.images.size()});
+  for (const DicomHeader& image : file.images) put_dicom_header(out, image);
+}
+
+DicomFile take_dicom_file(ResultReader& in) {
+  DicomFile out;
+  out.kind = in.get<DicomKind>();
+  if (out.kind < DicomKind::other || out.kind > DicomKind::image) in.fail();
+  out.note = in.text();
+  for (auto left = in.get<std::uint64_t>(); left > 0; --left) out.images.push_back(take_dicom_header(in));
+  if ((out.kind == DicomKind::image) == out.images.empty()) in.fail();
+  return out;
+}
+
+}  // namespace reamsim::ct

@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/scan/label_check.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "sim/scan/morphology.h"
+
+namespace reamsim::ct {
+
+namespace {
+
+/// Radius of the closing, in which bone without a label counts as part of the label. Wider notches, such as that
+/// between acromion and glenoid, may lie between bones.
+constexpr double kClosing_mm = 5;
+/// Smaller parts are the partial volume at the surface, or noise.
+constexpr double kWorthWarning_mm3 = 20;
+/// A piece that is smaller than this part of the label is a speck.
+constexpr double kSpeck = 0.002;
+
+/// The part of an image around a mask.
+struct Surroundings {
+  Lattice lattice;
+  Vec3i start = Vec3i::Zero();
+};
+
+/// The box of the mask with a margin in which a closing acts.
+Surroundings around(const Mask& mask, const Lattice& lattice) {
+  Vec3i first = lattice.dims, last = Vec3i::Constant(-1);
+  lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+    if (!mask[at]) return;
+    first = first.cwiseMin(voxel);
+    last = last.cwiseMax(voxel);
+  });
+  const Vec3i margin = (kClosing_mm * lattice.spacing_mm.cwiseInverse()).array().ceil().cast<int>() + 2;
+  first = (first - margin).cwiseMax(0);
+  last = (last + margin).cwiseMin(lattice.dims - Vec3i::Ones());
+  return {
+      {.dims = last - first + Vec3i::Ones(), .spacing_mm = lattice.spacing_mm, .origin_mm = lattice.center_mm(first)},
+      first};
+}
+
+Mask part_of_mask(const Mask& mask, const Lattice& lattice, const Surroundings& part) {
+  Mask out(static_cast<std::size_t>(part.lattice.size()));
+  part.lattice.for_each([&](const Vec3i& voxel, std::size_t at) { out[at] = mask[lattice.index(voxel + part.start)]; });
+  return out;
+}
+
+/// Bone without a label in the closing of the label: the parts of it in which a box of three voxels fits, because
+/// single layers are the partial volume at the surface.
+class MissingBone {
+ public:
+  MissingBone(const LabelImages& labels, const AlignedImage& hu, const LabelMapSettings& map)
+      : label_(positive_voxels(labels.selected)), part_(around(label_, hu.lattice)) {
+    Mask closed = part_of_mask(label_, hu.lattice, part_);
+    holes_ = closed;
+    fill_holes(holes_, part_.lattice);
+    close_mask(closed, part_.lattice, kClosing_mm);
+    missing_.assign(closed.size(), 0);
+    part_.lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+      const std::size_t in_image = hu.lattice.index(voxel + part_.start);
+      const bool labelled = label_[in_image] || labels.other.value[in_image] > 0;
+      const bool dense = static_cast<double>(hu.value[in_image]) >= map.refine_hu;
+      missing_[at] = !labelled && dense && (closed[at] || holes_[at]);
+    });
+    keep_thick_parts();
+  }
+
+  /// Volume and place of the parts that are worth a warning.
+  [[nodiscard]] std::string text() const {
+    double all = 0;
+    std::string places;
+    for (const Piece& piece : pieces_.list) {
+      const double mm3 = static_cast<double>(piece.voxels) * part_.lattice.voxel_mm3();
+      if (mm3 < kWorthWarning_mm3) break;  // they are ordered by size
+      all += mm3;
+      constexpr std::size_t kMostText = 120;
+      if (places.size() > kMostText) continue;
+      const Vec3 middle = 0.5 * (part_.lattice.center_mm(piece.min) + part_.lattice.center_mm(piece.max));
+      places += (places.empty() ? "" : ", ") + fmt::format("{:.0f} mm3 at {}", mm3, point_text(middle));
+    }
+    return all == 0 ? "" : fmt::format("{:.0f} mm3 of bone ({}, LPS)", all, places);
+  }
+
+  /// Adds them to the label, and the cavities that it encloses. Returns the volume, mm³.
+  double fill(LabelImages& labels, const AlignedImage& hu) const {
+    std::int64_t added = 0;
+    part_.lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+      const std::size_t in_image = hu.lattice.index(voxel + part_.start);
+      const bool enclosed = holes_[at] && labels.other.value[in_image] == 0;
+      if (label_[in_image] || !(enclosed || is_worth(at))) return;
+      labels.selected.value[in_image] = 1;
+      ++added;
+    });
+    return static_cast<double>(added) * part_.lattice.voxel_mm3();
+  }
+
+ private:
+  [[nodiscard]] bool is_worth(std::size_t at) const {
+    const std::uint32_t piece = pieces_.label[at];
+    return piece != 0 &&
+           static_cast<double>(pieces_.list[piece - 1].voxels) * part_.lattice.voxel_mm3() >= kWorthWarning_mm3;
+  }
+
+  void keep_thick_parts() {
+    const Vec3i one = Vec3i::Ones();
+    const Mask thick = dilated(eroded(missing_, part_.lattice, one), part_.lattice, 2 * one);
+    for (std::size_t at = 0; at < missing_.size(); ++at) missing_[at] = missing_[at] && thick[at];
+    pieces_ = connected_pieces(missing_, part_.lattice);
+  }
+
+  Mask label_;
+  Surroundings part_;
+  Mask holes_;    ///< the label with its cavities
+  Mask missing_;  ///< bone without a label
+  Pieces pieces_;
+};
+
+/// Warns of a label that ends at the edge of the scan; the edges of a crop are the user's.
+void warn_of_edge(const Mask& label, const Lattice& lattice, const CtSettings& settings, Diagnostics& report) {
+  double area_mm2 = 0;
+  lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+    if (!label[at]) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool first = voxel[axis] == 0 && !settings.crop_min_mm;
+      const bool last = voxel[axis] == lattice.dims[axis] - 1 && !settings.crop_max_mm;
+      if (first || last) area_mm2 += lattice.voxel_mm3() / lattice.spacing_mm[axis];
+    }
+  });
+  constexpr double kLeast_mm2 = 5;
+  if (area_mm2 < kLeast_mm2) return;
+  report.warn(
+      settings.label_map->path +
+      fmt::format(": the label ends at the edge of the scan, over {:.0f} mm2: the bone is cut off there", area_mm2));
+}
+
+void warn_of_pieces(const Mask& label, const Lattice& lattice, const std::string& path, Diagnostics& report) {
+  const Pieces pieces = connected_pieces(label, lattice);
+  if (pieces.list.size() < 2) return;
+  double others = 0;
+  for (std::size_t n = 1; n < pieces.list.size(); ++n) others += static_cast<double>(pieces.list[n].voxels);
+  const double largest = static_cast<double>(pieces.list[0].voxels);
+  const Vec3 middle = 0.5 * (lattice.center_mm(pieces.list[1].min) + lattice.center_mm(pieces.list[1].max));
+  const std::string text =
+      path + fmt::format(": the label has {} pieces: {:.0f} mm3, and {:.0f} mm3 beside it, the next at {}",
+                         pieces.list.size(), largest * lattice.voxel_mm3(), others * lattice.voxel_mm3(),
+                         point_text(middle));
+  others > kSpeck* largest ? report.warn(text + " (LPS); all are bone") : report.note(text);
+}
+
+}  // namespace
+
+void check_label(LabelImages& labels, const AlignedImage& hu, const CtSettings& settings, Diagnostics& report) {
+  const LabelMapSettings& map = *settings.label_map;
+  const Mask label = positive_voxels(labels.selected);
+  warn_of_edge(label, hu.lattice, settings, report);
+  warn_of_pieces(label, hu.lattice, map.path, report);
+  const MissingBone missing(labels, hu, map);
+  if (map.fill) {
+    const double added = missing.fill(labels, hu);
+    report.note(fmt::format("label_map.fill: {:.0f} mm3 added", added));
+    return;
+  }
+  const std::string text = missing.text();
+  if (text.empty()) return;
+  report.warn(
+      map.path + ": " + text +
+      fmt::format(" at or above {:.0f} HU, which the label surrounds, have no label. Correct the segmentation, or "
+                  "set bone.ct.label_map.fill: true",
+                  map.refine_hu));
+}
+
+}  // namespace reamsim::ct

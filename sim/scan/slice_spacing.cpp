@@ -1,0 +1,266 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/scan/slice_spacing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "sim/base/text.h"
+
+namespace reamsim::ct {
+
+namespace {
+
+/// Deviation from the typical slice spacing, as a fraction of it, from which a slice counts as missing.
+constexpr double kSpacingTolerance = 0.05;
+/// A line through the ends is exact if no position deviates more, as a fraction of the step.
+constexpr double kExact = 1e-3;
+
+/// What a written number says about its rounding.
+struct Digits {
+  int decimals = 0;
+  int significant = 0;
+  double value = 0;
+};
+
+Digits digits_of(const std::string& text) {
+  Digits out;
+  out.value = std::strtod(text.c_str(), nullptr);
+  const std::size_t end = std::min(text.find_first_of("eE"), text.size());
+  const std::size_t point = std::min(text.find('.'), end);
+  const auto count = [&](std::size_t from, std::size_t to) {
+    return static_cast<int>(std::count_if(text.begin() + static_cast<std::ptrdiff_t>(from),
+                                          text.begin() + static_cast<std::ptrdiff_t>(to),
+                                          [](char c) { return c >= '0' && c <= '9'; }));
+  };
+  out.decimals = count(point, end);
+  if (end < text.size()) out.decimals -= std::atoi(text.c_str() + end + 1);
+  const std::size_t first = std::min(text.find_first_of("123456789"), end);
+  out.significant = count(first, end);
+  return out;
+}
+
+std::vector<double> gaps_of(const std::vector<SlicePlace>& places) {
+  std::vector<double> out;
+  for (std::size_t k = 1; k < places.size(); ++k) out.push_back(places[k].height_mm - places[k - 1].height_mm);
+  return out;
+}
+
+bool same_gap(double a, double b) {
+  return std::abs(a - b) <= kSpacingTolerance * std::min(std::abs(a), std::abs(b));
+}
+
+/// How far the positions leave room for lines with this spacing; negative: no such line lies within all half units.
+double slack_of(const std::vector<SlicePlace>& places, double spacing_mm) {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const double start = places[k].height_mm - spacing_mm * static_cast<double>(k);
+    low = std::max(low, start - places[k].half_unit_mm);
+    high = std::min(high, start + places[k].half_unit_mm);
+  }
+  return high - low;
+}
+
+/// The spacing of the line that explains all positions by their rounding; none if there is no such line.
+std::optional<double> spacing_within_rounding(const std::vector<SlicePlace>& places) {
+  const double n = static_cast<double>(places.size() - 1);
+  const double mean = (places.back().height_mm - places.front().height_mm) / n;
+  const double reach = (places.front().half_unit_mm + places.back().half_unit_mm) / n;
+  double low = mean - reach, high = mean + reach;
+  for (int step = 0; step < 100; ++step) {  // the slack is a concave function of the spacing
+    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+    (slack_of(places, a) < slack_of(places, b) ? low : high) = slack_of(places, a) < slack_of(places, b) ? a : b;
+  }
+  const double best = 0.5 * (low + high);
+  constexpr double kRoundingError = 1e-6;
+  if (slack_of(places, best) < -kRoundingError) return std::nullopt;
+  return best;
+}
+
+/// The steps of the instance numbers across each gap, positive; empty unless all are known and run in one direction.
+std::vector<int> instance_steps(const std::vector<SlicePlace>& places) {
+  std::vector<int> out;
+  for (std::size_t k = 1; k < places.size(); ++k) {
+    if (!places[k].instance_number || !places[k - 1].instance_number) return {};
+    out.push_back(*places[k].instance_number - *places[k - 1].instance_number);
+  }
+  if (std::ranges::all_of(out, [](int step) { return step < 0; })) {
+    for (int& step : out) step = -step;
+  }
+  return std::ranges::all_of(out, [](int step) { return step > 0; }) ? out : std::vector<int>();
+}
+
+/// Whether a gap that holds several spacings is due to rounding: the header's spacing says so, or, where that fits
+/// neither explanation, instance numbers without a jump.
+bool rounding_explains(const std::vector<SlicePlace>& places, double header_mm) {
+  const std::vector<double> gaps = gaps_of(places);
+  const double typical = typical_spacing(places);
+  const std::optional<double> even = spacing_within_rounding(places);
+  if (!even) return false;
+  const auto is_wide = [&](double gap) { return std::lround(gap / typical) >= 2; };
+  if (std::ranges::none_of(gaps, is_wide)) return true;
+  const std::vector<int> steps = instance_steps(places);
+  const auto jumps = [](int step) { return step != 1; };
+  if (std::ranges::any_of(steps, jumps)) return false;
+  constexpr double kAgrees = 0.01;
+  if (header_mm > 0 && std::abs(header_mm - typical) <= kAgrees * typical) return false;
+  if (header_mm > 0 && std::abs(header_mm - *even) <= kAgrees * *even) return true;
+  return !steps.empty();
+}
+
+/// The number of the last gap of the run of equal gaps that begins at `first`.
+std::size_t end_of_run(const std::vector<double>& gaps, std::size_t first) {
+  std::size_t last = first;
+  while (last + 1 < gaps.size() && same_gap(gaps[last + 1], gaps[first])) ++last;
+  return last;
+}
+
+SpacingFault fault_at(const std::vector<SlicePlace>& places, const std::vector<double>& gaps, double typical,
+                      std::size_t gap) {
+  const std::size_t last = end_of_run(gaps, gap);
+  const std::size_t length = last - gap + 1;
+  const long multiple = std::lround(gaps[gap] / typical);
+  const double reach =
+      kSpacingTolerance * typical + 2 * std::max(places[gap].half_unit_mm, places[gap + 1].half_unit_mm);
+  const bool is_multiple = multiple >= 2 && std::abs(gaps[gap] - static_cast<double>(multiple) * typical) <= reach;
+  const std::vector<int> steps = instance_steps(places);
+  const bool numbers_jump = !steps.empty() && steps[gap] == multiple;
+  // Two wide gaps between slices without numbers are rather two missing slices than two changes.
+  constexpr std::size_t kMostMissing = 2;
+  const bool is_inside = gap > 0 && last + 1 < gaps.size();
+  const bool is_missing = length == 1 || numbers_jump || (steps.empty() && is_inside);
+  if (is_multiple && length <= kMostMissing && is_missing) {
+    return {SpacingFault::Kind::missing, gap + 1, typical, gaps[gap], multiple - 1};
+  }
+  const long also_numbers = is_multiple && numbers_jump ? multiple - 1 : 0;
+  if (length == 1 && gap > 0 && gap + 1 < gaps.size())
+    return {SpacingFault::Kind::irregular, gap + 1, typical, gaps[gap], 0};
+  if (gap > 0) return {SpacingFault::Kind::change, gap + 1, gaps[gap - 1], gaps[gap], also_numbers};
+  if (last + 1 < gaps.size()) return {SpacingFault::Kind::change, last + 2, gaps[gap], gaps[last + 1], 0};
+  return {SpacingFault::Kind::irregular, gap + 1, typical, gaps[gap], 0};
+}
+
+}  // namespace
+
+std::vector<Vec3> half_units(const std::vector<std::string>& positions) {
+  constexpr int kMostExactDigits = 9;
+  std::vector<std::array<Digits, 3>> digits;
+  int decimals[3] = {-kMostExactDigits, -kMostExactDigits, -kMostExactDigits};
+  int significant[3] = {1, 1, 1};
+  for (const std::string& position : positions) {
+    const std::vector<std::string> parts = split(position, '\\');
+    std::array<Digits, 3> of{};
+    for (std::size_t axis = 0; axis < std::min<std::size_t>(parts.size(), 3); ++axis) {
+      of[axis] = digits_of(parts[axis]);
+      decimals[axis] = std::max(decimals[axis], of[axis].decimals);
+      significant[axis] = std::max(significant[axis], of[axis].significant);
+    }
+    digits.push_back(of);
+  }
+  std::vector<Vec3> out;
+  for (const auto& of : digits) {
+    Vec3 half;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double by_decimals = std::pow(10.0, -decimals[axis]);
+      const double size = std::abs(of[axis].value);
+      // An exporter of four significant digits writes -99.38 and -100.6.
+      const double by_digits = size > 0 ? std::pow(10.0, std::floor(std::log10(size)) + 1 - significant[axis]) : 0;
+      half[static_cast<Eigen::Index>(axis)] = 0.5 * std::max(by_decimals, by_digits);
+    }
+    out.push_back(half);
+  }
+  return out;
+}
+
+double typical_spacing(const std::vector<SlicePlace>& places) {
+  std::vector<double> gap = gaps_of(places);
+  std::ranges::sort(gap);
+  const auto first = std::ranges::lower_bound(gap, kSamePlace * gap.back());
+  return *(first + (gap.end() - first) / 2);
+}
+
+std::optional<SpacingFault> spacing_fault(const std::vector<SlicePlace>& places, double header_mm) {
+  const std::vector<double> gaps = gaps_of(places);
+  const double typical = typical_spacing(places);
+  const auto is_odd = [&](double gap) { return std::abs(gap - typical) > kSpacingTolerance * typical; };
+  if (std::ranges::none_of(gaps, is_odd) || rounding_explains(places, header_mm)) return std::nullopt;
+  // Rounded gaps differ from one another; only what rounding cannot explain is a fault.
+  for (std::size_t gap = 0; gap < gaps.size(); ++gap) {
+    const double rounding = places[gap].half_unit_mm + places[gap + 1].half_unit_mm;
+    const bool is_rounded = std::lround(gaps[gap] / typical) == 1 && rounding < 0.5 * typical &&
+                            std::abs(gaps[gap] - typical) <= kSpacingTolerance * typical + 2 * rounding;
+    if (is_odd(gaps[gap]) && !is_rounded) return fault_at(places, gaps, typical, gap);
+  }
+  const auto first = std::ranges::find_if(gaps, is_odd);
+  return fault_at(places, gaps, typical, static_cast<std::size_t>(first - gaps.begin()));
+}
+
+SliceLine line_through(const std::vector<Vec3>& positions, const std::vector<double>& at) {
+  SliceLine ends;
+  ends.step_mm = (positions.back() - positions.front()) / (at.back() - at.front());
+  ends.point_mm = positions.front() - at.front() * ends.step_mm;
+  double worst = 0;
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    worst = std::max(worst, (positions[k] - ends.point_mm - at[k] * ends.step_mm).norm());
+  }
+  const double spacing = (positions.back() - positions.front()).norm() / static_cast<double>(positions.size() - 1);
+  if (worst <= kExact * spacing) return ends;
+  const double n = static_cast<double>(at.size());
+  double mean_at = 0;
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    mean_at += at[k] / n;
+    mean += positions[k] / n;
+  }
+  double square = 0;
+  Vec3 product = Vec3::Zero();
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    square += (at[k] - mean_at) * (at[k] - mean_at);
+    product += (at[k] - mean_at) * (positions[k] - mean);
+  }
+  SliceLine out;
+  out.step_mm = product / square;
+  out.point_mm = mean - mean_at * out.step_mm;
+  return out;
+}
+
+SliceLine with_spacing(SliceLine line, double spacing_mm, std::size_t slices) {
+  const double middle = 0.5 * static_cast<double>(slices - 1);
+  const Vec3 step = line.step_mm.normalized() * spacing_mm;
+  line.point_mm += middle * (line.step_mm - step);
+  line.step_mm = step;
+  return line;
+}
+
+bool explains(const std::vector<SlicePlace>& places, double spacing_mm) {
+  constexpr double kRoundingError = 1e-6;
+  return slack_of(places, spacing_mm) >= -kRoundingError;
+}
+
+std::vector<SliceBlend> blends_of(const std::vector<SlicePlace>& places) {
+  std::vector<double> gaps = gaps_of(places);
+  const double extent = places.back().height_mm - places.front().height_mm;
+  std::ranges::sort(gaps);
+  double finest = gaps.back();
+  for (std::size_t n = gaps.size(); n-- > 1;) {
+    if (same_gap(gaps[n - 1], gaps[n])) finest = gaps[n];
+  }
+  constexpr double kRoundingError = 1e-3;
+  const double count = std::max(1.0, std::ceil(extent / finest - kRoundingError));
+  std::vector<SliceBlend> out;
+  std::size_t below = 0;
+  for (double k = 0; k <= count; ++k) {
+    const double height = places.front().height_mm + extent * k / count;
+    while (below + 2 < places.size() && places[below + 1].height_mm <= height) ++below;
+    const double gap = places[below + 1].height_mm - places[below].height_mm;
+    out.push_back({below, std::clamp((height - places[below].height_mm) / gap, 0.0, 1.0)});
+  }
+  return out;
+}
+
+}  // namespace reamsim::ct
