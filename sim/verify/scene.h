@@ -12,8 +12,8 @@
 
 #include "sim/bone/phantom.h"
 #include "sim/engine/make_engine.h"
-#include "sim/run/simulation.h"
 #include "sim/run/balance.h"
+#include "sim/run/simulation.h"
 #include "sim/verify/closed_forms.h"
 
 namespace reamsim::verify {
