@@ -7,13 +7,18 @@
 #include <optional>
 #include <string>
 
+/// @cond
+NLOHMANN_JSON_NAMESPACE_BEGIN
+/// null for no value.
 template <class Value>
-struct nlohmann::adl_serializer<std::optional<Value>> {
+struct adl_serializer<std::optional<Value>> {
   template <class Json>
-  static void to_json(Json& json, const std::optional<Value>& value) {
-    json = value ? Json(*value) : Json();
+  static void to_json(Json& out, const std::optional<Value>& value) {
+    out = value ? Json(*value) : Json();
   }
 };
+NLOHMANN_JSON_NAMESPACE_END
+/// @endcond
 
 namespace reamsim {
 
