@@ -84,7 +84,8 @@ ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& setting
 }
 
 /// Warns of values that cannot be HU: scans have air, fat or water below 0 HU. Proposes the offset that makes the
-/// lowest peak of the histogram air; not where no bone would be left, as in an image that is masked with 0.
+/// lowest peak of the histogram air, unless no bone would be left then. Of these, images that are masked with 0 are not
+/// warned of; others may be crops without air of a scan with an offset.
 void warn_of_offset(const std::vector<float>& values, const std::string& path, Diagnostics& report) {
   constexpr double kBin = 8, kAir_hu = -1000, kBone_hu = 200, kPeakFraction = 0.005, kLeastHu = -100;
   const auto [low, high] = std::ranges::minmax(values);
@@ -101,12 +102,16 @@ void warn_of_offset(const std::vector<float>& values, const std::string& path, D
     peak = kBin * static_cast<double>(at->first);
     break;
   }
-  if (double{high} + kAir_hu - peak < kBone_hu) return;
+  const bool leaves_bone = double{high} + kAir_hu - peak >= kBone_hu;
+  if (!leaves_bone && peak == 0) return;
+  const std::string advice =
+      leaves_bone
+          ? fmt::format("If that is air, the values are offset: set bone.ct.hu.intercept to {:.0f}", kAir_hu - peak)
+          : "If the values are offset, set bone.ct.hu.intercept";
   report.warn(
       fmt::format("{}: the least value is {:.0f}, and the lowest common one {:.0f}; HU of a scan are below 0 in air "
-                  "and fat. If that is air, the values are offset: set bone.ct.hu.intercept to {:.0f}. As they "
-                  "are, threshold and density may be wrong",
-                  path, least, peak, kAir_hu - peak));
+                  "and fat. {}. As they are, threshold and density may be wrong",
+                  path, least, peak, advice));
 }
 
 /// The voxels in the crop, on LPS axes. Beyond an oblique image they get its least value.

@@ -140,6 +140,13 @@ TEST_F(Formats, ValuesWithAnOffsetAreWarnedOfAndReadByAKey) {
   voxmap_from_ct(settings, report);
   ASSERT_FALSE(report.warnings.empty());
   EXPECT_THAT(report.warnings.front(), HasSubstr("set bone.ct.hu.intercept to -1024"));
+  // Without air there is no offset to propose.
+  BoneSettings inside = settings;
+  inside.ct.crop_min_mm = Vec3(-23, 32, 107);
+  inside.ct.crop_max_mm = Vec3(-17, 38, 113);
+  report = {};
+  voxmap_from_ct(inside, report);
+  EXPECT_THAT(report.warnings, ::testing::Contains(HasSubstr("If the values are offset, set bone.ct.hu.intercept")));
   settings.ct.hu = {.slope = 1, .intercept = -1024};
   report = {};
   expect_same(voxmap_from_ct(settings, report), import(folder_.file("hu.nrrd")), "by the key");
