@@ -277,14 +277,15 @@ EngineTuning tuning_of_environment() {
 
 }  // namespace
 
+void add_overrides(CLI::App& command, std::vector<std::string>& overrides, const std::string& what) {
+  command.add_option("--set", overrides, what + "; repeatable")->type_name("KEY.PATH=VALUE")->expected(1)->take_all();
+}
+
 void ScenarioOptions::add_to(CLI::App& command) {
   take_shipped_names(
       *command.add_option("SCENARIO", file, "Scenario file (YAML), or the name of a shipped one")->required(),
       ShippedKind::scenario);
-  command.add_option("--set", overrides, "Override a key of the scenario, for example bone.voxel_mm=0.4; repeatable")
-      ->type_name("KEY.PATH=VALUE")
-      ->expected(1)
-      ->take_all();
+  add_overrides(command, overrides, "Override a key of the scenario, for example bone.voxel_mm=0.4");
   command.add_option("--device", device, "auto, serial, or part of the name of an OpenCL device")->type_name("NAME");
   command.add_option("--engine", engine, "Engine (default: that of the scenario)")
       ->type_name("auto|exact|bricked|direct|octree|implicit");

@@ -60,6 +60,9 @@ std::string lower_extension(const std::string& path);
 /// nothing. Meshes in formats that are not read count as meshes, which gives a helpful error message.
 BoneSource source_of_file(const std::string& path);
 
+/// Adds `--set KEY.PATH=VALUE`, repeatable. `what`: what it does, with an example.
+void add_overrides(CLI::App& command, std::vector<std::string>& overrides, const std::string& what);
+
 /// Lets an option of the command line take names as shipped_or_path().
 void take_shipped_names(CLI::Option& option, ShippedKind kind);
 

@@ -209,12 +209,8 @@ void add_import_command(CLI::App& app, Console& console) {
       ->type_name("FILE.vdb")
       ->required()
       ->check(refuse_empty);
-  command
-      ->add_option("--set", options->overrides,
-                   "Override a key of the bone section, for example bone.ct.threshold_hu=250; repeatable")
-      ->type_name("KEY.PATH=VALUE")
-      ->expected(1)
-      ->take_all();
+  add_overrides(*command, options->overrides,
+                "Override a key of the bone section, for example bone.ct.threshold_hu=250");
   command->add_flag("--overwrite", options->overwrite, "Replace the output file");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { import_command(*options, console); });

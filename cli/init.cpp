@@ -366,12 +366,7 @@ void add_init_command(CLI::App& app, Console& console) {
       ->check(CLI::Range(1e-6, 1e6));
   command->add_option("--threshold-hu", options->threshold_hu, "CT only: bone threshold, HU (default: 200)");
   command->add_option("--voxel-mm", options->voxel_mm, "Edge length of a voxel")->check(CLI::Range(0.01, 5.0));
-  command
-      ->add_option("--set", options->overrides,
-                   "Set a key of the scenario, for example bone.mesh.repair=true; repeatable")
-      ->type_name("KEY.PATH=VALUE")
-      ->expected(1)
-      ->take_all();
+  add_overrides(*command, options->overrides, "Set a key of the scenario, for example bone.mesh.repair=true");
   command->add_flag("--overwrite", options->overwrite, "Replace a scenario that init wrote");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { init_command(*options, console); });

@@ -155,12 +155,7 @@ void add_preview_command(CLI::App& app, Console& console) {
   command->add_option("--tool", options->tool, "Reamer of a bone without a scenario (default: the convex one)")
       ->type_name("MESH");
   command->add_option("--scale", options->scale, "Mesh without a scenario: file units to mm (default: by its length)");
-  command
-      ->add_option("--set", options->overrides,
-                   "Set a key of the scenario, for example bone.mesh.repair=true; repeatable")
-      ->type_name("KEY.PATH=VALUE")
-      ->expected(1)
-      ->take_all();
+  add_overrides(*command, options->overrides, "Set a key of the scenario, for example bone.mesh.repair=true");
   command->add_flag("--overwrite", options->overwrite, "Replace the output file");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { preview_command(*options, console); });

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/environment.h"
 #include "sim/base/error.h"
@@ -92,12 +93,7 @@ void add_reforce_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("reforce", "Compute the forces of a finished run for other constants");
   auto options = std::make_shared<ReforceOptions>();
   command->add_option("DIR", options->dir, "Results folder of a run with output.force_basis: true")->required();
-  command
-      ->add_option("--set", options->overrides,
-                   "Override a constant, for example cutting.specific_energy_j_mm3=0.2; repeatable")
-      ->type_name("KEY.PATH=VALUE")
-      ->expected(1)
-      ->take_all();
+  add_overrides(*command, options->overrides, "Override a constant, for example cutting.specific_energy_j_mm3=0.2");
   add_output(*command, options->output, "Folder for forces.csv, summary.json and scenario.yaml");
   command->add_flag("--overwrite", options->overwrite,
                     "Replace the forces of DIR, or with -o an existing results folder");

@@ -23,10 +23,7 @@ void SweepOptions::add_to(CLI::App& command) {
   take_shipped_names(*command.add_option("STUDY", file, "Study file (YAML), or the name of a shipped one")->required(),
                      ShippedKind::study);
   add_output(command, output, "Folder of the study (default: out/NAME)");
-  command.add_option("--set", overrides, "Override a key of every run, for example engine.device=serial; repeatable")
-      ->type_name("KEY.PATH=VALUE")
-      ->expected(1)
-      ->take_all();
+  add_overrides(command, overrides, "Override a key of every run, for example engine.device=serial");
 }
 
 std::string SweepOptions::dir(const Study& study) const {
