@@ -4,12 +4,14 @@
 """mutation_campaign.py BUILD [--seed N] [--mutants N] [--quick]: do the tests find small faults?
 
 Draws mutants from the sources of FOLDERS by a seed: each changes one operator or number of one line. In a worktree of HEAD, built in
-BUILD (made if it does not exist), each mutant is built and tested, first with the tests of tests/quick.txt, then with all (--quick:
-without these) until one fails. A mutant that does not compile is replaced by the next of its draw. Results are appended to
-BUILD/mutants.jsonl as they come, and a mutant that is there is not tested again, so that a campaign may be interrupted. Prints the
-mutants, what found them, and the survivors. A mutant takes a minute to half an hour on two cores."""
+BUILD (made if it does not exist), each mutant is built and tested until a test fails: with the tests of its room, then with those of
+tests/quick.txt, then with all (--quick: without these). A mutant that does not compile, or that compiles to the same programs, is
+replaced by the next of its draw. Results are appended to BUILD/mutants.jsonl as they come, and a mutant that is there is not tested
+again, so that a campaign may be interrupted. Prints the mutants, what found them, and the survivors. A mutant takes a minute to half
+an hour on two cores."""
 
 import argparse
+import hashlib
 import json
 import os
 import pathlib
@@ -60,18 +62,23 @@ def mutated(text, line, column, what, other):
     return "".join(lines)
 
 
+def test_room(source):
+    """The folder of tests whose subject a source is."""
+    return "tests/engine" if source.startswith("kernels/") else "tests/" + source.split("/")[1]
+
+
 class Campaign:
     def __init__(self, build, quick):
-        self.build, self.tree, self.quick = build, build / "tree", quick
+        self.build, self.tree, self.ninja, self.quick = build, build / "tree", build / "ninja", quick
         self.log = build / "mutants.jsonl"
         build.mkdir(parents=True, exist_ok=True)
         if not self.tree.exists():
             self.run("git", "-C", ROOT, "worktree", "add", "--detach", self.tree, "HEAD", check=True)
-            self.run("cmake", "-G", "Ninja", "-S", self.tree, "-B", build / "ninja", "-DCMAKE_BUILD_TYPE=Release", check=True)
-        self.run("ninja", "-C", build / "ninja", check=True)
+            self.run("cmake", "-G", "Ninja", "-S", self.tree, "-B", self.ninja, "-DCMAKE_BUILD_TYPE=Release", check=True)
+        self.run("ninja", "-C", self.ninja, check=True)
+        self.unchanged = self.programs()
         self.done = [json.loads(line) for line in self.log.read_text().splitlines()] if self.log.exists() else []
-        expression = self.run(sys.executable, self.tree / "tests/repository/quick_tests.py", self.tree, check=True).stdout.strip()
-        self.stages = [["--tests-regex", expression]] + ([] if quick else [["--label-exclude", "^(long|cluster|container|developer)$"]])
+        self.quick_tests = self.run(sys.executable, self.tree / "tests/repository/quick_tests.py", self.tree, check=True).stdout.strip()
 
     @staticmethod
     def run(*command, check=False):
@@ -79,25 +86,38 @@ class Campaign:
         assert not check or done.returncode == 0, f"{command}\n{done.stdout[-3000:]}{done.stderr[-3000:]}"
         return done
 
-    def found_by(self):
-        """The first tests that fail; none for a survivor."""
-        for stage in self.stages:
-            tested = self.run("ctest", "--test-dir", self.build / "ninja", "--stop-on-failure", "--parallel", os.cpu_count() or 1, *stage)
-            if tested.returncode != 0:
-                return re.findall(r"^\s*\d+ - (\S+) \(", tested.stdout, re.M)[:3] or ["?"]
-        return []
+    def programs(self):
+        """Checksum of every program and of the kernels, which are read when a program runs."""
+        files = [path for folder in ("cli", "tests") for path in (self.ninja / folder).rglob("*") if path.is_file()
+                 and os.access(path, os.X_OK)] + list((self.tree / "kernels").iterdir())
+        return {path: hashlib.sha256(path.read_bytes()).digest() for path in sorted(files)}
+
+    def failing(self, folder, *selection):
+        """The first tests of a folder that fail."""
+        tested = self.run("ctest", "--test-dir", self.ninja / folder, "--stop-on-failure", "--parallel", os.cpu_count() or 1, *selection)
+        return [] if tested.returncode == 0 else re.findall(r"^\s*\d+ - (.+) \(\w", tested.stdout, re.M)[:3] or ["?"]
+
+    def found_by(self, source):
+        """The first tests that fail, none for a survivor; None where there is nothing to find."""
+        room = test_room(source)
+        if self.run("ninja", "-C", self.ninja, f"{room}/all").returncode != 0:
+            return None
+        if found := self.failing(room, "--label-exclude", "long"):
+            return found
+        if self.run("ninja", "-C", self.ninja).returncode != 0 or self.programs() == self.unchanged:
+            return None
+        found = self.failing(".", "--tests-regex", self.quick_tests)
+        return found or ([] if self.quick else self.failing(".", "--label-exclude", "^(long|cluster|container|developer)$"))
 
     def judge(self, mutant):
-        """The result of a mutant; None where it does not compile."""
-        name, *site = mutant
-        begin, path = time.monotonic(), self.tree / name
+        """The result of a mutant."""
+        source, *site = mutant
+        begin, path = time.monotonic(), self.tree / source
         original = path.read_text()
         path.write_text(mutated(original, *site))
         try:
-            if self.run("ninja", "-C", self.build / "ninja").returncode != 0:
-                return None
-            return {"mutant": mutant, "line": mutated(original, *site).splitlines()[site[0]].strip(), "found_by": self.found_by(),
-                    "seconds": round(time.monotonic() - begin)}
+            return {"mutant": list(mutant), "line": mutated(original, *site).splitlines()[site[0]].strip(),
+                    "found_by": self.found_by(source), "seconds": round(time.monotonic() - begin)}
         finally:
             path.write_text(original)
 
@@ -105,7 +125,7 @@ class Campaign:
         known = [entry for entry in self.done if entry["mutant"] == list(mutant)]
         if known:
             return known[0]
-        out = self.judge(mutant) or {"mutant": list(mutant), "does_not_compile": True}
+        out = self.judge(mutant)
         with self.log.open("a") as log:
             log.write(json.dumps(out) + "\n")
         return out
@@ -124,7 +144,7 @@ def main():
         if len(results) == options.mutants:
             break
         result = campaign.result(mutant)
-        if "does_not_compile" in result:
+        if result["found_by"] is None:
             continue
         results.append(result)
         name, line, _, what, other = mutant

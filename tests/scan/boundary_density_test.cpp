@@ -47,8 +47,10 @@ struct Block {
 
 /// Mean over the voxel.
 double voxel_mean(const Block& block, const Vec3& center) {
-  const double reach = 0.5 * (block.axes.transpose() * block.outward()).cwiseAbs().dot(block.spacing_mm);
-  const double depth = block.depth_mm(center);
+  const Vec3 outward = block.outward();
+  const Vec3 per_step = (block.axes.transpose() * outward).cwiseProduct(block.spacing_mm);  // height
+  const double reach = 0.5 * per_step.cwiseAbs().sum();
+  const double depth = outward.dot(block.face_mm() - center);
   const auto crosses = [&](double mm) { return std::abs(depth - mm) < reach + 1e-9; };
   if (!crosses(0) && !crosses(block.step_mm) && !crosses(block.thickness_mm)) {  // straight over the voxel
     return depth < 0 || depth > block.thickness_mm ? block.outside_hu : block.hu(depth);
@@ -58,7 +60,7 @@ double voxel_mean(const Block& block, const Vec3& center) {
   for (int n = 0; n < kPerAxis * kPerAxis * kAcross; ++n) {
     const Vec3 step((n % kPerAxis + 0.5) / kPerAxis - 0.5, (n / kPerAxis % kPerAxis + 0.5) / kPerAxis - 0.5,
                     (n / kPerAxis / kPerAxis + 0.5) / kAcross - 0.5);
-    const double at = block.depth_mm(center + block.axes * block.spacing_mm.cwiseProduct(step));
+    const double at = depth - per_step.dot(step);
     sum += at < 0 || at > block.thickness_mm ? block.outside_hu : block.hu(at);
   }
   return sum / (kPerAxis * kPerAxis * kAcross);
