@@ -86,8 +86,7 @@ TEST_F(InitTest, SaysWhichUnitOfAMeshWasFoundOrAssumed) {
   const double to_scapula = 150 / length_mm;
   const auto init = [&](double factor, const std::vector<std::string>& more) {
     write("unit.stl", scaled_stl(mesh, factor));
-    std::vector<std::string> arguments{"init", "unit.stl",   "-o",  "my.yaml",    "--side",
-                                       "left", "--voxel-mm", "0.8", "--overwrite"};
+    std::vector<std::string> arguments{"init", "unit.stl", "-o", "my.yaml", "--side", "left", "--overwrite"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return call(arguments);
   };
@@ -96,17 +95,17 @@ TEST_F(InitTest, SaysWhichUnitOfAMeshWasFoundOrAssumed) {
     std::string scale, name;
   };
   for (const Unit& unit : {Unit{1000, "1000", "metres"}, {10, "10", "centimetres"}, {25.4, "25.4", "inches"}}) {
-    const ProgramResult made = init(to_scapula / unit.mm, {"--near=0,0,0"});
+    const ProgramResult made = init(to_scapula / unit.mm, {"--near=0,0,0", "--voxel-mm", "2"});
     EXPECT_THAT(made.err, HasSubstr("bone.mesh.scale: " + unit.scale + ": the file is in " + unit.name +
                                     "; the mesh is then 150 mm long, as a scapula; if that is wrong, give --scale"));
   }
   // Small enough to be found: its own size.
-  ProgramResult made = init(1, {});
+  ProgramResult made = init(1, {"--voxel-mm", "0.8"});
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_THAT(made.err, HasSubstr("bone.mesh.scale: 1: mm is assumed; the mesh is then "));
   EXPECT_THAT(read("my.yaml"),
               HasSubstr("scale: 1                  # file units to mm: mm is assumed; the mesh is then "));
-  made = init(0.001, {"--scale", "1000"});
+  made = init(0.001, {"--scale", "1000", "--voxel-mm", "0.8"});
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_THAT(made.err, Not(HasSubstr("bone.mesh.scale")));
   EXPECT_THAT(read("my.yaml"), HasSubstr("scale: 1000                  # file units to mm: given by --scale"));
@@ -219,7 +218,7 @@ TEST_F(InitTest, SaysWhyTheSearchForTheGlenoidFoundNone) {
   count *= 2;
   std::memcpy(both.data() + 80, &count, 4);
   write("two.stl", both);
-  const ProgramResult two = call({"init", "two.stl", "-o", "my.yaml", "--side", "left"});
+  const ProgramResult two = call({"init", "two.stl", "-o", "my.yaml", "--side", "left", "--voxel-mm", "0.8"});
   EXPECT_EQ(two.status, 2);
   EXPECT_THAT(two.err, AllOf(HasSubstr("--near: missing, and the search found several faces that may be the glenoid"),
                              HasSubstr("reamsim preview BONE")));

@@ -198,7 +198,7 @@ except reamsim.Interrupted as error:
 
 def test_ctrl_c_interrupts_the_program_which_can_continue(small, tmp_path):
     small["motion"]["frame_rate_hz"] = 1000
-    small["motion"]["plunge"].update(feed_mm_s=0.02)
+    small["motion"]["plunge"].update(feed_mm_s=0.05)
     path, out = tmp_path / "slow.yaml", tmp_path / "out"
     path.write_text(yaml.safe_dump({"version": 2, **small}))
     process = subprocess.Popen([sys.executable, "-c", INTERRUPTED, str(path), str(out)], stdout=subprocess.PIPE, text=True,
