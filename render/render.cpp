@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <fmt/core.h>
-#include <algorithm>
 #include <filesystem>
 #include <future>
 #include <limits>
+#include <map>
 
-#include "render/film/film.h"
 #include "render/pictures/composites.h"
 #include "render/render.h"
 #include "render/render_thread.h"
@@ -51,148 +50,127 @@ class PngWriter {
 /// Composes the pictures of a run from its rendered frames, in their order.
 class PictureComposer {
  public:
-  PictureComposer(const RunData& run, const PictureOptions& options, const PictureProgress& progress)
+  /// `report` gets a warning for each picture of the final state that looks empty; may be null.
+  PictureComposer(const RunData& run, const PictureOptions& options, const PictureProgress& progress,
+                  Diagnostics* report)
       : dir_(run.dir()),
         view_(run, options.settings),
-        schedule_(view_, options),
-        camera_without_suffix_(options.camera_without_suffix.empty() ? schedule_.names.front()
+        camera_without_suffix_(options.camera_without_suffix.empty() ? camera_names(options.settings).front()
                                                                      : options.camera_without_suffix),
         captions_(run.log(), options.mean_travel_mm, options.settings.force_arrow),
-        before_(schedule_.halves.size()),
+        report_(report),
         writer_(progress, count_pictures(options, view_.frames(), run.contact())) {
     std::filesystem::create_directories(dir_ + "/frames");
-    if (!schedule_.turntable.empty()) make_turntable_folder();
-    if (schedule_.sheet) sheet_.emplace(view_, *schedule_.sheet);
-    if (schedule_.film) film_.emplace(film_path("reamed"), view_, captions_, *schedule_.film);
-  }
-
-  /// Without the pictures that a longer turntable left behind the last one of this.
-  void make_turntable_folder() const {
+    if (turns() == 0) return;
     std::filesystem::create_directories(dir_ + "/turntable");
-    for (std::size_t i = schedule_.turntable.size(); std::filesystem::remove(turntable_path(i)); ++i) {
+    // Without the pictures that a longer turntable left behind the last one of this.
+    for (int i = turns(); std::filesystem::remove(turntable_path(i)); ++i) {
     }
-  }
-
-  [[nodiscard]] std::string turntable_path(std::size_t place) const {
-    return fmt::format("{}/turntable/{:03}.png", dir_, place);
   }
 
   void add(RenderedFrame frame) {
     switch (frame.kind) {
-      case RenderedFrame::Kind::before:
-        before_[frame.camera] = std::move(frame.image);
+      case Shot::Kind::before:
+        before_[frame.camera.name] = std::move(frame.image);
         break;
-      case RenderedFrame::Kind::frame:
-        add_frame(std::move(frame));
+      case Shot::Kind::frame:
+        add_frame(frame);
         break;
-      case RenderedFrame::Kind::sheet:
+      case Shot::Kind::sheet:
+        if (!sheet_) sheet_.emplace(view_, frame.camera);
         sheet_->add(std::move(frame.image), row_of(frame.frame));
-        if (frame.frame == schedule_.sheet_frames.back()) writer_.write(dir_ + "/contact_sheet.png", sheet_->finish());
+        if (sheet_->is_full()) writer_.write(dir_ + "/contact_sheet.png", sheet_->finish());
         break;
-      case RenderedFrame::Kind::film:
-        add_film_frame(std::move(frame));
+      case Shot::Kind::film:
+        if (!film_) film_.emplace(film_path("reamed"), view_, captions_, frame.camera);
+        film_->add(std::move(frame.image), row_of(frame.frame));
+        writer_.count(film_path("reamed"));
+        if (frame.frame == view_.frames().back()) film_->finish();
         break;
-      case RenderedFrame::Kind::after:
-        add_after(std::move(frame));
+      case Shot::Kind::after:
+        add_after(frame);
         break;
-      case RenderedFrame::Kind::after_half:
-        writer_.write(dir_ + "/before_after" + suffix(frame.camera) + ".png",
-                      before_and_after(view_, schedule_.halves[frame.camera], before_[frame.camera], frame.image,
+      case Shot::Kind::after_half:
+        writer_.write(picture_path("before_after", frame),
+                      before_and_after(view_, frame.camera, before_[frame.camera.name], frame.image,
                                        captions_.after(frame.deepest_mm), frame.contours));
         break;
-      case RenderedFrame::Kind::turntable:
-        add_turn(std::move(frame));
+      case Shot::Kind::turntable:
+        add_turn(frame);
         break;
     }
   }
 
   void finish() { writer_.finish(); }
 
-  /// One of each picture of the final state that looks empty.
-  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
-
  private:
   [[nodiscard]] const ForceRow& row_of(std::int64_t frame) const {
     return captions_.log().at(frame, dir_ + "/forces.csv");
   }
+  [[nodiscard]] int turns() const { return view_.settings().turntable_pictures; }
+  [[nodiscard]] std::string turntable_path(int turn) const { return fmt::format("{}/turntable/{:03}.png", dir_, turn); }
+  [[nodiscard]] std::string film_path(const std::string& name) const {
+    return dir_ + "/" + name + film_extension(view_.settings().film);
+  }
+  [[nodiscard]] std::string picture_path(const std::string& name, const Shot& shot) const {
+    const bool plain = shot.camera.name == camera_without_suffix_;
+    return dir_ + "/" + name + (plain ? "" : "_" + shot.camera.name) + ".png";
+  }
 
-  void add_frame(RenderedFrame frame) {
-    const Camera& camera = schedule_.cameras[frame.camera];
+  /// Takes the image and the contours of the frame.
+  [[nodiscard]] PixelImage labelled(RenderedFrame& frame, Labels labels) const {
+    labels.contours = std::move(frame.contours);
+    return labelled_page(std::move(frame.image), view_.page(), frame.camera, labels, view_.settings().background);
+  }
+
+  void add_frame(RenderedFrame& frame) {
     const ForceRow& row = row_of(frame.frame);
-    Labels labels = view_.labels(camera, view_.tool_at(frame.frame));
+    Labels labels = view_.labels(frame.camera, view_.tool_at(frame.frame));
     labels.values = captions_.at(row);
     labels.force = captions_.arrow(row);
-    labels.contours = std::move(frame.contours);
-    writer_.write(fmt::format("{}/frames/{:06}{}.png", dir_, frame.frame, suffix(frame.camera)),
-                  page_with(std::move(frame.image), camera, labels));
+    writer_.write(picture_path(fmt::format("frames/{:06}", frame.frame), frame), labelled(frame, std::move(labels)));
   }
 
-  void add_film_frame(RenderedFrame frame) {
-    film_->add(std::move(frame.image), row_of(frame.frame));
-    writer_.count(film_path("reamed"));
-    if (frame.frame == view_.frames().back()) film_->finish();
-  }
-
-  void add_after(RenderedFrame frame) {
-    const Camera& camera = schedule_.cameras[frame.camera];
-    Labels labels = view_.labels(camera, std::nullopt);
+  void add_after(RenderedFrame& frame) {
+    Labels labels = view_.labels(frame.camera, std::nullopt);
     labels.title = "After reaming";
     labels.values = captions_.after(frame.deepest_mm);
-    labels.contours = std::move(frame.contours);
-    const std::string name = "reamed" + suffix(frame.camera) + ".png";
-    if (frame.image.has_plain_rows()) {
-      warnings_.push_back(
-          fmt::format("{} looks empty: move position_mm of the camera {} out of the bone, aim target_mm at the bone, "
-                      "or use a larger fov_deg or width_mm",
-                      name, camera.name));
+    const std::string path = picture_path("reamed", frame);
+    if (report_ != nullptr && frame.image.has_plain_rows()) {
+      report_->warn(path.substr(dir_.size() + 1) + " looks empty: move position_mm of the camera " + frame.camera.name +
+                    " out of the bone, aim target_mm at the bone, or use a larger fov_deg or width_mm");
     }
-    writer_.write(dir_ + "/" + name, page_with(std::move(frame.image), camera, labels));
+    writer_.write(path, labelled(frame, std::move(labels)));
   }
 
-  void add_turn(RenderedFrame frame) {
-    const Camera& camera = schedule_.turntable[frame.camera];
-    PixelImage picture = page_with(std::move(frame.image), camera, view_.labels(camera, std::nullopt));
+  void add_turn(RenderedFrame& frame) {
+    frame.contours.clear();
+    PixelImage picture = labelled(frame, view_.labels(frame.camera, std::nullopt));
+    const int turn = turn_++;
     if (view_.settings().film != FilmFormat::none) {
       if (!turntable_film_) turntable_film_.emplace(film_path("turntable"), view_.settings());
       PixelImage page = plain_image(picture.width_px, picture.height_px, 0xffffff);
       page.paste(picture, 0, 0);
       turntable_film_->add(page);
-      if (frame.camera + 1 == schedule_.turntable.size()) turntable_film_->finish();
+      if (turn_ == turns()) turntable_film_->finish();
     }
-    writer_.write(turntable_path(frame.camera), std::move(picture));
-  }
-
-  [[nodiscard]] PixelImage page_with(PixelImage view, const Camera& camera, const Labels& labels) const {
-    return labelled_page(std::move(view), view_.page(), camera, labels, view_.settings().background);
-  }
-
-  [[nodiscard]] std::string film_path(const std::string& name) const {
-    return dir_ + "/" + name + film_extension(view_.settings().film);
-  }
-
-  [[nodiscard]] std::string suffix(std::size_t camera) const {
-    const std::string& name = schedule_.names[camera];
-    return name == camera_without_suffix_ ? std::string() : "_" + name;
+    writer_.write(turntable_path(turn), std::move(picture));
   }
 
   std::string dir_;
   RunView view_;
-  FrameSchedule schedule_;
   std::string camera_without_suffix_;
   Captions captions_;
-  std::vector<PixelImage> before_;
+  Diagnostics* report_;
+  std::map<std::string, PixelImage> before_;  ///< by camera
   std::optional<ContactSheet> sheet_;
   std::optional<Film> film_;
   std::optional<FilmEncoder> turntable_film_;
-  std::vector<std::string> warnings_;
+  int turn_ = 0;
   PngWriter writer_;
 };
 
 }  // namespace
-
-void require_film_program(const RenderSettings& settings) {
-  if (settings.enabled && settings.film != FilmFormat::none) require_encoder(settings.film);
-}
 
 std::string render_pictures(const RunData& run, const PictureOptions& options, const PictureProgress& progress,
                             Diagnostics* report, RenderThread* thread) {
@@ -206,14 +184,11 @@ std::string render_pictures(const RunData& run, const PictureOptions& options, c
     thread->snapshots_written(std::numeric_limits<std::int64_t>::max());
   }
   try {
-    PictureComposer composer(run, options, progress);
+    PictureComposer composer(run, options, progress, report);
     std::optional<RenderedFrame> frame = thread->next();
     if (report != nullptr && !thread->warning().empty()) report->warn(thread->warning());
     for (; frame; frame = thread->next()) composer.add(std::move(*frame));
     composer.finish();
-    if (report != nullptr) {
-      for (const std::string& warning : composer.warnings()) report->warn(warning);
-    }
     return thread->context();
   } catch (const std::filesystem::filesystem_error& error) {
     throw RunError(run.dir() + ": " + error.code().message());

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string>
 
+#include "render/film/film.h"
 #include "render/pictures/run_view.h"
 #include "sim/base/error.h"
 
@@ -15,10 +16,6 @@ class RenderThread;
 
 /// Called after each picture: (done, total, file).
 using PictureProgress = std::function<void(int, int, const std::string&)>;
-
-/// Throws RunError, with what to install, when the settings have a film and no ffmpeg can write it. Call it before a
-/// run.
-void require_film_program(const RenderSettings& settings);
 
 /// Makes the pictures of a run from DIR/reamed.vdb (density of the unreamed bone, frame G), DIR/snapshots/ (bricks per
 /// picture, tool.stl) and DIR/forces.csv; DIR/scenario.yaml is not read. Writes DIR/frames/NNNNNN[_camera].png for

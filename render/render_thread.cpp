@@ -65,59 +65,6 @@ void FrameQueue::close() {
   changed_.notify_all();
 }
 
-/// One pass through the run.
-class RenderThread::Pass {
- public:
-  Pass(RenderThread& thread, const RunView& view, const PictureOptions& options)
-      : thread_(thread), view_(view), schedule_(view, options) {}
-
-  void render_all() {
-    thread_.wait_for_snapshot(view_.frames().front());
-    Renderer renderer(view_);
-    thread_.warning_ = renderer.warning();
-    thread_.context_ = renderer.context();
-    render_cameras(renderer, RenderedFrame::Kind::before, schedule_.halves);
-    if (schedule_.renders_during_run()) {
-      for (const std::int64_t frame : view_.frames()) render_frame(renderer, frame);
-    }
-    thread_.wait_for_snapshot(view_.frames().back());
-    renderer.advance_to_last();
-    if (schedule_.stills) render_cameras(renderer, RenderedFrame::Kind::after, schedule_.cameras);
-    render_cameras(renderer, RenderedFrame::Kind::after_half, schedule_.halves);
-    render_cameras(renderer, RenderedFrame::Kind::turntable, schedule_.turntable);
-  }
-
- private:
-  void render_frame(Renderer& renderer, std::int64_t frame) {
-    thread_.wait_for_snapshot(frame);
-    renderer.advance_to(frame);
-    const std::optional<PlacedTool> tool = view_.tool_at(frame);
-    if (std::ranges::binary_search(schedule_.still_frames, frame)) {
-      render_cameras(renderer, RenderedFrame::Kind::frame, schedule_.cameras, frame, tool);
-    }
-    if (std::ranges::binary_search(schedule_.sheet_frames, frame)) {
-      render_cameras(renderer, RenderedFrame::Kind::sheet, {*schedule_.sheet}, frame, tool);
-    }
-    if (schedule_.film) render_cameras(renderer, RenderedFrame::Kind::film, {*schedule_.film}, frame, tool);
-  }
-
-  void render_cameras(Renderer& renderer, RenderedFrame::Kind kind, const std::vector<Camera>& cameras,
-                      std::int64_t frame = 0, const std::optional<PlacedTool>& tool = {}) {
-    for (std::size_t i = 0; i < cameras.size(); ++i) {
-      PixelImage image = renderer.render(cameras[i], tool, kind == RenderedFrame::Kind::film);
-      const bool numbered = kind != RenderedFrame::Kind::sheet && !(tool && cameras[i].shows_tool);
-      std::vector<SeenContour> contours;
-      if (numbered) contours = renderer.contours(cameras[i]);
-      RenderedFrame out{kind, i, frame, renderer.deepest_mm(), std::move(contours), std::move(image)};
-      if (!thread_.queue_.push(std::move(out))) throw Stopped();
-    }
-  }
-
-  RenderThread& thread_;
-  const RunView& view_;
-  FrameSchedule schedule_;
-};
-
 RenderThread::RenderThread(const RunData& run, const PictureOptions& options)
     : queue_(static_cast<std::size_t>(std::min(kMaxWaiting_bytes, kWaitingFraction * machine_memory_bytes()))),
       thread_([this, run, options] { work(run, options); }) {}
@@ -146,10 +93,32 @@ void RenderThread::wait_for_snapshot(std::int64_t frame) {
   if (stop_) throw Stopped();
 }
 
+void RenderThread::render(const RunView& view, const std::vector<Shot>& shots) {
+  using Kind = Shot::Kind;
+  wait_for_snapshot(view.frames().front());
+  Renderer renderer(view);
+  warning_ = renderer.warning();
+  context_ = renderer.context();
+  std::int64_t state = -1;
+  for (const Shot& shot : shots) {
+    wait_for_snapshot(shot.frame);
+    if (shot.kind != Kind::before && shot.frame != state) renderer.advance_to(state = shot.frame);
+    RenderedFrame out{shot, renderer.deepest_mm()};
+    std::optional<PlacedTool> tool;
+    if (shot.kind == Kind::frame || shot.kind == Kind::sheet || shot.kind == Kind::film) {
+      tool = view.tool_at(shot.frame);
+    }
+    out.image = renderer.render(shot.camera, tool, shot.kind == Kind::film);
+    const bool numbered = shot.kind != Kind::sheet && !(tool && shot.camera.shows_tool);
+    if (numbered) out.contours = renderer.contours(shot.camera);
+    if (!queue_.push(std::move(out))) throw Stopped();
+  }
+}
+
 void RenderThread::work(const RunData& run, const PictureOptions& options) {
   try {
     const RunView view(run, options.settings);
-    if (count_pictures(options, view.frames(), run.contact()) > 0) Pass(*this, view, options).render_all();
+    if (count_pictures(options, view.frames(), run.contact()) > 0) render(view, shots_of(view, options));
     queue_.finish(nullptr);
   } catch (const Stopped&) {
     queue_.finish(nullptr);
@@ -158,25 +127,48 @@ void RenderThread::work(const RunData& run, const PictureOptions& options) {
   }
 }
 
-FrameSchedule::FrameSchedule(const RunView& view, const PictureOptions& options)
-    : names(names_of(view.settings().cameras)), stills(options.stills) {
+std::vector<std::string> camera_names(const RenderSettings& settings) {
+  std::vector<std::string> names = names_of(settings.cameras);
+  for (const UserCamera& own : settings.user_cameras) names.push_back(own.name);
+  return names;
+}
+
+std::vector<Shot> shots_of(const RunView& view, const PictureOptions& options) {
+  using Kind = Shot::Kind;
   const RenderSettings& settings = view.settings();
   const PageLayout page = view.page();
-  for (const UserCamera& own : settings.user_cameras) names.push_back(own.name);
+  const std::vector<std::string> names = camera_names(settings);
+  std::vector<Camera> cameras, halves, cell, film, turntable;
   for (const std::string& name : names) {
     cameras.push_back(view.camera(name, page.view_width_px, page.height_px));
     if (settings.before_after) halves.push_back(half_camera(view, name));
   }
-  if (stills) still_frames = reamsim::still_frames(view.frames(), settings, view.run().contact());
+  std::vector<std::int64_t> stills, cells;
+  if (options.stills) stills = still_frames(view.frames(), settings, view.run().contact());
   if (settings.contact_sheet) {
-    sheet_frames = ContactSheet::frames_on(view);
-    sheet = ContactSheet::cell_camera(view, names.front());
+    cells = ContactSheet::frames_on(view);
+    cell = {ContactSheet::cell_camera(view, names.front())};
   }
-  if (options.film && settings.film != FilmFormat::none) film = film_camera(view, names.front());
+  if (options.film && settings.film != FilmFormat::none) film = {film_camera(view, names.front())};
   for (int i = 0; i < settings.turntable_pictures; ++i) {
     const double turn = static_cast<double>(i) / settings.turntable_pictures;
     turntable.push_back(make_turntable_camera(view.run().target(), turn, page.view_width_px, page.height_px));
   }
+  std::vector<Shot> out;
+  const auto add = [&](Kind kind, std::int64_t frame, const std::vector<Camera>& by) {
+    for (const Camera& camera : by) out.push_back({kind, frame, camera});
+  };
+  add(Kind::before, view.frames().front(), halves);
+  for (const std::int64_t frame : view.frames()) {
+    if (std::ranges::binary_search(stills, frame)) add(Kind::frame, frame, cameras);
+    if (std::ranges::binary_search(cells, frame)) add(Kind::sheet, frame, cell);
+    add(Kind::film, frame, film);
+  }
+  const std::int64_t last = view.frames().back();
+  if (options.stills) add(Kind::after, last, cameras);
+  add(Kind::after_half, last, halves);
+  add(Kind::turntable, last, turntable);
+  return out;
 }
 
 int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames, const FrameSpans& contact) {

@@ -18,23 +18,27 @@
 
 namespace reamsim {
 
-/// One rendered frame of a run, without labels.
-struct RenderedFrame {
+/// One picture of a state of a run.
+struct Shot {
   enum class Kind {
-    before,      ///< left half of a before/after picture; by camera
-    frame,       ///< a frame of the run; by camera
+    before,      ///< left half of a before/after picture
+    frame,       ///< a frame of the run
     sheet,       ///< a cell of the contact sheet
     film,        ///< a frame of the film
-    after,       ///< the final state; by camera
-    after_half,  ///< right half of a before/after picture; by camera
-    turntable,   ///< the final state; by turn
+    after,       ///< the final state
+    after_half,  ///< right half of a before/after picture
+    turntable,   ///< the final state, turned
   };
   Kind kind;
-  std::size_t camera = 0;               ///< index in FrameSchedule, or of the turn
-  std::int64_t frame = 0;               ///< of the run
+  std::int64_t frame = 0;  ///< of the run
+  Camera camera{};
+};
+
+/// A shot as rendered, without labels.
+struct RenderedFrame : Shot {
   double deepest_mm = 0;                ///< of the state
   std::vector<SeenContour> contours{};  ///< that get their numbers: none where the tool may hide them
-  PixelImage image;
+  PixelImage image{};
 };
 
 /// A bounded queue of rendered frames between two threads. Thread-safe.
@@ -76,7 +80,7 @@ class RenderThread {
 
   /// Announces that the snapshots up to this frame are on disk.
   void snapshots_written(std::int64_t frame);
-  /// Waits for the next frame, ordered by state and by RenderedFrame::Kind; none after the last. Throws the exceptions
+  /// Waits for the next frame, ordered by state and by Shot::Kind; none after the last. Throws the exceptions
   /// of rendering: InputError, RunError, bad_alloc.
   std::optional<RenderedFrame> next() { return queue_.pop(); }
   /// After next() has returned: a warning if the requested graphics context is not available; else empty.
@@ -85,10 +89,10 @@ class RenderThread {
   [[nodiscard]] const std::string& context() const { return context_; }
 
  private:
-  class Pass;
   struct Stopped {};  ///< thrown, and caught, within the thread to stop it
 
   void work(const RunData& run, const PictureOptions& options);
+  void render(const RunView& view, const std::vector<Shot>& shots);
   void wait_for_snapshot(std::int64_t frame);
 
   std::mutex mutex_;
@@ -101,22 +105,11 @@ class RenderThread {
   std::thread thread_;  ///< last member, because it uses the others
 };
 
-/// Which frames of a run are rendered, and by which cameras.
-struct FrameSchedule {
-  /// Throws InputError for an invalid camera.
-  FrameSchedule(const RunView& view, const PictureOptions& options);
+/// What is rendered of a run, in the order of the states. Throws InputError for an invalid camera.
+std::vector<Shot> shots_of(const RunView& view, const PictureOptions& options);
 
-  [[nodiscard]] bool renders_during_run() const { return !still_frames.empty() || !sheet_frames.empty() || film; }
-  std::vector<std::string> names;          ///< of the cameras; the user's are last
-  bool stills = false;                     ///< pictures of frames and of the final state
-  std::vector<Camera> cameras;             ///< of the stills
-  std::vector<std::int64_t> still_frames;  ///< ascending
-  std::vector<Camera> halves;              ///< of before/after pictures; may be empty
-  std::optional<Camera> sheet;             ///< of the contact sheet's cells
-  std::vector<std::int64_t> sheet_frames;  ///< ascending
-  std::optional<Camera> film;
-  std::vector<Camera> turntable;
-};
+/// The names of the cameras, the user's last.
+std::vector<std::string> camera_names(const RenderSettings& settings);
 
 /// The number of pictures of a run with these snapshots and this contact, counting each frame of a film.
 int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames, const FrameSpans& contact);

@@ -68,7 +68,9 @@ std::string film_extension(FilmFormat format) {
   return format_of(format).extension;
 }
 
-void require_encoder(FilmFormat format) {
+void require_film_program(const RenderSettings& settings) {
+  const FilmFormat format = settings.film;
+  if (!settings.enabled || format == FilmFormat::none) return;
   const MemoryFile output("the messages of ffmpeg");
   pid_t child = 0;
   const int error = start_ffmpeg({"-encoders"}, -1, output, child);

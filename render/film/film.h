@@ -19,8 +19,9 @@ std::string film_extension(FilmFormat format);
 /// Rounds down to an even number, at least 2.
 int even_px(int px);
 
-/// Throws RunError, with what to install, when no ffmpeg can write this format.
-void require_encoder(FilmFormat format);
+/// Throws RunError, with what to install, when the settings have a film and no ffmpeg can write it. Call it before a
+/// run.
+void require_film_program(const RenderSettings& settings);
 
 /// Pipes pictures to ffmpeg, which writes a film. The file gets its name when it is complete.
 class FilmEncoder {

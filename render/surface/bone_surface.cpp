@@ -40,8 +40,6 @@ static_assert(kNormalRounds + kPointRounds == kAttributeReach);
 constexpr float kMaxDisplacement_voxels = 0.4F;
 constexpr int kDepthRounds = 4;           // smooth the voxel steps of the depth
 constexpr float kCertainlyReamed = 0.6F;  // below: the edge of the reamed face
-constexpr int kProjectionSteps = 2;       // Newton's, to the surface
-constexpr double kMaxProjection = 1;      // of a step, in gradients of the field
 constexpr int kEdgeRounds = 2;            // smooth the edge of the reamed face where whole voxels are removed
 
 /// Outward normal: the field's gradient over a step wide enough to average out voxel steps.
@@ -63,30 +61,6 @@ std::vector<Eigen::Vector3f> normals_at(const std::vector<Eigen::Vector3f>& poin
     for (std::size_t i = begin; i < end; ++i) normals[i] = normal_at(now, vdb_point(points[i]));
   });
   return normals;
-}
-
-/// The point of the surface, where the field is zero, next to a point near it. Voxel index space.
-Vec3d on_surface(const Accessor& field, Vec3d p) {
-  const auto value = [&](const Vec3d& at) { return sample(field, at); };
-  for (int step = 0; step < kProjectionSteps; ++step) {
-    const Vec3d slope = central_difference(value, p, 0.5);
-    p -= slope * std::clamp(value(p) / std::max(slope.lengthSqr(), 1e-4), -kMaxProjection, kMaxProjection);
-  }
-  return p;
-}
-
-/// Removal at each vertex. It is read on the surface: the fitted vertices lie beside it by a part of a voxel.
-std::vector<Removal> removal_at(const std::vector<Eigen::Vector3f>& points, const BoneFields& fields) {
-  std::vector<Removal> out(points.size());
-  parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    const ReamingSampler sampler(fields.unreamed);
-    const Accessor now = fields.solid.grid().vdb->getConstAccessor();
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3d p = vdb_point(points[i]);
-      if (sampler.removed(now, p) > 0) out[i] = sampler.removal(now, on_surface(now, p));
-    }
-  });
-  return out;
 }
 
 /// Calls action(the floats of a vertex, its position in voxel index space).
@@ -254,7 +228,12 @@ BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& field
   const Neighbours neighbours(points.size(), out.indices);
   smooth_normals(neighbours, normals, kNormalRounds);
   fit_to_normals(neighbours, normals, points, kPointRounds, kMaxDisplacement_voxels);
-  Reaming reaming = reaming_at(removal_at(points, fields), fields.unreamed,
+  // Removal is read on the surface: the fitted vertices lie beside it by a part of a voxel.
+  const auto removal_at = [&](const ReamingSampler& sampler, std::size_t i) {
+    const Vec3d p = vdb_point(points[i]);
+    return sampler.removed(p) > 0 ? sampler.removal(sampler.on_surface(p)) : Removal();
+  };
+  Reaming reaming = reaming_at(points.size(), fields.unreamed, fields.solid.grid(), removal_at,
                                [&](std::size_t i) { return vdb_point(points[i] * static_cast<float>(grid.voxel_mm)); });
   reaming.smooth(neighbours, points, kDepthRounds, kEdgeRounds);
   out.vertices.resize(points.size() * BoneSurface::kStride);
@@ -281,7 +260,7 @@ void add_density_and_ambient(const BoneFields& fields, BoneSurface& surface) {
   surface.deepest_mm = 0;
   const VoxelGrid& grid = fields.voxmap.grid;
   const Vec3 first_center = grid.origin_mm + Vec3::Constant(0.5 * grid.voxel_mm);
-  const ReamingSampler sampler(fields.unreamed);
+  const ReamingSampler sampler(fields.unreamed, fields.solid.grid());
   for (std::size_t i = 0; i < surface.vertices.size(); i += BoneSurface::kStride) {
     const float* v = surface.vertices.data() + i;
     if (v[BoneSurface::kReamed] <= kCertainlyReamed) continue;

@@ -81,13 +81,12 @@ void add_reaming(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& 
     return openvdb::Vec3d(at.x(), at.y(), at.z());
   };
   // Without the field of the current bone the certainty stands for the edge as well.
-  std::vector<Removal> removal(out.mesh.vertices.size());
-  const ReamingSampler sampler(unreamed);
-  for (std::size_t i = 0; i < removal.size(); ++i) {
+  const auto removal_at = [&](const ReamingSampler& sampler, std::size_t i) {
     const float certainty = sampler.fraction(voxel(i));
-    removal[i] = {certainty, certainty};
-  }
-  Reaming reaming = reaming_at(removal, unreamed, [&](std::size_t i) { return voxel(i) * grid.voxel_mm; });
+    return Removal{certainty, certainty};
+  };
+  Reaming reaming = reaming_at(out.mesh.vertices.size(), unreamed, unreamed.field(), removal_at,
+                               [&](std::size_t i) { return voxel(i) * grid.voxel_mm; });
   std::vector<Eigen::Vector3f> points;
   for (const Vec3& p : out.mesh.vertices) points.emplace_back(((p - grid.origin_mm) / grid.voxel_mm).cast<float>());
   std::vector<std::uint32_t> corners;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "render/surface/layer_boundary.h"
+#include "render/surface/nearest_point.h"
 #include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
@@ -130,17 +130,14 @@ openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxm
   }
   if (sources.empty()) return depth;
   // Sources are a cell apart and at least kClosing_mm away, so the nearest one approximates the nearest triangle.
-  const std::vector<Eigen::AlignedBox3d> boxes(sources.begin(), sources.end());
-  const PointTree tree(sources.begin(), sources.end(), boxes.begin(), boxes.end());
+  const NearestPoint source(sources);
   depth->tree().voxelizeActiveTiles();
   std::vector<openvdb::FloatTree::LeafNodeType*> leaves;
   depth->tree().getNodes(leaves);
   parallel_items(leaves.size(), [&](std::size_t leaf) {
     for (auto value = leaves[leaf]->beginValueOn(); value; ++value) {
       const Vec3d mm = depth->indexToWorld(value.getCoord());
-      PointDistance from{Point(mm.x(), mm.y(), mm.z())};
-      const double distance_mm = std::sqrt(Eigen::BVMinimize(tree, from));
-      value.setValue(static_cast<float>(distance_mm - kClosing_mm));
+      value.setValue(static_cast<float>(source.distance({mm.x(), mm.y(), mm.z()}) - kClosing_mm));
     }
   });
   return depth;
