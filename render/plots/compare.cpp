@@ -65,17 +65,10 @@ std::string color_text(unsigned color) {
 /// At most kMostInLegend characters: the middle of a longer text is left out.
 std::string shortened(const std::string& text) {
   if (text_width(text) <= kMostInLegend) return text;
-  std::vector<std::string> characters;
-  for (const char c : text) {
-    if ((static_cast<unsigned char>(c) & 0xc0) != 0x80 || characters.empty()) characters.emplace_back();
-    characters.back() += c;
-  }
-  std::string out;
-  const std::size_t half = (kMostInLegend - 1) / 2;
-  for (std::size_t i = 0; i < half; ++i) out += characters[i];
-  out += "…";
-  for (std::size_t i = characters.size() - half; i < characters.size(); ++i) out += characters[i];
-  return out;
+  constexpr std::ptrdiff_t kHalf = (kMostInLegend - 1) / 2;
+  const std::vector<std::string> all = characters_of(text);
+  return fmt::format("{}…{}", fmt::join(all.begin(), all.begin() + kHalf, ""),
+                     fmt::join(all.end() - kHalf, all.end(), ""));
 }
 
 std::string single_styles(const Comparison& comparison) {
