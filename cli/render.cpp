@@ -16,7 +16,6 @@
 #include "cli/outputs.h"
 #include "render/plots/plots.h"
 #include "render/render.h"
-#include "render/render_thread.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/record/manifest.h"

@@ -9,7 +9,6 @@
 
 #include "render/pictures/composites.h"
 #include "render/render.h"
-#include "render/render_thread.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 

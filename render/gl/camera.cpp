@@ -80,13 +80,7 @@ DepthRow depth_row(const Camera& camera) {
   return {slope, far / eye_mm - slope * (eye_mm - far)};
 }
 
-/// Throws InputError for a size below one pixel.
 Camera sized_camera(const std::string& name, int width_px, int height_px) {
-  if (width_px < 1 || height_px < 1) {
-    throw InputError({}, "render.width_px",
-                     "a picture of " + std::to_string(width_px) + " x " + std::to_string(height_px) + " pixels",
-                     "expected at least 1 x 1");
-  }
   Camera camera;
   camera.name = name;
   camera.width_px = width_px;

@@ -52,7 +52,7 @@ struct Camera {
 };
 
 /// glenoid: en face, superior up, only the tool's outline. oblique: from lateral, anterior and superior. section: cut
-/// along the tool axis, seen from anterior. overview: oblique, the whole bone. Throws InputError (less than a pixel).
+/// along the tool axis, seen from anterior. overview: oblique, the whole bone.
 Camera make_camera(CameraView view, const ViewTarget& target, int width_px, int height_px);
 
 /// A camera defined by the user. Throws InputError when it needs a missing glenoid frame, or looks along `up`.

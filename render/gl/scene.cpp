@@ -119,16 +119,15 @@ std::vector<Vec3> triangle_normals(const BoneSurface& surface) {
 /// Is the box outside one plane of the view frustum?
 bool outside_frustum(const Eigen::AlignedBox3d& box_mm, const Camera& camera) {
   const Eigen::Matrix4d clip_from_bone = camera.clip_from_bone();
-  std::array<int, 6> outside{};
+  Eigen::Array<double, 4, 8> corners;
   for (int i = 0; i < 8; ++i) {
     const Vec3 corner = box_mm.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
-    const Eigen::Vector4d p = clip_from_bone * corner.homogeneous();
-    for (int axis = 0; axis < 3; ++axis) {
-      outside[static_cast<std::size_t>(2 * axis)] += p[axis] > p.w() ? 1 : 0;
-      outside[static_cast<std::size_t>(2 * axis + 1)] += p[axis] < -p.w() ? 1 : 0;
-    }
+    corners.col(i) = clip_from_bone * corner.homogeneous();
   }
-  return std::ranges::any_of(outside, [](int corners) { return corners == 8; });
+  for (int axis = 0; axis < 3; ++axis) {
+    if ((corners.row(axis) > corners.row(3)).all() || (corners.row(axis) < -corners.row(3)).all()) return true;
+  }
+  return false;
 }
 
 bool cut_away(const Eigen::AlignedBox3d& box_mm, const Eigen::Vector4d& plane) {

@@ -204,34 +204,30 @@ RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
   return {std::move(unreamed), std::move(target), predicted.contact};
 }
 
-RunData::RunData(std::string dir) : state_(new State{std::move(dir)}) {
-  State& state = *state_;
-  state.outcome = lazily([dir = state.dir] { return read_outcome(dir); });
-  state.inputs = lazily([outcome = state.outcome] { return *outcome.get().inputs; });
-  state.prediction = lazily([inputs = state.inputs] { return predict_outcome(inputs.get()); });
-}
+RunData::RunData(std::string dir)
+    : dir_(std::move(dir)),
+      outcome_(lazily([folder = dir_] { return read_outcome(folder); })),
+      inputs_(lazily([outcome = outcome_] { return *outcome.get().inputs; })),
+      prediction_(lazily([inputs = inputs_] { return predict_outcome(inputs.get()); })) {}
 
-RunData::RunData(RunInputs inputs) : state_(new State{inputs.dir}) {
-  std::promise<RunInputs> known;
-  known.set_value(std::move(inputs));
-  state_->inputs = known.get_future().share();
-  state_->prediction = lazily([inputs = state_->inputs] { return predict_outcome(inputs.get()); });
-}
+RunData::RunData(RunInputs inputs)
+    : dir_(inputs.dir),
+      inputs_(lazily([known = std::move(inputs)]() mutable { return std::move(known); })),
+      prediction_(lazily([all = inputs_] { return predict_outcome(all.get()); })) {}
 
 void RunData::predict() {
-  state_->prediction =
-      std::async(std::launch::async, [inputs = state_->inputs] { return predict_outcome(inputs.get()); }).share();
+  prediction_ = std::async(std::launch::async, [inputs = inputs_] { return predict_outcome(inputs.get()); }).share();
 }
 
 void RunData::finish(FillBricks fill) {
-  state_->outcome = lazily([dir = state_->dir, inputs = state_->inputs, fill = std::move(fill)]() mutable {
+  outcome_ = lazily([dir = dir_, inputs = inputs_, fill = std::move(fill)]() mutable {
     return Outcome{std::move(fill), read_force_log(log_path(dir), log_options(inputs.get()))};
   });
 }
 
 const RunData::Outcome& RunData::outcome() const {
-  if (!state_->outcome.valid()) throw std::logic_error("the run has not ended");
-  return state_->outcome.get();
+  if (!outcome_.valid()) throw std::logic_error("the run has not ended");
+  return outcome_.get();
 }
 
 }  // namespace reamsim

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "render/gl/camera.h"
-#include "render/surface/unreamed_surface.h"
+#include "render/surface/solid_field.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/mesh/triangle_mesh.h"
 #include "sim/record/force_log.h"
@@ -60,8 +60,8 @@ class RunPath {
   std::vector<bool> used_;
 };
 
-/// The data of a run for pictures, meshes and the report, read or computed once on first use. Copies share it, and any
-/// thread may use it. Converts from the path of a results folder.
+/// The data of a run for pictures, meshes and the report, read or computed once on first use. Later copies share it,
+/// and any thread may use it. Converts from the path of a results folder.
 class RunData {
  public:
   /// A finished run: reads DIR/reamed.vdb (with `bone_from_glenoid`, 16 numbers row by row, `bone_side` and
@@ -75,14 +75,14 @@ class RunData {
   /// Marks the run as ended with this fill and a complete forces.csv.
   void finish(FillBricks fill);
 
-  [[nodiscard]] const std::string& dir() const { return state_->dir; }
+  [[nodiscard]] const std::string& dir() const { return dir_; }
   // These throw InputError when a file is missing or damaged, or the tool sweeps no volume.
-  [[nodiscard]] const RunInputs& inputs() const { return state_->inputs.get(); }
+  [[nodiscard]] const RunInputs& inputs() const { return inputs_.get(); }
   [[nodiscard]] const Voxmap& voxmap() const { return *inputs().voxmap; }
-  [[nodiscard]] const UnreamedSurface& unreamed() const { return state_->prediction.get().unreamed; }
-  [[nodiscard]] const ViewTarget& target() const { return state_->prediction.get().target; }
+  [[nodiscard]] const UnreamedSurface& unreamed() const { return prediction_.get().unreamed; }
+  [[nodiscard]] const ViewTarget& target() const { return prediction_.get().target; }
   /// The frames in which the tools are expected to touch bone.
-  [[nodiscard]] const FrameSpans& contact() const { return state_->prediction.get().contact; }
+  [[nodiscard]] const FrameSpans& contact() const { return prediction_.get().contact; }
   // These also throw std::logic_error before the run has ended.
   [[nodiscard]] const FillBricks& last_fill() const { return outcome().fill; }
   /// With means over a voxel of travel if voxels are removed as a whole; of a long run decimated, with all snapshots.
@@ -100,18 +100,14 @@ class RunData {
     ViewTarget target;
     FrameSpans contact;
   };
-  struct State {
-    std::string dir;
-    std::shared_future<Outcome> outcome{};
-    std::shared_future<RunInputs> inputs{};
-    std::shared_future<Prediction> prediction{};
-  };
-
   static Outcome read_outcome(const std::string& dir);
   static Prediction predict_outcome(const RunInputs& inputs);
   [[nodiscard]] const Outcome& outcome() const;
 
-  std::shared_ptr<State> state_;
+  std::string dir_;
+  std::shared_future<Outcome> outcome_;
+  std::shared_future<RunInputs> inputs_;
+  std::shared_future<Prediction> prediction_;
 };
 
 /// The fill after the first snapshot, that of `frame`; without a folder the fill at the start. Throws InputError.

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "render/surface/solid_field.h"
-#include "render/surface/unreamed_surface.h"
 
 namespace reamsim {
 

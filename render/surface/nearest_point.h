@@ -4,7 +4,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <cmath>
 #include <unsupported/Eigen/BVH>
 #include <vector>
 
@@ -14,30 +13,14 @@ namespace reamsim {
 class NearestPoint {
  public:
   /// At least one point.
-  explicit NearestPoint(const std::vector<Eigen::Vector3d>& points)
-      : NearestPoint(points, {points.begin(), points.end()}) {}
+  explicit NearestPoint(const std::vector<Eigen::Vector3d>& points);
 
-  [[nodiscard]] double distance(const Eigen::Vector3d& from) const {
-    Query query{from};
-    return std::sqrt(Eigen::BVMinimize(tree_, query));
-  }
+  [[nodiscard]] double distance(const Eigen::Vector3d& from) const;
 
  private:
-  using Tree = Eigen::KdBVH<double, 3, Eigen::Vector3d>;
-  using Boxes = std::vector<Eigen::AlignedBox3d>;
-  /// For Eigen::BVMinimize: the squared distance to a point, and its lower bound in a box.
-  struct Query {
-    using Scalar = double;
-    Eigen::Vector3d from;
+  struct Query;
 
-    double minimumOnVolume(const Tree::Volume& box) const { return box.squaredExteriorDistance(from); }
-    double minimumOnObject(const Eigen::Vector3d& point) const { return (point - from).squaredNorm(); }
-  };
-
-  NearestPoint(const std::vector<Eigen::Vector3d>& points, const Boxes& boxes)
-      : tree_(points.begin(), points.end(), boxes.begin(), boxes.end()) {}
-
-  Tree tree_;
+  Eigen::KdBVH<double, 3, Eigen::Vector3d> tree_;
 };
 
 }  // namespace reamsim

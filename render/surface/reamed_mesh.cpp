@@ -197,11 +197,6 @@ Json document(const Buffer& buffer, const Json& attributes, std::size_t indices,
   return out;
 }
 
-void put_word(std::ofstream& out, std::size_t word) {
-  const auto narrow = static_cast<std::uint32_t>(word);
-  out.write(reinterpret_cast<const char*>(&narrow), sizeof narrow);
-}
-
 void write_chunks(const std::string& path, const std::string& json, const std::vector<char>& binary) {
   constexpr std::size_t kHeads = 12 + 8 + 8;
   const std::size_t total = kHeads + json.size() + binary.size();
@@ -209,13 +204,15 @@ void write_chunks(const std::string& path, const std::string& json, const std::v
     throw RunError(path + ": the mesh exceeds the 4 GiB limit of GLB: set output.meshes: false, or use larger voxels");
   }
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  for (const std::size_t word : {std::size_t{kMagic}, std::size_t{2}, total, json.size(), std::size_t{kJsonChunk}}) {
-    put_word(out, word);
-  }
-  out << json;
-  put_word(out, binary.size());
-  put_word(out, kBinaryChunk);
-  out.write(binary.data(), static_cast<std::streamsize>(binary.size()));
+  const auto put = [&](std::initializer_list<std::size_t> words, const auto& bytes) {
+    for (const std::size_t word : words) {
+      const auto narrow = static_cast<std::uint32_t>(word);
+      out.write(reinterpret_cast<const char*>(&narrow), sizeof narrow);
+    }
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  };
+  put({kMagic, 2, total, json.size(), kJsonChunk}, json);
+  put({binary.size(), kBinaryChunk}, binary);
   close_file(out, path);
 }
 

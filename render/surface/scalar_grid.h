@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "render/surface/solid_field.h"
 #include "render/surface/surface_smoothing.h"
-#include "render/surface/unreamed_surface.h"
 #include "sim/base/parallel.h"
 
 // Only for the source files of this folder, because OpenVDB's headers take ten seconds to compile.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/surface/unreamed_surface.h"
+#include "render/surface/solid_field.h"
 
 #include <algorithm>
 #include <cmath>
@@ -174,6 +174,25 @@ double max_depth_mm(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const
 }
 
 }  // namespace
+
+/// For Eigen::BVMinimize: the squared distance to a point, and its lower bound in a box.
+struct NearestPoint::Query {
+  using Scalar = double;
+  Point from;
+
+  double minimumOnVolume(const Eigen::AlignedBox3d& box) const { return box.squaredExteriorDistance(from); }
+  double minimumOnObject(const Point& point) const { return (point - from).squaredNorm(); }
+};
+
+NearestPoint::NearestPoint(const std::vector<Point>& points) {
+  const std::vector<Eigen::AlignedBox3d> boxes(points.begin(), points.end());
+  tree_.init(points.begin(), points.end(), boxes.begin(), boxes.end());
+}
+
+double NearestPoint::distance(const Point& from) const {
+  Query query{from};
+  return std::sqrt(Eigen::BVMinimize(tree_, query));
+}
 
 UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before, const FillBricks& after)
     : before_(std::move(before)),

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/render_thread.h"
+#include "render/render.h"
 
 #include <gtest/gtest.h>
 
