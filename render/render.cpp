@@ -109,7 +109,7 @@ class PictureComposer {
   [[nodiscard]] int turns() const { return view_.settings().turntable_pictures; }
   [[nodiscard]] std::string turntable_path(int turn) const { return fmt::format("{}/turntable/{:03}.png", dir_, turn); }
   [[nodiscard]] std::string film_path(const std::string& name) const {
-    return dir_ + "/" + name + film_extension(view_.settings().film);
+    return dir_ + "/" + name + "." + name_of(view_.settings().film);
   }
   [[nodiscard]] std::string picture_path(const std::string& name, const Shot& shot) const {
     const bool plain = shot.camera.name == camera_without_suffix_;

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -18,17 +17,6 @@
 
 namespace reamsim {
 namespace {
-
-struct Format {
-  const char* extension;
-  const char* encoder;
-};
-
-const Format& format_of(FilmFormat format) {
-  static constexpr std::array<Format, 4> kFormats{
-      {{"", ""}, {".mp4", "libx264"}, {".webp", "libwebp_anim"}, {".apng", "apng"}}};
-  return kFormats[static_cast<std::size_t>(format)];
-}
 
 void close_fd(int& fd) {
   if (fd >= 0) close(fd);
@@ -64,10 +52,6 @@ int even_px(int px) {
   return std::max(2, px / 2 * 2);
 }
 
-std::string film_extension(FilmFormat format) {
-  return format_of(format).extension;
-}
-
 void require_film_program(const RenderSettings& settings) {
   const FilmFormat format = settings.film;
   if (!settings.enabled || format == FilmFormat::none) return;
@@ -79,7 +63,9 @@ void require_film_program(const RenderSettings& settings) {
                    "): install it (apt-get install ffmpeg), or remove render.film and --film");
   }
   wait_for(child);
-  const std::string encoder = format_of(format).encoder;
+  const std::string encoder = format == FilmFormat::mp4    ? "libx264"
+                              : format == FilmFormat::webp ? "libwebp_anim"
+                                                           : "apng";
   if (output.contents().find(" " + encoder + " ") == std::string::npos) {
     throw RunError("the ffmpeg on this machine cannot write " + name_of(format) + ", because it has no encoder " +
                    encoder + ": install another ffmpeg, or choose another render.film");

@@ -60,15 +60,15 @@ ForcePanel::ForcePanel(const ForceLog& log, const std::string& mean, int width_p
   const auto curves = static_cast<double>(curves_.size());
   const double height = (height_px - (kTop + (curves - 1) * kBetween + kBottom) * unit) / curves;
   double y = kTop * unit;
+  const Canvas canvas(background_);
   for (Curve& curve : curves_) {
     curve.title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(curve.title.front())));
     curve.box = {kLeft * unit, y, width_px - (kLeft + kRight) * unit, height};
     y += height + kBetween * unit;
     compute_envelope(curve);
-    draw_frame(curve);
+    draw_frame(canvas, curve);
   }
-  draw_time_axis();
-  const Canvas canvas(background_);
+  draw_time_axis(canvas);
   for (const Curve& curve : curves_) draw_curve(canvas, curve, curve.low.size(), kPaleOpacity);
   canvas.finish();
 }
@@ -102,8 +102,7 @@ void ForcePanel::compute_envelope(Curve& curve) const {
   curve.min = scale.step * std::floor(least / scale.step + 1e-6);
 }
 
-void ForcePanel::draw_frame(const Curve& curve) {
-  const Canvas canvas(background_);
+void ForcePanel::draw_frame(const Canvas& canvas, const Curve& curve) const {
   const Box& box = curve.box;
   const int lowest = static_cast<int>(std::lround(curve.min / curve.step));
   const int highest = static_cast<int>(std::lround(curve.max / curve.step));
@@ -118,11 +117,9 @@ void ForcePanel::draw_frame(const Curve& curve) {
   }
   const TextLine title(canvas, curve.title + " (" + curve.unit + ")", kTitle * unit_, true);
   title.draw(box.x, box.y - title.height - 16 * unit_);
-  canvas.finish();
 }
 
-void ForcePanel::draw_time_axis() {
-  const Canvas canvas(background_);
+void ForcePanel::draw_time_axis(const Canvas& canvas) const {
   const Scale scale = scale_up_to(last_s_ - first_s_);
   const Box& lower = curves_.back().box;
   const double bottom = lower.y + lower.height;
@@ -139,7 +136,6 @@ void ForcePanel::draw_time_axis() {
   }
   const TextLine title(canvas, "Time (s)", kNumber * unit_);
   title.draw(lower.x + 0.5 * (lower.width - title.width), bottom + 40 * unit_);
-  canvas.finish();
 }
 
 void ForcePanel::draw_curve(const Canvas& canvas, const Curve& curve, std::size_t columns, double opacity) const {

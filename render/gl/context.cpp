@@ -163,21 +163,19 @@ std::unique_ptr<OffscreenContext> make_osmesa_context() {
 std::unique_ptr<OffscreenContext> make_context(RenderContext wanted, std::string& fallback) {
   fallback.clear();
   const bool osmesa_first = wanted != RenderContext::egl;
-  std::string first_reason;
-  try {
-    return osmesa_first ? make_osmesa_context() : make_egl_context();
-  } catch (const RunError& error) {
-    first_reason = error.what();
-  }
-  try {
-    auto other = osmesa_first ? make_egl_context() : make_osmesa_context();
-    if (wanted != RenderContext::automatic) {
-      fallback = first_reason + "; rendering with " + (osmesa_first ? "egl" : "osmesa") + " instead";
+  std::string reasons;
+  for (const bool osmesa : {osmesa_first, !osmesa_first}) {
+    try {
+      auto context = osmesa ? make_osmesa_context() : make_egl_context();
+      if (osmesa != osmesa_first && wanted != RenderContext::automatic) {
+        fallback = reasons + "; rendering with " + (osmesa ? "osmesa" : "egl") + " instead";
+      }
+      return context;
+    } catch (const RunError& error) {
+      reasons += (reasons.empty() ? "" : "; ") + std::string(error.what());
     }
-    return other;
-  } catch (const RunError& error) {
-    throw RunError("no off-screen OpenGL context: " + first_reason + "; " + error.what());
   }
+  throw RunError("no off-screen OpenGL context: " + reasons);
 }
 
 }  // namespace reamsim

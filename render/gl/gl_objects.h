@@ -57,11 +57,15 @@ class GlProgram {
   void use() const { gl_.UseProgram(id_); }
   // Uniforms of the program in use. OpenGL ignores unknown names.
   void set(const char* name, int value) const { gl_.Uniform1i(location(name), value); }
-  void set(const char* name, float value) const { gl_.Uniform1f(location(name), value); }
-  void set(const char* name, const Eigen::Vector3f& value) const { gl_.Uniform3fv(location(name), 1, value.data()); }
-  void set(const char* name, const Eigen::Vector4f& value) const { gl_.Uniform4fv(location(name), 1, value.data()); }
-  void set(const char* name, const Eigen::Matrix4f& value) const {
-    gl_.UniformMatrix4fv(location(name), 1, GL_FALSE, value.data());
+  void set(const char* name, double value) const { gl_.Uniform1f(location(name), static_cast<float>(value)); }
+  void set(const char* name, const Eigen::Vector3d& value) const {
+    gl_.Uniform3fv(location(name), 1, Eigen::Vector3f(value.cast<float>()).data());
+  }
+  void set(const char* name, const Eigen::Vector4d& value) const {
+    gl_.Uniform4fv(location(name), 1, Eigen::Vector4f(value.cast<float>()).data());
+  }
+  void set(const char* name, const Eigen::Matrix4d& value) const {
+    gl_.UniformMatrix4fv(location(name), 1, GL_FALSE, Eigen::Matrix4f(value.cast<float>()).data());
   }
 
  private:

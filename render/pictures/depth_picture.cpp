@@ -36,10 +36,7 @@ const Rgb kHoleRgb(0.75, 0.10, 0.12);
 Camera map_camera(const DepthField& field, const PageLayout& page) {
   const Vec2 size = field.max_mm() - field.min_mm();
   const Vec2 middle = 0.5 * (field.min_mm() + field.max_mm());
-  Camera camera;
-  camera.name = "depth_map";
-  camera.width_px = page.view_width_px;
-  camera.height_px = page.height_px;
+  Camera camera{.name = "depth_map", .width_px = page.view_width_px, .height_px = page.height_px};
   camera.mm_per_px = std::max(size.x() / camera.width_px, size.y() / camera.height_px) / kMapFraction;
   camera.eye_from_bone.translation() = Vec3(-middle.x(), -middle.y(), 0);
   return camera;

@@ -15,7 +15,9 @@
 #include "sim/record/result_json.h"
 
 namespace reamsim {
+namespace {
 using Json = nlohmann::ordered_json;
+}  // namespace
 
 namespace verify {
 

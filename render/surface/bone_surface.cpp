@@ -50,10 +50,6 @@ Eigen::Vector3f normal_at(const Accessor& field, const Vec3d& p) {
   return Eigen::Vector3d(slope.x() / length, slope.y() / length, slope.z() / length).cast<float>();
 }
 
-Vec3d vdb_point(const Eigen::Vector3f& p) {
-  return {p.x(), p.y(), p.z()};
-}
-
 std::vector<Eigen::Vector3f> normals_at(const std::vector<Eigen::Vector3f>& points, const SolidField& field) {
   std::vector<Eigen::Vector3f> normals(points.size());
   parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -104,12 +100,19 @@ float AmbientOcclusion::Level::sample(const Eigen::Vector3f& point) const {
   return trilinear([&](int x, int y, int z) { return corner[x + y * row + z * layer]; });
 }
 
-AmbientOcclusion::AmbientOcclusion(const Occupancy& occupancy) : voxel_mm_(occupancy.voxmap().grid.voxel_mm) {
+AmbientOcclusion::AmbientOcclusion(const Occupancy& occupancy) {
   const Vec3i voxels = occupancy.brick_dims() * FillBricks::kSide;
   for (int level = 0; level < kLevels; ++level) {
     const int cell = kFinestCell << level;
     const BrickLattice cells{(voxels.array() + cell - 1) / cell};
     levels_.push_back({cell, cells, std::vector<float>(cells.count(), 0.0F)});
+  }
+  for (std::size_t i = 0; i < kDistances_mm.size(); ++i) {
+    const float reach = kDistances_mm[i] / static_cast<float>(occupancy.voxmap().grid.voxel_mm);
+    // Cells up to half the distance wide do not reach the flat face that the point lies on.
+    const int wanted = std::ilogb(std::max(reach * 0.5F / kFinestCell, 1.0F));
+    const auto level = static_cast<std::size_t>(std::clamp(wanted, 0, kLevels - 1));
+    probes_.push_back({level, std::max(reach, 1.5F * static_cast<float>(levels_[level].cell_voxels)), kWeights[i]});
   }
   const BrickLattice bricks{occupancy.brick_dims()};
   parallel_ranges(bricks.count(), 64, [&](std::size_t begin, std::size_t end) {
@@ -160,21 +163,10 @@ void AmbientOcclusion::average_coarse() {
   }
 }
 
-AmbientOcclusion::Probe AmbientOcclusion::probe_at(std::size_t distance) const {
-  const float reach = kDistances_mm[distance] / static_cast<float>(voxel_mm_);
-  // Cells up to half the distance wide do not reach the flat face that the point lies on.
-  const int wanted = std::ilogb(std::max(reach * 0.5F / kFinestCell, 1.0F));
-  const Level& level = levels_[static_cast<std::size_t>(std::clamp(wanted, 0, kLevels - 1))];
-  return {&level, std::max(reach, 1.5F * static_cast<float>(level.cell_voxels))};
-}
-
 double AmbientOcclusion::reach_voxels() const {
   double reach = 0;
-  for (std::size_t i = 0; i < kDistances_mm.size(); ++i) {
-    const Probe probe = probe_at(i);
-    // Interpolation reads cells whose centres are up to one cell away.
-    reach = std::max(reach, probe.offset + 1.5 * probe.level->cell_voxels);
-  }
+  // Interpolation reads cells whose centres are up to one cell away.
+  for (const Probe& probe : probes_) reach = std::max(reach, probe.offset + 1.5 * levels_[probe.level].cell_voxels);
   return reach;
 }
 
@@ -183,14 +175,12 @@ float AmbientOcclusion::accessibility(const Eigen::Vector3f& point, const Eigen:
   const Eigen::Vector3f u = normal.cross(helper).normalized();
   const Eigen::Vector3f v = normal.cross(u);
   float occluded = 0;
-  for (std::size_t i = 0; i < kDistances_mm.size(); ++i) {
-    const Probe probe = probe_at(i);
-    const Level& level = *probe.level;
+  for (const Probe& probe : probes_) {
     float sum = 0;
     for (const Eigen::Vector3f& d : kDirections) {
-      sum += level.sample(point + probe.offset * (d.x() * u + d.y() * v + d.z() * normal));
+      sum += levels_[probe.level].sample(point + probe.offset * (d.x() * u + d.y() * v + d.z() * normal));
     }
-    occluded += kWeights[i] * sum / static_cast<float>(kDirections.size());
+    occluded += probe.weight * sum / static_cast<float>(kDirections.size());
   }
   return 1 - occluded;
 }
@@ -233,8 +223,9 @@ BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& field
     const Vec3d p = vdb_point(points[i]);
     return sampler.removed(p) > 0 ? sampler.removal(sampler.on_surface(p)) : Removal();
   };
-  Reaming reaming = reaming_at(points.size(), fields.unreamed, fields.solid.grid(), removal_at,
-                               [&](std::size_t i) { return vdb_point(points[i] * static_cast<float>(grid.voxel_mm)); });
+  Reaming reaming = reaming_at(points.size(), fields.unreamed, fields.solid.grid(), removal_at, [&](std::size_t i) {
+    return vdb_point(Eigen::Vector3f(points[i] * static_cast<float>(grid.voxel_mm)));
+  });
   reaming.smooth(neighbours, points, kDepthRounds, kEdgeRounds);
   out.vertices.resize(points.size() * BoneSurface::kStride);
   parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {

@@ -77,8 +77,7 @@ std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
 
 void add_reaming(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& unreamed) {
   const auto voxel = [&](std::size_t i) {
-    const Vec3 at = (out.mesh.vertices[i] - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
-    return openvdb::Vec3d(at.x(), at.y(), at.z());
+    return vdb_point(Vec3((out.mesh.vertices[i] - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5)));
   };
   // Without the field of the current bone the certainty stands for the edge as well.
   const auto removal_at = [&](const ReamingSampler& sampler, std::size_t i) {
@@ -147,15 +146,10 @@ struct Buffer {
 
 std::size_t add_positions(Buffer& buffer, const TriangleMesh& mesh) {
   std::vector<Eigen::Vector3f> positions;
-  positions.reserve(mesh.vertices.size());
-  Eigen::Vector3f low = mesh.vertices.front().cast<float>();
-  Eigen::Vector3f high = low;
-  for (const Vec3& v : mesh.vertices) {
-    positions.emplace_back(v.cast<float>());
-    low = low.cwiseMin(positions.back());
-    high = high.cwiseMax(positions.back());
-  }
-  const Json bounds{{"min", {low.x(), low.y(), low.z()}}, {"max", {high.x(), high.y(), high.z()}}};
+  Eigen::AlignedBox3f box;
+  for (const Vec3& v : mesh.vertices) box.extend(positions.emplace_back(v.cast<float>()));
+  const auto json = [](const Eigen::Vector3f& p) { return Json{p.x(), p.y(), p.z()}; };
+  const Json bounds{{"min", json(box.min())}, {"max", json(box.max())}};
   return buffer.add(positions, kVertices, kFloat, positions.size(), "VEC3", bounds);
 }
 

@@ -23,6 +23,11 @@ struct ScalarGrid {
 /// The isosurface of `field` at `level`, in the grid's world space; with `where`, only in its active voxels.
 IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvdb::BoolGrid::ConstPtr where = nullptr);
 
+template <class Point>
+openvdb::Vec3d vdb_point(const Point& p) {
+  return openvdb::Vec3d(p.x(), p.y(), p.z());
+}
+
 inline double sample(const openvdb::FloatGrid::ConstAccessor& accessor, const openvdb::Vec3d& point) {
   return openvdb::tools::BoxSampler::sample(accessor, point);
 }

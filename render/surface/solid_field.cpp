@@ -183,7 +183,7 @@ std::vector<float> SolidField::at(std::span<const Vec3> points) const {
   const auto accessor = grid_->vdb->getConstAccessor();
   std::vector<float> out;
   out.reserve(points.size());
-  for (const Vec3& p : points) out.push_back(static_cast<float>(sample(accessor, {p.x(), p.y(), p.z()})));
+  for (const Vec3& p : points) out.push_back(static_cast<float>(sample(accessor, vdb_point(p))));
   return out;
 }
 

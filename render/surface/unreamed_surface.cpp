@@ -70,13 +70,10 @@ std::vector<std::uint8_t> above_removed_bone(const OffsetSurface& offset, const 
                                              const FillBricks& before, const FillBricks& after) {
   const double voxel_mm = voxmap.grid.voxel_mm;
   const auto accessor = offset.distance_mm->getConstAccessor();
-  const auto distance_at = [&](const Vec3d& mm) {
-    return openvdb::tools::BoxSampler::sample(accessor, offset.distance_mm->worldToIndex(mm));
-  };
+  const auto distance_at = [&](const Vec3d& mm) { return sample(accessor, offset.distance_mm->worldToIndex(mm)); };
   std::vector<std::uint8_t> marked(offset.surface.points.size(), 0);
   for (std::size_t i = 0; i < marked.size(); ++i) {
-    const Eigen::Vector3f& point = offset.surface.points[i];
-    const Vec3d p(point.x(), point.y(), point.z());
+    const Vec3d p = vdb_point(offset.surface.points[i]);
     const Vec3d slope = central_difference(distance_at, p, 0.5 * offset.distance_mm->voxelSize()[0]);
     if (slope.length() < 1e-9) continue;
     const Vec3d below = (p - slope.unit() * (kClosing_mm + 0.75 * voxel_mm)) / voxel_mm;
@@ -106,7 +103,7 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBrick
   const double brick_cells = FillBricks::kSide * voxel_mm / cell_mm;
   after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
     if (!reamed(fill, before.brick(coord))) return;
-    const Vec3d lower = brick_cells * Vec3d(coord.x(), coord.y(), coord.z());
+    const Vec3d lower = brick_cells * vdb_point(coord);
     const openvdb::Coord from = openvdb::Coord::floor(lower - Vec3d(2));
     const openvdb::Coord to = openvdb::Coord::ceil(lower + Vec3d(brick_cells + 2));
     grid->denseFill(openvdb::CoordBBox(from, to), 0.0F, true);
@@ -155,8 +152,8 @@ double max_depth_mm(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const
   const auto measure = [&](const Vec3i& cut, const Vec3i& bone) {
     if (!voxmap.grid.contains(bone) || voxmap.grade.get(bone) == 0 || fraction(bone) < 0.5) return;
     const double above_voxels = fraction(bone) < 1 ? fraction(bone) - 0.5 : 0.5 + fraction(cut);
-    const Vec3d mm = voxel_mm * Vec3d(bone.x(), bone.y(), bone.z());
-    const double depth_mm = openvdb::tools::BoxSampler::sample(depths, depth.worldToIndex(mm));
+    const Vec3d mm = voxel_mm * vdb_point(bone);
+    const double depth_mm = sample(depths, depth.worldToIndex(mm));
     deepest_mm = std::max(deepest_mm, depth_mm - above_voxels * voxel_mm);
   };
   after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {

@@ -8,8 +8,6 @@
 
 #include <cmath>
 
-#include "sim/base/error.h"
-
 namespace reamsim {
 namespace {
 
