@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "render/gl/camera.h"
-#include "render/pictures/run_data.h"
+#include "render/pictures/run_view.h"
 #include "render/surface/scalar_grid.h"
 #include "sim/tool/profile.h"
 #include "tests/render/results_fixture.h"
