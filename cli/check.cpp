@@ -15,7 +15,6 @@
 #include "cli/outputs.h"
 #include "render/pictures/figures.h"
 #include "render/render.h"
-#include "render/render_thread.h"
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/base/text.h"

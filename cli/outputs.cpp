@@ -8,7 +8,6 @@
 
 #include "render/pictures/figures.h"
 #include "render/plots/plots.h"
-#include "render/render.h"
 #include "render/viewer/report.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"

@@ -6,8 +6,7 @@
 #include <optional>
 
 #include "cli/console.h"
-#include "render/pictures/run_view.h"
-#include "render/render_thread.h"
+#include "render/render.h"
 #include "sim/run/run_scenario.h"
 
 namespace reamsim {

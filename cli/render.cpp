@@ -16,7 +16,6 @@
 #include "cli/outputs.h"
 #include "render/plots/plots.h"
 #include "render/render.h"
-#include "render/render_thread.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/record/manifest.h"
@@ -207,7 +206,7 @@ void require_drawable(const RenderOptions& options, const PictureOptions& pictur
   require_states_for_film(options, pictures, run.inputs().frames.size());
   const RunView view(run, pictures.settings);
   if (count_pictures(pictures, view.frames(), run.contact()) == 0) return;
-  static_cast<void>(FrameSchedule(view, pictures));
+  static_cast<void>(shots_of(view, pictures));
   PictureOptions own = pictures;
   if (!own.film && own.settings.turntable_pictures == 0) own.settings.film = FilmFormat::none;
   require_film_program(own.settings);

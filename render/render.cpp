@@ -1,20 +1,192 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include "render/render.h"
+
 #include <fmt/core.h>
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <future>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "render/film/film.h"
 #include "render/pictures/composites.h"
-#include "render/render.h"
-#include "render/render_thread.h"
+#include "render/pictures/renderer.h"
 #include "sim/base/error.h"
-#include "sim/base/text.h"
+#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
+
+namespace {
+
+/// Limits of the memory for waiting frames: a fraction of the machine's memory, and an absolute one.
+constexpr double kWaitingFraction = 1.0 / 16;
+constexpr double kMaxWaiting_bytes = 1e9;
+
+std::size_t bytes_of(const RenderedFrame& frame) {
+  return frame.image.pixels.size() * sizeof(frame.image.pixels[0]);
+}
+
+}  // namespace
+
+bool FrameQueue::push(RenderedFrame frame) {
+  const std::size_t size = bytes_of(frame);
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return closed_ || frames_.empty() || bytes_ + size <= max_bytes_; });
+  if (closed_) return false;
+  bytes_ += size;
+  frames_.push_back(std::move(frame));
+  changed_.notify_all();
+  return true;
+}
+
+void FrameQueue::finish(std::exception_ptr error) {
+  const std::lock_guard lock(mutex_);
+  finished_ = true;
+  error_ = std::move(error);
+  changed_.notify_all();
+}
+
+std::optional<RenderedFrame> FrameQueue::pop() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return finished_ || !frames_.empty(); });
+  if (frames_.empty()) {
+    if (error_) std::rethrow_exception(error_);
+    return std::nullopt;
+  }
+  RenderedFrame out = std::move(frames_.front());
+  frames_.pop_front();
+  bytes_ -= bytes_of(out);
+  changed_.notify_all();
+  return out;
+}
+
+void FrameQueue::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  changed_.notify_all();
+}
+
+RenderThread::RenderThread(const RunData& run, const PictureOptions& options)
+    : queue_(static_cast<std::size_t>(std::min(kMaxWaiting_bytes, kWaitingFraction * machine_memory_bytes()))),
+      thread_([this, run, options] { work(run, options); }) {}
+
+RenderThread::~RenderThread() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  queue_.close();
+  thread_.join();
+}
+
+void RenderThread::snapshots_written(std::int64_t frame) {
+  {
+    const std::lock_guard lock(mutex_);
+    written_ = std::max(written_, frame);
+  }
+  changed_.notify_all();
+}
+
+void RenderThread::wait_for_snapshot(std::int64_t frame) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return stop_ || written_ >= frame; });
+  if (stop_) throw Stopped();
+}
+
+void RenderThread::render(const RunView& view, const std::vector<Shot>& shots) {
+  using Kind = Shot::Kind;
+  wait_for_snapshot(view.frames().front());
+  Renderer renderer(view);
+  warning_ = renderer.warning();
+  context_ = renderer.context();
+  std::int64_t state = -1;
+  for (const Shot& shot : shots) {
+    wait_for_snapshot(shot.frame);
+    if (shot.kind != Kind::before && shot.frame != state) renderer.advance_to(state = shot.frame);
+    RenderedFrame out{shot, renderer.deepest_mm()};
+    std::optional<PlacedTool> tool;
+    if (shot.kind == Kind::frame || shot.kind == Kind::sheet || shot.kind == Kind::film) {
+      tool = view.tool_at(shot.frame);
+    }
+    out.image = renderer.render(shot.camera, tool, shot.kind == Kind::film);
+    const bool numbered = shot.kind != Kind::sheet && !(tool && shot.camera.shows_tool);
+    if (numbered) out.contours = renderer.contours(shot.camera);
+    if (!queue_.push(std::move(out))) throw Stopped();
+  }
+}
+
+void RenderThread::work(const RunData& run, const PictureOptions& options) {
+  try {
+    const RunView view(run, options.settings);
+    if (count_pictures(options, view.frames(), run.contact()) > 0) render(view, shots_of(view, options));
+    queue_.finish(nullptr);
+  } catch (const Stopped&) {
+    queue_.finish(nullptr);
+  } catch (...) {
+    queue_.finish(std::current_exception());
+  }
+}
+
+std::vector<std::string> camera_names(const RenderSettings& settings) {
+  std::vector<std::string> names = names_of(settings.cameras);
+  for (const UserCamera& own : settings.user_cameras) names.push_back(own.name);
+  return names;
+}
+
+std::vector<Shot> shots_of(const RunView& view, const PictureOptions& options) {
+  using Kind = Shot::Kind;
+  const RenderSettings& settings = view.settings();
+  const PageLayout page = view.page();
+  const std::vector<std::string> names = camera_names(settings);
+  std::vector<Camera> cameras, halves, cell, film, turntable;
+  for (const std::string& name : names) {
+    cameras.push_back(view.camera(name, page.view_width_px, page.height_px));
+    if (settings.before_after) halves.push_back(half_camera(view, name));
+  }
+  std::vector<std::int64_t> stills, cells;
+  if (options.stills) stills = still_frames(view.frames(), settings, view.run().contact());
+  if (settings.contact_sheet) {
+    cells = ContactSheet::frames_on(view);
+    cell = {ContactSheet::cell_camera(view, names.front())};
+  }
+  if (options.film && settings.film != FilmFormat::none) film = {film_camera(view, names.front())};
+  for (int i = 0; i < settings.turntable_pictures; ++i) {
+    const double turn = static_cast<double>(i) / settings.turntable_pictures;
+    turntable.push_back(make_turntable_camera(view.run().target(), turn, page.view_width_px, page.height_px));
+  }
+  std::vector<Shot> out;
+  const auto add = [&](Kind kind, std::int64_t frame, const std::vector<Camera>& by) {
+    for (const Camera& camera : by) out.push_back({kind, frame, camera});
+  };
+  add(Kind::before, view.frames().front(), halves);
+  for (const std::int64_t frame : view.frames()) {
+    if (std::ranges::binary_search(stills, frame)) add(Kind::frame, frame, cameras);
+    if (std::ranges::binary_search(cells, frame)) add(Kind::sheet, frame, cell);
+    add(Kind::film, frame, film);
+  }
+  const std::int64_t last = view.frames().back();
+  if (options.stills) add(Kind::after, last, cameras);
+  add(Kind::after_half, last, halves);
+  add(Kind::turntable, last, turntable);
+  return out;
+}
+
+int count_pictures(const PictureOptions& options, const std::vector<std::int64_t>& frames, const FrameSpans& contact) {
+  const RenderSettings& settings = options.settings;
+  const std::size_t cameras = settings.cameras.size() + settings.user_cameras.size();
+  std::size_t sum = options.stills ? cameras * (1 + still_frames(frames, settings, contact).size()) : 0;
+  if (settings.before_after) sum += cameras;
+  if (settings.contact_sheet) ++sum;
+  if (options.film && settings.film != FilmFormat::none) sum += frames.size();
+  return static_cast<int>(sum) + settings.turntable_pictures;
+}
+
 namespace {
 
 /// Writes pictures on another thread, and reports progress.
@@ -51,148 +223,127 @@ class PngWriter {
 /// Composes the pictures of a run from its rendered frames, in their order.
 class PictureComposer {
  public:
-  PictureComposer(const RunData& run, const PictureOptions& options, const PictureProgress& progress)
+  /// `report` gets a warning for each picture of the final state that looks empty; may be null.
+  PictureComposer(const RunData& run, const PictureOptions& options, const PictureProgress& progress,
+                  Diagnostics* report)
       : dir_(run.dir()),
         view_(run, options.settings),
-        schedule_(view_, options),
-        camera_without_suffix_(options.camera_without_suffix.empty() ? schedule_.names.front()
+        camera_without_suffix_(options.camera_without_suffix.empty() ? camera_names(options.settings).front()
                                                                      : options.camera_without_suffix),
         captions_(run.log(), options.mean_travel_mm, options.settings.force_arrow),
-        before_(schedule_.halves.size()),
+        report_(report),
         writer_(progress, count_pictures(options, view_.frames(), run.contact())) {
     std::filesystem::create_directories(dir_ + "/frames");
-    if (!schedule_.turntable.empty()) make_turntable_folder();
-    if (schedule_.sheet) sheet_.emplace(view_, *schedule_.sheet);
-    if (schedule_.film) film_.emplace(film_path("reamed"), view_, captions_, *schedule_.film);
-  }
-
-  /// Without the pictures that a longer turntable left behind the last one of this.
-  void make_turntable_folder() const {
+    if (turns() == 0) return;
     std::filesystem::create_directories(dir_ + "/turntable");
-    for (std::size_t i = schedule_.turntable.size(); std::filesystem::remove(turntable_path(i)); ++i) {
+    // Without the pictures that a longer turntable left behind the last one of this.
+    for (int i = turns(); std::filesystem::remove(turntable_path(i)); ++i) {
     }
-  }
-
-  [[nodiscard]] std::string turntable_path(std::size_t place) const {
-    return fmt::format("{}/turntable/{:03}.png", dir_, place);
   }
 
   void add(RenderedFrame frame) {
     switch (frame.kind) {
-      case RenderedFrame::Kind::before:
-        before_[frame.camera] = std::move(frame.image);
+      case Shot::Kind::before:
+        before_[frame.camera.name] = std::move(frame.image);
         break;
-      case RenderedFrame::Kind::frame:
-        add_frame(std::move(frame));
+      case Shot::Kind::frame:
+        add_frame(frame);
         break;
-      case RenderedFrame::Kind::sheet:
+      case Shot::Kind::sheet:
+        if (!sheet_) sheet_.emplace(view_, frame.camera);
         sheet_->add(std::move(frame.image), row_of(frame.frame));
-        if (frame.frame == schedule_.sheet_frames.back()) writer_.write(dir_ + "/contact_sheet.png", sheet_->finish());
+        if (sheet_->is_full()) writer_.write(dir_ + "/contact_sheet.png", sheet_->finish());
         break;
-      case RenderedFrame::Kind::film:
-        add_film_frame(std::move(frame));
+      case Shot::Kind::film:
+        if (!film_) film_.emplace(film_path("reamed"), view_, captions_, frame.camera);
+        film_->add(std::move(frame.image), row_of(frame.frame));
+        writer_.count(film_path("reamed"));
+        if (frame.frame == view_.frames().back()) film_->finish();
         break;
-      case RenderedFrame::Kind::after:
-        add_after(std::move(frame));
+      case Shot::Kind::after:
+        add_after(frame);
         break;
-      case RenderedFrame::Kind::after_half:
-        writer_.write(dir_ + "/before_after" + suffix(frame.camera) + ".png",
-                      before_and_after(view_, schedule_.halves[frame.camera], before_[frame.camera], frame.image,
+      case Shot::Kind::after_half:
+        writer_.write(picture_path("before_after", frame),
+                      before_and_after(view_, frame.camera, before_[frame.camera.name], frame.image,
                                        captions_.after(frame.deepest_mm), frame.contours));
         break;
-      case RenderedFrame::Kind::turntable:
-        add_turn(std::move(frame));
+      case Shot::Kind::turntable:
+        add_turn(frame);
         break;
     }
   }
 
   void finish() { writer_.finish(); }
 
-  /// One of each picture of the final state that looks empty.
-  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
-
  private:
   [[nodiscard]] const ForceRow& row_of(std::int64_t frame) const {
     return captions_.log().at(frame, dir_ + "/forces.csv");
   }
+  [[nodiscard]] int turns() const { return view_.settings().turntable_pictures; }
+  [[nodiscard]] std::string turntable_path(int turn) const { return fmt::format("{}/turntable/{:03}.png", dir_, turn); }
+  [[nodiscard]] std::string film_path(const std::string& name) const {
+    return dir_ + "/" + name + "." + name_of(view_.settings().film);
+  }
+  [[nodiscard]] std::string picture_path(const std::string& name, const Shot& shot) const {
+    const bool plain = shot.camera.name == camera_without_suffix_;
+    return dir_ + "/" + name + (plain ? "" : "_" + shot.camera.name) + ".png";
+  }
 
-  void add_frame(RenderedFrame frame) {
-    const Camera& camera = schedule_.cameras[frame.camera];
+  /// Takes the image and the contours of the frame.
+  [[nodiscard]] PixelImage labelled(RenderedFrame& frame, Labels labels) const {
+    labels.contours = std::move(frame.contours);
+    return labelled_page(std::move(frame.image), view_.page(), frame.camera, labels, view_.settings().background);
+  }
+
+  void add_frame(RenderedFrame& frame) {
     const ForceRow& row = row_of(frame.frame);
-    Labels labels = view_.labels(camera, view_.tool_at(frame.frame));
+    Labels labels = view_.labels(frame.camera, view_.tool_at(frame.frame));
     labels.values = captions_.at(row);
     labels.force = captions_.arrow(row);
-    labels.contours = std::move(frame.contours);
-    writer_.write(fmt::format("{}/frames/{:06}{}.png", dir_, frame.frame, suffix(frame.camera)),
-                  page_with(std::move(frame.image), camera, labels));
+    writer_.write(picture_path(fmt::format("frames/{:06}", frame.frame), frame), labelled(frame, std::move(labels)));
   }
 
-  void add_film_frame(RenderedFrame frame) {
-    film_->add(std::move(frame.image), row_of(frame.frame));
-    writer_.count(film_path("reamed"));
-    if (frame.frame == view_.frames().back()) film_->finish();
-  }
-
-  void add_after(RenderedFrame frame) {
-    const Camera& camera = schedule_.cameras[frame.camera];
-    Labels labels = view_.labels(camera, std::nullopt);
+  void add_after(RenderedFrame& frame) {
+    Labels labels = view_.labels(frame.camera, std::nullopt);
     labels.title = "After reaming";
     labels.values = captions_.after(frame.deepest_mm);
-    labels.contours = std::move(frame.contours);
-    const std::string name = "reamed" + suffix(frame.camera) + ".png";
-    if (frame.image.has_plain_rows()) {
-      warnings_.push_back(
-          fmt::format("{} looks empty: move position_mm of the camera {} out of the bone, aim target_mm at the bone, "
-                      "or use a larger fov_deg or width_mm",
-                      name, camera.name));
+    const std::string path = picture_path("reamed", frame);
+    if (report_ != nullptr && frame.image.has_plain_rows()) {
+      report_->warn(path.substr(dir_.size() + 1) + " looks empty: move position_mm of the camera " + frame.camera.name +
+                    " out of the bone, aim target_mm at the bone, or use a larger fov_deg or width_mm");
     }
-    writer_.write(dir_ + "/" + name, page_with(std::move(frame.image), camera, labels));
+    writer_.write(path, labelled(frame, std::move(labels)));
   }
 
-  void add_turn(RenderedFrame frame) {
-    const Camera& camera = schedule_.turntable[frame.camera];
-    PixelImage picture = page_with(std::move(frame.image), camera, view_.labels(camera, std::nullopt));
+  void add_turn(RenderedFrame& frame) {
+    frame.contours.clear();
+    PixelImage picture = labelled(frame, view_.labels(frame.camera, std::nullopt));
+    const int turn = turn_++;
     if (view_.settings().film != FilmFormat::none) {
       if (!turntable_film_) turntable_film_.emplace(film_path("turntable"), view_.settings());
       PixelImage page = plain_image(picture.width_px, picture.height_px, 0xffffff);
       page.paste(picture, 0, 0);
       turntable_film_->add(page);
-      if (frame.camera + 1 == schedule_.turntable.size()) turntable_film_->finish();
+      if (turn_ == turns()) turntable_film_->finish();
     }
-    writer_.write(turntable_path(frame.camera), std::move(picture));
-  }
-
-  [[nodiscard]] PixelImage page_with(PixelImage view, const Camera& camera, const Labels& labels) const {
-    return labelled_page(std::move(view), view_.page(), camera, labels, view_.settings().background);
-  }
-
-  [[nodiscard]] std::string film_path(const std::string& name) const {
-    return dir_ + "/" + name + film_extension(view_.settings().film);
-  }
-
-  [[nodiscard]] std::string suffix(std::size_t camera) const {
-    const std::string& name = schedule_.names[camera];
-    return name == camera_without_suffix_ ? std::string() : "_" + name;
+    writer_.write(turntable_path(turn), std::move(picture));
   }
 
   std::string dir_;
   RunView view_;
-  FrameSchedule schedule_;
   std::string camera_without_suffix_;
   Captions captions_;
-  std::vector<PixelImage> before_;
+  Diagnostics* report_;
+  std::map<std::string, PixelImage> before_;  ///< by camera
   std::optional<ContactSheet> sheet_;
   std::optional<Film> film_;
   std::optional<FilmEncoder> turntable_film_;
-  std::vector<std::string> warnings_;
+  int turn_ = 0;
   PngWriter writer_;
 };
 
 }  // namespace
-
-void require_film_program(const RenderSettings& settings) {
-  if (settings.enabled && settings.film != FilmFormat::none) require_encoder(settings.film);
-}
 
 std::string render_pictures(const RunData& run, const PictureOptions& options, const PictureProgress& progress,
                             Diagnostics* report, RenderThread* thread) {
@@ -206,14 +357,11 @@ std::string render_pictures(const RunData& run, const PictureOptions& options, c
     thread->snapshots_written(std::numeric_limits<std::int64_t>::max());
   }
   try {
-    PictureComposer composer(run, options, progress);
+    PictureComposer composer(run, options, progress, report);
     std::optional<RenderedFrame> frame = thread->next();
     if (report != nullptr && !thread->warning().empty()) report->warn(thread->warning());
     for (; frame; frame = thread->next()) composer.add(std::move(*frame));
     composer.finish();
-    if (report != nullptr) {
-      for (const std::string& warning : composer.warnings()) report->warn(warning);
-    }
     return thread->context();
   } catch (const std::filesystem::filesystem_error& error) {
     throw RunError(run.dir() + ": " + error.code().message());

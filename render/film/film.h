@@ -13,20 +13,17 @@
 
 namespace reamsim {
 
-/// The file extension of this format: ".mp4", ".webp", ".apng".
-std::string film_extension(FilmFormat format);
-
 /// Rounds down to an even number, at least 2.
 int even_px(int px);
 
-/// Throws RunError, with what to install, when no ffmpeg can write this format.
-void require_encoder(FilmFormat format);
+/// Throws RunError, with what to install, when the settings have a film and no ffmpeg can write it. Call it before a
+/// run.
+void require_film_program(const RenderSettings& settings);
 
 /// Pipes pictures to ffmpeg, which writes a film. The file gets its name when it is complete.
 class FilmEncoder {
  public:
-  /// Odd sizes lose a pixel, because H.264 needs even ones. `path` has the film_extension(). Throws RunError: no
-  /// ffmpeg.
+  /// Odd sizes lose a pixel, because H.264 needs even ones. Throws RunError: no ffmpeg.
   FilmEncoder(const std::string& path, const RenderSettings& settings);
   /// Without finish(): stops ffmpeg and removes its file.
   ~FilmEncoder();
@@ -79,8 +76,8 @@ class ForcePanel {
   };
 
   void compute_envelope(Curve& curve) const;
-  void draw_frame(const Curve& curve);
-  void draw_time_axis();
+  void draw_frame(const class Canvas& canvas, const Curve& curve) const;
+  void draw_time_axis(const class Canvas& canvas) const;
   /// Draws the curve up to a column.
   void draw_curve(const class Canvas& canvas, const Curve& curve, std::size_t columns, double opacity) const;
   [[nodiscard]] double y_of(const Curve& curve, double value) const;

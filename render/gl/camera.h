@@ -39,10 +39,10 @@ struct Camera {
   int height_px = 0;
   Rigid eye_from_bone = Rigid::Identity();  ///< x right, y up, z towards the viewer; x = y = 0 in the middle
   double mm_per_px = 1;
-  double depth_range_mm = 1;                 ///< visible depth on either side of the picture plane
-  std::optional<double> eye_mm;              ///< perspective: the eye is at z = eye_mm; without it orthographic
-  std::optional<Eigen::Vector4d> cut_plane;  ///< points with a negative value are clipped; unit normal
-  bool shows_tool = true;                    ///< false: only its outline
+  double depth_range_mm = 1;                   ///< visible depth on either side of the picture plane
+  std::optional<double> eye_mm{};              ///< perspective: the eye is at z = eye_mm; without it orthographic
+  std::optional<Eigen::Vector4d> cut_plane{};  ///< points with a negative value are clipped; unit normal
+  bool shows_tool = true;                      ///< false: only its outline
 
   [[nodiscard]] Eigen::Matrix4d clip_from_bone() const;
   /// Decrease of clip-space z, times w, per mm towards the viewer.
@@ -52,7 +52,7 @@ struct Camera {
 };
 
 /// glenoid: en face, superior up, only the tool's outline. oblique: from lateral, anterior and superior. section: cut
-/// along the tool axis, seen from anterior. overview: oblique, the whole bone. Throws InputError (less than a pixel).
+/// along the tool axis, seen from anterior. overview: oblique, the whole bone.
 Camera make_camera(CameraView view, const ViewTarget& target, int width_px, int height_px);
 
 /// A camera defined by the user. Throws InputError when it needs a missing glenoid frame, or looks along `up`.

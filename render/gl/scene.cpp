@@ -31,7 +31,7 @@ constexpr double kToolCutOffset_mm = 0.05;
 /// The same of contour lines.
 constexpr double kLineLift_mm = 0.35;
 /// Bone behind a section fades by 1/e over 25 mm.
-constexpr float kHaze_per_mm = 0.04F;
+constexpr double kHaze_per_mm = 0.04;
 
 GlProgram program_of(const Gl& gl, const char* name, const char* shaders) {
   return {gl, name, {"#version 450 core\n#define VERTEX\n", shaders}, {embedded::shader_lighting, shaders}};
@@ -44,17 +44,17 @@ GlTexture color_texture(const Gl& gl, const ColorMap& map) {
 }
 
 /// The cut plane in local coordinates; without one, a plane that clips nothing.
-Eigen::Vector4f local_plane(const Camera& camera, const Rigid& bone_from_local) {
+Eigen::Vector4d local_plane(const Camera& camera, const Rigid& bone_from_local) {
   if (!camera.cut_plane) return {0, 0, 0, 1};
-  return (bone_from_local.matrix().transpose() * *camera.cut_plane).cast<float>();
+  return bone_from_local.matrix().transpose() * *camera.cut_plane;
 }
 
 /// Uses a program and sets the uniforms that several programs have.
 void use_program(const GlProgram& program, const DrawCall& call) {
   program.use();
-  program.set("clip_from_bone", Eigen::Matrix4f(call.camera.clip_from_bone().cast<float>()));
-  program.set("key_direction", Eigen::Vector3f(call.settings.light.normalized().cast<float>()));
-  program.set("samples_per_px", static_cast<float>(call.settings.supersampling));
+  program.set("clip_from_bone", call.camera.clip_from_bone());
+  program.set("key_direction", call.settings.light.normalized());
+  program.set("samples_per_px", 1.0 * call.settings.supersampling);
 }
 
 /// Eye coordinates: unit vector from a point towards the viewer, and the millimetres of a pixel there.
@@ -119,16 +119,15 @@ std::vector<Vec3> triangle_normals(const BoneSurface& surface) {
 /// Is the box outside one plane of the view frustum?
 bool outside_frustum(const Eigen::AlignedBox3d& box_mm, const Camera& camera) {
   const Eigen::Matrix4d clip_from_bone = camera.clip_from_bone();
-  std::array<int, 6> outside{};
+  Eigen::Array<double, 4, 8> corners;
   for (int i = 0; i < 8; ++i) {
     const Vec3 corner = box_mm.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
-    const Eigen::Vector4d p = clip_from_bone * corner.homogeneous();
-    for (int axis = 0; axis < 3; ++axis) {
-      outside[static_cast<std::size_t>(2 * axis)] += p[axis] > p.w() ? 1 : 0;
-      outside[static_cast<std::size_t>(2 * axis + 1)] += p[axis] < -p.w() ? 1 : 0;
-    }
+    corners.col(i) = clip_from_bone * corner.homogeneous();
   }
-  return std::ranges::any_of(outside, [](int corners) { return corners == 8; });
+  for (int axis = 0; axis < 3; ++axis) {
+    if ((corners.row(axis) > corners.row(3)).all() || (corners.row(axis) < -corners.row(3)).all()) return true;
+  }
+  return false;
 }
 
 bool cut_away(const Eigen::AlignedBox3d& box_mm, const Eigen::Vector4d& plane) {
@@ -171,17 +170,14 @@ bool may_be_visible(const TileBounds& bounds, const Camera& camera) {
   return !faces_away(bounds, camera);
 }
 
-Scene::Programs::Programs(const Gl& gl)
-    : background(program_of(gl, "background", embedded::shader_background)),
-      bone(program_of(gl, "bone", embedded::shader_bone)),
-      cut_face(program_of(gl, "cut_face", embedded::shader_cut_face)),
-      line(program_of(gl, "line", embedded::shader_line)),
-      tool(program_of(gl, "tool", embedded::shader_tool)),
-      tool_cut(program_of(gl, "tool_cut", embedded::shader_tool_cut)) {}
-
 Scene::Scene(const Gl& gl, const std::vector<ToolSurface>& tools)
     : gl_(gl),
-      programs_(gl),
+      programs_{program_of(gl, "background", embedded::shader_background),
+                program_of(gl, "bone", embedded::shader_bone),
+                program_of(gl, "cut_face", embedded::shader_cut_face),
+                program_of(gl, "line", embedded::shader_line),
+                program_of(gl, "tool", embedded::shader_tool),
+                program_of(gl, "tool_cut", embedded::shader_tool_cut)},
       depth_colors_(color_texture(gl, reamsim::depth_colors())),
       density_colors_(color_texture(gl, reamsim::density_colors())),
       empty_array_(gl.GenVertexArrays, gl.DeleteVertexArrays) {
@@ -191,14 +187,9 @@ Scene::Scene(const Gl& gl, const std::vector<ToolSurface>& tools)
 }
 
 void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed) {
-  bone_.resize(tiles.size());
   for (const std::size_t tile : changed) {
-    const BoneSurface& surface = tiles[tile];
-    bone_[tile].reset();
-    if (surface.indices.empty()) continue;
-    // NOLINTNEXTLINE(modernize-make-unique): a tile is neither moved nor copied
-    bone_[tile] = std::unique_ptr<Tile>(
-        new Tile{{gl_, surface.vertices, BoneSurface::kAttributeSizes, surface.indices}, tile_bounds(surface)});
+    bone_.erase(tile);
+    if (!tiles[tile].indices.empty()) bone_.try_emplace(tile, gl_, tiles[tile]);
   }
 }
 
@@ -219,7 +210,7 @@ PixelImage Scene::draw(const DrawCall& call) {
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthFunc(GL_LEQUAL);
   draw_bone(call);
-  if (call.cut_face != nullptr && call.cut_face->width > 0) draw_cut_face(call);
+  if (call.cut_face.width > 0) draw_cut_face(call);
   if (!call.lines.empty()) draw_lines(call);
   if (call.tool && call.camera.shows_tool) draw_tool(call);
   gl_.check("drawing a picture");
@@ -241,21 +232,21 @@ void Scene::draw_background(Background background) const {
 void Scene::draw_bone(const DrawCall& call) const {
   const GlProgram& program = programs_.bone;
   use_program(program, call);
-  program.set("eye_from_bone", Eigen::Matrix4f(call.camera.eye_from_bone.matrix().cast<float>()));
+  program.set("eye_from_bone", call.camera.eye_from_bone.matrix());
   program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
-  program.set("depth_max_mm", static_cast<float>(call.depth_max_mm));
-  program.set("haze_per_mm", call.camera.cut_plane ? kHaze_per_mm : 0.0F);
+  program.set("depth_max_mm", call.depth_max_mm);
+  program.set("haze_per_mm", call.camera.cut_plane ? kHaze_per_mm : 0.0);
   program.set("depth_colors", 0);
   depth_colors_.bind(0);
   (call.camera.cut_plane ? gl_.Disable : gl_.Enable)(GL_CULL_FACE);
   gl_.CullFace(GL_BACK);
-  for (const auto& tile : bone_) {
-    if (tile && may_be_visible(tile->bounds, call.camera)) tile->mesh.draw();
+  for (const auto& [index, tile] : bone_) {
+    if (may_be_visible(tile.bounds, call.camera)) tile.mesh.draw();
   }
 }
 
 void Scene::draw_cut_face(const DrawCall& call) const {
-  const CutFace& face = *call.cut_face;
+  const CutFace& face = call.cut_face;
   const GlTexture texture(gl_, face.width, face.height, 2, face.texels);
   std::vector<float> vertices;
   constexpr std::array<float, 8> kTexCoords{0, 0, 1, 0, 1, 1, 0, 1};
@@ -267,7 +258,7 @@ void Scene::draw_cut_face(const DrawCall& call) const {
   const GlMesh quad(gl_, vertices, std::array{3, 2}, indices);
   const GlProgram& program = programs_.cut_face;
   use_program(program, call);
-  program.set("density_max_g_cm3", static_cast<float>(call.density_max_g_cm3));
+  program.set("density_max_g_cm3", call.density_max_g_cm3);
   program.set("face", 0);
   program.set("density_colors", 1);
   texture.bind(0);
@@ -283,8 +274,8 @@ void Scene::draw_lines(const DrawCall& call) const {
   const GlProgram& program = programs_.line;
   use_program(program, call);
   program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
-  program.set("half_width_px", static_cast<float>(0.5 * width_px));
-  program.set("opacity", static_cast<float>(kContourOpacity));
+  program.set("half_width_px", 0.5 * width_px);
+  program.set("opacity", kContourOpacity);
   gl_.Disable(GL_CULL_FACE);
   gl_.Enable(GL_BLEND);
   gl_.DepthMask(GL_FALSE);
@@ -298,11 +289,10 @@ void Scene::draw_tool(const DrawCall& call) const {
   const GlMesh& tool = tools_.at(call.tool->pass);
   const GlProgram& program = programs_.tool;
   use_program(program, call);
-  program.set("clip_from_tool",
-              Eigen::Matrix4f((call.camera.clip_from_bone() * bone_from_tool.matrix()).cast<float>()));
-  program.set("eye_from_tool", Eigen::Matrix4f((call.camera.eye_from_bone * bone_from_tool).matrix().cast<float>()));
+  program.set("clip_from_tool", Eigen::Matrix4d(call.camera.clip_from_bone() * bone_from_tool.matrix()));
+  program.set("eye_from_tool", (call.camera.eye_from_bone * bone_from_tool).matrix());
   program.set("cut_plane", local_plane(call.camera, bone_from_tool));
-  program.set("depth_offset", static_cast<float>(kToolOffset_mm * call.camera.clip_depth_per_mm()));
+  program.set("depth_offset", kToolOffset_mm * call.camera.clip_depth_per_mm());
   // Views other than sections show the face behind the tool, unless the user selects steel.
   const bool steel = cut_open || call.settings.tool_material == ToolMaterial::steel;
   program.set("brushed", steel ? 1 : 0);
@@ -340,9 +330,9 @@ void Scene::draw_tool_cut(const GlMesh& tool, const GlProgram& program, const Dr
   const GlProgram& cut = programs_.tool_cut;
   cut.use();
   const Eigen::Matrix4d bone_from_clip = call.camera.clip_from_bone().inverse();
-  cut.set("plane_in_clip", Eigen::Vector4f((bone_from_clip.transpose() * *call.camera.cut_plane).cast<float>()));
-  cut.set("depth_offset", static_cast<float>(kToolCutOffset_mm * call.camera.clip_depth_per_mm()));
-  cut.set("samples_per_px", static_cast<float>(call.settings.supersampling));
+  cut.set("plane_in_clip", Eigen::Vector4d(bone_from_clip.transpose() * *call.camera.cut_plane));
+  cut.set("depth_offset", kToolCutOffset_mm * call.camera.clip_depth_per_mm());
+  cut.set("samples_per_px", 1.0 * call.settings.supersampling);
   gl_.BindVertexArray(empty_array_[0]);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
   gl_.Disable(GL_STENCIL_TEST);
@@ -355,8 +345,8 @@ void Scene::draw_translucent(const GlMesh& tool, const GlProgram& program) const
   // First the back faces, faintly: the inside of the far walls.
   gl_.CullFace(GL_FRONT);
   gl_.DepthMask(GL_FALSE);
-  program.set("opacity_facing", 0.10F);
-  program.set("opacity_edge", 0.45F);
+  program.set("opacity_facing", 0.10);
+  program.set("opacity_edge", 0.45);
   tool.draw();
 
   // Then only the nearest layer: a depth pass, and colour where the depth is equal.
@@ -365,8 +355,8 @@ void Scene::draw_translucent(const GlMesh& tool, const GlProgram& program) const
   gl_.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   tool.draw();
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  program.set("opacity_facing", 0.38F);
-  program.set("opacity_edge", 0.95F);
+  program.set("opacity_facing", 0.38);
+  program.set("opacity_edge", 0.95);
   tool.draw();
 }
 

@@ -4,16 +4,14 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <deque>
 #include <map>
-#include <memory>
 #include <optional>
 #include <tuple>
 #include <vector>
 
 #include "render/gl/camera.h"
-#include "render/gl/gl_objects.h"
+#include "render/gl/context.h"
 #include "render/gl/pixel_image.h"
 #include "render/surface/bone_surface.h"
 #include "render/surface/surface_smoothing.h"
@@ -66,7 +64,7 @@ struct DrawCall {
   double density_max_g_cm3;  ///< upper end of the density colours
   const std::vector<SurfaceLine>& lines;
   std::optional<PlacedTool> tool{};
-  const CutFace* cut_face = nullptr;  ///< section of the bone by the camera's cut plane
+  CutFace cut_face{};  ///< section of the bone by the camera's cut plane
   /// Antialiasing by a filter on the finished picture, in half the time of four samples per pixel.
   bool for_film = false;
 };
@@ -84,10 +82,12 @@ class Scene {
 
  private:
   struct Programs {
-    explicit Programs(const Gl& gl);
     GlProgram background, bone, cut_face, line, tool, tool_cut;
   };
   struct Tile {
+    Tile(const Gl& gl, const BoneSurface& surface)
+        : mesh(gl, surface.vertices, BoneSurface::kAttributeSizes, surface.indices), bounds(tile_bounds(surface)) {}
+
     GlMesh mesh;
     TileBounds bounds;
   };
@@ -105,7 +105,7 @@ class Scene {
   Programs programs_;
   std::map<std::tuple<int, int, bool>, GlTarget> targets_;  ///< by width, height and whether it is multisampled
   std::deque<GlMesh> tools_;
-  std::vector<std::unique_ptr<Tile>> bone_;  ///< null where a tile is empty
+  std::map<std::size_t, Tile> bone_;  ///< those that are not empty
   GlTexture depth_colors_;
   GlTexture density_colors_;
   GlNames<1> empty_array_;  ///< for draws without vertex buffers

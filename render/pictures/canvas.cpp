@@ -48,6 +48,7 @@ void Canvas::line(const Vec2& from, const Vec2& to) const {
 }
 
 void Canvas::trace(const std::vector<Vec2>& points) const {
+  cairo_new_sub_path(get());
   for (const Vec2& p : points) cairo_line_to(get(), p.x(), p.y());
   cairo_close_path(get());
 }

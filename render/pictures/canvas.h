@@ -38,7 +38,7 @@ class Canvas {
   /// Fills a panel with round corners, as a background for text.
   void fill_panel(const Box& box, double radius, const Rgba& color = kPanelColor) const;
   void line(const Vec2& from, const Vec2& to) const;
-  /// Appends a closed polygon to the path.
+  /// Appends a closed polygon of its own to the path.
   void trace(const std::vector<Vec2>& points) const;
   /// Flushes the drawing into the pixels. Throws RunError when drawing failed.
   void finish() const;

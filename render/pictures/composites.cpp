@@ -91,7 +91,7 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px) {
   const PageLayout page = page_layout(width_px, height_px);
   const double u = page.labelled() ? page.unit : 0;
   const Box area{kMargin * u, kMargin * u, page.view_width_px - 2 * kMargin * u, height_px - 2 * kMargin * u};
-  SheetGrid best{1, cells, 1, 1, area, static_cast<int>(kGap * u)};
+  SheetGrid best{cells, 1, cells, 1, 1, area, static_cast<int>(kGap * u)};
   double largest = 0;
   for (int columns = 1; columns <= cells; ++columns) {
     const int rows = (cells + columns - 1) / columns;

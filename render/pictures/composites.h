@@ -23,7 +23,7 @@ PixelImage before_and_after(const RunView& view, const Camera& half, const Pixel
 
 /// The layout of a contact sheet.
 struct SheetGrid {
-  int columns = 0, rows = 0;
+  int cells = 0, columns = 0, rows = 0;
   int cell_width_px = 0, cell_height_px = 0;
   Box area;  ///< of all cells, with the gaps between them
   int gap_px = 0;
@@ -44,6 +44,8 @@ class ContactSheet {
 
   /// Adds the next cell: the frame of this row of the log.
   void add(PixelImage cell, const ForceRow& row);
+  /// Whether it has all cells.
+  [[nodiscard]] bool is_full() const { return done_ == grid_.cells; }
   [[nodiscard]] PixelImage finish();
 
  private:

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 #include "sim/base/parallel.h"
@@ -81,13 +82,11 @@ class Squares {
   [[nodiscard]] std::vector<std::vector<Vec2>> loops() {
     std::vector<std::vector<Vec2>> out;
     for (const std::size_t first : order_) {
-      if (!next_.contains(first)) continue;
-      std::vector<Vec2>& loop = out.emplace_back();
-      for (auto at = next_.find(first); at != next_.end(); at = next_.find(loop_end_)) {
-        loop.push_back(at->second.from);
-        loop_end_ = at->second.to;
-        next_.erase(at);
+      std::vector<Vec2> loop;
+      for (auto step = next_.extract(first); step; step = next_.extract(step.mapped().to)) {
+        loop.push_back(step.mapped().from);
       }
+      if (!loop.empty()) out.push_back(std::move(loop));
     }
     return out;
   }
@@ -141,7 +140,6 @@ class Squares {
   double border_ = std::min(-1.0, value_ - 1);
   std::unordered_map<std::size_t, Step> next_;
   std::vector<std::size_t> order_;  ///< of the squares, so that the result does not depend on the map's order
-  std::size_t loop_end_ = 0;
 };
 
 double length_of(const std::vector<Vec2>& loop) {
@@ -216,34 +214,28 @@ double RasterField::at(const Vec2& place_mm) const {
          y * ((1 - x) * values[raster.index(i, next_j)] + x * values[raster.index(next_i, next_j)]);
 }
 
-RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known,
-                      std::vector<std::uint8_t>& reached) {
+RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known) {
   const double sigma = std::max(kLeastSigma, kWeightSigma_mm / field.spacing_mm);
   const Window inside(sigma, std::min(kMaxReach, static_cast<int>(std::ceil(2.2 * sigma))));
   const Window outside(kOutsideSigma, kOutsideReach);
   RasterField out = field;
-  std::vector<std::uint8_t> found(known.size(), 0);
   parallel_items(known.size(), [&](std::size_t n) {
     const auto [value, count] =
         known[n] != 0 ? fit_in<6>(field, known, inside, n) : fit_in<3>(field, known, outside, n);
-    if (known[n] == 0 && count < kMinKnown) return;
-    out.values[n] = value;
-    found[n] = 1;
+    out.values[n] = known[n] != 0 || count >= kMinKnown ? value : std::numeric_limits<double>::quiet_NaN();
   });
-  reached = std::move(found);
   return out;
 }
 
 RasterField signed_depth(const RasterField& depth_mm, const std::vector<std::uint8_t>& reamed) {
-  std::vector<std::uint8_t> reached;
-  RasterField out = local_fit(depth_mm, reamed, reached);
+  RasterField out = local_fit(depth_mm, reamed);
   const double margin_mm = kLeastMargin * depth_mm.spacing_mm;
   const double far_mm = kOutsideReach * depth_mm.spacing_mm;
   for (std::size_t n = 0; n < out.values.size(); ++n) {
     double& value = out.values[n];
     if (reamed[n] != 0) {
       value = std::max(value, margin_mm);
-    } else if (reached[n] != 0) {
+    } else if (!std::isnan(value)) {
       // At a wall the plane is still above zero beyond the rim. Mirrored, it passes zero between the two columns.
       value = -std::clamp(std::abs(value), margin_mm, far_mm);
     } else {

@@ -50,9 +50,8 @@ struct RasterField {
 /// Smooths values by local least squares with Gaussian weights (Cleveland and Devlin 1988,
 /// doi:10.1080/01621459.1988.10478639): a quadratic in each known column, which unlike a mean has no bias where the
 /// values slope or end, with lower weights for values (mm) that differ, and a plane through the nearest known columns
-/// in each other column at most a few columns away. `reached` gets 1 in the columns with a value.
-RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known,
-                      std::vector<std::uint8_t>& reached);
+/// in each other column at most a few columns away; NaN beyond.
+RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known);
 
 /// The depth of reamed columns, smoothed, with a negative value in all others, so that it passes zero at the rim and
 /// each contour of a value ≥ 0 is closed. `depth_mm` is used where `reamed` is 1.

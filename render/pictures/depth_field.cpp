@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "sim/base/csv.h"
@@ -76,12 +77,10 @@ void raise_patch(const Raster& raster, bool inside, const std::vector<std::size_
     if (limit[cell] > 0.5) least = std::min(least, own(cell) / limit[cell]);
   }
   if (least >= kKeptFraction || least <= 0) return;
-  std::vector<std::size_t> halo;
+  std::set<std::size_t> halo;
   for (const std::size_t cell : patch) {
-    raster.for_each_near(cell, kPatchHalo, [&](std::size_t near) { halo.push_back(near); });
+    raster.for_each_near(cell, kPatchHalo, [&](std::size_t near) { halo.insert(near); });
   }
-  std::sort(halo.begin(), halo.end());
-  halo.erase(std::unique(halo.begin(), halo.end()), halo.end());
   for (const std::size_t cell : halo) {
     const double raised = std::min(limit[cell], own(cell) * kKeptFraction / least);
     values[cell] = inside ? raised : limit[cell] - raised;

@@ -33,13 +33,8 @@ class DepthField {
   };
   [[nodiscard]] Along along(int axis, double place_mm) const;
   [[nodiscard]] Sample at(const Along& x, const Along& y) const;
-  /// `place_mm` in the map's frame.
-  [[nodiscard]] Sample at(const Vec2& place_mm) const { return at(along(0, place_mm.x()), along(1, place_mm.y())); }
   /// Normal of the unreamed surface; +z without bone.
   [[nodiscard]] Vec3 normal_before(const Along& x, const Along& y) const;
-  [[nodiscard]] Vec3 normal_before(const Vec2& place_mm) const {
-    return normal_before(along(0, place_mm.x()), along(1, place_mm.y()));
-  }
 
   /// The smoothed depth with negative values outside the rim, for contour lines.
   [[nodiscard]] const RasterField& signed_depth_mm() const { return signed_depth_; }

@@ -36,13 +36,16 @@ const Rgb kHoleRgb(0.75, 0.10, 0.12);
 Camera map_camera(const DepthField& field, const PageLayout& page) {
   const Vec2 size = field.max_mm() - field.min_mm();
   const Vec2 middle = 0.5 * (field.min_mm() + field.max_mm());
-  Camera camera;
-  camera.name = "depth_map";
-  camera.width_px = page.view_width_px;
-  camera.height_px = page.height_px;
+  Camera camera{.name = "depth_map", .width_px = page.view_width_px, .height_px = page.height_px};
   camera.mm_per_px = std::max(size.x() / camera.width_px, size.y() / camera.height_px) / kMapFraction;
   camera.eye_from_bone.translation() = Vec3(-middle.x(), -middle.y(), 0);
   return camera;
+}
+
+std::vector<Vec2> pixels_of(const Camera& camera, const ContourLine& line) {
+  std::vector<Vec2> out;
+  for (const Vec2& p : line.points_mm) out.push_back(camera.pixel({p.x(), p.y(), 0}));
+  return out;
 }
 
 /// Renders the map without labels.
@@ -62,10 +65,10 @@ class DepthPainter {
   [[nodiscard]] PixelImage paint() const {
     PixelImage page = plain_image(camera_.width_px, camera_.height_px, packed(kPaperRgb));
     const Canvas canvas(page);
-    const std::vector<ContourLine> bone = field_.bone_outlines(), reamed = field_.reamed_outlines();
+    const Outlines bone = outlines_px(field_.bone_outlines()), reamed = outlines_px(field_.reamed_outlines());
     fill(canvas, bone, image_of(bone, [&](const Along& x, const Along& y) { return bone_color(x, y); }));
     cairo_save(canvas.get());
-    trace(canvas, bone);
+    for (const auto& outline : bone) canvas.trace(outline);
     cairo_clip(canvas.get());
     fill(canvas, reamed, image_of(reamed, [&](const Along& x, const Along& y) { return depth_color(x, y); }));
     cairo_restore(canvas.get());
@@ -75,6 +78,7 @@ class DepthPainter {
 
  private:
   using Along = DepthField::Along;
+  using Outlines = std::vector<std::vector<Vec2>>;  ///< pixels
   /// Pixels of a row, from first to last − 1.
   struct Span {
     int first, last;
@@ -86,13 +90,18 @@ class DepthPainter {
     return pixel + (n % kMapSamples + 0.5) / kMapSamples;
   }
 
+  [[nodiscard]] Outlines outlines_px(const std::vector<ContourLine>& lines) const {
+    Outlines out;
+    for (const ContourLine& line : lines) out.push_back(pixels_of(camera_, line));
+    return out;
+  }
+
   /// For each row of pixels those that lie within outlines, with a margin of a pixel for smooth edges.
-  [[nodiscard]] std::vector<Span> spans_of(const std::vector<ContourLine>& outlines) const {
+  [[nodiscard]] std::vector<Span> spans_of(const Outlines& outlines) const {
     std::vector<Span> spans(static_cast<std::size_t>(camera_.height_px), {camera_.width_px, 0});
-    for (const ContourLine& line : outlines) {
-      for (std::size_t n = 0; n < line.points_mm.size(); ++n) {
-        const Vec2 &p = line.points_mm[n], &q = line.points_mm[(n + 1) % line.points_mm.size()];
-        const Vec2 a = camera_.pixel({p.x(), p.y(), 0}), b = camera_.pixel({q.x(), q.y(), 0});
+    for (const std::vector<Vec2>& points : outlines) {
+      for (std::size_t n = 0; n < points.size(); ++n) {
+        const Vec2 &a = points[n], &b = points[(n + 1) % points.size()];
         const Vec2 low = a.cwiseMin(b).array().floor() - 1, high = a.cwiseMax(b).array().floor() + 2;
         const auto last_row = static_cast<int>(std::min(high.y(), 1.0 * camera_.height_px));
         for (int row = static_cast<int>(std::max(low.y(), 0.0)); row < last_row; ++row) {
@@ -107,7 +116,7 @@ class DepthPainter {
 
   /// A layer of the map within outlines: the mean colour of the samples of each pixel.
   template <class Color>
-  [[nodiscard]] PixelImage image_of(const std::vector<ContourLine>& outlines, const Color& color) const {
+  [[nodiscard]] PixelImage image_of(const Outlines& outlines, const Color& color) const {
     PixelImage image = plain_image(camera_.width_px, camera_.height_px, 0);
     const std::vector<Span> spans = spans_of(outlines);
     parallel_items(spans.size(), [&](std::size_t y) {
@@ -123,21 +132,10 @@ class DepthPainter {
     return image;
   }
 
-  void trace(const Canvas& canvas, const std::vector<ContourLine>& outlines) const {
-    for (const ContourLine& line : outlines) {
-      cairo_new_sub_path(canvas.get());
-      for (const Vec2& p : line.points_mm) {
-        const Vec2 px = camera_.pixel({p.x(), p.y(), 0});
-        cairo_line_to(canvas.get(), px.x(), px.y());
-      }
-      cairo_close_path(canvas.get());
-    }
-  }
-
   /// Fills the area within outlines, without that within inner ones, with a layer.
-  void fill(const Canvas& canvas, const std::vector<ContourLine>& outlines, PixelImage layer) const {
+  static void fill(const Canvas& canvas, const Outlines& outlines, PixelImage layer) {
     const Canvas source(layer);
-    trace(canvas, outlines);
+    for (const auto& outline : outlines) canvas.trace(outline);
     cairo_set_fill_rule(canvas.get(), CAIRO_FILL_RULE_EVEN_ODD);
     cairo_set_source_surface(canvas.get(), source.surface(), 0, 0);
     cairo_fill(canvas.get());
@@ -174,7 +172,7 @@ std::vector<SeenContour> map_contours(const DepthField& field, const Camera& cam
   std::vector<SeenContour> out;
   for (const ContourLine& line : depth_contours(field.signed_depth_mm(), scale)) {
     SeenContour& seen = out.emplace_back(contour_style(line.value, scale));
-    for (const Vec2& p : line.points_mm) seen.points_px.push_back(camera.pixel({p.x(), p.y(), 0}));
+    seen.points_px = pixels_of(camera, line);
     seen.visible.assign(seen.points_px.size(), true);
   }
   return out;

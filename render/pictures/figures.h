@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "render/pictures/run_data.h"
+#include "render/pictures/run_view.h"
 #include "sim/base/error.h"
 #include "sim/scan/segmentation.h"
 #include "sim/scene/contact_forecast.h"

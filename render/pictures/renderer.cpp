@@ -151,8 +151,7 @@ std::vector<SurfaceLine> face_contours(const std::vector<BoneSurface>& tiles, co
   const FaceRaster face = rasterized(tiles, map_from_bone, spacing_mm);
   std::vector<SurfaceLine> out;
   if (std::ranges::count(face.reamed, std::uint8_t{1}) == 0) return out;
-  std::vector<std::uint8_t> reached;
-  const RasterField height = local_fit(face.height_mm, face.reamed, reached);
+  const RasterField height = local_fit(face.height_mm, face.reamed);
   const Rigid bone_from_map = map_from_bone.inverse();
   for (const ContourLine& line : depth_contours(signed_depth(face.depth_mm, face.reamed), scale)) {
     SurfaceLine& contour = out.emplace_back(SurfaceLine{{}, contour_style(line.value, scale).light, line.value});
@@ -162,20 +161,6 @@ std::vector<SurfaceLine> face_contours(const std::vector<BoneSurface>& tiles, co
     }
     smooth_heights(contour.points_mm);
     for (Vec3& p : contour.points_mm) p = bone_from_map * p;
-  }
-  return out;
-}
-
-/// The contours as a camera sees them. `bone`: what may hide them.
-std::vector<SeenContour> seen_contours(const std::vector<SurfaceLine>& contours, const Camera& camera,
-                                       const BoneFields& bone, const Scale& scale) {
-  std::vector<SeenContour> out;
-  for (const SurfaceLine& contour : contours) {
-    SeenContour& seen = out.emplace_back(contour_style(contour.value, scale));
-    for (const Vec3& p : contour.points_mm) {
-      seen.points_px.push_back(camera.pixel(p));
-      seen.visible.push_back(is_visible(p, camera, bone));
-    }
   }
   return out;
 }
@@ -220,7 +205,15 @@ void Renderer::update_bone() {
 }
 
 std::vector<SeenContour> Renderer::contours(const Camera& camera) const {
-  return seen_contours(contours_, camera, fields_, view_.depth_scale());
+  std::vector<SeenContour> out;
+  for (const SurfaceLine& contour : contours_) {
+    SeenContour& seen = out.emplace_back(contour_style(contour.value, view_.depth_scale()));
+    for (const Vec3& p : contour.points_mm) {
+      seen.points_px.push_back(camera.pixel(p));
+      seen.visible.push_back(is_visible(p, camera, fields_));
+    }
+  }
+  return out;
 }
 
 PixelImage Renderer::render(const Camera& camera, const std::optional<PlacedTool>& tool, bool for_film) {
@@ -231,11 +224,7 @@ PixelImage Renderer::render(const Camera& camera, const std::optional<PlacedTool
                 .lines = contours_,
                 .tool = tool,
                 .for_film = for_film};
-  CutFace cut_face;
-  if (camera.cut_plane) {
-    cut_face = sample_cut_face(fields_, camera);
-    call.cut_face = &cut_face;
-  }
+  if (camera.cut_plane) call.cut_face = sample_cut_face(fields_, camera);
   return scene_.draw(call);
 }
 

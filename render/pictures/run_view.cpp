@@ -5,15 +5,234 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
+#include <stdexcept>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/bone/vdb/bone_vdb.h"
+#include "sim/mesh/mesh_io.h"
 #include "sim/record/snapshot.h"
 #include "sim/scene/contact_forecast.h"
 #include "sim/tool/profile.h"
 
 namespace reamsim {
+
+namespace {
+
+std::string log_path(const std::string& dir) {
+  return dir + "/forces.csv";
+}
+
+template <class Compute>
+auto lazily(Compute compute) {
+  return std::async(std::launch::deferred, std::move(compute)).share();
+}
+
+/// Motion of the tool between two poses that are kept of a long run, voxels: as finely as its swept volume is sampled.
+constexpr double kPathStep_voxels = 0.5;
+
+/// The fill with all voxels that an earlier run removed restored, because depth is measured from before it.
+FillBricks with_removed_voxels_restored(const FillBricks& fill) {
+  FillBricks out = fill;
+  fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& brick) {
+    FillBricks::Brick whole = brick;
+    std::replace(whole.begin(), whole.end(), std::uint16_t{0}, FillBricks::kWhole);
+    out.put(coord, whole);
+  });
+  return out;
+}
+
+/// The inputs in the folder of a run, without the poses.
+RunInputs read_inputs(const std::string& dir, const std::shared_ptr<const StoredBone>& bone) {
+  RunInputs out;
+  out.dir = dir;
+  out.voxmap = {bone, &bone->voxmap};
+  out.glenoid = bone->anatomy.glenoid;
+  out.side = bone->anatomy.side;
+  out.whole_voxels = bone->erosion == "remove" || bone->erosion == "wear";
+  out.frames = snapshot_frames(dir);
+  if (out.frames.empty()) {
+    throw InputError({dir + "/snapshots", 0, 0}, "", "contains no snapshot", "expected the results folder of a run");
+  }
+  out.fill = out.frames.front() == 0 ? fill_at(out, 0) : FillBricks(out.voxmap->grid.dims);
+  out.passes = read_tools(dir);
+  return out;
+}
+
+/// How the log of a run is read: with the means and the rows that its pictures show.
+LogOptions log_options(const RunInputs& run) {
+  return {.mean_travel_mm = run.whole_voxels ? run.voxmap->grid.voxel_mm : 0, .keep = run.frames};
+}
+
+/// Height of the tool's head above its lowest point. The shaft may extend beyond the picture.
+constexpr double kHead_mm = 12;
+
+void target_glenoid(ViewTarget& target, const GlenoidFrame& glenoid, BodySide side, const std::string& frame) {
+  const Mat3 axes = glenoid.bone_from_glenoid.linear();
+  target.bone_from_glenoid = glenoid.bone_from_glenoid;
+  target.focus_mm = glenoid.bone_from_glenoid.translation();
+  target.outward = axes.col(2);
+  target.superior = axes.col(1);
+  target.anatomical = true;
+  // +x of G is superior × lateral: posterior on a left shoulder, anterior on a right one.
+  if (side == BodySide::left) target.anterior = -axes.col(0);
+  if (side == BodySide::right) target.anterior = axes.col(0);
+  // In LPS +y is posterior on both sides.
+  if (side == BodySide::unknown && frame == "LPS") {
+    target.anterior = axes(1, 0) > 0 ? Vec3(-axes.col(0)) : Vec3(axes.col(0));
+  }
+}
+
+void target_tool(ViewTarget& target) {
+  target.focus_mm = target.bone_from_tool.translation();
+  target.outward = target.bone_from_tool.linear().col(2);
+  // Up in the picture is +z of B, or +y where the tool points along z.
+  const Vec3 up = std::abs(target.outward.z()) < 0.9 ? Vec3::UnitZ() : Vec3::UnitY();
+  target.superior = (up - up.dot(target.outward) * target.outward).normalized();
+}
+
+/// Extends the target by tools on their paths; the head is that of the pass of the greatest depth.
+void include_tools(ViewTarget& target, const RunInputs& run, std::size_t deepest_pass) {
+  const TriangleMesh& deepest = run.passes[deepest_pass].tool;
+  const double lowest_mm = deepest.bounds().min.z();
+  for (const Vec3& v : deepest.vertices) {
+    if (v.z() < lowest_mm + kHead_mm) target.tool_head_mm.push_back(target.bone_from_tool * v);
+  }
+  for (const ToolPass& pass : run.passes) {
+    const double reach_mm = tool_reach_mm(pass.tool);
+    for (const ToolPose& pose : pass.poses) {
+      target.radius_mm = std::max(target.radius_mm, (pose.position_mm - target.focus_mm).norm() + reach_mm);
+    }
+  }
+}
+
+/// The glenoid if known; else the tool at its greatest depth, seen along its axis. `bone`: unreamed, voxel index space.
+ViewTarget make_view_target(const RunInputs& run, const PredictedRun& predicted, const IsoSurface& bone) {
+  ViewTarget target;
+  target.bone_from_tool = predicted.bone.deepest.bone_from_tool();
+  if (run.glenoid) {
+    target_glenoid(target, *run.glenoid, run.side, run.voxmap->frame);
+  } else {
+    target_tool(target);
+  }
+  const VoxelGrid& grid = run.voxmap->grid;
+  for (const Eigen::Vector3f& p : bone.points) {
+    target.bone_mm.emplace_back(grid.origin_mm + grid.voxel_mm * (p.cast<double>() + Vec3::Constant(0.5)));
+    target.radius_mm = std::max(target.radius_mm, (target.bone_mm.back() - target.focus_mm).norm());
+  }
+  include_tools(target, run, predicted.pass);
+  return target;
+}
+
+}  // namespace
+
+RunPath::RunPath(const RunInputs& run) : dir_(run.dir), used_(run.passes.size(), false) {
+  for (const ToolPass& pass : run.passes) {
+    paths_.emplace_back(tool_reach_mm(pass.tool), kPathStep_voxels * run.voxmap->grid.voxel_mm, run.frames);
+  }
+}
+
+void RunPath::add(const ToolPose& pose, std::int64_t frame, int pass) {
+  const auto i = static_cast<std::size_t>(pass - 1);
+  if (i >= paths_.size()) {
+    throw InputError({tool_path(dir_, pass), 0, 0}, "", "no such file", "the tool of pass " + std::to_string(pass));
+  }
+  paths_[i].add(pose, static_cast<std::size_t>(frame));
+  used_[i] = true;
+}
+
+void RunPath::give(RunInputs& run) {
+  // An interrupted run has not come to its last passes.
+  const auto used = static_cast<std::size_t>(std::ranges::find(used_, false) - used_.begin());
+  run.passes.resize(used);
+  for (std::size_t i = 0; i < used; ++i) {
+    for (const PathSample& sample : paths_[i].finish()) {
+      run.passes[i].pose_frames.push_back(static_cast<std::int64_t>(sample.frame));
+      run.passes[i].poses.push_back(sample.pose);
+    }
+  }
+}
+
+std::size_t RunInputs::pass_at(std::int64_t frame) const {
+  std::size_t out = 0;
+  while (out + 1 < passes.size() && passes[out + 1].pose_frames.front() <= frame) ++out;
+  return out;
+}
+
+const ToolPose& RunInputs::pose_at(std::int64_t frame) const {
+  const ToolPass& pass = passes[pass_at(frame)];
+  const auto after = std::ranges::upper_bound(pass.pose_frames, frame);
+  return after == pass.pose_frames.begin() ? pass.poses.front()
+                                           : pass.poses[static_cast<std::size_t>(after - pass.pose_frames.begin()) - 1];
+}
+
+FillBricks fill_at(const RunInputs& run, std::int64_t frame) {
+  if (run.dir.empty()) return run.fill;
+  FillBricks fill(run.voxmap->grid.dims);
+  apply_snapshot(run.dir, frame, fill);
+  return fill;
+}
+
+std::vector<ToolPass> read_tools(const std::string& dir) {
+  std::vector<ToolPass> out;
+  do {
+    out.push_back({.tool = read_mesh(tool_path(dir, static_cast<int>(out.size()) + 1), 1.0)});
+  } while (std::filesystem::exists(tool_path(dir, static_cast<int>(out.size()) + 1)));
+  return out;
+}
+
+RunData::Outcome RunData::read_outcome(const std::string& dir) {
+  if (!std::filesystem::is_directory(dir)) {
+    throw InputError({dir, 0, 0}, "", "folder not found", "the output folder of a run");
+  }
+  auto bone = std::make_shared<StoredBone>(read_stored_bone(dir + "/reamed.vdb"));
+  FillBricks fill = std::exchange(bone->voxmap.fill, FillBricks(bone->voxmap.grid.dims));
+  RunInputs inputs = read_inputs(dir, bone);
+  RunPath path(inputs);
+  LogOptions options = log_options(inputs);
+  options.each = [&path](const ForceRow& row) { path.add(row.pose, row.frame, row.pass); };
+  ForceLog log = read_force_log(log_path(dir), options);
+  for (const std::int64_t frame : inputs.frames) static_cast<void>(log.at(frame, log_path(dir)));
+  path.give(inputs);
+  return {std::move(fill), std::move(log), std::move(inputs)};
+}
+
+RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
+  PredictedRun predicted = predict_run(inputs);
+  UnreamedSurface unreamed(*inputs.voxmap, with_removed_voxels_restored(inputs.fill), predicted.bone.fill);
+  ViewTarget target = make_view_target(inputs, predicted, unreamed.surface());
+  return {std::move(unreamed), std::move(target), predicted.contact};
+}
+
+RunData::RunData(std::string dir)
+    : dir_(std::move(dir)),
+      outcome_(lazily([folder = dir_] { return read_outcome(folder); })),
+      inputs_(lazily([outcome = outcome_] { return *outcome.get().inputs; })),
+      prediction_(lazily([inputs = inputs_] { return predict_outcome(inputs.get()); })) {}
+
+RunData::RunData(RunInputs inputs)
+    : dir_(inputs.dir),
+      inputs_(lazily([known = std::move(inputs)]() mutable { return std::move(known); })),
+      prediction_(lazily([all = inputs_] { return predict_outcome(all.get()); })) {}
+
+void RunData::predict() {
+  prediction_ = std::async(std::launch::async, [inputs = inputs_] { return predict_outcome(inputs.get()); }).share();
+}
+
+void RunData::finish(FillBricks fill) {
+  outcome_ = lazily([dir = dir_, inputs = inputs_, fill = std::move(fill)]() mutable {
+    return Outcome{std::move(fill), read_force_log(log_path(dir), log_options(inputs.get()))};
+  });
+}
+
+const RunData::Outcome& RunData::outcome() const {
+  if (!outcome_.valid()) throw std::logic_error("the run has not ended");
+  return outcome_.get();
+}
+
 namespace {
 
 /// The circle swept by the tool's outermost point, in B.

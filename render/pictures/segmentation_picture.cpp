@@ -11,7 +11,6 @@
 #include "render/pictures/canvas.h"
 #include "render/pictures/contour_lines.h"
 #include "sim/base/parallel.h"
-#include "sim/base/text.h"
 
 namespace reamsim {
 namespace {

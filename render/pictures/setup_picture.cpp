@@ -203,22 +203,18 @@ PixelImage drawn(const RunSetup& setup, const RunData& run, std::string& warning
                                 kTitles_px + kSetupView_px, kSetupPaper_rgb);
   Renderer renderer(view);
   warning = renderer.warning();
-  std::vector<PixelImage> images;
+  int left_px = 0;
   for (const SetupView& panel : views) {
-    if (images.size() == 1) renderer.show(after.bone.fill);
-    std::optional<PlacedTool> tool;
-    if (panel.camera.shows_tool) tool = panel.tool;
-    images.push_back(renderer.render(panel.camera, tool));
-    SetupPainter(setup, images.back(), panel).paint();
-    page.paste(images.back(), static_cast<int>(images.size() - 1) * (kSetupView_px + kPanelGap_px), kTitles_px);
+    if (&panel == &views[1]) renderer.show(after.bone.fill);
+    PixelImage image = renderer.render(panel.camera, panel.tool);
+    SetupPainter(setup, image, panel).paint();
+    page.paste(image, left_px, kTitles_px);
+    const Canvas canvas(page);
+    TextLine(canvas, panel.title, kTitle_px, true).draw(left_px + 12, 8);
+    TextLine(canvas, panel.note, kSmallText_px).draw(left_px + 12, 38, kFaintTextColor);
+    canvas.finish();
+    left_px += kSetupView_px + kPanelGap_px;
   }
-  const Canvas canvas(page);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const double x = static_cast<double>(i) * (kSetupView_px + kPanelGap_px) + 12;
-    TextLine(canvas, views[i].title, kTitle_px, true).draw(x, 8);
-    TextLine(canvas, views[i].note, kSmallText_px).draw(x, 38, kFaintTextColor);
-  }
-  canvas.finish();
   return page;
 }
 

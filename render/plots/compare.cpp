@@ -9,7 +9,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <set>
 
 #include "render/plots/plots.h"
 #include "sim/base/csv.h"
@@ -65,17 +64,10 @@ std::string color_text(unsigned color) {
 /// At most kMostInLegend characters: the middle of a longer text is left out.
 std::string shortened(const std::string& text) {
   if (text_width(text) <= kMostInLegend) return text;
-  std::vector<std::string> characters;
-  for (const char c : text) {
-    if ((static_cast<unsigned char>(c) & 0xc0) != 0x80 || characters.empty()) characters.emplace_back();
-    characters.back() += c;
-  }
-  std::string out;
-  const std::size_t half = (kMostInLegend - 1) / 2;
-  for (std::size_t i = 0; i < half; ++i) out += characters[i];
-  out += "…";
-  for (std::size_t i = characters.size() - half; i < characters.size(); ++i) out += characters[i];
-  return out;
+  constexpr std::ptrdiff_t kHalf = (kMostInLegend - 1) / 2;
+  const std::vector<std::string> all = characters_of(text);
+  return fmt::format("{}…{}", fmt::join(all.begin(), all.begin() + kHalf, ""),
+                     fmt::join(all.end() - kHalf, all.end(), ""));
 }
 
 std::string single_styles(const Comparison& comparison) {
@@ -182,28 +174,27 @@ std::string metrics_csv(const Comparison& comparison) {
 
 /// A row per run. A key of both scenario and summary is a parameter.
 std::string runs_csv(const Comparison& comparison) {
-  std::set<std::string> parameters;
-  std::string out = "run,label";
+  std::vector<RunColumn> columns;
   for (const ComparedParameter& parameter : comparison.parameters) {
-    out += "," + csv_text(parameter.key);
-    parameters.insert(parameter.key);
+    columns.push_back({parameter.key, parameter.values});
+    for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
+      // csv_text() would take a negative number for a formula.
+      if (std::isnan(parameter.numbers[i])) columns.back().cells[i] = csv_text(parameter.values[i]);
+    }
   }
   for (const ComparedMetric& metric : comparison.metrics) {
-    if (!parameters.contains(metric.key)) out += "," + csv_text(metric.key);
+    if (std::ranges::find(comparison.parameters, metric.key, &ComparedParameter::key) != comparison.parameters.end())
+      continue;
+    columns.push_back({metric.key, {}});
+    for (const double value : metric.values) columns.back().cells.push_back(number_cell(value));
   }
-  out += "\n";
+  std::string out = "run,label";
+  for (const RunColumn& column : columns) out += "," + csv_text(column.key);
   for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
-    out += std::to_string(i + 1) + "," + csv_text(comparison.runs[i].label);
-    for (const ComparedParameter& parameter : comparison.parameters) {
-      // csv_text() would take a negative number for a formula.
-      out += "," + (std::isnan(parameter.numbers[i]) ? csv_text(parameter.values[i]) : parameter.values[i]);
-    }
-    for (const ComparedMetric& metric : comparison.metrics) {
-      if (!parameters.contains(metric.key)) out += "," + number_cell(metric.values[i]);
-    }
-    out += "\n";
+    out += "\n" + std::to_string(i + 1) + "," + csv_text(comparison.runs[i].label);
+    for (const RunColumn& column : columns) out += "," + column.cells[i];
   }
-  return out;
+  return out + "\n";
 }
 
 /// Least fraction of the greatest force of a frame that counts as contact: a tooth may graze bone on the way out.

@@ -71,6 +71,9 @@ constexpr std::size_t kLineStyles = 20;
 /// depth since first contact. Throws InputError (a damaged forces.csv, or as colored_by()), RunError (gnuplot, disk).
 void write_comparison(const std::string& dir, const Comparison& comparison);
 
+/// The characters of a UTF-8 text.
+std::vector<std::string> characters_of(const std::string& text);
+
 struct RunColumn {
   std::string key;                 ///< "motion.plunge.depth_mm"
   std::vector<std::string> cells;  ///< one per run

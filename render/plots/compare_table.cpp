@@ -3,6 +3,7 @@
 
 #include "render/plots/compare.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -53,9 +54,9 @@ class Legend {
   /// `text`, or its number where it is long.
   std::string of(const std::string& text) {
     if (text_width(text) <= kMostInCell) return text;
-    const auto found = std::ranges::find(texts_, text);
-    if (found == texts_.end()) texts_.push_back(text);
-    return mark(static_cast<std::size_t>(std::ranges::find(texts_, text) - texts_.begin()));
+    const auto place = static_cast<std::size_t>(std::ranges::find(texts_, text) - texts_.begin());
+    if (place == texts_.size()) texts_.push_back(text);
+    return mark(place);
   }
   /// A line per text, wrapped.
   [[nodiscard]] std::vector<std::string> lines(std::size_t width) const {
@@ -69,15 +70,12 @@ class Legend {
 
   static void wrap(const std::string& text, std::size_t width, std::vector<std::string>& out) {
     std::string line;
-    for (std::size_t at = 0; at < text.size();) {
-      std::size_t end = at + 1;
-      while (end < text.size() && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) ++end;
+    for (const std::string& character : characters_of(text)) {
       if (text_width(line) == width) {
         out.push_back(line);
         line = "  ";
       }
-      line += text.substr(at, end - at);
-      at = end;
+      line += character;
     }
     out.push_back(line);
   }
@@ -92,19 +90,19 @@ std::size_t widest(const std::vector<std::string>& lines) {
 }
 
 std::vector<std::string> row_per_column(const std::vector<std::string>& labels, const std::vector<RunColumn>& columns) {
-  Rows rows{{"run"}};
-  rows[0].insert(rows[0].end(), labels.begin(), labels.end());
-  for (const RunColumn& column : columns) {
-    rows.push_back({column.key});
-    rows.back().insert(rows.back().end(), column.cells.begin(), column.cells.end());
-  }
+  Rows rows;
+  const auto add = [&](const std::string& key, const std::vector<std::string>& cells) {
+    rows.push_back({key});
+    rows.back().insert(rows.back().end(), cells.begin(), cells.end());
+  };
+  add("run", labels);
+  for (const RunColumn& column : columns) add(column.key, column.cells);
   return align_columns(rows);
 }
 
-/// Appends one block: the first columns of `rows` are number and label.
-void add_block(const Rows& rows, std::vector<std::string>& out) {
+/// Appends lines, after an empty one where there are some already.
+void add_block(const std::vector<std::string>& lines, std::vector<std::string>& out) {
   if (!out.empty()) out.emplace_back();
-  const std::vector<std::string> lines = align_columns(rows);
   out.insert(out.end(), lines.begin(), lines.end());
 }
 
@@ -112,32 +110,30 @@ std::vector<std::string> row_per_run(const std::vector<std::string>& labels, con
                                      std::size_t width) {
   Legend legend;
   const std::vector<std::string> names = short_names(columns);
-  Rows heads{{"run"}};
+  std::vector<std::string> heads{"run"};
   const std::size_t digits = std::to_string(labels.size()).size();
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    const std::string number = std::to_string(i + 1);
-    heads.push_back({std::string(digits - number.size(), ' ') + number + " " + legend.of(labels[i])});
+    heads.push_back(fmt::format("{:{}} {}", i + 1, digits, legend.of(labels[i])));
   }
-  std::size_t label_width = 0;
-  for (const auto& head : heads) label_width = std::max(label_width, text_width(head[0]));
-  for (std::size_t i = 0; i < heads.size(); ++i) heads[i][0] += std::string(label_width - text_width(heads[i][0]), ' ');
+  const std::size_t label_width = widest(heads);
+  for (std::string& head : heads) head += std::string(label_width - text_width(head), ' ');
   std::vector<std::string> out;
-  Rows block = heads;
+  Rows block;
+  for (const std::string& head : heads) block.push_back({head});
   for (std::size_t c = 0; c < columns.size(); ++c) {
     Rows longer = block;
     longer[0].push_back(legend.of(names[c]));
     for (std::size_t i = 0; i < labels.size(); ++i) longer[i + 1].push_back(legend.of(columns[c].cells[i]));
     if (widest(align_columns(longer)) > width && block[0].size() > 1) {
-      add_block(block, out);
-      for (std::size_t i = 0; i < block.size(); ++i) block[i] = {heads[i][0], longer[i].back()};
+      add_block(align_columns(block), out);
+      for (std::size_t i = 0; i < block.size(); ++i) block[i] = {heads[i], longer[i].back()};
     } else {
       block = longer;
     }
   }
-  add_block(block, out);
+  add_block(align_columns(block), out);
   const std::vector<std::string> listed = legend.lines(width);
-  if (!listed.empty()) out.emplace_back();
-  out.insert(out.end(), listed.begin(), listed.end());
+  if (!listed.empty()) add_block(listed, out);
   return out;
 }
 
@@ -216,6 +212,15 @@ std::vector<std::string> shown_values(const std::vector<std::string>& values) {
 }
 
 }  // namespace
+
+std::vector<std::string> characters_of(const std::string& text) {
+  std::vector<std::string> out;
+  for (const char c : text) {
+    if ((static_cast<unsigned char>(c) & 0xc0) != 0x80 || out.empty()) out.emplace_back();
+    out.back() += c;
+  }
+  return out;
+}
 
 std::vector<std::string> run_table(const std::vector<std::string>& labels, const std::vector<RunColumn>& columns,
                                    std::size_t width) {

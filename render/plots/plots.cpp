@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <set>
 #include <sstream>
 
 #include "sim/base/error.h"
@@ -155,6 +156,40 @@ Histogram removed_by_density(const Voxmap& voxmap, const FillBricks& before, con
   return out;
 }
 
+/// Data of the script of a benchmark: programs by their number.
+std::string data_of(const BenchPlot& plot) {
+  // Okabe and Ito's colours, safe for colour-blind readers.
+  constexpr std::array kColors{"#009e73", "#0072b2", "#56b4e9", "#d55e00", "#e69f00", "#8c4f86", "#404040"};
+  std::vector<std::string> programs;
+  const auto number = [&](const std::string& program) {
+    return std::ranges::find(programs, program) - programs.begin();
+  };
+  std::set<int> voxmaps;
+  std::ostringstream out;
+  out << "# program, voxmap, shell, ms, the paper's ms\n$severe << END\n";
+  for (const auto& point : plot.severe) {
+    if (number(point.program) == std::ssize(programs)) programs.push_back(point.program);
+    voxmaps.insert(point.voxmap);
+    out << number(point.program) + 1 << ' ' << point.voxmap << ' ' << point.shell << ' ' << point.ms << ' '
+        << (point.paper_ms ? (std::ostringstream() << *point.paper_ms).str() : "NaN") << '\n';
+  }
+  out << "END\n# program, VOI in % of the tool's box, ms with VOI, ms without\n$voi << END\n";
+  for (const auto& point : plot.voi) {
+    out << number(point.program) + 1 << ' ' << point.percent << ' ' << point.with_ms << ' ' << point.without_ms << '\n';
+  }
+  if (plot.voi.empty()) out << "0 0 NaN NaN\n";
+  const std::size_t arrays = std::max<std::size_t>(1, programs.size());
+  out << "END\nprograms = " << programs.size() << "\narray name[" << arrays << "]\narray color[" << arrays << "]\n";
+  for (std::size_t i = 0; i < programs.size(); ++i) {
+    out << "name[" << i + 1 << "] = " << gnuplot_string(programs[i]) << "\ncolor[" << i + 1 << "] = \""
+        << kColors.at(i % kColors.size()) << "\"\n";
+  }
+  out << "voxmaps = \"";
+  for (const int voxmap : voxmaps) out << voxmap << ' ';
+  out << "\"\nhas_voi = " << (plot.voi.empty() ? 0 : 1) << "\ndevice = " << gnuplot_string(plot.device) << "\n\n";
+  return out.str();
+}
+
 std::string on_one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   const std::size_t first = text.find_first_not_of(' ');
@@ -209,6 +244,10 @@ void write_removed_density(const std::string& dir, const Voxmap& voxmap, const F
   }
   csv.close();
   draw_plot(dir, "plots/removed_density", "", embedded::script_removed_density);
+}
+
+void write_bench_plot(const std::string& dir, const BenchPlot& plot) {
+  run_gnuplot(dir, "bench.gp", data_of(plot) + embedded::script_bench, {"bench.png", "bench.svg"});
 }
 
 std::string gnuplot_string(const std::string& text) {

@@ -68,22 +68,6 @@ void for_each_without_mean(const RowPass& pass, const Contact& contact, std::siz
   });
 }
 
-/// Adds the power of one window of `values` to `power`.
-void add_window(const double* values, std::size_t length, std::vector<double>& power) {
-  std::vector<double> windowed(2 * (power.size() - 1), 0.0);
-  double weights = 0;
-  for (std::size_t i = 0; i < length; ++i) {
-    const double hann =
-        0.5 - 0.5 * std::cos(2 * std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
-    windowed[i] = hann * values[i];
-    weights += hann;
-  }
-  Eigen::FFT<double> transform;
-  std::vector<std::complex<double>> lines;
-  transform.fwd(lines, windowed);
-  for (std::size_t i = 0; i < power.size(); ++i) power[i] += std::norm(2.0 / weights * lines[i]);
-}
-
 /// Welch's method for values that come one by one.
 class Welch {
  public:
@@ -93,8 +77,7 @@ class Welch {
   void add(double value) {
     values_.push_back(value);
     if (values_.size() < window_) return;
-    add_window(values_.data(), window_, power_);
-    ++windows_;
+    add_window();
     values_.erase(values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(window_ / 2));
   }
 
@@ -108,6 +91,22 @@ class Welch {
   }
 
  private:
+  void add_window() {
+    std::vector<double> windowed(length_, 0.0);
+    double weights = 0;
+    for (std::size_t i = 0; i < window_; ++i) {
+      const double hann =
+          0.5 - 0.5 * std::cos(2 * std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(window_));
+      windowed[i] = hann * values_[i];
+      weights += hann;
+    }
+    Eigen::FFT<double> transform;
+    std::vector<std::complex<double>> lines;
+    transform.fwd(lines, windowed);
+    for (std::size_t i = 0; i < power_.size(); ++i) power_[i] += std::norm(2.0 / weights * lines[i]);
+    ++windows_;
+  }
+
   std::size_t window_;
   std::size_t length_;
   std::vector<double> values_;

@@ -4,7 +4,6 @@
 #include "render/plots/plots.h"
 
 #include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,62 +12,66 @@
 
 #include "sim/base/file.h"
 #include "sim/base/text.h"
+#include "sim/record/result_json.h"
 
 namespace reamsim {
 namespace {
-
 using Json = nlohmann::ordered_json;
+}  // namespace
+
+namespace verify {
+
+static void to_json(Json& out, const Check& check) {
+  constexpr std::array kMeasureNames{"relative", "absolute", "at_least", "at_most", "reported"};
+  const bool toleranced = check.measure == Measure::relative || check.measure == Measure::absolute;
+  const auto where = [](bool has_value, double value) { return has_value ? Json(value) : Json(); };
+  out = {{"quantity", check.quantity},
+         {"unit", check.unit},
+         {"measure", kMeasureNames.at(static_cast<std::size_t>(check.measure))},
+         {"expected", where(check.measure != Measure::reported, check.expected)},
+         {"found", check.found},
+         {"error", where(toleranced, check.error())},
+         {"tolerance", where(toleranced, check.tolerance)},
+         {"reason", check.reason},
+         {"passed", check.passed()}};
+}
+
+static void to_json(Json& out, const Level& level) {
+  out = {{"step", level.step}, {"found", level.found}, {"error", level.error}, {"runs", level.runs}};
+}
+
+static void to_json(Json& out, const Refinement& refinement) {
+  out = {{"quantity", refinement.quantity},
+         {"unit", refinement.unit},
+         {"step", refinement.step},
+         {"expected", refinement.expected},
+         {"levels", refinement.levels},
+         {"order", refinement.order},
+         {"order_of_three", refinement.index.order},
+         {"grid_convergence_index", refinement.index.fraction},
+         {"safety_factor", refinement.index.safety_factor}};
+}
+
+static void to_json(Json& out, const CaseFindings& found) {
+  out = {{"id", found.id},
+         {"title", found.title},
+         {"scene", found.scene},
+         {"closed_form", found.form},
+         {"passed", found.passed()},
+         {"seconds", found.seconds},
+         {"ladders", found.refinements},
+         {"checks", found.checks}};
+}
+
+}  // namespace verify
+
+namespace {
+
 using verify::CaseFindings;
 using verify::Check;
 using verify::Findings;
 using verify::Measure;
 using verify::Refinement;
-
-constexpr std::array kMeasureNames{"relative", "absolute", "at_least", "at_most", "reported"};
-
-Json or_null(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
-Json check_json(const Check& check) {
-  Json out{{"quantity", check.quantity},
-           {"unit", check.unit},
-           {"measure", kMeasureNames.at(static_cast<std::size_t>(check.measure))}};
-  out["expected"] = check.measure == Measure::reported ? Json(nullptr) : Json(check.expected);
-  out["found"] = check.found;
-  const bool toleranced = check.measure == Measure::relative || check.measure == Measure::absolute;
-  out["error"] = toleranced ? Json(check.error()) : Json(nullptr);
-  out["tolerance"] = toleranced ? Json(check.tolerance) : Json(nullptr);
-  out["reason"] = check.reason;
-  out["passed"] = check.passed();
-  return out;
-}
-
-Json refinement_json(const Refinement& refinement) {
-  Json out{{"quantity", refinement.quantity}, {"unit", refinement.unit}, {"step", refinement.step}};
-  out["expected"] = or_null(refinement.expected);
-  out["levels"] = Json::array();
-  for (const verify::Level& level : refinement.levels) {
-    out["levels"].push_back(
-        {{"step", level.step}, {"found", level.found}, {"error", or_null(level.error)}, {"runs", level.runs}});
-  }
-  out["order"] = or_null(refinement.order);
-  out["order_of_three"] = or_null(refinement.index.order);
-  out["grid_convergence_index"] = refinement.index.fraction;
-  out["safety_factor"] = refinement.index.safety_factor;
-  return out;
-}
-
-Json case_json(const CaseFindings& found) {
-  Json out{{"id", found.id}, {"title", found.title}, {"scene", found.scene}, {"closed_form", found.form}};
-  out["passed"] = found.passed();
-  out["seconds"] = found.seconds;
-  out["ladders"] = Json::array();
-  for (const Refinement& refinement : found.refinements) out["ladders"].push_back(refinement_json(refinement));
-  out["checks"] = Json::array();
-  for (const Check& check : found.checks) out["checks"].push_back(check_json(check));
-  return out;
-}
 
 /// The panel of a refinement in the figure: 1 volumes, 2 loads.
 int panel_of(const Refinement& refinement) {
@@ -118,31 +121,27 @@ std::string with_unit(const std::string& quantity, const std::string& unit) {
   return unit.empty() ? quantity : quantity + ", " + unit;
 }
 
-/// A relative error as a percentage; one that has a sign with its sign.
-std::string percent(double fraction, bool has_sign = true) {
-  return has_sign ? fmt::format("{:+.2g} %", 100 * fraction) : fmt::format("{:.2g} %", 100 * fraction);
-}
-
 std::string error_text(const verify::Level& level) {
   if (!level.error) return "–";
-  return level.runs > 1 ? "RMS " + percent(*level.error, false) : percent(*level.error);
+  const double percent = 100 * *level.error;
+  return level.runs > 1 ? fmt::format("RMS {:.2g} %", percent) : fmt::format("{:+.2g} %", percent);
 }
 
 std::string expected_text(const Check& check) {
   if (check.measure == Measure::reported) return "–";
-  if (check.measure == Measure::at_least) return "≥ " + fmt::format("{:.6g}", check.expected);
-  if (check.measure == Measure::at_most) return "≤ " + fmt::format("{:.6g}", check.expected);
+  if (check.measure == Measure::at_least) return fmt::format("≥ {:.6g}", check.expected);
+  if (check.measure == Measure::at_most) return fmt::format("≤ {:.6g}", check.expected);
   return fmt::format("{:.8g}", check.expected);
 }
 
 std::string error_text(const Check& check) {
-  if (check.measure == Measure::relative) return percent(check.error());
+  if (check.measure == Measure::relative) return fmt::format("{:+.2g} %", 100 * check.error());
   return check.measure == Measure::absolute ? fmt::format("{:.2g}", check.error()) : "–";
 }
 
 std::string tolerance_text(const Check& check) {
-  if (check.measure == Measure::relative) return "±" + fmt::format("{:.2g}", 100 * check.tolerance) + " %";
-  return check.measure == Measure::absolute ? "±" + fmt::format("{:.2g}", check.tolerance) : "–";
+  if (check.measure == Measure::relative) return fmt::format("±{:.2g} %", 100 * check.tolerance);
+  return check.measure == Measure::absolute ? fmt::format("±{:.2g}", check.tolerance) : "–";
 }
 
 /// A text that is not markup.
@@ -190,10 +189,8 @@ std::string refinement_table(const Refinement& refinement) {
 std::string summary_table(const Findings& findings) {
   std::string out = head({"case", "", "figures", "failed"});
   for (const CaseFindings& found : findings.cases) {
-    int failed = 0;
-    for (const Check& check : found.checks) failed += check.passed() ? 0 : 1;
     out += row({"[" + found.title + "](#" + found.id + ")", found.passed() ? "pass" : "**FAIL**",
-                std::to_string(found.checks.size()), std::to_string(failed)});
+                std::to_string(found.checks.size()), std::to_string(found.failed_checks())});
   }
   return out + "\n";
 }
@@ -221,15 +218,13 @@ std::string verification_markdown(const Findings& findings) {
 }
 
 std::string verification_json(const Findings& findings) {
-  Json out;
-  out["program"] = "reamsim " REAMSIM_VERSION;
-  out["device"] = findings.device;
-  out["suite"] = findings.quick ? "quick" : "full";
-  out["passed"] = findings.passed();
-  out["failed_checks"] = findings.failed_checks();
-  out["seconds"] = findings.seconds;
-  out["cases"] = Json::array();
-  for (const CaseFindings& found : findings.cases) out["cases"].push_back(case_json(found));
+  const Json out{{"program", "reamsim " REAMSIM_VERSION},
+                 {"device", findings.device},
+                 {"suite", findings.quick ? "quick" : "full"},
+                 {"passed", findings.passed()},
+                 {"failed_checks", findings.failed_checks()},
+                 {"seconds", findings.seconds},
+                 {"cases", findings.cases}};
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -40,8 +40,6 @@ static_assert(kNormalRounds + kPointRounds == kAttributeReach);
 constexpr float kMaxDisplacement_voxels = 0.4F;
 constexpr int kDepthRounds = 4;           // smooth the voxel steps of the depth
 constexpr float kCertainlyReamed = 0.6F;  // below: the edge of the reamed face
-constexpr int kProjectionSteps = 2;       // Newton's, to the surface
-constexpr double kMaxProjection = 1;      // of a step, in gradients of the field
 constexpr int kEdgeRounds = 2;            // smooth the edge of the reamed face where whole voxels are removed
 
 /// Outward normal: the field's gradient over a step wide enough to average out voxel steps.
@@ -52,10 +50,6 @@ Eigen::Vector3f normal_at(const Accessor& field, const Vec3d& p) {
   return Eigen::Vector3d(slope.x() / length, slope.y() / length, slope.z() / length).cast<float>();
 }
 
-Vec3d vdb_point(const Eigen::Vector3f& p) {
-  return {p.x(), p.y(), p.z()};
-}
-
 std::vector<Eigen::Vector3f> normals_at(const std::vector<Eigen::Vector3f>& points, const SolidField& field) {
   std::vector<Eigen::Vector3f> normals(points.size());
   parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -63,30 +57,6 @@ std::vector<Eigen::Vector3f> normals_at(const std::vector<Eigen::Vector3f>& poin
     for (std::size_t i = begin; i < end; ++i) normals[i] = normal_at(now, vdb_point(points[i]));
   });
   return normals;
-}
-
-/// The point of the surface, where the field is zero, next to a point near it. Voxel index space.
-Vec3d on_surface(const Accessor& field, Vec3d p) {
-  const auto value = [&](const Vec3d& at) { return sample(field, at); };
-  for (int step = 0; step < kProjectionSteps; ++step) {
-    const Vec3d slope = central_difference(value, p, 0.5);
-    p -= slope * std::clamp(value(p) / std::max(slope.lengthSqr(), 1e-4), -kMaxProjection, kMaxProjection);
-  }
-  return p;
-}
-
-/// Removal at each vertex. It is read on the surface: the fitted vertices lie beside it by a part of a voxel.
-std::vector<Removal> removal_at(const std::vector<Eigen::Vector3f>& points, const BoneFields& fields) {
-  std::vector<Removal> out(points.size());
-  parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    const ReamingSampler sampler(fields.unreamed);
-    const Accessor now = fields.solid.grid().vdb->getConstAccessor();
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3d p = vdb_point(points[i]);
-      if (sampler.removed(now, p) > 0) out[i] = sampler.removal(now, on_surface(now, p));
-    }
-  });
-  return out;
 }
 
 /// Calls action(the floats of a vertex, its position in voxel index space).
@@ -130,12 +100,19 @@ float AmbientOcclusion::Level::sample(const Eigen::Vector3f& point) const {
   return trilinear([&](int x, int y, int z) { return corner[x + y * row + z * layer]; });
 }
 
-AmbientOcclusion::AmbientOcclusion(const Occupancy& occupancy) : voxel_mm_(occupancy.voxmap().grid.voxel_mm) {
+AmbientOcclusion::AmbientOcclusion(const Occupancy& occupancy) {
   const Vec3i voxels = occupancy.brick_dims() * FillBricks::kSide;
   for (int level = 0; level < kLevels; ++level) {
     const int cell = kFinestCell << level;
     const BrickLattice cells{(voxels.array() + cell - 1) / cell};
     levels_.push_back({cell, cells, std::vector<float>(cells.count(), 0.0F)});
+  }
+  for (std::size_t i = 0; i < kDistances_mm.size(); ++i) {
+    const float reach = kDistances_mm[i] / static_cast<float>(occupancy.voxmap().grid.voxel_mm);
+    // Cells up to half the distance wide do not reach the flat face that the point lies on.
+    const int wanted = std::ilogb(std::max(reach * 0.5F / kFinestCell, 1.0F));
+    const auto level = static_cast<std::size_t>(std::clamp(wanted, 0, kLevels - 1));
+    probes_.push_back({level, std::max(reach, 1.5F * static_cast<float>(levels_[level].cell_voxels)), kWeights[i]});
   }
   const BrickLattice bricks{occupancy.brick_dims()};
   parallel_ranges(bricks.count(), 64, [&](std::size_t begin, std::size_t end) {
@@ -186,21 +163,10 @@ void AmbientOcclusion::average_coarse() {
   }
 }
 
-AmbientOcclusion::Probe AmbientOcclusion::probe_at(std::size_t distance) const {
-  const float reach = kDistances_mm[distance] / static_cast<float>(voxel_mm_);
-  // Cells up to half the distance wide do not reach the flat face that the point lies on.
-  const int wanted = std::ilogb(std::max(reach * 0.5F / kFinestCell, 1.0F));
-  const Level& level = levels_[static_cast<std::size_t>(std::clamp(wanted, 0, kLevels - 1))];
-  return {&level, std::max(reach, 1.5F * static_cast<float>(level.cell_voxels))};
-}
-
 double AmbientOcclusion::reach_voxels() const {
   double reach = 0;
-  for (std::size_t i = 0; i < kDistances_mm.size(); ++i) {
-    const Probe probe = probe_at(i);
-    // Interpolation reads cells whose centres are up to one cell away.
-    reach = std::max(reach, probe.offset + 1.5 * probe.level->cell_voxels);
-  }
+  // Interpolation reads cells whose centres are up to one cell away.
+  for (const Probe& probe : probes_) reach = std::max(reach, probe.offset + 1.5 * levels_[probe.level].cell_voxels);
   return reach;
 }
 
@@ -209,14 +175,12 @@ float AmbientOcclusion::accessibility(const Eigen::Vector3f& point, const Eigen:
   const Eigen::Vector3f u = normal.cross(helper).normalized();
   const Eigen::Vector3f v = normal.cross(u);
   float occluded = 0;
-  for (std::size_t i = 0; i < kDistances_mm.size(); ++i) {
-    const Probe probe = probe_at(i);
-    const Level& level = *probe.level;
+  for (const Probe& probe : probes_) {
     float sum = 0;
     for (const Eigen::Vector3f& d : kDirections) {
-      sum += level.sample(point + probe.offset * (d.x() * u + d.y() * v + d.z() * normal));
+      sum += levels_[probe.level].sample(point + probe.offset * (d.x() * u + d.y() * v + d.z() * normal));
     }
-    occluded += kWeights[i] * sum / static_cast<float>(kDirections.size());
+    occluded += probe.weight * sum / static_cast<float>(kDirections.size());
   }
   return 1 - occluded;
 }
@@ -254,8 +218,14 @@ BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& field
   const Neighbours neighbours(points.size(), out.indices);
   smooth_normals(neighbours, normals, kNormalRounds);
   fit_to_normals(neighbours, normals, points, kPointRounds, kMaxDisplacement_voxels);
-  Reaming reaming = reaming_at(removal_at(points, fields), fields.unreamed,
-                               [&](std::size_t i) { return vdb_point(points[i] * static_cast<float>(grid.voxel_mm)); });
+  // Removal is read on the surface: the fitted vertices lie beside it by a part of a voxel.
+  const auto removal_at = [&](const ReamingSampler& sampler, std::size_t i) {
+    const Vec3d p = vdb_point(points[i]);
+    return sampler.removed(p) > 0 ? sampler.removal(sampler.on_surface(p)) : Removal();
+  };
+  Reaming reaming = reaming_at(points.size(), fields.unreamed, fields.solid.grid(), removal_at, [&](std::size_t i) {
+    return vdb_point(Eigen::Vector3f(points[i] * static_cast<float>(grid.voxel_mm)));
+  });
   reaming.smooth(neighbours, points, kDepthRounds, kEdgeRounds);
   out.vertices.resize(points.size() * BoneSurface::kStride);
   parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -281,7 +251,7 @@ void add_density_and_ambient(const BoneFields& fields, BoneSurface& surface) {
   surface.deepest_mm = 0;
   const VoxelGrid& grid = fields.voxmap.grid;
   const Vec3 first_center = grid.origin_mm + Vec3::Constant(0.5 * grid.voxel_mm);
-  const ReamingSampler sampler(fields.unreamed);
+  const ReamingSampler sampler(fields.unreamed, fields.solid.grid());
   for (std::size_t i = 0; i < surface.vertices.size(); i += BoneSurface::kStride) {
     const float* v = surface.vertices.data() + i;
     if (v[BoneSurface::kReamed] <= kCertainlyReamed) continue;

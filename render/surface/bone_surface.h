@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "render/surface/solid_field.h"
-#include "render/surface/unreamed_surface.h"
 
 namespace reamsim {
 
@@ -37,18 +36,17 @@ class AmbientOcclusion {
     [[nodiscard]] float sample(const Eigen::Vector3f& point) const;
   };
 
-  /// Level and distance (voxels) at which the i-th distance is sampled.
+  /// Level and distance (voxels) at which a distance is sampled.
   struct Probe {
-    const Level* level;
-    float offset;
+    std::size_t level;
+    float offset, weight;
   };
-  [[nodiscard]] Probe probe_at(std::size_t distance) const;
 
   void average_brick(const Occupancy& occupancy, const Vec3i& brick);
   void average_coarse();
 
-  double voxel_mm_;
   std::vector<Level> levels_;
+  std::vector<Probe> probes_;
 };
 
 /// The bone as a triangle mesh for OpenGL.

@@ -77,17 +77,15 @@ std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
 
 void add_reaming(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& unreamed) {
   const auto voxel = [&](std::size_t i) {
-    const Vec3 at = (out.mesh.vertices[i] - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
-    return openvdb::Vec3d(at.x(), at.y(), at.z());
+    return vdb_point(Vec3((out.mesh.vertices[i] - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5)));
   };
   // Without the field of the current bone the certainty stands for the edge as well.
-  std::vector<Removal> removal(out.mesh.vertices.size());
-  const ReamingSampler sampler(unreamed);
-  for (std::size_t i = 0; i < removal.size(); ++i) {
+  const auto removal_at = [&](const ReamingSampler& sampler, std::size_t i) {
     const float certainty = sampler.fraction(voxel(i));
-    removal[i] = {certainty, certainty};
-  }
-  Reaming reaming = reaming_at(removal, unreamed, [&](std::size_t i) { return voxel(i) * grid.voxel_mm; });
+    return Removal{certainty, certainty};
+  };
+  Reaming reaming = reaming_at(out.mesh.vertices.size(), unreamed, unreamed.field(), removal_at,
+                               [&](std::size_t i) { return voxel(i) * grid.voxel_mm; });
   std::vector<Eigen::Vector3f> points;
   for (const Vec3& p : out.mesh.vertices) points.emplace_back(((p - grid.origin_mm) / grid.voxel_mm).cast<float>());
   std::vector<std::uint32_t> corners;
@@ -148,15 +146,10 @@ struct Buffer {
 
 std::size_t add_positions(Buffer& buffer, const TriangleMesh& mesh) {
   std::vector<Eigen::Vector3f> positions;
-  positions.reserve(mesh.vertices.size());
-  Eigen::Vector3f low = mesh.vertices.front().cast<float>();
-  Eigen::Vector3f high = low;
-  for (const Vec3& v : mesh.vertices) {
-    positions.emplace_back(v.cast<float>());
-    low = low.cwiseMin(positions.back());
-    high = high.cwiseMax(positions.back());
-  }
-  const Json bounds{{"min", {low.x(), low.y(), low.z()}}, {"max", {high.x(), high.y(), high.z()}}};
+  Eigen::AlignedBox3f box;
+  for (const Vec3& v : mesh.vertices) box.extend(positions.emplace_back(v.cast<float>()));
+  const auto json = [](const Eigen::Vector3f& p) { return Json{p.x(), p.y(), p.z()}; };
+  const Json bounds{{"min", json(box.min())}, {"max", json(box.max())}};
   return buffer.add(positions, kVertices, kFloat, positions.size(), "VEC3", bounds);
 }
 
@@ -198,11 +191,6 @@ Json document(const Buffer& buffer, const Json& attributes, std::size_t indices,
   return out;
 }
 
-void put_word(std::ofstream& out, std::size_t word) {
-  const auto narrow = static_cast<std::uint32_t>(word);
-  out.write(reinterpret_cast<const char*>(&narrow), sizeof narrow);
-}
-
 void write_chunks(const std::string& path, const std::string& json, const std::vector<char>& binary) {
   constexpr std::size_t kHeads = 12 + 8 + 8;
   const std::size_t total = kHeads + json.size() + binary.size();
@@ -210,13 +198,15 @@ void write_chunks(const std::string& path, const std::string& json, const std::v
     throw RunError(path + ": the mesh exceeds the 4 GiB limit of GLB: set output.meshes: false, or use larger voxels");
   }
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  for (const std::size_t word : {std::size_t{kMagic}, std::size_t{2}, total, json.size(), std::size_t{kJsonChunk}}) {
-    put_word(out, word);
-  }
-  out << json;
-  put_word(out, binary.size());
-  put_word(out, kBinaryChunk);
-  out.write(binary.data(), static_cast<std::streamsize>(binary.size()));
+  const auto put = [&](std::initializer_list<std::size_t> words, const auto& bytes) {
+    for (const std::size_t word : words) {
+      const auto narrow = static_cast<std::uint32_t>(word);
+      out.write(reinterpret_cast<const char*>(&narrow), sizeof narrow);
+    }
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  };
+  put({kMagic, 2, total, json.size(), kJsonChunk}, json);
+  put({binary.size(), kBinaryChunk}, binary);
   close_file(out, path);
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "render/surface/unreamed_surface.h"
+#include "render/surface/solid_field.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/mesh/triangle_mesh.h"
 

@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "render/surface/solid_field.h"
 #include "render/surface/surface_smoothing.h"
-#include "render/surface/unreamed_surface.h"
 #include "sim/base/parallel.h"
 
 // Only for the source files of this folder, because OpenVDB's headers take ten seconds to compile.
@@ -22,6 +22,11 @@ struct ScalarGrid {
 
 /// The isosurface of `field` at `level`, in the grid's world space; with `where`, only in its active voxels.
 IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvdb::BoolGrid::ConstPtr where = nullptr);
+
+template <class Point>
+openvdb::Vec3d vdb_point(const Point& p) {
+  return openvdb::Vec3d(p.x(), p.y(), p.z());
+}
 
 inline double sample(const openvdb::FloatGrid::ConstAccessor& accessor, const openvdb::Vec3d& point) {
   return openvdb::tools::BoxSampler::sample(accessor, point);
@@ -45,27 +50,40 @@ struct Removal {
   float certainty = 0;  ///< that material was removed here, 0…1
 };
 
-/// Samples reaming at points of the bone's surface. For one thread.
+/// Samples reaming at points of the bone's surface, in voxel index space. For one thread.
 class ReamingSampler {
  public:
-  explicit ReamingSampler(const UnreamedSurface& unreamed)
+  /// `now`: the field of the current bone.
+  ReamingSampler(const UnreamedSurface& unreamed, const ScalarGrid& now)
       : field_(unreamed.field().vdb->getConstAccessor()),
+        now_(now.vdb->getConstAccessor()),
         depth_grid_(*unreamed.depth().vdb),
         depth_(depth_grid_.getConstAccessor()) {}
 
   /// Certainty that material was removed at a point where the field of the current bone is zero, 0…1: that of the
-  /// unreamed bone is zero where none was removed, and falls to −½ inside. `voxel`: voxel index space.
+  /// unreamed bone is zero where none was removed, and falls to −½ inside.
   [[nodiscard]] float fraction(const openvdb::Vec3d& voxel) const { return certainty(-sample(field_, voxel)); }
-  /// The fraction of removed material, smoothed as the fields are; 0 away from it. `now`: field of the current bone.
-  [[nodiscard]] double removed(const openvdb::FloatGrid::ConstAccessor& now, const openvdb::Vec3d& voxel) const {
-    return sample(now, voxel) - sample(field_, voxel);
+  /// The fraction of removed material, smoothed as the fields are; 0 away from it.
+  [[nodiscard]] double removed(const openvdb::Vec3d& voxel) const {
+    return sample(now_, voxel) - sample(field_, voxel);
+  }
+  /// The point of the current surface, where the field is zero, next to a point near it.
+  [[nodiscard]] openvdb::Vec3d on_surface(openvdb::Vec3d voxel) const {
+    constexpr int kSteps = 2;       // Newton's
+    constexpr double kMaxStep = 1;  // in gradients of the field
+    const auto value = [&](const openvdb::Vec3d& at) { return sample(now_, at); };
+    for (int step = 0; step < kSteps; ++step) {
+      const openvdb::Vec3d slope = central_difference(value, voxel, 0.5);
+      voxel -= slope * std::clamp(value(voxel) / std::max(slope.lengthSqr(), 1e-4), -kMaxStep, kMaxStep);
+    }
+    return voxel;
   }
   /// Removal at a point of the current surface. The edge of the reamed face is where the removed fraction is
   /// kEdge_voxels times its gradient: at the edge of a wedge of angle α that was removed from a flat bone, a Gaussian
   /// of one voxel makes the fraction α/2π and its gradient 2 sin(α/2)/√(8π), whose ratio is 0.80 to 0.89 for 0 to 90°.
-  [[nodiscard]] Removal removal(const openvdb::FloatGrid::ConstAccessor& now, const openvdb::Vec3d& voxel) const {
-    const double fraction = removed(now, voxel);
-    const auto at = [&](const openvdb::Vec3d& p) { return removed(now, p); };
+  [[nodiscard]] Removal removal(const openvdb::Vec3d& voxel) const {
+    const double fraction = removed(voxel);
+    const auto at = [&](const openvdb::Vec3d& p) { return removed(p); };
     const double gradient = 0.5 * central_difference(at, voxel, 1).length();
     const double edge = 0.5 * fraction / (kEdge_voxels * std::max(gradient, 1e-6));
     return {static_cast<float>(std::clamp(edge, 0.0, 1.0)), certainty(fraction)};
@@ -84,7 +102,7 @@ class ReamingSampler {
     return static_cast<float>(std::clamp((removed - kNone) / (kCertain - kNone), 0.0, 1.0));
   }
 
-  openvdb::FloatGrid::ConstAccessor field_;
+  openvdb::FloatGrid::ConstAccessor field_, now_;
   const openvdb::FloatGrid& depth_grid_;
   openvdb::FloatGrid::ConstAccessor depth_;
 };
@@ -105,17 +123,18 @@ struct Reaming {
   }
 };
 
-/// Adds the depth to the removal at each vertex. `mm(i)`: where vertex i reads it, voxel index space times voxel_mm.
-template <class Mm>
-Reaming reaming_at(const std::vector<Removal>& removal, const UnreamedSurface& unreamed, const Mm& mm) {
-  const std::size_t count = removal.size();
+/// Reaming at `count` vertices: removal_at(sampler, i), and its depth at mm(i), voxel index space times voxel_mm.
+template <class RemovalAt, class Mm>
+Reaming reaming_at(std::size_t count, const UnreamedSurface& unreamed, const ScalarGrid& now,
+                   const RemovalAt& removal_at, const Mm& mm) {
   Reaming out{std::vector<float>(count), std::vector<float>(count), std::vector<float>(count)};
   parallel_ranges(count, 2048, [&](std::size_t begin, std::size_t end) {
-    const ReamingSampler sampler(unreamed);
+    const ReamingSampler sampler(unreamed, now);
     for (std::size_t i = begin; i < end; ++i) {
-      out.reamed[i] = removal[i].reamed;
-      out.certainty[i] = removal[i].certainty;
-      if (out.certainty[i] > 0) out.depth_mm[i] = sampler.depth_mm(mm(i));
+      const Removal removal = removal_at(sampler, i);
+      out.reamed[i] = removal.reamed;
+      out.certainty[i] = removal.certainty;
+      if (removal.certainty > 0) out.depth_mm[i] = sampler.depth_mm(mm(i));
     }
   });
   return out;

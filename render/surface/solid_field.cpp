@@ -124,31 +124,23 @@ Occupancy::Kind Occupancy::classify(const Vec3i& brick) const {
 }
 
 void Occupancy::gather(const Vec3i& lower, int side, float* out) const {
-  const VoxelGrid& grid = voxmap_.grid;
-  std::fill(out, out + static_cast<std::ptrdiff_t>(side) * side * side, 0.0F);
-  const Vec3i from = lower.cwiseMax(0);
-  const Vec3i to = (lower.array() + side).min(grid.dims.array());
   constexpr float kPerFillUnit = 1.0F / FillBricks::kWhole;
-  for (int z = from.z(); z < to.z(); ++z) {
-    for (int y = from.y(); y < to.y(); ++y) {
-      float* row = out + side * ((y - lower.y()) + side * (z - lower.z())) - lower.x();
-      for (int x = from.x(); x < to.x();) {
-        const int end = std::min(to.x(), (x | (FillBricks::kSide - 1)) + 1);
-        const Vec3i brick = BrickLattice::brick_of({x, y, z});
-        const GradeBricks::Brick* grades = voxmap_.grade.brick(brick);
-        if (grades == nullptr) {
-          x = end;
-          continue;
-        }
-        const FillBricks::Brick* fill = fill_.brick(brick);
-        for (; x < end; ++x) {
-          const auto offset = static_cast<std::size_t>(BrickLattice::offset_of({x, y, z}));
-          if ((*grades)[offset] == 0) continue;
-          row[x] = fill ? kPerFillUnit * static_cast<float>((*fill)[offset]) : 1.0F;
-        }
-      }
-    }
-  }
+  std::fill(out, out + static_cast<std::ptrdiff_t>(side) * side * side, 0.0F);
+  const Vec3i first = lower.cwiseMax(0);
+  const Vec3i last = (lower.array() + side).min(voxmap_.grid.dims.array()) - 1;
+  for_each_voxel(BrickLattice::brick_of(first), BrickLattice::brick_of(last), [&](const Vec3i& brick) {
+    const GradeBricks::Brick* grades = voxmap_.grade.brick(brick);
+    if (grades == nullptr) return;
+    const FillBricks::Brick* fill = fill_.brick(brick);
+    const Vec3i from = first.cwiseMax(brick * kBrickSide);
+    const Vec3i to = (last.array()).min(brick.array() * kBrickSide + kBrickSide - 1);
+    for_each_voxel(from, to, [&](const Vec3i& voxel) {
+      const auto offset = static_cast<std::size_t>(BrickLattice::offset_of(voxel));
+      if ((*grades)[offset] == 0) return;
+      const Vec3i at = voxel - lower;
+      out[at.x() + side * (at.y() + side * at.z())] = fill ? kPerFillUnit * static_cast<float>((*fill)[offset]) : 1.0F;
+    });
+  });
 }
 
 SolidField::SolidField(const Occupancy& occupancy) : grid_(new ScalarGrid{make_float_grid(kAir)}) {
@@ -191,7 +183,7 @@ std::vector<float> SolidField::at(std::span<const Vec3> points) const {
   const auto accessor = grid_->vdb->getConstAccessor();
   std::vector<float> out;
   out.reserve(points.size());
-  for (const Vec3& p : points) out.push_back(static_cast<float>(sample(accessor, {p.x(), p.y(), p.z()})));
+  for (const Vec3& p : points) out.push_back(static_cast<float>(sample(accessor, vdb_point(p))));
   return out;
 }
 

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/surface/unreamed_surface.h"
+#include "render/surface/solid_field.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "render/surface/layer_boundary.h"
+#include "render/surface/nearest_point.h"
 #include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
@@ -70,13 +70,10 @@ std::vector<std::uint8_t> above_removed_bone(const OffsetSurface& offset, const 
                                              const FillBricks& before, const FillBricks& after) {
   const double voxel_mm = voxmap.grid.voxel_mm;
   const auto accessor = offset.distance_mm->getConstAccessor();
-  const auto distance_at = [&](const Vec3d& mm) {
-    return openvdb::tools::BoxSampler::sample(accessor, offset.distance_mm->worldToIndex(mm));
-  };
+  const auto distance_at = [&](const Vec3d& mm) { return sample(accessor, offset.distance_mm->worldToIndex(mm)); };
   std::vector<std::uint8_t> marked(offset.surface.points.size(), 0);
   for (std::size_t i = 0; i < marked.size(); ++i) {
-    const Eigen::Vector3f& point = offset.surface.points[i];
-    const Vec3d p(point.x(), point.y(), point.z());
+    const Vec3d p = vdb_point(offset.surface.points[i]);
     const Vec3d slope = central_difference(distance_at, p, 0.5 * offset.distance_mm->voxelSize()[0]);
     if (slope.length() < 1e-9) continue;
     const Vec3d below = (p - slope.unit() * (kClosing_mm + 0.75 * voxel_mm)) / voxel_mm;
@@ -106,7 +103,7 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBrick
   const double brick_cells = FillBricks::kSide * voxel_mm / cell_mm;
   after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
     if (!reamed(fill, before.brick(coord))) return;
-    const Vec3d lower = brick_cells * Vec3d(coord.x(), coord.y(), coord.z());
+    const Vec3d lower = brick_cells * vdb_point(coord);
     const openvdb::Coord from = openvdb::Coord::floor(lower - Vec3d(2));
     const openvdb::Coord to = openvdb::Coord::ceil(lower + Vec3d(brick_cells + 2));
     grid->denseFill(openvdb::CoordBBox(from, to), 0.0F, true);
@@ -130,17 +127,14 @@ openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxm
   }
   if (sources.empty()) return depth;
   // Sources are a cell apart and at least kClosing_mm away, so the nearest one approximates the nearest triangle.
-  const std::vector<Eigen::AlignedBox3d> boxes(sources.begin(), sources.end());
-  const PointTree tree(sources.begin(), sources.end(), boxes.begin(), boxes.end());
+  const NearestPoint source(sources);
   depth->tree().voxelizeActiveTiles();
   std::vector<openvdb::FloatTree::LeafNodeType*> leaves;
   depth->tree().getNodes(leaves);
   parallel_items(leaves.size(), [&](std::size_t leaf) {
     for (auto value = leaves[leaf]->beginValueOn(); value; ++value) {
       const Vec3d mm = depth->indexToWorld(value.getCoord());
-      PointDistance from{Point(mm.x(), mm.y(), mm.z())};
-      const double distance_mm = std::sqrt(Eigen::BVMinimize(tree, from));
-      value.setValue(static_cast<float>(distance_mm - kClosing_mm));
+      value.setValue(static_cast<float>(source.distance({mm.x(), mm.y(), mm.z()}) - kClosing_mm));
     }
   });
   return depth;
@@ -158,8 +152,8 @@ double max_depth_mm(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const
   const auto measure = [&](const Vec3i& cut, const Vec3i& bone) {
     if (!voxmap.grid.contains(bone) || voxmap.grade.get(bone) == 0 || fraction(bone) < 0.5) return;
     const double above_voxels = fraction(bone) < 1 ? fraction(bone) - 0.5 : 0.5 + fraction(cut);
-    const Vec3d mm = voxel_mm * Vec3d(bone.x(), bone.y(), bone.z());
-    const double depth_mm = openvdb::tools::BoxSampler::sample(depths, depth.worldToIndex(mm));
+    const Vec3d mm = voxel_mm * vdb_point(bone);
+    const double depth_mm = sample(depths, depth.worldToIndex(mm));
     deepest_mm = std::max(deepest_mm, depth_mm - above_voxels * voxel_mm);
   };
   after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
@@ -177,6 +171,25 @@ double max_depth_mm(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const
 }
 
 }  // namespace
+
+/// For Eigen::BVMinimize: the squared distance to a point, and its lower bound in a box.
+struct NearestPoint::Query {
+  using Scalar = double;
+  Point from;
+
+  double minimumOnVolume(const Eigen::AlignedBox3d& box) const { return box.squaredExteriorDistance(from); }
+  double minimumOnObject(const Point& point) const { return (point - from).squaredNorm(); }
+};
+
+NearestPoint::NearestPoint(const std::vector<Point>& points) {
+  const std::vector<Eigen::AlignedBox3d> boxes(points.begin(), points.end());
+  tree_.init(points.begin(), points.end(), boxes.begin(), boxes.end());
+}
+
+double NearestPoint::distance(const Point& from) const {
+  Query query{from};
+  return std::sqrt(Eigen::BVMinimize(tree_, query));
+}
 
 UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before, const FillBricks& after)
     : before_(std::move(before)),

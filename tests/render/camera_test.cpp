@@ -8,8 +8,6 @@
 
 #include <cmath>
 
-#include "sim/base/error.h"
-
 namespace reamsim {
 namespace {
 
@@ -103,10 +101,6 @@ TEST(CameraTest, ClipSpaceAndPixelsAgree) {
   EXPECT_NEAR((clip.x() + 1) * 320, camera.pixel(p).x(), 1e-9);
   EXPECT_NEAR((1 - clip.y()) * 240, camera.pixel(p).y(), 1e-9);
   EXPECT_LT(std::abs(clip.z()), 1);
-}
-
-TEST(CameraTest, UnknownNameAndEmptySizeAreInputErrors) {
-  EXPECT_THROW(make_camera(CameraView::glenoid, left_shoulder(), 0, 10), InputError);
 }
 
 TEST(ScaleTest, TicksAreRoundNumbers) {

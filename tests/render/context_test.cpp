@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "render/gl/context.h"
-#include "render/gl/gl_objects.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

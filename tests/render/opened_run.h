@@ -6,7 +6,6 @@
 #include <string>
 
 #include "render/pictures/renderer.h"
-#include "render/pictures/run_data.h"
 
 namespace reamsim::test {
 

@@ -10,7 +10,7 @@
 #include <fstream>
 
 #include "render/pictures/overlay.h"
-#include "render/pictures/run_data.h"
+#include "render/pictures/run_view.h"
 #include "render/render.h"
 #include "render/surface/color_map.h"
 #include "sim/base/error.h"

@@ -11,7 +11,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "render/pictures/run_data.h"
+#include "render/pictures/run_view.h"
 #include "render/plots/plots.h"
 #include "render/render.h"
 #include "sim/base/error.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/render_thread.h"
+#include "render/render.h"
 
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ class RenderThreadTest : public ::testing::Test {
     for (int i = 0; i < count; ++i) {
       const auto frame = thread.next();
       if (!frame) break;
-      if (frame->kind == RenderedFrame::Kind::frame) out.push_back(frame->frame);
+      if (frame->kind == Shot::Kind::frame) out.push_back(frame->frame);
     }
     return out;
   }
@@ -64,11 +64,11 @@ TEST_F(RenderThreadTest, RendersWhileTheRunGoesOn) {
   fs::rename(later, snapshot(40));
   thread.snapshots_written(60);
   EXPECT_EQ(frames_of(thread, 4), (std::vector<std::int64_t>{40, 40, 60, 60}));
-  for (std::size_t camera = 0; camera < 2; ++camera) {
+  for (const char* camera : {"oblique", "glenoid"}) {
     const auto last = thread.next();
     ASSERT_TRUE(last);
-    EXPECT_EQ(last->kind, RenderedFrame::Kind::after);
-    EXPECT_EQ(last->camera, camera);
+    EXPECT_EQ(last->kind, Shot::Kind::after);
+    EXPECT_EQ(last->camera.name, camera);
     EXPECT_NEAR(last->deepest_mm, 3, 0.6);
   }
   EXPECT_FALSE(thread.next());
@@ -91,7 +91,7 @@ TEST_F(RenderThreadTest, RendersAllFramesBeforeADamagedSnapshot) {
 }
 
 RenderedFrame frame_of(std::int64_t frame, int pixels) {
-  RenderedFrame out{.kind = RenderedFrame::Kind::film, .frame = frame, .image = {}};
+  RenderedFrame out{{Shot::Kind::film, frame}};
   out.image.pixels.resize(static_cast<std::size_t>(pixels));
   return out;
 }

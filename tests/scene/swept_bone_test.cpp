@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "render/gl/camera.h"
-#include "render/pictures/run_data.h"
+#include "render/pictures/run_view.h"
 #include "render/surface/scalar_grid.h"
 #include "sim/tool/profile.h"
 #include "tests/render/results_fixture.h"
@@ -181,7 +181,7 @@ TEST(PredictedBoneTest, WhatAnEarlierRunTookIsReamedToo) {
   const RunData run(inputs);
   EXPECT_NEAR(run.unreamed().deepest_mm(), 3, 0.3);
   const openvdb::Vec3d floor(kVoxel_mm * openvdb::Vec3d(9.5, 9.5, 13.5));
-  EXPECT_NEAR(ReamingSampler(run.unreamed()).depth_mm(floor), 3, 0.3);
+  EXPECT_NEAR(ReamingSampler(run.unreamed(), run.unreamed().field()).depth_mm(floor), 3, 0.3);
 }
 
 TEST(PredictedBoneTest, LaterPassesFindTheBoneThatEarlierOnesLeave) {
