@@ -16,13 +16,11 @@ from .errors import (InputError, Interrupted, MissingPackage, ProgramError, Prog
                      ReamsimWarning, ResultsError, RunError)
 from .grid import DepthMap, Grid
 from .plots import plot_bands, plot_depth_map, plot_forces
-from .program import find_program
+from .program import __version__, find_program
 from .results import Run, load
-from .simulation import Simulation, State
-from .steps import POSE, Step
+from .simulation import POSE, Simulation, State, Step
 from .surface import Surface
 from .sweeps import Sweep, load_sweep
-from .version import __version__
 
 __all__ = [
     "POSE", "DepthMap", "Grid", "InputError", "Interrupted", "MissingPackage", "ProgramError", "ProgramNotFound",

@@ -45,16 +45,12 @@ def run(scenario: str | os.PathLike[str] | Mapping[str, Any], output: str | os.P
         options += ["--device", device]
     options += ["--overwrite"] * overwrite + ["--resume"] * resume
     with scenario_file(scenario) as path:
-        return _run(path, options, show_output)
-
-
-def _run(path: str, options: list[str], show_output: bool) -> Run:
-    said = call(["run", path, *options], show_output=show_output)
-    results = [line.removeprefix("results: ") for line in said.splitlines() if line.startswith("results: ")]
-    complete = [line.split(": ", 1)[1] for line in said.splitlines() if line.startswith("the results were complete: ")]
-    if not results + complete:
+        said = call(["run", path, *options], show_output=show_output)
+    found = [line.split(": ", 1)[1] for begin in ("results: ", "the results were complete: ") for line in said.splitlines()
+             if line.startswith(begin)]
+    if not found:
         raise RunError(["the program did not say where its results are; is REAMSIM_PROGRAM another version?"], 0)
-    return load((results + complete)[-1])
+    return load(found[-1])
 
 
 def sweep(study: str | os.PathLike[str], output: str | os.PathLike[str] | None = None, jobs: int | None = None, *,

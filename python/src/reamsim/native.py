@@ -15,8 +15,7 @@ import sysconfig
 from types import ModuleType
 
 from .errors import ProgramNotFound
-from .program import find_program
-from .version import __version__
+from .program import __version__, find_program
 
 _NAME = "reamsim._simulation"
 

@@ -1,12 +1,14 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Finds the program `reamsim` and runs it."""
+"""Finds the program `reamsim`, whose version is that of the package, and runs it."""
 
 from __future__ import annotations
 
+import importlib.metadata
 import os
 import pathlib
+import re
 import shutil
 import signal
 import subprocess
@@ -128,3 +130,15 @@ def _error(lines: list[str], status: int) -> ProgramError:
     if status in _INTERRUPTED_STATUSES:
         return Interrupted(lines, status)
     return RunError(lines, status)
+
+
+def _version() -> str:
+    checkout = pathlib.Path(__file__).resolve().parents[3] / "CMakeLists.txt"  # of python/src/reamsim
+    if checkout.is_file():
+        found = re.search(r"project\(reamsim VERSION (\S+)", checkout.read_text(encoding="utf-8"))
+        if found:
+            return found[1]
+    return importlib.metadata.version("reamsim")
+
+
+__version__: str = _version()

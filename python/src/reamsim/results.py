@@ -15,8 +15,7 @@ import numpy
 import yaml
 
 from .errors import ResultsError
-from .grid import DepthMap, Grid
-from .grid_files import read_depth_map, read_vdb, read_vti
+from .grid import DepthMap, Grid, read_depth_map, read_vdb, read_vti
 from .scenario_text import load_yaml
 from .surface import Surface, read_surface
 from .tables import as_table, number_array
