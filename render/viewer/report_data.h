@@ -18,18 +18,16 @@
 // The parts of report.html: data of its scripts, and pictures.
 namespace reamsim {
 
-/// The rows of a log that the page shows: of each of at most 1000 groups the first and the extremes of force and
-/// torque, ascending, and the last row. `rows` must not be empty.
+/// The rows of a log that the page shows, ascending: of each of at most 1000 groups the first and the extremes of force,
+/// torque and feed rate, and the last row. `rows` must not be empty.
 std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows);
 
-/// The curves of the page's plot as columns: `frame`, `time_s`, `depth_mm`, `axial_force_n`, `spin_torque_nmm`,
-/// `removed_mm3` (cumulative); and, if the log has means over some travel, `mean_axial_force_n`, `mean_spin_torque_nmm`
-/// with `mean_travel_mm`. Long logs are decimated to the rows with the extremes of force and torque, so that spikes
-/// remain.
+/// The curves of the page's plot as columns with the names of forces.csv, at shown_rows(); `removed_mm3` is cumulative.
+/// With means over `mean_travel_mm` > 0: `mean_axial_force_n`, `mean_spin_torque_nmm`; of a push: feed rate and power.
 nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm);
 
-/// The data of the page's 3D view in B and mm: `before` and `after`, surfaces as in mesh_bytes(); `density`, a volume
-/// for sections; colour maps; view target and section planes.
+/// The page's 3D view in B and mm: `before` and `after`, surfaces as of mesh_json(); `density`, a volume for sections;
+/// colour maps; view target and section planes; `reaming`.
 nlohmann::ordered_json bone_data(const RunData& run, const RenderSettings& settings);
 
 /// The reaming between the two surfaces of bone_data(), at up to 12 of the pictures along the run: at each of `time_s`,
@@ -38,11 +36,9 @@ nlohmann::ordered_json bone_data(const RunData& run, const RenderSettings& setti
 /// apply_snapshot() does.
 nlohmann::ordered_json reaming_data(const RunData& run, const BoneSurface& after);
 
-/// The reamers in the 3D view: `passes`, each with its `mesh` as in mesh_json() in T over `box_mm`, simplified, and its
-/// first `row` of shown_rows(); `shown` and `look` as the settings say; and `poses`, one for each of shown_rows():
-/// `count`, `box_mm` of their positions in B, and `bytes`, eight numbers each in the code of mesh_bytes(): x, y, z over
-/// that box, the quaternion's x, y, z, w over −1…1, and the spin angle (about −z of T) over a turn. null for a tool
-/// without triangles.
+/// The reamers in the 3D view: `passes`, each with its `mesh` in T as of mesh_json() over `box_mm`, simplified, and its
+/// first `row` of shown_rows(); `shown` and `look` as the settings say; `poses`, one for each of shown_rows(): `count`,
+/// `box_mm` of their positions in B, and pose_bytes() as `bytes`. null for a tool without triangles.
 nlohmann::ordered_json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log,
                                  const RenderSettings& settings);
 
