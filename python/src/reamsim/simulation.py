@@ -5,16 +5,22 @@
 
 from __future__ import annotations
 
+import functools
+import importlib.util
 import os
+import pathlib
+import sys
+import sysconfig
 from collections.abc import Mapping
+from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy
 from numpy.typing import ArrayLike
 
-from .errors import InputError
+from .errors import InputError, ProgramNotFound
 from .grid import Grid
-from .native import simulation_module
+from .program import __version__, find_program
 from .scenario_text import assignments, scenario_file
 from .tables import INTEGERS, as_table
 
@@ -26,6 +32,7 @@ the spin angle so far."""
 # The pose in a row of forces.csv.
 _COLUMNS = ("tool_x_mm", "tool_y_mm", "tool_z_mm", "tool_qw", "tool_qx", "tool_qy", "tool_qz", "spin_rpm")
 _ANGLE = "spin_angle_rad"
+_MODULE = "reamsim._simulation"  # built with the program
 
 
 class Step(NamedTuple):
@@ -268,3 +275,41 @@ def _stacked(poses: Any, names: list[str], wanted: list[str]) -> numpy.ndarray:
 def _two_dimensional(values: ArrayLike) -> numpy.ndarray:
     array = numpy.asarray(values, dtype=numpy.float64)
     return array[:, None] if array.ndim == 1 else array
+
+
+@functools.cache
+def simulation_module() -> ModuleType:
+    """The module: beside this package, otherwise of the installation or the build of the program that `find_program`
+    finds. Raises ProgramNotFound where there is none for this Python, or it is one of another version."""
+    # Pins PoCL's worker threads to their cores, as the program does. Must be set before OpenCL is loaded.
+    os.environ.setdefault("POCL_AFFINITY", "1")
+    candidates = _candidates()
+    path = next((path for path in candidates if path.is_file()), None)
+    if path is None:
+        raise ProgramNotFound(
+            "reamsim.Simulation needs the module _simulation, which is built with the program for Debian's Python: build it "
+            "with ./run.sh, install it with `cmake --install build/release`, or set REAMSIM_PROGRAM to a program that has "
+            "it; searched: " + ", ".join(str(path) for path in candidates))
+    spec = importlib.util.spec_from_file_location(_MODULE, path)
+    assert spec is not None and spec.loader is not None
+    try:
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    except ImportError as error:
+        raise ProgramNotFound(f"{path}: cannot be loaded: {error}") from error
+    if module.__version__ != __version__:
+        raise ProgramNotFound(f"{path}: is of version {module.__version__}, and this package of version {__version__}: "
+                              "install both from the same checkout")
+    sys.modules[_MODULE] = module
+    return module
+
+
+def _candidates() -> list[pathlib.Path]:
+    file = "_simulation" + sysconfig.get_config_var("EXT_SUFFIX")
+    out = [pathlib.Path(__file__).resolve().parent / file]
+    try:
+        folder = pathlib.Path(find_program()).resolve().parent
+    except ProgramNotFound:
+        return out
+    packages = "lib/python{}.{}/dist-packages/reamsim".format(*sys.version_info[:2])
+    return [*out, folder.parent / packages / file, folder.parent / "python" / file]  # .../bin, and BUILD/cli

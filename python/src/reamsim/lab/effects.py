@@ -31,23 +31,14 @@ Row = list[str]
 
 @dataclasses.dataclass(frozen=True)
 class Column:
-    """A column of a study by run.
+    """A column of a study by run."""
 
-    Attributes:
-        key: of runs.csv.
-        title: what people read, with the unit.
-        cells: texts of a parameter.
-        shown: as tables and figures show them.
-        numbers: values of a result (NaN: missing), or of a parameter all of whose cells are numbers; otherwise None.
-        unit: of a result.
-    """
-
-    key: str
-    title: str
-    cells: Sequence[str] = ()
-    shown: Sequence[str] = ()
-    numbers: numpy.ndarray | None = None
-    unit: str = ""
+    key: str  # of runs.csv
+    title: str  # what people read, with the unit
+    cells: Sequence[str] = ()  # texts of a parameter
+    shown: Sequence[str] = ()  # as tables and figures show them
+    numbers: numpy.ndarray | None = None  # of a result (NaN: missing), or of a parameter all of whose cells are numbers
+    unit: str = ""  # of a result
 
     def of(self, runs: Sequence[int]) -> Column:
         """The same of some runs."""
