@@ -18,8 +18,8 @@
 // The parts of report.html: data of its scripts, and pictures.
 namespace reamsim {
 
-/// The rows of a log that the page shows, ascending: of each of at most 1000 groups the first and the extremes of force,
-/// torque and feed rate, and the last row. `rows` must not be empty.
+/// The rows of a log that the page shows, ascending: of each of at most 1000 groups the first and the extremes of
+/// force, torque and feed rate, and the last row. `rows` must not be empty.
 std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows);
 
 /// The curves of the page's plot as columns with the names of forces.csv, at shown_rows(); `removed_mm3` is cumulative.
@@ -38,7 +38,9 @@ nlohmann::ordered_json reaming_data(const RunData& run, const BoneSurface& after
 
 /// The reamers in the 3D view: `passes`, each with its `mesh` in T as of mesh_json() over `box_mm`, simplified, and its
 /// first `row` of shown_rows(); `shown` and `look` as the settings say; `poses`, one for each of shown_rows(): `count`,
-/// `box_mm` of their positions in B, and pose_bytes() as `bytes`. null for a tool without triangles.
+/// `box_mm` of their positions in B, and as `bytes` eight numbers each in the code of mesh_bytes(): x, y, z over
+/// that box, the quaternion's x, y, z, w over −1…1, and the spin angle (about −z of T) over a turn. null for a tool
+/// without triangles.
 nlohmann::ordered_json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log,
                                  const RenderSettings& settings);
 
