@@ -161,6 +161,37 @@ std::vector<double> bone_in(const Columns& columns, const Voxmap& voxmap, const 
   return out;
 }
 
+/// The reaming between the two surfaces of bone_data(), at up to 12 of the pictures along the run: at each of `time_s`,
+/// how much bone stood over each reamed vertex of `after` (counts_as_reamed(), in the order of the mesh) along the axis
+/// of the tool, 0…`most_mm`, in the code of mesh_bytes(). null without snapshots or reamed vertices. Throws as
+/// apply_snapshot() does.
+Json reaming_data(const RunData& run, const BoneSurface& after) {
+  const std::vector<std::int64_t>& frames = run.inputs().frames;
+  const Voxmap& voxmap = run.voxmap();
+  const Columns columns = columns_over(after, run.target().bone_from_tool.linear().col(2), voxmap.grid.voxel_mm);
+  if (frames.size() < 2 || columns.feet.empty()) return nullptr;
+  const std::vector<double> last_mm = bone_in(columns, voxmap, run.last_fill());
+  FillBricks fill = fill_at(run.inputs(), frames.front());
+  Json times = Json::array();
+  std::vector<std::vector<double>> states;
+  std::size_t applied = 0;
+  for (const std::size_t chosen : evenly_spaced(frames.size(), kMaxStates)) {
+    while (applied < chosen) apply_snapshot(run.dir(), frames[++applied], fill);
+    times.push_back(short_number(run.row_of(frames[chosen]).time_s));
+    std::vector<double> heights_mm = bone_in(columns, voxmap, fill);  // over the final surface
+    for (std::size_t i = 0; i < last_mm.size(); ++i) heights_mm[i] -= last_mm[i];
+    states.push_back(smoothed(std::move(heights_mm), columns, voxmap.grid.voxel_mm));
+  }
+  double most_mm = 0;
+  for (const auto& state : states) most_mm = std::max(most_mm, *std::ranges::max_element(state));
+  std::vector<std::uint8_t> bytes;
+  for (const auto& state : states) append_numbers16(state, 0, most_mm, bytes);
+  return {{"time_s", std::move(times)},
+          {"vertices", columns.feet.size()},
+          {"most_mm", most_mm},
+          {"bytes", compressed_base64(bytes)}};
+}
+
 constexpr std::size_t kMaxToolTriangles = 12'000;
 
 /// The tool with shared vertices, as a surface without attributes: zeros take no room when compressed.
@@ -257,33 +288,6 @@ Json bone_data(const RunData& run, const RenderSettings& settings) {
             {"origin_mm", vector_json(volume.origin_mm)},
             {"cell_mm", volume.cell_mm},
             {"bytes", compressed_base64(volume.grades)}}}};
-}
-
-Json reaming_data(const RunData& run, const BoneSurface& after) {
-  const std::vector<std::int64_t>& frames = run.inputs().frames;
-  const Voxmap& voxmap = run.voxmap();
-  const Columns columns = columns_over(after, run.target().bone_from_tool.linear().col(2), voxmap.grid.voxel_mm);
-  if (frames.size() < 2 || columns.feet.empty()) return nullptr;
-  const std::vector<double> last_mm = bone_in(columns, voxmap, run.last_fill());
-  FillBricks fill = fill_at(run.inputs(), frames.front());
-  Json times = Json::array();
-  std::vector<std::vector<double>> states;
-  std::size_t applied = 0;
-  for (const std::size_t chosen : evenly_spaced(frames.size(), kMaxStates)) {
-    while (applied < chosen) apply_snapshot(run.dir(), frames[++applied], fill);
-    times.push_back(short_number(run.row_of(frames[chosen]).time_s));
-    std::vector<double> heights_mm = bone_in(columns, voxmap, fill);  // over the final surface
-    for (std::size_t i = 0; i < last_mm.size(); ++i) heights_mm[i] -= last_mm[i];
-    states.push_back(smoothed(std::move(heights_mm), columns, voxmap.grid.voxel_mm));
-  }
-  double most_mm = 0;
-  for (const auto& state : states) most_mm = std::max(most_mm, *std::ranges::max_element(state));
-  std::vector<std::uint8_t> bytes;
-  for (const auto& state : states) append_numbers16(state, 0, most_mm, bytes);
-  return {{"time_s", std::move(times)},
-          {"vertices", columns.feet.size()},
-          {"most_mm", most_mm},
-          {"bytes", compressed_base64(bytes)}};
 }
 
 Json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log, const RenderSettings& settings) {
