@@ -35,6 +35,14 @@ void for_each_group(const CLI::App& app, const Visit& visit) {
   }
 }
 
+/// The options of a command or group that help lists.
+std::vector<const CLI::Option*> listed_options(const CLI::App& group) {
+  return group.get_options([&](const CLI::Option* option) {
+    const bool is_own_help = group.get_name().empty() && option == group.get_help_ptr();
+    return option->nonpositional() && !option->get_group().empty() && !is_own_help;
+  });
+}
+
 /// CLI11 writes the type as "TEXT:{law,classes}" or "INT:INT in [1 - 9]"; this program also as "osmesa|egl".
 void set_value(const std::string& type, ArgumentText& out) {
   const std::size_t brace = type.find(":{");
@@ -99,83 +107,32 @@ void add_commands_below(const CLI::App& app, const std::string& path, std::vecto
   }
 }
 
-/// Help without the notation of CLI11, "INT:INT in [1 - 9]" or "--film{mp4}". `Mode`: what make_expanded() takes
-/// besides the group, nothing in CLI11 2.1 to 2.4, an AppFormatMode in 2.6.
-template <class... Mode>
-class HelpFormatterFor : public CLI::Formatter {
- public:
-  std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
-    if (is_positional) return option->get_name(true, false);
-    std::string out;
-    for (const std::string& flag : text_of(*option).flags) out += (out.empty() ? "" : ",") + flag;
-    const bool takes_value = option->get_expected_min() == 0 && option->get_name(false, true).find('{') != out.npos;
-    return takes_value ? out + "[=VALUE]" : out;
-  }
-  std::string make_option_opts(const CLI::Option* option) const override {
-    if (option->get_positional()) return "";
-    const ArgumentText text = text_of(*option);
-    return (text.value.empty() ? "" : " " + text.value) + (text.required ? " (required)" : "");
-  }
-  std::string make_option_desc(const CLI::Option* option) const override { return text_of(*option).description; }
-  /// CLI11 2.5 and later leave "Usage:" out before the name of a program.
-  std::string make_usage(const CLI::App* app, std::string name) const override {
-    std::string usage = CLI::Formatter::make_usage(app, std::move(name));
-    if (usage.find("Usage:") == std::string::npos) usage.insert(usage.find_first_not_of('\n'), "Usage: ");
-    return usage;
-  }
-  /// A group of options, one of which is needed.
-  std::string make_expanded(const CLI::App* group, Mode... /*mode*/) const override {
-    return "\nOne of these:\n" + make_options(*group);
-  }
+/// A term, and its meaning at a column of its own.
+std::string entry_line(const std::string& term, std::string_view meaning) {
+  constexpr std::size_t kColumn = 30;
+  const std::string start = "  " + term;
+  const std::string space = start.size() < kColumn ? "" : "\n";
+  return start + space + std::string(kColumn - (space.empty() ? start.size() : 0), ' ') + std::string(meaning) + "\n";
+}
 
- private:
-  [[nodiscard]] std::string make_options(const CLI::App& group) const {
-    std::string out;
-    for (const CLI::Option* option : group.get_options()) {
-      if (option != group.get_help_ptr()) out += make_option(option, false);
-    }
-    return out;
+std::string option_line(const CLI::Option& option) {
+  const ArgumentText text = text_of(option);
+  std::string term;
+  for (const std::string& flag : text.flags) term += (term.empty() ? "" : ",") + flag;
+  // CLI11 has a flag that takes a value after "=" as "--film{mp4}".
+  if (option.get_expected_min() == 0 && option.get_name(false, true).find('{') != std::string::npos) term += "[=VALUE]";
+  if (!text.value.empty()) term += " " + text.value;
+  return entry_line(term + (text.required ? " (required)" : ""), text.description);
+}
+
+/// help_of() in place of CLI11's own help, which has the notation of the parser and differs from version to version.
+class HelpFormatter : public CLI::FormatterBase {
+ public:
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode /*mode*/) const override {
+    const std::size_t space = name.find(' ');  // of "reamsim sweep run"
+    return help_of({space == std::string::npos ? "" : name.substr(space + 1), app});
   }
 };
-template <class... Mode>
-HelpFormatterFor<Mode...> formatter_of(std::string (CLI::Formatter::*make_expanded)(const CLI::App*, Mode...) const);
-using HelpFormatter = decltype(formatter_of(&CLI::Formatter::make_expanded));
-
-/// Without the line breaks of CLI11 2.5 and later, which take the columns of the exit statuses apart.
-template <class Formatter>
-std::shared_ptr<Formatter> with_lines_as_written(std::shared_ptr<Formatter> formatter) {
-  if constexpr (requires { formatter->enable_footer_formatting(false); }) {
-    constexpr std::size_t kNoBreak = 10'000;
-    formatter->enable_footer_formatting(false);
-    formatter->enable_description_formatting(false);
-    formatter->right_column_width(kNoBreak);
-  }
-  return formatter;
-}
-
-/// The exit statuses of a command; of the program where `name` is "".
-std::vector<Entry> exit_statuses_of(const std::string& name) {
-  std::vector<Entry> out(kExitStatuses.begin(), kExitStatuses.end());
-  if (name.empty()) return out;
-  std::ranges::find(out, kFailed, &Entry::term)->meaning = kPlainFailure;
-  bool may_be_suspended = false;
-  for (const OwnStatus& own : kOwnStatuses) {
-    if (own.command != name) continue;
-    *std::ranges::find(out, own.entry.term, &Entry::term) = own.entry;
-    may_be_suspended |= own.entry.term == kSuspended;
-  }
-  if (!may_be_suspended) out.erase(std::ranges::find(out, kSuspended, &Entry::term));
-  return out;
-}
-
-std::string footer_of(const std::string& name) {
-  std::string out = "Exit status:\n";
-  for (const Entry& status : exit_statuses_of(name)) {
-    out += "  " + std::string(status.term) + std::string(28 - status.term.size(), ' ') + std::string(status.meaning) +
-           "\n";
-  }
-  return out + "\nreamsim help COMMAND prints the options of a command, reamsim help --format man the man page.";
-}
 
 }  // namespace
 
@@ -201,9 +158,7 @@ std::string command_names(const CLI::App& root) {
 std::vector<ArgumentText> options_of(const CLI::App& command) {
   std::vector<ArgumentText> out;
   for_each_group(command, [&](const CLI::App& group) {
-    for (const CLI::Option* option : group.get_options()) {
-      if (option->nonpositional() && !option->get_group().empty()) out.push_back(text_of(*option));
-    }
+    for (const CLI::Option* option : listed_options(group)) out.push_back(text_of(*option));
   });
   return out;
 }
@@ -226,17 +181,41 @@ std::string synopsis_of(const ListedCommand& command) {
   return out;
 }
 
-std::string help_of(const ListedCommand& command) {
-  const std::string name = "reamsim" + (command.name.empty() ? "" : " " + command.name);
-  return command.app->get_formatter()->make_help(command.app, name, CLI::AppFormatMode::Normal);
+std::vector<Entry> exit_statuses_of(const std::string& name) {
+  std::vector<Entry> out;
+  for (const Status& status : kStatuses) {
+    if (status.command != name && status.command != kAnyCommand) continue;
+    if (!out.empty() && out.back().term == status.entry.term) out.pop_back();
+    out.push_back(status.entry);
+  }
+  return out;
 }
 
-void set_help(CLI::App& app, const std::string& name) {
-  app.formatter(with_lines_as_written(std::make_shared<HelpFormatter>()));
-  app.footer(footer_of(name));
-  for (CLI::App* below : app.get_subcommands([](const CLI::App* sub) { return !sub->get_name().empty(); })) {
-    set_help(*below, name.empty() ? below->get_name() : name + " " + below->get_name());
+std::string help_of(const ListedCommand& command) {
+  std::string out = command.app->get_description() + "\nUsage: " + synopsis_of(command) + "\n", lines;
+  const auto close = [&](const char* title) {
+    if (!lines.empty()) out += std::string("\n") + title + ":\n" + std::exchange(lines, "");
+  };
+  for (const ArgumentText& argument : positionals_of(*command.app)) {
+    lines += entry_line(argument.value, argument.description);
   }
+  close("Positionals");
+  for_each_group(*command.app, [&](const CLI::App& group) {
+    for (const CLI::Option* option : listed_options(group)) lines += option_line(*option);
+    close(&group == command.app ? "Options" : "One of these");
+  });
+  for (const ListedCommand& below : listed_commands(*command.app)) {
+    if (below.name.find(' ') == std::string::npos) lines += entry_line(below.name, below.app->get_description());
+  }
+  close("Subcommands");
+  for (const Entry& status : exit_statuses_of(command.name))
+    lines += entry_line(std::string(status.term), status.meaning);
+  close("Exit status");
+  return out + "\nreamsim help COMMAND prints the options of a command, reamsim help --format man the man page.\n";
+}
+
+void set_help(CLI::App& app) {
+  app.formatter(std::make_shared<HelpFormatter>());
 }
 
 namespace {

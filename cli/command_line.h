@@ -16,6 +16,8 @@ class Option;
 
 namespace reamsim {
 
+struct Entry;
+
 // What the commands and their options say of themselves. Help, man page and completion are made from it.
 
 /// A command that users may call: "sweep run" and its parser.
@@ -47,11 +49,12 @@ std::vector<ArgumentText> positionals_of(const CLI::App& command);
 
 /// "reamsim sweep run [OPTIONS] STUDY", and a note of the subcommand that is needed.
 std::string synopsis_of(const ListedCommand& command);
+/// The exit statuses of a command; of the program where `name` is "".
+std::vector<Entry> exit_statuses_of(const std::string& name);
 /// What `reamsim COMMAND --help` prints; of the program where `command.name` is "".
 std::string help_of(const ListedCommand& command);
-/// Sets the form of the help of `app` and of the commands below it; it ends with the exit statuses that each can
-/// return, and where to read on. `name`: as of ListedCommand.
-void set_help(CLI::App& app, const std::string& name = "");
+/// Makes help_of() the help of `app`, and of commands that are added to it.
+void set_help(CLI::App& app);
 
 /// The extension of a file name in small letters, with its dot: ".yaml"; "" without one.
 std::string lower_extension(const std::string& path);

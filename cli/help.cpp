@@ -209,7 +209,7 @@ std::string man_page(const CLI::App& root) {
   out += section("OPTIONS") + arguments(options_of(root));
   out += section("COMMANDS");
   for (const ListedCommand& command : listed_commands(root)) out += command_section(command);
-  out += section("\"EXIT STATUS\"") + entries(kExitStatuses);
+  out += section("\"EXIT STATUS\"") + entries(exit_statuses_of(""));
   out += section("ENVIRONMENT") + entries(kVariables);
   out += section("EXAMPLES") + entries(kExamples);
   out += section("\"SEE ALSO\"") + ".BR gnuplot (1),\n.BR ffmpeg (1),\n.BR clinfo (1)\n";

@@ -39,18 +39,14 @@ int complain(const char* message, int status) {
 
 void add_commands(CLI::App& app, reamsim::Console& console) {
   app.require_subcommand(1);
+  reamsim::set_help(app);
   app.set_version_flag("-V,--version", reamsim::version_text, "Print version, commit, build and libraries");
-  reamsim::add_run_command(app, console);
-  reamsim::add_check_command(app, console);
-  reamsim::add_render_command(app, console);
-  reamsim::add_compare_command(app, console);
-  reamsim::add_reforce_command(app, console);
-  reamsim::add_fit_command(app, console);
-  reamsim::add_sweep_command(app, console);
-  reamsim::add_uq_command(app, console);
-  reamsim::add_import_command(app, console);
-  reamsim::add_init_command(app, console);
-  reamsim::add_preview_command(app, console);
+  for (const auto add :
+       {reamsim::add_run_command, reamsim::add_check_command, reamsim::add_render_command, reamsim::add_compare_command,
+        reamsim::add_reforce_command, reamsim::add_fit_command, reamsim::add_sweep_command, reamsim::add_uq_command,
+        reamsim::add_import_command, reamsim::add_init_command, reamsim::add_preview_command}) {
+    add(app, console);
+  }
 #ifdef REAMSIM_VERIFICATION
   reamsim::add_bench_command(app, console);
   reamsim::add_verify_command(app, console);
@@ -58,7 +54,6 @@ void add_commands(CLI::App& app, reamsim::Console& console) {
   reamsim::add_devices_command(app, console);
   reamsim::add_cite_command(app);
   reamsim::add_help_command(app);
-  reamsim::set_help(app);
 }
 
 /// Parses the arguments, which calls the command.

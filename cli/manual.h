@@ -20,27 +20,28 @@ inline constexpr std::string_view kSummary = "simulate glenoid reaming";
 inline constexpr std::string_view kDescription =
     "reamsim simulates glenoid reaming: it turns a scenario into cutting forces, pictures and an OpenVDB grid.";
 
-inline constexpr std::array<Entry, 5> kExitStatuses{
-    {{"0", "done"},
-     {"1", "the command failed; of verify: a figure exceeds its tolerance; of sweep run: a run failed"},
-     {"2", "the input is wrong; the message says what, where, and what to do"},
-     {"75",
-      "of run, sweep run and uq: interrupted, with a checkpoint; the same command continues, of run with --resume"},
-     {"130", "interrupted"}}};
-
-/// What statuses 1 and 75 mean for one command. No other command ends with 75.
-struct OwnStatus {
+/// What an exit status means for a command; "": for the program as a whole.
+struct Status {
   std::string_view command;
   Entry entry;
 };
-inline constexpr std::string_view kFailed = "1", kSuspended = "75", kPlainFailure = "the command failed";
-inline constexpr std::array<OwnStatus, 6> kOwnStatuses{
-    {{"run", {"1", "the run failed"}},
-     {"run", {"75", "interrupted, with a checkpoint: the same command with --resume continues"}},
+/// Of any command, unless a later entry is of the command itself.
+inline constexpr std::string_view kAnyCommand = "*";
+inline constexpr std::array<Status, 12> kStatuses{
+    {{kAnyCommand, {"0", "done"}},
+     {kAnyCommand, {"1", "the command failed"}},
+     {"", {"1", "the command failed; of verify: a figure exceeds its tolerance; of sweep run: a run failed"}},
+     {"run", {"1", "the run failed"}},
      {"sweep run", {"1", "the command failed, or a run of the study did"}},
+     {"verify", {"1", "the command failed, or a figure exceeds its tolerance"}},
+     {kAnyCommand, {"2", "the input is wrong; the message says what, where, and what to do"}},
+     {"",
+      {"75",
+       "of run, sweep run and uq: interrupted, with a checkpoint; the same command continues, of run with --resume"}},
+     {"run", {"75", "interrupted, with a checkpoint: the same command with --resume continues"}},
      {"sweep run", {"75", "interrupted; the same command continues"}},
      {"uq", {"75", "interrupted; the same command continues"}},
-     {"verify", {"1", "the command failed, or a figure exceeds its tolerance"}}}};
+     {kAnyCommand, {"130", "interrupted"}}}};
 
 inline constexpr std::array<Entry, 9> kVariables{
     {{"NO_COLOR", "If set and not empty, messages on a terminal have no colours. Elsewhere they never have."},

@@ -18,29 +18,21 @@
 // The parts of report.html: data of its scripts, and pictures.
 namespace reamsim {
 
-/// The rows of a log that the page shows: of each of at most 1000 groups the first and the extremes of force and
-/// torque, ascending, and the last row. `rows` must not be empty.
+/// The rows of a log that the page shows, ascending: of each of at most 1000 groups the first and the extremes of
+/// force, torque and feed rate, and the last row. `rows` must not be empty.
 std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows);
 
-/// The curves of the page's plot as columns: `frame`, `time_s`, `depth_mm`, `axial_force_n`, `spin_torque_nmm`,
-/// `removed_mm3` (cumulative); and, if the log has means over some travel, `mean_axial_force_n`, `mean_spin_torque_nmm`
-/// with `mean_travel_mm`. Long logs are decimated to the rows with the extremes of force and torque, so that spikes
-/// remain.
+/// The curves of the page's plot as columns with the names of forces.csv, at shown_rows(); `removed_mm3` is cumulative.
+/// With means over `mean_travel_mm` > 0: `mean_axial_force_n`, `mean_spin_torque_nmm`; of a push: feed rate and power.
 nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm);
 
-/// The data of the page's 3D view in B and mm: `before` and `after`, surfaces as in mesh_bytes(); `density`, a volume
-/// for sections; colour maps; view target and section planes.
+/// The page's 3D view in B and mm: `before` and `after`, surfaces as of mesh_json(); `density`, a volume for sections;
+/// colour maps; view target and section planes; `reaming`.
 nlohmann::ordered_json bone_data(const RunData& run, const RenderSettings& settings);
 
-/// The reaming between the two surfaces of bone_data(), at up to 12 of the pictures along the run: at each of `time_s`,
-/// how much bone stood over each reamed vertex of `after` (counts_as_reamed(), in the order of the mesh) along the axis
-/// of the tool, 0…`most_mm`, in the code of mesh_bytes(). null without snapshots or reamed vertices. Throws as
-/// apply_snapshot() does.
-nlohmann::ordered_json reaming_data(const RunData& run, const BoneSurface& after);
-
-/// The reamers in the 3D view: `passes`, each with its `mesh` as in mesh_json() in T over `box_mm`, simplified, and its
-/// first `row` of shown_rows(); `shown` and `look` as the settings say; and `poses`, one for each of shown_rows():
-/// `count`, `box_mm` of their positions in B, and `bytes`, eight numbers each in the code of mesh_bytes(): x, y, z over
+/// The reamers in the 3D view: `passes`, each with its `mesh` in T as of mesh_json() over `box_mm`, simplified, and its
+/// first `row` of shown_rows(); `shown` and `look` as the settings say; `poses`, one for each of shown_rows(): `count`,
+/// `box_mm` of their positions in B, and as `bytes` eight numbers each in the code of mesh_bytes(): x, y, z over
 /// that box, the quaternion's x, y, z, w over −1…1, and the spin angle (about −z of T) over a turn. null for a tool
 /// without triangles.
 nlohmann::ordered_json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log,
@@ -59,31 +51,8 @@ struct DensityVolume {
 /// bone.
 DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells);
 
-/// A picture of the page.
-struct PagePicture {
-  std::string name;  ///< stem of its source file
-  int width_px = 0;
-  int height_px = 0;
-  std::string jpeg_base64;
-};
-
-/// Converts PNG files to JPEGs in base 64, at most `most_px` wide. If they exceed `most_bytes` together, all are
-/// reduced until they fit or are an eighth as wide. Throws InputError when one cannot be read.
-std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, int most_px, std::size_t most_bytes);
-
 /// Indices of at most `most` of `count` items, evenly spaced and ascending, with the first and the last.
 std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most);
-
-/// The final pictures of a folder as figures (HTML): those of the cameras, of which `first_camera` has no suffix, the
-/// map of depths, the segmentation.
-std::vector<std::string> figures_html(const std::string& dir, const std::string& first_camera);
-
-/// The pictures during the run: `frames` and `time_s`, and for each camera with a picture of all these frames its
-/// `name`, `width_px`, `height_px` and `jpegs`.
-nlohmann::ordered_json frames_json(const RunData& run, const std::vector<std::string>& cameras);
-
-/// The gnuplot figure, for print (HTML); "" if missing.
-std::string printed_plot_html(const std::string& dir);
 
 /// A text of a result file. Throws InputError, naming `path`, if it is missing.
 std::string text_at(const nlohmann::ordered_json& json, const char* key, const std::string& path);

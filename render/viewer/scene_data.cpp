@@ -31,13 +31,6 @@ BoneSurface surface_of(const Voxmap& voxmap, const FillBricks& fill, const Unrea
   return simplified(make_bone_surface(BoneFields(voxmap, fill, unreamed)), MeshBudget());
 }
 
-Json volume_json(const DensityVolume& volume) {
-  return {{"dims", {volume.dims.x(), volume.dims.y(), volume.dims.z()}},
-          {"origin_mm", vector_json(volume.origin_mm)},
-          {"cell_mm", volume.cell_mm},
-          {"bytes", compressed_base64(volume.grades)}};
-}
-
 Json colors_json(const ColorMap& map, const Scale& scale) {
   Json json{{"stops", Json::array()}, {"max", scale.max}, {"step", scale.step}, {"ticks", Json::array()}};
   for (const Eigen::Vector3f& stop : map.stops) json["stops"].push_back(vector_json(stop));
@@ -168,6 +161,37 @@ std::vector<double> bone_in(const Columns& columns, const Voxmap& voxmap, const 
   return out;
 }
 
+/// The reaming between the two surfaces of bone_data(), at up to 12 of the pictures along the run: at each of `time_s`,
+/// how much bone stood over each reamed vertex of `after` (counts_as_reamed(), in the order of the mesh) along the axis
+/// of the tool, 0…`most_mm`, in the code of mesh_bytes(). null without snapshots or reamed vertices. Throws as
+/// apply_snapshot() does.
+Json reaming_data(const RunData& run, const BoneSurface& after) {
+  const std::vector<std::int64_t>& frames = run.inputs().frames;
+  const Voxmap& voxmap = run.voxmap();
+  const Columns columns = columns_over(after, run.target().bone_from_tool.linear().col(2), voxmap.grid.voxel_mm);
+  if (frames.size() < 2 || columns.feet.empty()) return nullptr;
+  const std::vector<double> last_mm = bone_in(columns, voxmap, run.last_fill());
+  FillBricks fill = fill_at(run.inputs(), frames.front());
+  Json times = Json::array();
+  std::vector<std::vector<double>> states;
+  std::size_t applied = 0;
+  for (const std::size_t chosen : evenly_spaced(frames.size(), kMaxStates)) {
+    while (applied < chosen) apply_snapshot(run.dir(), frames[++applied], fill);
+    times.push_back(short_number(run.row_of(frames[chosen]).time_s));
+    std::vector<double> heights_mm = bone_in(columns, voxmap, fill);  // over the final surface
+    for (std::size_t i = 0; i < last_mm.size(); ++i) heights_mm[i] -= last_mm[i];
+    states.push_back(smoothed(std::move(heights_mm), columns, voxmap.grid.voxel_mm));
+  }
+  double most_mm = 0;
+  for (const auto& state : states) most_mm = std::max(most_mm, *std::ranges::max_element(state));
+  std::vector<std::uint8_t> bytes;
+  for (const auto& state : states) append_numbers16(state, 0, most_mm, bytes);
+  return {{"time_s", std::move(times)},
+          {"vertices", columns.feet.size()},
+          {"most_mm", most_mm},
+          {"bytes", compressed_base64(bytes)}};
+}
+
 constexpr std::size_t kMaxToolTriangles = 12'000;
 
 /// The tool with shared vertices, as a surface without attributes: zeros take no room when compressed.
@@ -189,13 +213,16 @@ BoneSurface tool_surface(const TriangleMesh& mesh) {
   return out;
 }
 
-/// The poses as bytes: x, y, z over `box`, the quaternion's x, y, z, w over −1…1, and the spin angle over a turn.
-std::vector<std::uint8_t> pose_bytes(const ForceLog& log, const std::vector<std::size_t>& rows, const Aabb& box) {
-  std::vector<std::uint8_t> out;
+/// The poses at the shown rows: x, y, z over their box, the quaternion's x, y, z, w over −1…1, and the spin angle over
+/// a turn.
+Json poses_json(const ForceLog& log, const std::vector<std::size_t>& rows) {
+  Aabb box = Aabb::none();
+  for (const std::size_t row : rows) box.extend(log.rows[row].pose.position_mm);
+  std::vector<std::uint8_t> bytes;
   const auto append = [&](double low, double size, const auto& number_of) {
     std::vector<double> numbers;
     for (const std::size_t row : rows) numbers.push_back(number_of(log.rows[row].pose));
-    append_numbers16(numbers, low, size, out);
+    append_numbers16(numbers, low, size, bytes);
   };
   for (int axis = 0; axis < 3; ++axis) {
     append(box.min[axis], box.max[axis] - box.min[axis], [&](const ToolPose& pose) { return pose.position_mm[axis]; });
@@ -206,29 +233,7 @@ std::vector<std::uint8_t> pose_bytes(const ForceLog& log, const std::vector<std:
   constexpr double kTurn = 2 * std::numbers::pi;
   append(0, kTurn,
          [&](const ToolPose& pose) { return pose.spin_angle_rad - kTurn * std::floor(pose.spin_angle_rad / kTurn); });
-  return out;
-}
-
-Json poses_json(const ForceLog& log) {
-  const std::vector<std::size_t> rows = shown_rows(log.rows);
-  Aabb box = Aabb::none();
-  for (const std::size_t row : rows) box.extend(log.rows[row].pose.position_mm);
-  return {{"count", rows.size()},
-          {"box_mm", box_json(box.min, box.max)},
-          {"bytes", compressed_base64(pose_bytes(log, rows, box))}};
-}
-
-/// The first of the shown rows that has the tool of this pass.
-std::size_t first_row(const ForceLog& log, int pass) {
-  const std::vector<std::size_t> rows = shown_rows(log.rows);
-  const auto found = std::ranges::find_if(rows, [&](std::size_t row) { return log.rows[row].pass >= pass; });
-  return static_cast<std::size_t>(found - rows.begin());
-}
-
-Json pass_json(const TriangleMesh& tool, std::size_t row) {
-  const BoneSurface surface = simplified(tool_surface(tool), {.unreamed_triangles = kMaxToolTriangles});
-  const Eigen::AlignedBox3f box = bounds_of(surface);
-  return {{"row", row}, {"box_mm", box_json(box.min(), box.max())}, {"mesh", mesh_json(surface, box, 1)}};
+  return {{"count", rows.size()}, {"box_mm", box_json(box.min, box.max)}, {"bytes", compressed_base64(bytes)}};
 }
 
 }  // namespace
@@ -268,6 +273,7 @@ Json bone_data(const RunData& run, const RenderSettings& settings) {
   const BoneSurface before = surface_of(voxmap, unreamed.before(), unreamed);
   const Scale depth = depth_scale(run, settings.depth_max_mm);
   const Eigen::AlignedBox3f box = bounds_of(before).merged(bounds_of(after));
+  const DensityVolume volume = density_volume(voxmap, kMaxDensityCells);
   return {{"look", view_json(run.target())},
           {"box_mm", box_json(box.min(), box.max())},
           {"grade_per_g_cm3", DensityMapping::kMaxGrade / DensityMapping::kMaxDensity_g_cm3},
@@ -277,46 +283,30 @@ Json bone_data(const RunData& run, const RenderSettings& settings) {
           {"before", mesh_json(before, box, depth.max)},
           {"after", mesh_json(after, box, depth.max)},
           {"reaming", reaming_data(run, after)},
-          {"density", volume_json(density_volume(voxmap, kMaxDensityCells))}};
-}
-
-Json reaming_data(const RunData& run, const BoneSurface& after) {
-  const std::vector<std::int64_t>& frames = run.inputs().frames;
-  const Voxmap& voxmap = run.voxmap();
-  const Columns columns = columns_over(after, run.target().bone_from_tool.linear().col(2), voxmap.grid.voxel_mm);
-  if (frames.size() < 2 || columns.feet.empty()) return nullptr;
-  const std::vector<double> last_mm = bone_in(columns, voxmap, run.last_fill());
-  FillBricks fill = fill_at(run.inputs(), frames.front());
-  Json times = Json::array();
-  std::vector<std::vector<double>> states;
-  std::size_t applied = 0;
-  for (const std::size_t chosen : evenly_spaced(frames.size(), kMaxStates)) {
-    while (applied < chosen) apply_snapshot(run.dir(), frames[++applied], fill);
-    times.push_back(short_number(run.row_of(frames[chosen]).time_s));
-    std::vector<double> heights_mm = bone_in(columns, voxmap, fill);  // over the final surface
-    for (std::size_t i = 0; i < last_mm.size(); ++i) heights_mm[i] -= last_mm[i];
-    states.push_back(smoothed(std::move(heights_mm), columns, voxmap.grid.voxel_mm));
-  }
-  double most_mm = 0;
-  for (const auto& state : states) most_mm = std::max(most_mm, *std::ranges::max_element(state));
-  std::vector<std::uint8_t> bytes;
-  for (const auto& state : states) append_numbers16(state, 0, most_mm, bytes);
-  return {{"time_s", std::move(times)},
-          {"vertices", columns.feet.size()},
-          {"most_mm", most_mm},
-          {"bytes", compressed_base64(bytes)}};
+          {"density",
+           {{"dims", {volume.dims.x(), volume.dims.y(), volume.dims.z()}},
+            {"origin_mm", vector_json(volume.origin_mm)},
+            {"cell_mm", volume.cell_mm},
+            {"bytes", compressed_base64(volume.grades)}}}};
 }
 
 Json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log, const RenderSettings& settings) {
+  const std::vector<std::size_t> rows = shown_rows(log.rows);
   Json tools = Json::array();
-  for (std::size_t i = 0; i < passes.size(); ++i) {
-    if (passes[i].tool.triangles.empty()) return nullptr;
-    tools.push_back(pass_json(passes[i].tool, first_row(log, static_cast<int>(i) + 1)));
+  for (int pass = 1; const ToolPass& each : passes) {
+    if (each.tool.triangles.empty()) return nullptr;
+    const BoneSurface surface = simplified(tool_surface(each.tool), {.unreamed_triangles = kMaxToolTriangles});
+    const Eigen::AlignedBox3f box = bounds_of(surface);
+    const auto first = std::ranges::find_if(rows, [&](std::size_t row) { return log.rows[row].pass >= pass; });
+    tools.push_back({{"row", first - rows.begin()},
+                     {"box_mm", box_json(box.min(), box.max())},
+                     {"mesh", mesh_json(surface, box, 1)}});
+    ++pass;
   }
   return {{"shown", settings.tool},
           {"look", name_of(settings.tool_material)},
           {"passes", std::move(tools)},
-          {"poses", poses_json(log)}};
+          {"poses", poses_json(log, rows)}};
 }
 
 }  // namespace reamsim

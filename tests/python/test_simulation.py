@@ -364,13 +364,13 @@ assert numpy.array_equal(back, simulation.fill.values) and simulation.removed_mm
 
 
 def test_a_module_of_another_version_is_refused(monkeypatch):
-    from reamsim import native
+    from reamsim import simulation
 
-    present = native.__version__
-    native.simulation_module.cache_clear()
-    monkeypatch.setattr(native, "__version__", "0.0.9")
+    present = simulation.__version__
+    simulation.simulation_module.cache_clear()
+    monkeypatch.setattr(simulation, "__version__", "0.0.9")
     try:
         message = message_of(reamsim.Simulation, BLOCK, error=reamsim.ProgramNotFound)
     finally:
-        native.simulation_module.cache_clear()
+        simulation.simulation_module.cache_clear()
     assert f"of version {present}, and this package of version 0.0.9" in message

@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/viewer/preview_volume.h"
+#include "render/viewer/preview.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "render/viewer/preview.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/scene/load_bone.h"

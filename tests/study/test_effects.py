@@ -11,9 +11,8 @@ import sys
 import numpy
 import pytest
 from reamsim.lab import effects, effects_figure
-from reamsim.lab.effects import Column, main_effects
-from reamsim.lab.effects_table import study_table, two_lines
-from reamsim.lab.script import draw_with_script
+from reamsim.lab.effects import Column, main_effects, study_table, two_lines
+from reamsim.lab.tables import draw_with_script
 
 FORCE = "headline.peak_axial_force_n"
 RESULTS = {FORCE: ("Peak axial force (N)", "N"), "removed_mm3": ("Removed volume (mm³)", "mm³"),

@@ -11,18 +11,13 @@
 Lengths are in mm, times in s, forces in N, torques in N·mm, energies in mJ, densities in g/cm³.
 """
 
-from .commands import run, sweep
 from .errors import (InputError, Interrupted, MissingPackage, ProgramError, ProgramNotFound, ReamsimError,
                      ReamsimWarning, ResultsError, RunError)
 from .grid import DepthMap, Grid
 from .plots import plot_bands, plot_depth_map, plot_forces
-from .program import find_program
-from .results import Run, load
-from .simulation import Simulation, State
-from .steps import POSE, Step
-from .surface import Surface
-from .sweeps import Sweep, load_sweep
-from .version import __version__
+from .program import __version__, find_program, run, sweep
+from .results import Run, Surface, Sweep, load, load_sweep
+from .simulation import POSE, Simulation, State, Step
 
 __all__ = [
     "POSE", "DepthMap", "Grid", "InputError", "Interrupted", "MissingPackage", "ProgramError", "ProgramNotFound",

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // What the surface of the bone says about a glenoid frame, and what would go wrong in a run.
-import { add, cross, dot, length, minus, scaled, unit } from "./volume.js";
+import { add, cross, dot, length, minus, positionsOf, scaled, unit } from "./volume.js";
 
 // The mean outward normal of the surface within `radius` mm of a point, without the far side of a thin bone. Null where
 // there is no surface.
 export function faceNormal(surface, point, radius = 10) {
-  const { positions, normals } = surface;
+  const positions = positionsOf(surface), normals = surface.getAttribute("normal").array;
   let guess = null;
   for (let round = 0; round < 3; ++round) {
     let sum = [0, 0, 0], count = 0;
@@ -27,9 +27,9 @@ export function faceNormal(surface, point, radius = 10) {
   return guess;
 }
 
-export function nearestSurface(surface, point) {
+function nearestSurface(surface, point) {
   let least = Infinity;
-  const { positions } = surface;
+  const positions = positionsOf(surface);
   for (let i = 0; i < positions.length; i += 3) {
     least = Math.min(least, (positions[i] - point[0]) ** 2 + (positions[i + 1] - point[1]) ** 2 + (positions[i + 2] - point[2]) ** 2);
   }
@@ -37,7 +37,7 @@ export function nearestSurface(surface, point) {
 }
 
 // Bone in a sphere round a point, on both sides of the plane through it, mm³; as sim/anatomy/frame_check.cpp has it.
-export function nearbyBone(field, point, normal, radius) {
+function nearbyBone(field, point, normal, radius) {
   const step = Math.max(Math.min(...field.lattice.spacing), radius / 15), reach = Math.floor(radius / step);
   let ahead = 0, behind = 0, sum = [0, 0, 0];
   for (let k = -reach; k <= reach; ++k) {
@@ -91,7 +91,7 @@ export function contactOf({ reamer, glenoid, surface, bone }) {
   let first = -1, nearest = Infinity, startsInside = false;
   for (let k = 0; k < reamer.count && first < 0; ++k) {
     const pose = reamer.pose(k, glenoid);
-    const away = reamer.leastDistance(pose, surface.positions, 30);
+    const away = reamer.leastDistance(pose, positionsOf(surface), 30);
     nearest = Math.min(nearest, away);
     // Half a voxel is what the coarse surface may be wrong by.
     if (k === 0) startsInside = away < -0.5 * spacing || bone.at(pose.origin) > 160;

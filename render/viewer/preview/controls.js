@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The controls beside the views.
-import { find, fixedText, part } from "../shared/scene.js";
+import { choices, find, fixedText, part, sayValue } from "../shared/scene.js";
 import { applyMarkups, markupsText } from "./markups.js";
 import { colors } from "./model.js";
 import { same } from "./volume.js";
@@ -114,8 +114,8 @@ export class Controls {
   }
 
   addFrame() {
-    for (const input of document.querySelectorAll("input[name=side]")) input.addEventListener("change", () => this.model.set({ side: input.value }));
-    for (const input of document.querySelectorAll("input[name=from]")) input.addEventListener("change", () => this.model.set({ from: input.value }));
+    this.chooseSide = choices("side", (side) => this.model.set({ side }));
+    this.chooseFrom = choices("from", (from) => this.model.set({ from }));
     this.showNormal = this.numbers("normal", (normal) => { if (normal.some((n) => n !== 0)) this.model.set({ normal }); });
     find("fit-normal").addEventListener("click", () => this.model.fitNormal());
     find("flip-normal").addEventListener("click", () => this.model.set({ normal: this.model.values.normal.map((n) => -n + 0) }));
@@ -123,8 +123,8 @@ export class Controls {
 
   showFrame() {
     const { values } = this.model, face = values.from === "face";
-    for (const input of document.querySelectorAll("input[name=side]")) input.checked = input.value === values.side;
-    for (const input of document.querySelectorAll("input[name=from]")) input.checked = input.value === values.from;
+    this.chooseSide(values.side);
+    this.chooseFrom(values.from);
     this.showNormal(face ? values.normal : this.model.glenoid?.axes[2] ?? null, 4);
     for (const input of document.querySelectorAll("#normal input")) input.disabled = !face;
     find("fit-normal").disabled = !face || values.center === null;
@@ -174,8 +174,7 @@ export class Controls {
     const { values, data, live, segmentationChanged } = this.model;
     if (find("segmentation").hidden) return;
     find("threshold").value = values.threshold_hu;
-    find("threshold-value").textContent = `${values.threshold_hu} HU`;
-    find("threshold").setAttribute("aria-valuetext", `${values.threshold_hu} HU`);
+    sayValue("threshold", `${values.threshold_hu} HU`);
     this.showSpheres();
     find("mask-note").textContent = segmentationChanged || data.volume.bone === null
       ? (live === null ? "No bone remains." : "Blue: what these settings would segment, on a coarse copy of the scan. Orange: what the program has segmented.")
@@ -215,11 +214,8 @@ export class Controls {
   showPose() {
     const { reamer, pose, posed } = this.model;
     if (reamer === null) return;
-    const shown = posed === null ? "needs a glenoid frame" : `${reamer.motion.time_s[pose].toFixed(2)} s`;
-    find("pose").value = pose;
-    find("pose").disabled = posed === null;
-    find("pose-value").textContent = shown;
-    find("pose").setAttribute("aria-valuetext", shown);
+    Object.assign(find("pose"), { value: pose, disabled: posed === null });
+    sayValue("pose", posed === null ? "needs a glenoid frame" : `${reamer.motion.time_s[pose].toFixed(2)} s`);
   }
 
   addWindow() {
@@ -229,9 +225,7 @@ export class Controls {
     const show = () => {
       for (const key of ["level", "width", "zoom"]) {
         window[key] = Number(find(key).value);
-        const shown = key === "zoom" ? `${window.zoom.toFixed(1)}×` : `${fixedText(window[key], digits)} ${model.volume.unit}`;
-        find(`${key}-value`).textContent = shown;
-        find(key).setAttribute("aria-valuetext", shown);
+        sayValue(key, key === "zoom" ? `${window.zoom.toFixed(1)}×` : `${fixedText(window[key], digits)} ${model.volume.unit}`);
       }
       for (const slice of this.slices) slice.draw();
     };

@@ -1,14 +1,86 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-import { pageData, viewMissing } from "../shared/scene.js";
-import { Controls } from "./controls.js";
+import { find, pageData, part, viewMissing } from "../shared/scene.js";
+import { Controls, saveText } from "./controls.js";
 import { applyMarkups, markupsText } from "./markups.js";
 import { Model } from "./model.js";
-import { ScenarioView } from "./scenario_view.js";
 import { Slice, windowOf } from "./slices.js";
 import { Solid } from "./solid.js";
-import { edited } from "./scenario_text.js";
+import { edited, scenarioText } from "./scenario_text.js";
+
+// --- the text of the scenario with its changed lines marked, to copy or to save
+
+// Which lines of `after` are not in `before`, by a longest common subsequence.
+function changedLines(before, after) {
+  const rows = before.length + 1, columns = after.length + 1;
+  const longest = new Uint16Array(rows * columns);
+  for (let i = before.length - 1; i >= 0; --i) {
+    for (let j = after.length - 1; j >= 0; --j) {
+      longest[i * columns + j] = before[i] === after[j] ? longest[(i + 1) * columns + j + 1] + 1
+        : Math.max(longest[(i + 1) * columns + j], longest[i * columns + j + 1]);
+    }
+  }
+  const changed = new Array(after.length).fill(true);
+  for (let i = 0, j = 0; i < before.length && j < after.length;) {
+    if (before[i] === after[j]) { changed[j] = false; ++i; ++j; }
+    else if (longest[(i + 1) * columns + j] >= longest[i * columns + j + 1]) ++i;
+    else ++j;
+  }
+  return changed;
+}
+
+class ScenarioView {
+  constructor(model) {
+    this.model = model;
+    this.text = model.data.scenario;
+    find("save").addEventListener("click", () => this.save());
+    find("copy").addEventListener("click", () => this.copy());
+    find("undo").addEventListener("click", () => model.undo());
+    find("yaml-help").textContent = "Save it beside the original: relative paths start from its folder. Then validate it with reamsim check.";
+    this.show();
+  }
+
+  show() {
+    const { data } = this.model;
+    let problem = "";
+    try {
+      this.text = scenarioText(this.model);
+    } catch (error) {
+      problem = error.message;
+    }
+    const before = data.scenario.split("\n"), after = this.text.split("\n");
+    const changed = this.text === data.scenario ? [] : changedLines(before, after);
+    find("yaml").replaceChildren(...after.flatMap((line, i) => {
+      const end = i + 1 < after.length ? "\n" : "";
+      if (!changed[i]) return [line + end];
+      return [part("mark", {}, line), end];
+    }));
+    const count = changed.filter((each) => each).length;
+    find("yaml-state").textContent = problem !== "" ? `Not written: ${problem}.` : this.text === data.scenario ? "Unchanged." : count === 0 ? "Lines removed." : `${count} ${count === 1 ? "line" : "lines"} changed.`;
+    find("yaml-state").classList.toggle("bad", problem !== "");
+    find("undo").disabled = this.model.same();
+  }
+
+  save() {
+    saveText(this.text, this.model.data.file_name, "application/yaml");
+    find("yaml-state").textContent = `Saved as ${this.model.data.file_name}.`;
+  }
+
+  async copy() {
+    let done = false;
+    try {
+      await navigator.clipboard.writeText(this.text);
+      done = true;
+    } catch {
+      getSelection().selectAllChildren(find("yaml"));
+      done = document.execCommand("copy");
+    }
+    find("yaml-state").textContent = done ? "Copied." : "Copying is not allowed here: select the text.";
+  }
+}
+
+// --- the page
 
 function solidOf(model) {
   try {

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // What the page edits, and what follows from it. Views listen for changes.
+import { Vector3 } from "../shared/scene.js";
 import { contactOf, faceNormal, warningsOf } from "./checks.js";
 import { liveMask } from "./mask.js";
 import { Reamer, frameOf, frameOfLandmarks } from "./reamer.js";
-import { Field, add, minus, reduced, rounded, same, surfaceOf, unit, volumeOf } from "./volume.js";
+import { Field, add, minus, positionsOf, reduced, rounded, same, surfaceOf, unit, volumeOf } from "./volume.js";
 
 // Colours and short names of what both slices and 3D view draw; after Okabe and Ito, which colour-blind readers tell apart.
 export const colors = {
@@ -66,11 +67,9 @@ export class Model {
     const { center, seed } = this.values;
     if (center !== null) return center;
     if (seed !== null) return seed;
-    const points = this.segmentedSurface?.positions ?? [];
-    if (points.length === 0) return this.volume.lattice.center();
-    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    points.forEach((p, i) => { low[i % 3] = Math.min(low[i % 3], p); high[i % 3] = Math.max(high[i % 3], p); });
-    return rounded([0, 1, 2].map((axis) => 0.5 * (low[axis] + high[axis])), 2);
+    const box = this.segmentedSurface?.boundingBox;
+    if (!box || box.isEmpty()) return this.volume.lattice.center();
+    return rounded(box.getCenter(new Vector3()).toArray(), 2);
   }
 
   listen(listener) { this.listeners.push(listener); }
@@ -103,9 +102,7 @@ export class Model {
   update() {
     const { values } = this;
     this.updateMask();
-    this.glenoid = values.from === "landmarks"
-      ? frameOfLandmarks({ glenoid_center_mm: values.center, trigonum_spinae_mm: values.trigonum, inferior_angle_mm: values.inferior })
-      : frameOf(values.center, values.normal, values.superior);
+    this.glenoid = values.from === "landmarks" ? frameOfLandmarks(values) : frameOf(values.center, values.normal, values.superior);
     this.check();
     this.posed = this.reamer === null ? null : this.reamer.pose(this.pose, this.glenoid);
   }
@@ -116,7 +113,7 @@ export class Model {
     if (key !== this.contactKey) {
       this.contactKey = key;
       this.contact = null;
-      this.reamer?.startAtContact(this.glenoid, this.surface?.positions ?? []);
+      this.reamer?.startAtContact(this.glenoid, positionsOf(this.surface));
       if (this.reamer !== null && this.surface !== null && this.reamer.pose(0, this.glenoid) !== null) this.contact = contactOf(this);
     }
     this.findings = warningsOf({

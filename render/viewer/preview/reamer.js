@@ -139,7 +139,7 @@ export function frameOf(center, normal, superior) {
 
 // The frame from landmarks: the normal is the Friedman axis, superior lies in the scapular plane away from the inferior
 // angle, as sim/bone/glenoid_frame.cpp has it.
-export function frameOfLandmarks({ glenoid_center_mm: center, trigonum_spinae_mm: trigonum, inferior_angle_mm: inferior }) {
+export function frameOfLandmarks({ center, trigonum, inferior }) {
   if (center === null || trigonum === null || inferior === null) return null;
   return frameOf(center, minus(center, trigonum), minus(center, inferior));
 }

@@ -112,28 +112,26 @@ export const edited = (text, changes) => changes.reduce((changed, [path, value])
 const number = (value) => String(Number(value.toFixed(4)));
 const vector = (value) => `[${value.map(number).join(", ")}]`;
 
+// Keys of `bone.glenoid` and of its landmarks, and what the page calls their values.
+const kFace = [["center_mm", "center"], ["normal", "normal"], ["superior", "superior"]];
+const kLandmarks = [["glenoid_center_mm", "center"], ["trigonum_spinae_mm", "trigonum"], ["inferior_angle_mm", "inferior"]];
+
 function glenoidChanges(values, initial, given) {
-  const at = (key) => ["bone", "glenoid", key];
-  const keys = { center_mm: values.center, normal: values.normal, superior: values.superior };
-  const before = { center_mm: initial.center, normal: initial.normal, superior: initial.superior };
+  const path = ["bone", "glenoid"], remove = (...keys) => keys.map((key) => [[...path, key], undefined]);
+  const changed = (keys) => keys.filter(([, name]) => !same(values[name], initial[name]));
+  const write = (keys, below = path) => keys.map(([key, name]) => [[...below, key], values[name] === null ? undefined : vector(values[name])]);
   if (values.from === "landmarks") {
-    const marks = { glenoid_center_mm: values.center, trigonum_spinae_mm: values.trigonum, inferior_angle_mm: values.inferior };
-    if (given === "landmarks") {
-      const old = { glenoid_center_mm: initial.center, trigonum_spinae_mm: initial.trigonum, inferior_angle_mm: initial.inferior };
-      return Object.entries(marks).filter(([key, value]) => !same(value, old[key]))
-        .map(([key, value]) => [["bone", "glenoid", "landmarks", key], value === null ? undefined : vector(value)]);
-    }
-    if (Object.values(marks).includes(null)) return [];
-    const removed = ["face", "near"].includes(given) ? ["near_mm", ...Object.keys(keys)].map((key) => [at(key), undefined]) : [];
-    return [...removed, [at("landmarks"), Object.fromEntries(Object.entries(marks).map(([key, value]) => [key, vector(value)]))]];
+    if (given === "landmarks") return write(changed(kLandmarks), [...path, "landmarks"]);
+    if (kLandmarks.some(([, name]) => values[name] === null)) return [];
+    const removed = ["face", "near"].includes(given) ? remove("near_mm", ...kFace.map(([key]) => key)) : [];
+    return [...removed, [[...path, "landmarks"], Object.fromEntries(kLandmarks.map(([key, name]) => [key, vector(values[name])]))]];
   }
-  const changed = Object.entries(keys).filter(([key, value]) => !same(value, before[key]));
-  const switched = given === "landmarks" ? [[at("landmarks"), undefined]] : [];
+  const faceChanged = changed(kFace).length > 0;
   // A frame that was found gives way to one that is set.
-  if (given === "near" && changed.length > 0) switched.push([at("near_mm"), undefined], [at("landmarks"), undefined]);
+  const removed = given === "landmarks" ? remove("landmarks") : given === "near" && faceChanged ? remove("near_mm", "landmarks") : [];
   // Where the bone itself gave the frame, the scenario needs all three keys, not one.
-  const wanted = given === "face" ? changed : changed.length > 0 || switched.length > 0 ? Object.entries(keys).filter(([, value]) => value !== null) : [];
-  return [...switched, ...wanted.map(([key, value]) => [at(key), value === null ? undefined : vector(value)])];
+  const all = faceChanged || removed.length > 0 ? kFace.filter(([, name]) => values[name] !== null) : [];
+  return [...removed, ...write(given === "face" ? changed(kFace) : all)];
 }
 
 function sphereChanges(values, initial) {

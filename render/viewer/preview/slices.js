@@ -203,28 +203,42 @@ export class Slice {
     this.drawLetters(width, height);
   }
 
-  // Strokes segments whose ends are given in mm along both axes.
-  stroke(color, line, trace) {
-    const { context } = this, { middle, scale, width, height } = this.frame(), sign = this.up ? -1 : 1;
-    context.strokeStyle = color;
-    context.lineWidth = line;
+  stroke(color, width, trace) {
+    const { context } = this;
+    Object.assign(context, { strokeStyle: color, lineWidth: width });
     context.beginPath();
-    trace((a0, d0, a1, d1) => {
-      context.moveTo(0.5 * width + scale * (a0 - middle[0]), 0.5 * height + sign * scale * (d0 - middle[1]));
-      context.lineTo(0.5 * width + scale * (a1 - middle[0]), 0.5 * height + sign * scale * (d1 - middle[1]));
-    });
+    trace(context);
     context.stroke();
+  }
+
+  // Lines between two points each: [x0, y0, x1, y1].
+  strokeLines(color, width, lines) {
+    this.stroke(color, width, (context) => {
+      for (const [x0, y0, x1, y1] of lines) {
+        context.moveTo(x0, y0);
+        context.lineTo(x1, y1);
+      }
+    });
+  }
+
+  // The contour of a function on a grid; `from` and `step`, mm: its first point, and its spacing along both axes of the slice.
+  strokeContour(color, width, [columns, rows], value, level, from, step) {
+    const frame = this.frame(), sign = this.up ? -1 : 1;
+    const x = (i) => 0.5 * frame.width + frame.scale * (from[0] + step[0] * i - frame.middle[0]);
+    const y = (j) => 0.5 * frame.height + sign * frame.scale * (from[1] + step[1] * j - frame.middle[1]);
+    this.stroke(color, width, (context) => contour(columns, rows, value, level, (i0, j0, i1, j1) => {
+      context.moveTo(x(i0), y(j0));
+      context.lineTo(x(i1), y(j1));
+    }));
   }
 
   // The outline of a field where it meets the slice.
   outline({ lattice, bytes }, color) {
-    const k = lattice.nearest(this.model.cross, this.axis) * lattice.steps[this.axis];
-    const [columns, rows] = [lattice.dims[this.across], lattice.dims[this.down]];
-    const [da, dd] = [lattice.steps[this.across], lattice.steps[this.down]];
+    const axes = [this.across, this.down], k = lattice.nearest(this.model.cross, this.axis) * lattice.steps[this.axis];
+    const [columns, rows] = axes.map((axis) => lattice.dims[axis]), [da, dd] = axes.map((axis) => lattice.steps[axis]);
     // A border of air closes the outline at the edge of the image.
     const value = (i, j) => (i === 0 || j === 0 || i > columns || j > rows ? 0 : bytes[k + (i - 1) * da + (j - 1) * dd]);
-    const across = (i) => lattice.mm(i - 1, this.across), down = (j) => lattice.mm(j - 1, this.down);
-    this.stroke(color, 1.4, (segment) => contour(columns + 2, rows + 2, value, 127.5, (i0, j0, i1, j1) => segment(across(i0), down(j0), across(i1), down(j1))));
+    this.strokeContour(color, 1.4, [columns + 2, rows + 2], value, 127.5, axes.map((axis) => lattice.mm(-1, axis)), axes.map((axis) => lattice.spacing[axis]));
   }
 
   drawBone() {
@@ -235,18 +249,14 @@ export class Slice {
 
   drawSpheres() {
     const { context, model } = this;
+    context.setLineDash([5, 4]);
     for (const { center_mm: center, radius_mm } of model.values.cut_spheres) {
       const away = model.cross[this.axis] - center[this.axis];
       if (Math.abs(away) >= radius_mm) continue;
-      const [x, y] = this.pixelOf(center);
-      context.strokeStyle = colors.sphere;
-      context.lineWidth = 1.4;
-      context.setLineDash([5, 4]);
-      context.beginPath();
-      context.arc(x, y, this.frame().scale * Math.sqrt(radius_mm ** 2 - away ** 2), 0, 2 * Math.PI);
-      context.stroke();
-      context.setLineDash([]);
+      const radius = this.frame().scale * Math.sqrt(radius_mm ** 2 - away ** 2);
+      this.stroke(colors.sphere, 1.4, () => context.arc(...this.pixelOf(center), radius, 0, 2 * Math.PI));
     }
+    context.setLineDash([]);
   }
 
   drawReamer() {
@@ -260,20 +270,12 @@ export class Slice {
       point[this.down] = from[1] + step * j;
       return -reamer.distanceAt(posed, point);
     };
-    this.stroke(colors.reamer, 1.8, (segment) => contour(cells + 1, cells + 1, value, 0,
-      (i0, j0, i1, j1) => segment(from[0] + step * i0, from[1] + step * j0, from[0] + step * i1, from[1] + step * j1)));
+    this.strokeContour(colors.reamer, 1.8, [cells + 1, cells + 1], value, 0, from, [step, step]);
   }
 
   drawCross(width, height) {
-    const { context } = this, [x, y] = this.pixelOf(this.model.cross), gap = 9;
-    context.strokeStyle = "rgb(255 255 255 / 55%)";
-    context.lineWidth = 1;
-    context.beginPath();
-    for (const [x0, y0, x1, y1] of [[0, y, x - gap, y], [x + gap, y, width, y], [x, 0, x, y - gap], [x, y + gap, x, height]]) {
-      context.moveTo(x0, y0);
-      context.lineTo(x1, y1);
-    }
-    context.stroke();
+    const [x, y] = this.pixelOf(this.model.cross), gap = 9;
+    this.strokeLines("rgb(255 255 255 / 55%)", 1, [[0, y, x - gap, y], [x + gap, y, width, y], [x, 0, x, y - gap], [x, y + gap, x, height]]);
   }
 
   drawMarks() {
@@ -302,22 +304,14 @@ export class Slice {
 
   // From the glenoid centre, 15 mm out of the bone, as far as it lies in the slice.
   drawNormal() {
-    const { context, model } = this, { center, axes } = model.glenoid;
+    const { model } = this, { center, axes } = model.glenoid;
     if (Math.abs(center[this.axis] - model.cross[this.axis]) > kNear_mm) return;
     const [x0, y0] = this.pixelOf(center), [x1, y1] = this.pixelOf(center.map((c, i) => c + 15 * axes[2][i]));
     const size = Math.hypot(x1 - x0, y1 - y0);
     if (size < 4) return;
     const [ux, uy] = [(x1 - x0) / size, (y1 - y0) / size];
-    context.strokeStyle = colors.center;
-    context.lineWidth = 2;
-    context.beginPath();
-    context.moveTo(x0, y0);
-    context.lineTo(x1, y1);
-    for (const side of [-1, 1]) {
-      context.moveTo(x1, y1);
-      context.lineTo(x1 - 8 * ux + side * 4 * uy, y1 - 8 * uy - side * 4 * ux);
-    }
-    context.stroke();
+    const head = [-1, 1].map((side) => [x1, y1, x1 - 8 * ux + side * 4 * uy, y1 - 8 * uy - side * 4 * ux]);
+    this.strokeLines(colors.center, 2, [[x0, y0, x1, y1], ...head]);
   }
 
   drawLetters(width, height) {

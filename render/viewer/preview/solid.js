@@ -3,37 +3,18 @@
 
 // The 3D view: bone, reamer, points, cut spheres, glenoid frame. Draws on request only.
 import {
-  ArrowHelper, BufferAttribute, BufferGeometry, Color, FrontSide, Group, LatheGeometry, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry,
+  ArrowHelper, Box3, BufferGeometry, Color, FrontSide, Group, LatheGeometry, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry,
   Vector2, Vector3, Vector4, View, boneMaterial, find, toolMaterials, vector,
 } from "../shared/scene.js";
 import { colors, marksOf } from "./model.js";
 
 const kSurface = 127.5;
 
-function geometryOf({ positions, normals, indices }) {
-  const geometry = new BufferGeometry(), count = positions.length / 3;
-  // Not reamed, of middling density, and open to light from all sides.
-  const attributes = new Uint8Array(3 * count);
-  for (let i = 0; i < count; ++i) {
-    attributes[3 * i + 1] = 110;
-    attributes[3 * i + 2] = 240;
-  }
-  geometry.setAttribute("position", new BufferAttribute(positions, 3));
-  geometry.setAttribute("normal", new BufferAttribute(normals, 3));
-  geometry.setAttribute("vertex_attributes", new BufferAttribute(attributes, 3, true));
-  geometry.setAttribute("depth", new BufferAttribute(new Uint16Array(count), 1, true));
-  geometry.setIndex(new BufferAttribute(indices, 1));
-  return geometry;
-}
-
 // The bounding box of the bone, or without bone that of the volume.
 function extentOf({ volume: { lattice }, surface }) {
-  let low = [0, 1, 2].map((axis) => lattice.low(axis)), high = [0, 1, 2].map((axis) => lattice.high(axis));
-  if (surface !== null && surface.positions.length > 0) {
-    [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
-    surface.positions.forEach((p, i) => { low[i % 3] = Math.min(low[i % 3], p); high[i % 3] = Math.max(high[i % 3], p); });
-  }
-  return { focus: vector(low.map((l, axis) => 0.5 * (l + high[axis]))), reach: 0.5 * Math.hypot(...low.map((l, axis) => high[axis] - l)) };
+  const corner = (end) => new Vector3(...[0, 1, 2].map((axis) => lattice[end](axis)));
+  const box = surface === null || surface.boundingBox.isEmpty() ? new Box3(corner("low"), corner("high")) : surface.boundingBox;
+  return { focus: box.getCenter(new Vector3()), reach: 0.5 * box.getSize(new Vector3()).length() };
 }
 
 export class Solid extends View {
@@ -61,6 +42,8 @@ export class Solid extends View {
       shows_depth: { value: 0 }, lift_axis: { value: new Vector3() },
     };
     this.bone = new Mesh(new BufferGeometry(), boneMaterial(uniforms, stops.length));
+    // Not reamed, of middling density, and open to light from all sides.
+    this.bone.material.defaultAttributeValues = { vertex_attributes: [0, 110 / 255, 240 / 255], depth: [0], lift: [0, 0] };
     this.bone.frustumCulled = false;
     this.scene.add(this.bone);
   }
@@ -151,7 +134,7 @@ export class Solid extends View {
     const { model } = this;
     if (model.surface !== this.drawn) {
       this.bone.geometry.dispose();
-      if (model.surface !== null) this.bone.geometry = geometryOf(model.surface);
+      if (model.surface !== null) this.bone.geometry = model.surface;
       this.bone.visible = model.surface !== null;
       this.drawn = model.surface;
     }

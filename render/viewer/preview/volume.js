@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Points, voxels on a lattice along the axes of the bone frame, and the surface of a field.
-import { unpacked } from "../shared/scene.js";
+import { BufferAttribute, BufferGeometry, unpacked } from "../shared/scene.js";
 
 // Points and directions as [x, y, z].
 export const add = (a, b, scale = 1) => [a[0] + scale * b[0], a[1] + scale * b[1], a[2] + scale * b[2]];
@@ -15,7 +15,7 @@ export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * 
 export const same = (a, b) => a === b || JSON.stringify(a) === JSON.stringify(b);
 export const rounded = (a, digits) => a.map((v) => Number(v.toFixed(digits)) + 0);
 
-// Undoes the differences of render/viewer/preview_volume.cpp.
+// Undoes the differences of render/viewer/preview.cpp.
 function summed(base64) {
   const bytes = unpacked(base64);
   let value = 0;
@@ -124,30 +124,7 @@ function padded({ lattice, bytes }) {
   return { dims, out };
 }
 
-// Adds the normals of the triangles, by their area.
-function normalsOf(positions, indices) {
-  const normals = new Float32Array(positions.length);
-  for (let t = 0; t < indices.length; t += 3) {
-    const [a, b, c] = [3 * indices[t], 3 * indices[t + 1], 3 * indices[t + 2]];
-    const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1], uz = positions[b + 2] - positions[a + 2];
-    const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1], vz = positions[c + 2] - positions[a + 2];
-    const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
-    for (const v of [a, b, c]) {
-      normals[v] += nx;
-      normals[v + 1] += ny;
-      normals[v + 2] += nz;
-    }
-  }
-  for (let v = 0; v < normals.length; v += 3) {
-    const size = Math.hypot(normals[v], normals[v + 1], normals[v + 2]) || 1;
-    normals[v] /= size;
-    normals[v + 1] /= size;
-    normals[v + 2] /= size;
-  }
-  return normals;
-}
-
-// Positions in mm, outward normals, and triangles that are counter-clockwise seen from outside.
+// The surface as a geometry of three: positions in mm, outward normals, triangles counter-clockwise seen from outside.
 export function surfaceOf(field) {
   const { lattice } = field;
   const { dims: [nx, ny, nz], out: f } = padded(field);
@@ -191,6 +168,10 @@ export function surfaceOf(field) {
       }
     }
   }
-  const triangles = new Uint32Array(indices), points = new Float32Array(positions);
-  return { positions: points, normals: normalsOf(points, triangles), indices: triangles };
+  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(positions), 3));
+  geometry.setIndex(new BufferAttribute(new Uint32Array(indices), 1)).computeVertexNormals();
+  geometry.computeBoundingBox();
+  return geometry;
 }
+
+export const positionsOf = (surface) => surface?.getAttribute("position").array ?? [];

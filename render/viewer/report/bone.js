@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The 3D view's controls.
-import { Vector3, find, legend, vector, viewMissing } from "../shared/scene.js";
+import { Vector3, choices, find, legend, vector, viewMissing } from "../shared/scene.js";
 import { BoneScene } from "./scene.js";
 
 // The section planes: `normal` points towards the viewer of the cut.
@@ -41,29 +41,20 @@ class BoneView {
   }
 
   addStates() {
-    const now = document.querySelector("input[name=state][value=now]");
-    now.closest("label").hidden = this.bone.reaming === null;
-    now.checked = this.bone.reaming !== null;
-    if (now.checked) this.scene.show("now");
-    for (const input of document.querySelectorAll("input[name=state]")) {
-      input.addEventListener("change", () => { this.scene.show(input.value); this.showLegends(); this.scene.draw(); });
-    }
-    for (const input of document.querySelectorAll("input[name=surface]")) {
-      input.addEventListener("change", () => {
-        this.scene.uniforms.shows_depth.value = input.value === "depth" ? 1 : 0;
-        this.showLegends();
-        this.scene.draw();
-      });
-    }
+    const { scene, bone: { reaming } } = this;
+    const redraw = () => { this.showLegends(); scene.draw(); };
+    const choose = choices("state", (state) => { scene.show(state); redraw(); });
+    choices("surface", (surface) => { scene.uniforms.shows_depth.value = surface === "depth" ? 1 : 0; redraw(); });
+    document.querySelector("input[name=state][value=now]").closest("label").hidden = reaming === null;
+    if (reaming === null) return;
+    choose("now");
+    scene.show("now");
   }
 
   addToolLooks(tool) {
     find("tool-looks").hidden = tool === null;
-    if (tool === null) return;
-    for (const input of document.querySelectorAll("input[name=tool]")) {
-      input.checked = input.value === (tool.shown ? tool.look : "hidden");
-      input.addEventListener("change", () => { this.scene.tool.look = input.value; this.scene.draw(); });
-    }
+    const choose = choices("tool", (look) => { this.scene.tool.look = look; this.scene.draw(); });
+    if (tool !== null) choose(tool.shown ? tool.look : "hidden");
   }
 
   moveTo(row, time, touched) {
@@ -100,13 +91,10 @@ class BoneView {
     const slider = find("cut-offset");
     find("cut-settings").hidden = plane === undefined;
     if (plane !== undefined) {
-      const [low, high] = this.bone.box_mm;
-      const reaches = [];
-      for (let i = 0; i < 8; ++i) {
-        const corner = new Vector3(i & 1 ? high[0] : low[0], i & 2 ? high[1] : low[1], i & 4 ? high[2] : low[2]);
-        reaches.push(corner.sub(vector(this.bone.look.axis_point_mm)).dot(plane.normal));
-      }
-      const most = Math.min(30, Math.max(...reaches)), least = Math.max(-30, Math.min(...reaches));
+      const { box_mm, look: { axis_point_mm } } = this.bone;
+      const reach = (farther) => plane.normal.toArray().reduce((sum, n, axis) =>
+        sum + farther(...box_mm.map((corner) => n * (corner[axis] - axis_point_mm[axis]))), 0);
+      const most = Math.min(30, reach(Math.max)), least = Math.max(-30, reach(Math.min));
       Object.assign(slider, { min: least.toFixed(1), max: most.toFixed(1), value: 0 });
     }
     this.moveCut();
@@ -118,12 +106,8 @@ class BoneView {
     const offset = Number(find("cut-offset").value);
     find("cut-value").textContent = `${offset.toFixed(1).replace("-", "−")} mm`;
     find("cut-offset").setAttribute("aria-valuetext", `${offset.toFixed(1)} mm from the tool axis`);
-    if (plane === undefined) {
-      this.scene.cutAlong(null);
-    } else {
-      const point = vector(this.bone.look.axis_point_mm).addScaledVector(plane.normal, offset);
-      this.scene.cutAlong(this.cutNormal(), point);
-    }
+    const point = plane && vector(this.bone.look.axis_point_mm).addScaledVector(plane.normal, offset);
+    this.scene.cutAlong(this.cutNormal(), point);
     this.scene.draw();
   }
 

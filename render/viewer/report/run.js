@@ -3,7 +3,7 @@
 
 // Reamer, readings, curves and picture at one time of the run.
 import uPlot from "uplot";
-import { bytesOf, find, fixedText, part, significantText } from "../shared/scene.js";
+import { bytesOf, choices, find, fixedText, part, sayValue, significantText } from "../shared/scene.js";
 
 // The plot: panels over one time axis, with one cursor.
 // Okabe and Ito's colours, as in forces.gp.
@@ -100,7 +100,6 @@ class Plots {
     const { time_s: times } = this.data;
     const contact = contactRange(this.data);
     const whole = { min: times[0], max: times[times.length - 1] };
-    const inputs = document.querySelectorAll("input[name=range]");
     find("plot-ranges").hidden = contact === null;
     const show = (name) => {
       const range = name === "contact" ? contact : whole;
@@ -108,8 +107,8 @@ class Plots {
       const ends = [range.min, range.max].map((time) => time.toFixed(2));
       find("plot-range").textContent = `${ends[0]} to ${ends[1]} s of ${whole.max.toFixed(2)} s`;
     };
-    inputs.forEach((input) => input.addEventListener("change", () => show(input.value)));
-    this.place.addEventListener("dblclick", () => { inputs[1].checked = true; show("whole"); });
+    const choose = choices("range", show);
+    this.place.addEventListener("dblclick", () => { choose("whole"); show("whole"); });
     if (contact !== null) show("contact");
   }
 
@@ -170,8 +169,7 @@ class Run {
     this.row = row;
     this.slider.value = row;
     const text = `${fixedText(this.plot.time_s[row], 3)} s`;
-    find("time-value").textContent = text;
-    this.slider.setAttribute("aria-valuetext", `${text}, tool depth ${this.depthText(row)}, axial force ${fixedText(this.plot.axial_force_n[row], 1)} newton`);
+    sayValue("time", text, `${text}, tool depth ${this.depthText(row)}, axial force ${fixedText(this.plot.axial_force_n[row], 1)} newton`);
     readings.forEach((reading, i) => this.showReading(reading, this.cells[i]));
     this.plots.moveTo(row);
     this.showPicture();
@@ -280,14 +278,8 @@ class Run {
   }
 
   rowAt(time) {
-    const times = this.plot.time_s;
-    let [low, high] = [0, times.length - 1];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (times[middle] >= time) high = middle;
-      else low = middle + 1;
-    }
-    return low;
+    const row = this.plot.time_s.findIndex((t) => t >= time);
+    return row < 0 ? this.plot.time_s.length - 1 : row;
   }
 }
 

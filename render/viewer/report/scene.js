@@ -3,9 +3,9 @@
 
 // The bone before, during and after reaming and the reamer, with an optional section.
 import {
-  AlwaysStencilFunc, BackSide, BufferAttribute, BufferGeometry, Data3DTexture, DecrementWrapStencilOp, DoubleSide, FrontSide, GLSL3,
-  Group, IncrementWrapStencilOp, KeepStencilOp, LinearFilter, Mesh, NotEqualStencilFunc, PlaneGeometry, Quaternion, RedFormat,
-  ShaderMaterial, Vector3, Vector4, View, boneMaterial, capFragment, capVertex, liftsOf, meshOf, posesOf, toolMaterials, unpacked, vector,
+  BackSide, BufferAttribute, BufferGeometry, Data3DTexture, DecrementWrapStencilOp, DoubleSide, FrontSide, GLSL3, Group,
+  IncrementWrapStencilOp, LinearFilter, Mesh, NotEqualStencilFunc, PlaneGeometry, Quaternion, RedFormat, ShaderMaterial, Vector3,
+  Vector4, View, boneMaterial, capFragment, capVertex, liftsOf, meshOf, posesOf, toolMaterials, unpacked, vector,
 } from "../shared/scene.js";
 
 function geometryOf(packed, box) {
@@ -152,12 +152,7 @@ class ToolModel {
 
 function densityTexture(volume) {
   const texture = new Data3DTexture(unpacked(volume.bytes), ...volume.dims);
-  texture.format = RedFormat;
-  texture.minFilter = LinearFilter;
-  texture.magFilter = LinearFilter;
-  texture.unpackAlignment = 1;
-  texture.needsUpdate = true;
-  return texture;
+  return Object.assign(texture, { format: RedFormat, minFilter: LinearFilter, magFilter: LinearFilter, needsUpdate: true });
 }
 
 export class BoneScene extends View {
@@ -186,8 +181,7 @@ export class BoneScene extends View {
     };
     // Behind the cut, more back faces than front faces on a ray mean that the cut plane lies in bone there.
     const counting = (side, operation) => boneMaterial(this.uniforms, depth.stops.length, {
-      side, depthWrite: false, depthTest: false, colorWrite: false, stencilWrite: true, stencilFunc: AlwaysStencilFunc,
-      stencilFail: operation, stencilZFail: operation, stencilZPass: operation,
+      side, depthWrite: false, depthTest: false, colorWrite: false, stencilWrite: true, stencilZPass: operation,
     });
     const materials = [counting(BackSide, IncrementWrapStencilOp), counting(FrontSide, DecrementWrapStencilOp), boneMaterial(this.uniforms, depth.stops.length)];
     this.states = {};
@@ -219,8 +213,7 @@ export class BoneScene extends View {
           density_stops: { value: colors.stops.map(vector) },
           top_grade: { value: bone.grade_per_g_cm3 * colors.max },
         },
-        stencilWrite: true, stencilRef: 0, stencilFunc: NotEqualStencilFunc, stencilFail: KeepStencilOp,
-        stencilZFail: KeepStencilOp, stencilZPass: KeepStencilOp,
+        stencilWrite: true, stencilFunc: NotEqualStencilFunc,
       }),
     );
     this.cap.renderOrder = 2;

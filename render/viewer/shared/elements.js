@@ -25,6 +25,19 @@ export function svgPart(name, attributes, text) {
   return made;
 }
 
+// Calls act(value) when another radio button of this name is chosen; returns what chooses one.
+export function choices(name, act) {
+  const inputs = [...document.querySelectorAll(`input[name=${name}]`)];
+  for (const input of inputs) input.addEventListener("change", () => act(input.value));
+  return (value) => { for (const input of inputs) input.checked = input.value === value; };
+}
+
+// Shows and says what the slider `id` stands for.
+export function sayValue(id, text, said = text) {
+  find(`${id}-value`).textContent = text;
+  find(id).setAttribute("aria-valuetext", said);
+}
+
 // A row of a table; cells are texts, elements or cells.
 export function tableRow(head, ...cells) {
   return part("tr", {}, part("th", { scope: "row" }, head), ...cells.map((cell) => (cell.tagName === "TD" ? cell : part("td", {}, cell))));

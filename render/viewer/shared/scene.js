@@ -3,9 +3,9 @@
 
 // What report and preview share; dist/scene.js has it once for both.
 export {
-  AlwaysStencilFunc, ArrowHelper, BackSide, BufferAttribute, BufferGeometry, Color, Data3DTexture, DecrementWrapStencilOp, DoubleSide,
-  FrontSide, GLSL3, Group, IncrementWrapStencilOp, KeepStencilOp, LatheGeometry, LinearFilter, Matrix4, Mesh, MeshBasicMaterial,
-  NotEqualStencilFunc, PlaneGeometry, Quaternion, RedFormat, ShaderMaterial, SphereGeometry, Vector2, Vector3, Vector4,
+  ArrowHelper, BackSide, Box3, BufferAttribute, BufferGeometry, Color, Data3DTexture, DecrementWrapStencilOp, DoubleSide, FrontSide,
+  GLSL3, Group, IncrementWrapStencilOp, LatheGeometry, LinearFilter, Matrix4, Mesh, MeshBasicMaterial, NotEqualStencilFunc,
+  PlaneGeometry, Quaternion, RedFormat, ShaderMaterial, SphereGeometry, Vector2, Vector3, Vector4,
 } from "three";
 export * from "./decode.js";
 export * from "./elements.js";

@@ -26,23 +26,15 @@ const overlap = (a, b) =>
 const crossings = (box, [x, y]) =>
   [0, 0.25, 0.5, 0.75, 1].filter((t) => t * x > box.left - 2 && t * x < box.right + 2 && t * y > box.top && t * y < box.bottom).length;
 
-// The choice of one place for each label with the least overlap, and then with the best places.
-function bestPlaces(choices, ends) {
-  let best, least = Infinity;
-  const extend = (chosen, cost) => {
-    if (cost >= least) return;
-    if (chosen.length === choices.length) {
-      [best, least] = [chosen, cost];
-      return;
-    }
-    for (const place of choices[chosen.length]) {
-      const covered = chosen.reduce((sum, other) => sum + overlap(place, other), 0);
-      const crossed = ends.reduce((sum, end) => sum + crossings(place, end), 0);
-      extend([...chosen, place], cost + 1000 * covered + 20 * crossed + place.rank);
-    }
-  };
-  extend([], 0);
-  return best;
+// A place for each label, one after another: that with the least overlap with those before and with the axes.
+function placesOfLabels(choices, ends) {
+  const chosen = [];
+  for (const places of choices) {
+    const cost = (place) => 1000 * chosen.reduce((sum, other) => sum + overlap(place, other), 0)
+      + 20 * ends.reduce((sum, end) => sum + crossings(place, end), 0) + place.rank;
+    chosen.push(places.reduce((best, place) => (cost(place) < cost(best) ? place : best)));
+  }
+  return chosen;
 }
 
 function drawAxes(place, look, camera) {
@@ -62,7 +54,7 @@ function drawAxes(place, look, camera) {
     labelled.push(end);
   }
   place.append(...labels);
-  bestPlaces(labels.map((text, i) => placesOf(text, ...labelled[i])), ends).forEach(({ cx, cy }, i) => {
+  placesOfLabels(labels.map((text, i) => placesOf(text, ...labelled[i])), ends).forEach(({ cx, cy }, i) => {
     labels[i].setAttribute("x", cx);
     labels[i].setAttribute("y", cy);
   });
@@ -135,42 +127,19 @@ export class View {
     this.camera.updateProjectionMatrix();
   }
 
+  // Arrow keys turn by 5°, or with Shift move by a twentieth of the view's height.
   key(event) {
-    const turns = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+    const { controls } = this, turn = Math.PI / 36, move = 0.05 * this.canvas.clientHeight;
+    const arrow = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     const zoom = { "+": 1.15, "=": 1.15, "-": 1 / 1.15 }[event.key];
-    if (zoom !== undefined) this.zoomBy(zoom);
-    else if (event.key in turns && event.shiftKey) this.pan(...turns[event.key]);
-    else if (event.key in turns) this.turn(...turns[event.key]);
-    else return;
+    if (zoom !== undefined) controls.dollyOut(zoom);
+    else if (arrow === undefined) return;
+    else if (event.shiftKey) controls.pan(move * arrow[0], move * arrow[1]);
+    else {
+      controls.rotateLeft(turn * arrow[0]);
+      controls.rotateUp(-turn * arrow[1]);
+    }
     event.preventDefault();
-  }
-
-  zoomBy(factor) {
-    this.camera.zoom *= factor;
-    this.camera.updateProjectionMatrix();
-    this.draw();
-  }
-
-  // Steps of 5° to the right and down.
-  turn(right, down) {
-    const { camera, controls } = this, step = Math.PI / 36;
-    const away = camera.position.clone().sub(controls.target).applyAxisAngle(camera.up, -right * step);
-    const across = new Vector3().crossVectors(camera.up, away).normalize();
-    const tipped = away.clone().applyAxisAngle(across, down * step);
-    if (Math.abs(tipped.clone().normalize().dot(camera.up)) < 0.999) away.copy(tipped);
-    camera.position.copy(controls.target).add(away);
-    controls.update();
-    this.draw();
-  }
-
-  // Steps of a twentieth of the view's height to the right and down.
-  pan(right, down) {
-    const step = 0.05 * this.mmPerPixel() * this.canvas.clientHeight;
-    const shift = new Vector3(-right, down, 0).transformDirection(this.camera.matrixWorld).multiplyScalar(step);
-    this.camera.position.add(shift);
-    this.controls.target.add(shift);
-    this.controls.update();
-    this.draw();
   }
 
   mmPerPixel() {

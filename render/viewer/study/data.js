@@ -42,6 +42,12 @@ class Column {
     return Float64Array.from(this.codes, (code) => numbers[code]);
   }
 
+  // Numbers of the levels in the order in which they are listed: numbers ascend.
+  get order() {
+    const order = [...this.levels.keys()];
+    return this.numeric ? order.sort((a, b) => Number(this.levels[a]) - Number(this.levels[b])) : order;
+  }
+
   // What the table shows of a run.
   cell(run) {
     const value = this.values[run];
@@ -73,6 +79,8 @@ export function readStudy(data) {
     constants: data.constants,
   };
 }
+
+export const extremes = (values) => values.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
 
 // Fills a list of columns to choose from.
 export function fillColumns(select, groups, chosen) {

@@ -4,6 +4,7 @@
 // Main effects of the runs that are shown: as python/src/reamsim/lab/effects.py computes them.
 import { find, part, svgPart } from "../shared/elements.js";
 import { significantText, stepsOf } from "../shared/numbers.js";
+import { extremes } from "./data.js";
 
 const kMostLevels = 40, kMostIntervals = 8, kLeastValuesOfInterval = 8, kMostPanels = 12, kMostDots = 500;
 
@@ -11,9 +12,7 @@ const kMostLevels = 40, kMostIntervals = 8, kLeastValuesOfInterval = 8, kMostPan
 function groupsOf(column, runs) {
   if (column.levels) {
     column.values;  // decodes the codes
-    const codes = [...new Set(Array.from(runs, (run) => column.codes[run]))];
-    if (column.numeric) codes.sort((a, b) => Number(column.levels[a]) - Number(column.levels[b]));
-    else codes.sort((a, b) => a - b);
+    const present = new Set(Array.from(runs, (run) => column.codes[run])), codes = column.order.filter((code) => present.has(code));
     const differs = codes.length === runs.length && runs.length > 2 && !column.numeric;
     if (codes.length < 2 || codes.length > kMostLevels || differs) return null;
     const place = new Map(codes.map((code, i) => [code, i]));
@@ -35,7 +34,7 @@ function shortened(names) {
   return names.some((name) => name.length === separator + 1) ? names : names.map((name) => name.slice(separator + 1));
 }
 
-export function effectOf(parameter, result, runs) {
+function effectOf(parameter, result, runs) {
   const used = runs.filter((run) => !Number.isNaN(result.values[run]));
   const groups = used.length < 2 ? null : groupsOf(parameter, used);
   if (groups === null) return null;
@@ -86,12 +85,10 @@ function panelOf(effect) {
   svg.setAttribute("aria-label", `${result.title} over ${parameter.title}, which explains ${percent(effect.explained)} of its variance. Means: ${means}`);
   const byNumber = !parameter.levels || parameter.numeric;
   const xs = byNumber ? Array.from(effect.runs, (run) => parameter.values[run]) : sums.map((_, i) => i + 1);
-  const least = (list) => list.reduce((a, b) => Math.min(a, b), Infinity), most = (list) => list.reduce((a, b) => Math.max(a, b), -Infinity);
-  const xAir = byNumber ? 0.08 * (most(xs) - least(xs)) : 0.5;
-  const [xLow, xHigh] = [least(xs) - xAir, most(xs) + xAir];
+  const padded = ([low, high], air) => [low - air(high - low), high + air(high - low)];
+  const [xLow, xHigh] = padded(extremes(xs), (range) => (byNumber ? 0.08 * range : 0.5));
   const ys = [...Array.from(effect.runs, (run) => result.values[run]), ...sums.flatMap((sum) => [sum.mean - sum.sd, sum.mean + sum.sd])];
-  const yAir = 0.06 * (most(ys) - least(ys)) || 1;
-  const [yLow, yHigh] = [least(ys) - yAir, most(ys) + yAir];
+  const [yLow, yHigh] = padded(extremes(ys), (range) => 0.06 * range || 1);
   const x = (value) => kLeft + ((value - xLow) / (xHigh - xLow)) * (kWide - kLeft - kRight);
   const y = (value) => kHigh - kBottom - ((value - yLow) / (yHigh - yLow)) * (kHigh - kTop - kBottom);
   for (const tick of stepsOf(yLow, yHigh, 5)) {

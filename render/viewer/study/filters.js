@@ -48,12 +48,10 @@ export class Filters {
   }
 
   makeLevels(column) {
-    const order = column.levels.map((_, i) => i);
-    if (column.numeric) order.sort((a, b) => Number(column.levels[a]) - Number(column.levels[b]));
     const hidden = new Set();
     this.hiddenLevels.set(column, hidden);
     const fieldset = part("fieldset", { class: "checks" }, part("legend", {}, column.title));
-    Filters.checks(fieldset, order.map((code) => [code, column.levels[code]]), hidden, this.changed);
+    Filters.checks(fieldset, column.order.map((code) => [code, column.levels[code]]), hidden, this.changed);
     find("parameter-filters").append(fieldset);
   }
 

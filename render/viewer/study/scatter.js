@@ -4,7 +4,7 @@
 // A scatter plot of one column over another, coloured by a third.
 import { find, part } from "../shared/elements.js";
 import { significantText, stepsOf } from "../shared/numbers.js";
-import { fillColumns } from "./data.js";
+import { extremes, fillColumns } from "./data.js";
 
 // Okabe and Ito's colours, as in the plots; black for the eighth.
 const kColors = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a6a00", "#000000"];
@@ -17,8 +17,6 @@ function rampColor(t) {
   const [i, f] = [Math.floor(at), at % 1];
   return `rgb(${kRamp[i].map((c, k) => Math.round(c + f * (kRamp[i + 1][k] - c))).join(" ")})`;
 }
-
-const extremes = (values) => values.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
 
 export class Scatter {
   constructor(study, showRun) {
@@ -174,9 +172,7 @@ export class Scatter {
     if (!color || runs.length === 0) return;
     place.append(part("span", { class: "legend-title" }, color.title));
     if (color.levels && color.levels.length <= kColors.length) {
-      const order = color.levels.map((_, i) => i);
-      if (color.numeric) order.sort((a, b) => Number(color.levels[a]) - Number(color.levels[b]));
-      for (const i of order) place.append(part("span", { class: "key" }, part("i", { style: `background: ${kColors[i]}` }), color.levels[i]));
+      for (const i of color.order) place.append(part("span", { class: "key" }, part("i", { style: `background: ${kColors[i]}` }), color.levels[i]));
       return;
     }
     const [low, high] = this.limits(color, runs);

@@ -13,8 +13,7 @@ from typing import Any
 import numpy
 
 from .force_model import ForceBasis
-from .script import draw_with_script
-from .tables import aligned, json_text, replace_file, write_csv
+from .tables import aligned, draw_with_script, json_text, replace_file, write_csv
 
 Job = dict[str, Any]
 
@@ -123,8 +122,7 @@ def _indices_json(found: Any, inputs: list[str], output: int) -> Job:
 def effects(job: Job, folder: str) -> Job:
     """Figure and table of `reamsim sweep run` and `collect`. Answers ``table``, lines for the terminal, and ``effects``: null
     where there are none, otherwise what to say of parameters that the figure leaves out."""
-    from .effects import MOST_PARAMETERS, Column, figure_data, main_effects, write_table
-    from .effects_table import study_table
+    from .effects import MOST_PARAMETERS, Column, figure_data, main_effects, study_table, write_table
 
     parameters = [Column(one["key"], one["title"], one["cells"], one["shown"],
                          None if one["numbers"] is None else numpy.array(one["numbers"])) for one in job["parameters"]]

@@ -1,18 +1,19 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Main effects of a study: what a parameter alone changes of a result (docs/study-files.md); effects.csv, and what their
-figure shows."""
+"""Main effects of a study: what a parameter alone changes of a result (docs/study-files.md); effects.csv, what their figure
+shows, and the table of a study on the terminal."""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy
 
-from .tables import write_csv
+from .tables import aligned, write_csv
 
 MOST_NUMERIC_LEVELS = 8  # more values of a number are grouped by intervals
 MOST_LEVELS = 40  # more levels of a text do not fit an axis
@@ -22,27 +23,22 @@ _MOST_DOTS = 300  # single runs in a panel; more would hide the means
 # A result whose values differ by less than this fraction of them does not vary: it is rounding. Nor does an angle that
 # differs by less than this, °: the fits of faces have errors of some hundredths.
 LEAST_VARIATION, LEAST_VARIATION_DEG = 1e-9, 0.1
+_MOST_RUNS_IN_ROWS = 20
+_MOST_ROWS = 24  # of levels, so that the table fits a screen
+_MOST_CELL = 24  # characters of a parameter
+Row = list[str]
 
 
 @dataclasses.dataclass(frozen=True)
 class Column:
-    """A column of a study by run.
+    """A column of a study by run."""
 
-    Attributes:
-        key: of runs.csv.
-        title: what people read, with the unit.
-        cells: texts of a parameter.
-        shown: as tables and figures show them.
-        numbers: values of a result (NaN: missing), or of a parameter all of whose cells are numbers; otherwise None.
-        unit: of a result.
-    """
-
-    key: str
-    title: str
-    cells: Sequence[str] = ()
-    shown: Sequence[str] = ()
-    numbers: numpy.ndarray | None = None
-    unit: str = ""
+    key: str  # of runs.csv
+    title: str  # what people read, with the unit
+    cells: Sequence[str] = ()  # texts of a parameter
+    shown: Sequence[str] = ()  # as tables and figures show them
+    numbers: numpy.ndarray | None = None  # of a result (NaN: missing), or of a parameter all of whose cells are numbers
+    unit: str = ""  # of a result
 
     def of(self, runs: Sequence[int]) -> Column:
         """The same of some runs."""
@@ -220,3 +216,115 @@ def figure_data(effects: MainEffects) -> dict[str, Any]:
         results.append({"title": result.title, "range": [float(numpy.nanmin(values)), float(numpy.nanmax(values))],
                         "y": [None if numpy.isnan(y) else float(y) for y in result.numbers[dots]]})
     return {"parameters": parameters, "results": results}
+
+
+def study_table(names: Sequence[str], all_runs: int, parameters: Sequence[Column], results: Sequence[Column],
+                effects: MainEffects, done: int, width: int) -> list[str]:
+    """The lines of up to twenty runs, of more those of the levels; none wider than `width`. Empty where no run is done.
+
+    Args:
+        names, parameters, results: number and state of each run, and its columns.
+        all_runs, done: how many the study has, and how many are done.
+        effects: of the runs that are done.
+    """
+    if not done:
+        return []
+    if all_runs <= _MOST_RUNS_IN_ROWS:
+        return _widest(_rows_of_runs(names, parameters, results), 1, width)
+    if not effects:
+        return []
+    counts = numpy.cumsum([len(of_parameter[0].groups) for of_parameter in effects.effects])
+    shown = max(1, int((counts <= _MOST_ROWS).sum()))
+    lines = _widest(_means_rows(effects, shown, done), 4, width)
+    if left_out := len(effects.parameters) - shown:
+        lines.append(f"{left_out} more parameters explain less")
+    return lines + ["", *_band_lines(effects)] if any(not one.levels for one in effects.parameters) else lines
+
+
+def _widest(rows: Sequence[Row], least: int, width: int) -> list[str]:
+    """The lines of a table with as many of its columns as fit, but at least so many."""
+    for count in range(len(rows[0]), least, -1):
+        lines = aligned([row[:count] for row in rows])
+        if all(len(line) <= width for line in lines):
+            return lines
+    return aligned([row[:least] for row in rows])
+
+
+def _rows_of_runs(names: Sequence[str], parameters: Sequence[Column], results: Sequence[Column]) -> list[Row]:
+    columns = [_titled(one, [_short(shown, cell) for shown, cell in zip(one.shown, one.cells)]) for one in parameters
+               if len(set(one.cells)) > 1]
+    cells = [["-" if math.isnan(value) else f"{value:.4g}" for value in one.numbers] for one in results]
+    varied = [i for i, of_result in enumerate(cells) if len(set(of_result)) > 1] or range(len(results))
+    columns += [_titled(results[i], cells[i]) for i in varied]
+    return [list(row) for row in zip(["run", "", *names], *columns)]
+
+
+def _means_rows(effects: MainEffects, parameters: int, done: int) -> list[Row]:
+    """Means and standard deviations of the results by level of the first parameters."""
+    rows = [["mean ± SD", "", ""], ["", "", "runs"], ["all", "", str(done)]]
+    for result in effects.results:
+        for row, cell in zip(rows, [*two_lines(result.title), _mean_text(_all_of(result))]):
+            row.append(cell)
+    for parameter, of_parameter in zip(effects.parameters[:parameters], effects.effects):
+        groups = of_parameter[0].groups
+        for g, group in enumerate(groups):
+            row = [parameter.column.title[:28] if g == 0 else "", _range_or_level(parameter, group)[:20], str(group.runs)]
+            rows.append(row + [_mean_text(effect.groups[g]) if len(effect.groups) == len(groups) else "-"
+                               for effect in of_parameter])
+    return rows
+
+
+def _band_lines(effects: MainEffects) -> list[str]:
+    """Of distributions, what the means do not say: quantiles of each result over all runs, and the parameter that explains
+    most of it."""
+    rows = [["over all runs", "5 %", "50 %", "95 %", "explained most by"]]
+    for r, result in enumerate(effects.results):
+        values, whole = result.numbers[~numpy.isnan(result.numbers)], _all_of(result)
+        quantiles = [_mean_text(whole, float(numpy.quantile(values, part))).split(" ")[0] for part in (0.05, 0.5, 0.95)]
+        most = max(range(len(effects.parameters)), key=lambda p: effects.effects[p][r].explained)
+        explained = 100 * effects.effects[most][r].explained
+        rows.append([result.title[:34], *quantiles, f"{effects.parameters[most].column.title[:28]} ({explained:.0f} %)"])
+    return aligned(rows)
+
+
+def _all_of(result: Column) -> Group:
+    values = result.numbers[~numpy.isnan(result.numbers)]
+    sd = float(values.std(ddof=1)) if len(values) > 1 else 0.0
+    return Group(0, 0, 0, 0, len(values), float(values.mean()), sd)
+
+
+def _mean_text(group: Group, value: float | None = None) -> str:
+    """47.1 ± 3.2: the deviation with two digits, the mean (or another value) with as many decimals."""
+    value = group.mean if value is None else value
+    if group.runs == 1:
+        return f"{value:.4g}"
+    decimals = min(max(1 - math.floor(math.log10(group.sd)), 0), 6) if group.sd > 0 else 2
+    return f"{value:.{decimals}f} ± {group.sd:.{decimals}f}"
+
+
+def _range_or_level(parameter: Parameter, group: Group) -> str:
+    return parameter.levels[group.level] if parameter.levels else f"{group.least:.3g} to {group.most:.3g}"
+
+
+def _titled(column: Column, cells: Row) -> Row:
+    return [*two_lines(column.title[:32]), *cells]
+
+
+def _short(shown: str, cell: str) -> str:
+    """Numbers of a list with four digits, and "…" where the rest does not fit: [-41.2, 9.2, 36.6]."""
+    if cell.startswith("[") and cell.endswith("]"):
+        try:
+            shown = f"[{', '.join(f'{float(part):.4g}' for part in cell[1:-1].split(','))}]"
+        except ValueError:
+            pass
+    return shown if len(shown) <= _MOST_CELL else shown[:_MOST_CELL - 1] + "…"
+
+
+def two_lines(title: str) -> tuple[str, str]:
+    """A title on two lines of about the same length in bytes; the first is empty where it is one word."""
+    text = title.encode()
+    spaces = [at for at, letter in enumerate(text) if letter == ord(" ")]
+    if not spaces:
+        return "", title
+    best = min(spaces, key=lambda at: abs(at - len(text) / 2))
+    return text[:best].decode(), text[best + 1:].decode()

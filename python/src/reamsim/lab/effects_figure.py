@@ -3,10 +3,9 @@
 
 """Main effects: a column of panels for each parameter, those that explain most first; a row for each result."""
 
-from .figure_style import BLUE, GREY, LIGHT_GREY, few_tics, new_figure, panel, save, style
+from .figure_style import BLUE, GREY, LIGHT_GREY, few_tics, new_figure, save, style
 
-WIDE, WIDEST_PANEL = 154.0, 62.0  # mm: all panels, a panel with its gap
-LEFT, GAP = 23.0, 3.5
+WIDE, WIDEST_PANEL, TALL_PANEL = 154.0, 62.0, 34.0  # mm: all panels; a panel with what stands beside it
 CHARACTER = 1.5  # mm
 MOST_NAMED_LEVELS = 8  # names that fit the axis of a panel; with more it counts them
 MOST_IN_NAME = 22
@@ -21,73 +20,21 @@ def draw(data, folder):
             standard deviation, level) and ``explained``. ``results``: each with ``title``, ``y`` of the single runs (null:
             missing) and ``range`` of all runs.
     """
+    parameters, results = data["parameters"], data["results"]
+    wide = min(WIDE / len(parameters), WIDEST_PANEL)
     with style():
-        Figure(data).draw(folder)
-
-
-class Figure:
-    def __init__(self, data):
-        self.parameters, self.results = data["parameters"], data["results"]
-        self.step = min(WIDE / len(self.parameters), WIDEST_PANEL)
-        self.wide = max(LEFT + len(self.parameters) * self.step + 3, 110)
-        self.top = 9 if self.wide >= 165 else 13
-        self.height = 27 if len(self.results) > 6 else 31
-        below = 9 + max([4] + [3 + 0.6 * CHARACTER * max(len(cut(level)) for level in parameter["levels"])
-                               for parameter in self.parameters if self.is_slanted(parameter)])
-        self.tall = self.top + len(self.results) * (self.height + GAP) - GAP + below
-        self.figure = new_figure(self.wide, self.tall)
-
-    def draw(self, folder):
-        heading = ["Mean ± SD over all other parameters; grey: single runs", "%: fraction of the variance explained"]
-        self.figure.text(LEFT / self.wide, 1 - 2 / self.tall, ("; " if self.wide >= 165 else "\n").join(heading), color=GREY,
-                         va="top")
-        for r, result in enumerate(self.results):
-            for p, parameter in enumerate(self.parameters):
-                axes = panel(self.figure, LEFT + p * self.step, self.top + r * (self.height + GAP), self.step - 2.5,
-                             self.height)
+        figure = new_figure(max(26 + wide * len(parameters), 110), 24 + TALL_PANEL * len(results))
+        panels = figure.subplots(len(results), len(parameters), sharex="col", sharey="row", squeeze=False)
+        figure.suptitle("Mean ± SD over all other parameters; grey: single runs\n%: fraction of the variance explained",
+                        x=0.01, ha="left", fontsize=8, color=GREY)
+        for r, (row, result) in enumerate(zip(panels, results)):
+            row[0].set_ylabel(on_lines(result["title"], TALL_PANEL - 10))
+            for axes, parameter in zip(row, parameters):
                 draw_panel(axes, parameter, result, r)
-                self.label(axes, parameter, p, r)
-            middle = 1 - (self.top + r * (self.height + GAP) + self.height / 2) / self.tall
-            self.figure.text(5 / self.wide, middle, on_two_lines(result["title"]), rotation=90, ha="center", va="center")
-        save(self.figure, folder, "effects")
-
-    def label(self, axes, parameter, p, r):
-        last = r == len(self.results) - 1
-        if parameter["numeric"] and not is_named(parameter):
-            few_tics(axes.xaxis, 3 if self.step < 35 else 5)
-        elif is_named(parameter):
-            slanted = self.is_slanted(parameter)
-            places = {group[3]: group[0] for groups in parameter["groups"] for group in groups}
-            names = [cut(parameter["levels"][level]) for level in places]
-            axes.set_xticks(list(places.values()), names if slanted else self.legible(axes, list(places.values()), names),
-                            rotation=40 if slanted else 0, ha="right" if slanted else "center",
-                            rotation_mode="anchor" if slanted else None)
-        if not last:
-            axes.tick_params(axis="x", labelbottom=False)
-        if p > 0:
-            axes.tick_params(axis="y", labelleft=False)
-        if last:
-            middle = LEFT + (p + 0.5) * self.step - 1.2
-            self.figure.text(middle / self.wide, 6 / self.tall, self.title(parameter), ha="center", va="center")
-
-    def legible(self, axes, places, names):
-        """Without names that would overlap the one before: levels of a number may be near to each other."""
-        low, high = axes.get_xlim()
-        out, end = [], float("-inf")
-        for x, name in sorted(zip(places, names)):
-            middle, half = (x - low) / (high - low) * (self.step - 2.5), 0.5 * CHARACTER * len(name)
-            out.append(name if middle - half > end else "")
-            end = middle + half + 0.5 if out[-1] else end
-        return [dict(zip(sorted(places), out))[x] for x in places]
-
-    def title(self, parameter):
-        title = parameter["title"] + ("" if parameter["numeric"] or is_named(parameter) else ", by number")
-        return title if CHARACTER * len(title) < self.step - 2.5 else on_two_lines(title)
-
-    def is_slanted(self, parameter):
-        """Whether names side by side would overlap."""
-        longest = max(map(len, parameter["levels"]), default=0)
-        return is_named(parameter) and CHARACTER * longest * len(parameter["levels"]) > 0.85 * (self.step - 2.5)
+        for axes, parameter in zip(panels[-1], parameters):
+            name_levels(axes, parameter, wide - 5)
+        figure.align_labels()
+        save(figure, folder, "effects")
 
 
 def draw_panel(axes, parameter, result, r):
@@ -97,8 +44,7 @@ def draw_panel(axes, parameter, result, r):
     runs = [(x, y) for x, y in zip(parameter["x"], result["y"]) if y is not None]
     aside = [(0.618034 * i) % 1 - 0.5 for i in range(len(runs))]  # runs of the same level are beside one another
     axes.plot([x + spread * at for (x, _), at in zip(runs, aside)], [y for _, y in runs], ".", color=LIGHT_GREY, markersize=2)
-    groups = parameter["groups"][r]
-    x, mean, sd = ([group[i] for group in groups] for i in range(3))
+    x, mean, sd, _ = zip(*parameter["groups"][r])
     axes.errorbar(x, mean, sd, color=BLUE, marker="o", markersize=2.6, linewidth=1.1, elinewidth=0.9, capsize=1.5,
                   linestyle="-" if parameter["numeric"] else "none")
     explained = parameter["explained"][r]
@@ -110,18 +56,33 @@ def draw_panel(axes, parameter, result, r):
     few_tics(axes.yaxis, 5)
 
 
-def is_named(parameter):
-    return 0 < len(parameter["levels"]) <= MOST_NAMED_LEVELS
+def name_levels(axes, parameter, wide):
+    """Title and tics of a parameter below its panels, which are so many mm wide."""
+    levels = parameter["levels"]
+    named = 0 < len(levels) <= MOST_NAMED_LEVELS
+    axes.set_xlabel(on_lines(parameter["title"] + ("" if parameter["numeric"] or named else ", by number"), wide))
+    if not named:
+        if parameter["numeric"]:
+            few_tics(axes.xaxis, 3 if wide < 30 else 5)
+        return
+    places = {group[0]: cut(levels[group[3]]) for groups in parameter["groups"] for group in groups}
+    slanted = CHARACTER * max(map(len, levels)) * len(levels) > 0.85 * wide  # names side by side would overlap
+    (low, high), end = axes.get_xlim(), float("-inf")
+    for x in sorted(places):  # levels of a number may be near to each other: a name that would overlap the one before goes
+        middle, half = (x - low) / (high - low) * wide, 0 if slanted else 0.5 * CHARACTER * len(places[x])
+        places[x], end = (places[x], middle + half + 0.5) if middle - half > end else ("", end)
+    axes.set_xticks(list(places), places.values(), rotation=40 if slanted else 0, ha="right" if slanted else "center",
+                    rotation_mode="anchor" if slanted else None)
 
 
 def cut(name):
     return name if len(name) <= MOST_IN_NAME else name[:MOST_IN_NAME - 1] + "…"
 
 
-def on_two_lines(title):
-    """Cut at the space nearest to the middle."""
+def on_lines(title, wide):
+    """On two lines, cut at the space nearest to the middle, where it is longer than so many mm."""
     spaces = [at for at, letter in enumerate(title) if letter == " "]
-    if not spaces:
+    if not spaces or CHARACTER * len(title) < wide:
         return title
     best = min(spaces, key=lambda at: abs(at - len(title) / 2))
     return f"{title[:best]}\n{title[best + 1:]}"

@@ -21,12 +21,6 @@ def style():
     return matplotlib.rc_context({**matplotlib.rcParamsDefault, **STYLE})
 
 
-def panel(figure, left, top, width, height):
-    """Axes at a place in mm, from the upper left corner of the figure."""
-    wide, tall = figure.get_size_inches() * 25.4
-    return figure.add_axes((left / wide, 1 - (top + height) / tall, width / wide, height / tall))
-
-
 def few_tics(axis, most=4):
     """At most so many intervals between tics, with plain numbers."""
     axis.set_major_locator(matplotlib.ticker.MaxNLocator(most, steps=[1, 2, 5, 10]))
@@ -34,7 +28,7 @@ def few_tics(axis, most=4):
 
 
 def new_figure(width_mm, height_mm):
-    return matplotlib.figure.Figure(figsize=(width_mm / 25.4, height_mm / 25.4))
+    return matplotlib.figure.Figure(figsize=(width_mm / 25.4, height_mm / 25.4), layout="constrained")
 
 
 def save(figure, folder, name):

@@ -6,13 +6,14 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy
 
 from ..errors import InputError
-from . import fit_statements
 from .force_model import GRADES, Coefficients, ForceBasis, grade_densities
 from .least_squares import Problem, minimum, nonnegative
 
@@ -23,6 +24,13 @@ _LEAST_NOISE = 1e-7  # relative: without noise, weights would grow without limit
 _NEGLIGIBLE = 1e-8  # a part whose square is smaller, relative to the whole, says nothing about its constant
 _LEAST_SPREAD = 0.02  # logarithms of density with a smaller standard deviation, by removed volume, tell no exponent
 _SINGULAR = 1e-12  # of an eigenvalue of the information, relative
+# A constant with a larger standard error is not determined: relative to its value, or of an exponent.
+_MOST_RELATIVE_ERROR, _MOST_EXPONENT_ERROR = 0.5, 1.0
+_HIGH_CORRELATION = 0.99  # constants with a higher one are hard to tell apart
+_WORSE_THAN_MEAN = -0.05  # a larger R² may come from noise about a mean that the law explains well
+# Specific energies beside which the unit of a column is likelier to be wrong than the bone to be unusual: this fraction
+# of the least that the project assumes at a density, and several times that of the thinnest chips (docs/physics.md, 4).
+_OF_LEAST_ENERGY, _MOST_ENERGY_J_MM3 = 0.1, 20.0
 
 
 @dataclasses.dataclass
@@ -68,26 +76,24 @@ class Residual:
 
 @dataclasses.dataclass
 class ForceFit:
-    """A fit.
-
-    Attributes:
-        constants: u0, p (law) or u1, u2, ... (classes), J/mm³; k_n; K_t, K_n, N/mm, where the run had an edge force.
-        covariance: of the fitted ones that are not at a bound, in their order; the scatter of the residuals included.
-        statements: which constants the data cannot tell.
-        warnings: signs of a wrong unit or sign of a measured column.
-        coefficients: for `ForceBasis.values`.
-    """
+    """A fit. Constants: u0, p (law) or u1, u2, ... (classes), J/mm³; k_n; K_t, K_n, N/mm, where the run had an edge force."""
 
     constants: list[Constant]
-    covariance: numpy.ndarray
+    covariance: numpy.ndarray  # of the constants `free`, in their order; the scatter of the residuals included
     classes: list[DensityClass]
     residuals: list[Residual]
-    coefficients: Coefficients
-    statements: list[str] = dataclasses.field(default_factory=list)
-    warnings: list[str] = dataclasses.field(default_factory=list)
+    coefficients: Coefficients  # for `ForceBasis.values`
+    statements: list[str] = dataclasses.field(default_factory=list)  # which constants the data cannot tell
+    warnings: list[str] = dataclasses.field(default_factory=list)  # signs of a wrong unit or sign of a measured column
 
     def __getitem__(self, name: str) -> Constant:
         return next(constant for constant in self.constants if constant.name == name)
+
+    @property
+    def mean_g_cm3(self) -> float:
+        """Density of the removed bone by its volume."""
+        volume = sum(one.removed_mm3 for one in self.classes)
+        return sum(one.mean_g_cm3 * one.removed_mm3 for one in self.classes) / volume if volume > 0 else 0
 
     @property
     def free(self) -> list[int]:
@@ -96,13 +102,8 @@ class ForceFit:
 
 
 def density_classes(volume_mm3: numpy.ndarray, edges_g_cm3: Sequence[float] = ()) -> list[DensityClass]:
-    """Classes of the removed bone.
-
-    Args:
-        volume_mm3: by grade, shape (256,).
-        edges_g_cm3: densities between classes, ascending; without them a class ends where there is a gap of more than
-            0.05 g/cm³.
-    """
+    """Classes of the removed bone, `volume_mm3` by grade, shape (256,), between ascending densities; without these a class
+    ends where there is a gap of more than 0.05 g/cm³."""
     out: list[DensityClass] = []
     density = grade_densities()
     place = numpy.searchsorted(numpy.asarray(edges_g_cm3, dtype=float), density, side="right")
@@ -132,8 +133,7 @@ def fit_forces(basis: ForceBasis, law: Mapping[str, Any], time_s: numpy.ndarray,
         model: ``law``: u0 and p of u0·(density/reference)^p; ``classes``: one specific energy per density class.
         class_edges_g_cm3: as in `density_classes`.
         fit_normal_ratio: False keeps k_n of the run.
-        file: of the measurement, for messages.
-        limits: as in `fit_statements.warnings`; without it, warnings are about the columns alone.
+        file, limits: of the measurement, for messages; as in `_warnings`, without it they are about the columns alone.
 
     Raises:
         InputError: no measured time lies in the run's contact, or no positive constant explains what was measured.
@@ -143,7 +143,7 @@ def fit_forces(basis: ForceBasis, law: Mapping[str, Any], time_s: numpy.ndarray,
     if fit.fix_undetermined(out):
         out = fit.solved()
     fit.require_energy(out, file)
-    out.warnings = fit_statements.warnings(out, law["cutting.reference_density_g_cm3"], limits)
+    out.warnings = _warnings(out, law["cutting.reference_density_g_cm3"], limits)
     out.statements = fit.statements(out, fit_normal_ratio)
     return out
 
@@ -162,8 +162,7 @@ class _Fit:
         self.log_density = numpy.log(density / law["cutting.reference_density_g_cm3"])
         self.exponent, self.normal_ratio = law["cutting.density_exponent"], law["cutting.normal_ratio"]
         self.fit_exponent = is_law and _density_spread(basis.volume_mm3) >= _LEAST_SPREAD
-        ones = numpy.ones(self.problem.units)
-        p, n = (((part @ ones) ** 2).sum() for part in self._parts()[:2])
+        p, n = ((part.sum(axis=1) ** 2).sum() for part in self._parts()[:2])
         self.normal_matters = bool(n > _NEGLIGIBLE * p)
         self.fit_normal_ratio = fit_normal_ratio and self.normal_matters
 
@@ -230,10 +229,10 @@ class _Fit:
     def fix_undetermined(self, fit: ForceFit) -> bool:
         """Fixes k_n and p where their errors show that the data do not tell them: they would only spoil the others.
         Returns whether it did."""
-        least_ratio = fit_statements.MOST_RELATIVE_ERROR * max(self.normal_ratio, 0.1)
+        least_ratio = _MOST_RELATIVE_ERROR * max(self.normal_ratio, 0.1)
         normal = self.fit_normal_ratio and (self.without_energy() or fit["k_n"].standard_error > least_ratio)
         exponent = self.fit_exponent and (self.without_energy() or
-                                          fit["p"].standard_error > fit_statements.MOST_EXPONENT_ERROR)
+                                          fit["p"].standard_error > _MOST_EXPONENT_ERROR)
         if normal:
             self.fit_normal_ratio = self.normal_matters = False
             self.normal_ratio = self.law["cutting.normal_ratio"]
@@ -307,15 +306,14 @@ class _Fit:
         """On what the data tell, in words."""
         out = []
         if self.is_law and not self.fit_exponent and not self.without_energy():
-            volume = sum(one.removed_mm3 for one in self.classes)
-            density = sum(one.mean_g_cm3 * one.removed_mm3 for one in self.classes) / volume if volume > 0 else 0
+            density = fit.mean_g_cm3
             energy = self.linear[0] * (density / self.law["cutting.reference_density_g_cm3"]) ** self.exponent
             out.append("the removed bone has nearly one density: it cannot tell the exponent from u0, so p stays that of "
                        f"the run ({self.exponent:g}); what is determined is u = {energy:.5g} J/mm3 at {density:.3g} g/cm3")
         if asked_for_normal_ratio and not self.normal_matters and not self.without_energy():
             out.append(f"the measured columns do not tell k_n, which stays that of the run ({self.normal_ratio:g}); "
                        "measure the axial force and the spin torque together")
-        return fit_statements.statements(fit, out)
+        return _statements(fit, out)
 
 
 def _density_spread(volume_mm3: numpy.ndarray) -> float:
@@ -323,8 +321,7 @@ def _density_spread(volume_mm3: numpy.ndarray) -> float:
     volume, log = volume_mm3[1:], numpy.log(numpy.arange(1, GRADES))
     if not volume.sum() > 0:
         return 0
-    mean = (volume * log).sum() / volume.sum()
-    return float(numpy.sqrt((volume * (log - mean) ** 2).sum() / volume.sum()))
+    return float(numpy.sqrt(numpy.average((log - numpy.average(log, weights=volume)) ** 2, weights=volume)))
 
 
 def _residual(channel: Any, coefficients: numpy.ndarray) -> Residual:
@@ -333,3 +330,70 @@ def _residual(channel: Any, coefficients: numpy.ndarray) -> Residual:
     variance = channel.squares - channel.sum ** 2 / count
     return Residual(channel.column, channel.samples, float(numpy.sqrt(channel.squares / count)),
                     float(numpy.sqrt(rest / count)), 1 - rest / variance if variance > 0 else 0.0)
+
+
+def _statements(fit: ForceFit, first: list[str]) -> list[str]:
+    """`first`, then what constants at a bound, standard errors and correlations say."""
+    out = list(first)
+    for constant in fit.constants:
+        if constant.at_bound:
+            out.append(f"{constant.name} is 0: a negative value would fit better, so the model or the data are wrong")
+        elif constant.fitted and constant.standard_error > _MOST_RELATIVE_ERROR * abs(constant.value):
+            out.append(f"{constant.name} is not determined by these data: its standard error exceeds half of it")
+    free, covariance = fit.free, fit.covariance
+    for i, j in itertools.combinations(range(len(free)), 2):
+        correlation = covariance[i, j] / (covariance[i, i] * covariance[j, j]) ** 0.5
+        if abs(correlation) > _HIGH_CORRELATION:
+            out.append(f"{fit.constants[free[i]].name} and {fit.constants[free[j]].name} are hard to tell apart "
+                       f"(correlation {correlation:.4f}): only a combination of them is well determined")
+    return out if out or fit.warnings else ["all constants are determined by these data"]
+
+
+def _warnings(fit: ForceFit, reference_density_g_cm3: float, limits: Mapping[str, Any] | None) -> list[str]:
+    """Columns that the fitted law explains worse than their mean, constants that a scenario would refuse, and specific
+    energies that are far from those of bone. The density is that of u0. `limits`: ``keys``, of u0, p, k_n, K_t, K_n and u the
+    scenario's ``key``, its ``min``, ``max`` and both as ``text``; ``least_energy``, the law of the least energy of bone that
+    the project assumes."""
+    columns = ", ".join(f"{one.column} in {'N mm' if one.column.endswith('_nmm') else 'N'}" for one in fit.residuals)
+    poor = [f"{one.column}: R2 is {one.r_squared:.3g}" for one in fit.residuals if one.r_squared < _WORSE_THAN_MEAN]
+    out = []
+    if poor:  # one sentence: the fit follows the column with the least noise, whose unit may be the wrong one
+        worse = "it worse than its mean does" if len(poor) == 1 else "them worse than their means do"
+        out.append(f"{', '.join(poor)}: the fitted law explains {worse}; check sign and unit of every measured column "
+                   f"({columns}), because a wrong one spoils the fit of the others, and that time_s begins with the run")
+    if limits is not None:
+        out += (_refused_constants(fit, limits["keys"], columns) or
+                _unusual_energies(fit, reference_density_g_cm3, limits["least_energy"], columns))
+    return out
+
+
+def _refused_constants(fit: ForceFit, keys: Mapping[str, Any], columns: str) -> list[str]:
+    out = []
+    for constant in fit.constants:
+        key = keys.get(constant.name, keys["u"])
+        least = -math.inf if key["min"] is None else key["min"]  # JSON has no infinity
+        most = math.inf if key["max"] is None else key["max"]
+        if constant.fitted and not constant.at_bound and not least <= constant.value <= most:
+            out.append(f"{constant.name} is {constant.value:.6g}, and {key['key']} accepts {key['text']}: a scenario would "
+                       f"refuse it; check the unit of every measured column ({columns})")
+    return out
+
+
+def _unusual_energies(fit: ForceFit, reference_density_g_cm3: float, least: Mapping[str, float], columns: str) -> list[str]:
+    out = []
+    for name, energy, density in _energies(fit, reference_density_g_cm3):
+        relative = min(density / least["reference_density_g_cm3"], 1)
+        low = _OF_LEAST_ENERGY * least["specific_energy_j_mm3"] * relative ** least["density_exponent"]
+        if energy > 0 and not low <= energy <= _MOST_ENERGY_J_MM3:
+            out.append(f"{name}: the bone of {density:.3g} g/cm3 takes {energy:.3g} J/mm3, far "
+                       f"{'below' if energy < low else 'above'} what is usual for bone ({low:.2g} to "
+                       f"{_MOST_ENERGY_J_MM3:g} J/mm3); check the unit of every measured column ({columns})")
+    return out
+
+
+def _energies(fit: ForceFit, reference_density_g_cm3: float) -> list[tuple[str, float, float]]:
+    """The specific energies of a fit, each at the density of the bone that tells it: u0 itself may be extrapolated."""
+    if fit.constants[0].name != "u0":
+        return [(constant.name, constant.value, one.mean_g_cm3) for constant, one in zip(fit.constants, fit.classes)]
+    density = fit.mean_g_cm3
+    return [("u0", fit["u0"].value * (density / reference_density_g_cm3) ** fit["p"].value, density)] if density > 0 else []

@@ -30,13 +30,9 @@ def nonnegative(matrix: numpy.ndarray, values: numpy.ndarray) -> numpy.ndarray:
 
 
 def minimum(slope: Callable[[float], tuple[float, float]], low: float, high: float, scan: int) -> float:
-    """The place of the least value between `low` and `high`: the best of a scan, refined at the root of the slope.
-
-    Args:
-        slope: value and slope of the function.
-
-    An end is approached to 10⁻⁹ of the range and not reached: the standard error then says what a bound would hide.
-    """
+    """The place of the least value between `low` and `high`: the best of a scan, refined at the root of the slope. `slope`
+    gives value and slope. An end is approached to 10⁻⁹ of the range and not reached: the standard error then says what a
+    bound would hide."""
     places = numpy.linspace(low, high, scan + 1)
     best = int(numpy.argmin([slope(place)[0] for place in places]))
     falls = slope(places[best])[1] < 0
@@ -64,14 +60,8 @@ def frame_weights(frame_s: numpy.ndarray, time_s: numpy.ndarray) -> scipy.sparse
 
 
 class Channel:
-    """A measured column. Its rows are compressed to the triangular factor of [parts | values], from which follow the
-    squares of all residuals.
-
-    Attributes:
-        column: its name.
-        samples: how many values count: those in contact.
-        factor: shape (columns + 1, columns + 1) or less.
-    """
+    """A measured column with its samples, those in contact. Its rows are compressed to the triangular `factor` of
+    [parts | values], of at most columns + 1 rows, from which follow the squares of all residuals."""
 
     def __init__(self, column: str, parts: scipy.sparse.csr_matrix, values: numpy.ndarray) -> None:
         known = ~numpy.isnan(values)
@@ -89,13 +79,7 @@ class Channel:
 
 
 class Problem:
-    """The weighted problem of all channels.
-
-    Attributes:
-        units: number of units.
-        columns: number of columns.
-        rows: weighted factors of the channels, shape (rows, columns + 1); the last column are the measured values.
-    """
+    """The weighted problem of all channels: `rows` are their weighted factors, whose last column are the measured values."""
 
     def __init__(self, basis: ForceBasis, time_s: numpy.ndarray, measured: dict[str, numpy.ndarray],
                  units: list[list[int]]) -> None:
@@ -127,11 +111,8 @@ class Problem:
         return sum(channel.samples for channel in self.channels)
 
     def weigh(self, coefficients: numpy.ndarray | None = None, floor: float = 0) -> None:
-        """Weighs each channel by the variance of its residuals with these coefficients; None: of its values.
-
-        Args:
-            floor: least standard deviation relative to the root mean square.
-        """
+        """Weighs each channel by the variance of its residuals with these coefficients; None: of its values. `floor`: least
+        standard deviation relative to the root mean square."""
         rows = [numpy.zeros((1, self.columns + 1))]  # never none
         for channel in self.channels:
             rest = channel.squares if coefficients is None else channel.residual_squares(coefficients)

@@ -20,19 +20,15 @@ class SobolIndices:
 
     The first-order index of an input is what it explains alone, its total index what remains unexplained without it. Both
     are 0 where the output does not vary. They are estimates: that of an input that explains nearly all may exceed 1, and
-    the first order may exceed the total.
-
-    Attributes:
-        first_error, total_error: half the widths of their 95 % intervals, as of independent samples; those of a Sobol
-            sequence scatter less.
-        variance: of the outputs, shape (outputs,).
+    the first order may exceed the total. Errors are half the widths of 95 % intervals, as of independent samples; those of a
+    Sobol sequence scatter less.
     """
 
     first: numpy.ndarray
     total: numpy.ndarray
     first_error: numpy.ndarray
     total_error: numpy.ndarray
-    variance: numpy.ndarray
+    variance: numpy.ndarray  # of the outputs, shape (outputs,)
 
 
 def sobol_indices(of_a: numpy.ndarray, of_b: numpy.ndarray, of_mixed: numpy.ndarray) -> SobolIndices:
@@ -44,8 +40,7 @@ def sobol_indices(of_a: numpy.ndarray, of_b: numpy.ndarray, of_mixed: numpy.ndar
         of_a, of_b: outputs, shape (samples, outputs).
         of_mixed: outputs of A with the column of one input from B, shape (inputs, samples, outputs).
 
-    Raises:
-        ValueError: the shapes do not fit, or there are less than two samples.
+    Raises ValueError where the shapes do not fit, or there are less than two samples.
     """
     count = len(of_a)
     if of_a.shape != of_b.shape or of_mixed.shape[1:] != of_a.shape or count < 2:

@@ -29,50 +29,30 @@ FORCE_OUTPUTS = ("peak_axial_force_n", "peak_spin_torque_nmm", "energy_mj")
 
 @dataclasses.dataclass(frozen=True)
 class Design:
-    """What is uncertain, and where it is evaluated.
+    """What is uncertain, and where it is evaluated: n·(inputs + 2) points, the rows of A, those of B, and for each input
+    those of A with its column of B."""
 
-    Attributes:
-        inputs: names.
-        unit: samples A, then B, in the unit cube, shape (2n, inputs).
-        runs: results folders.
-        run_of: run of each point, shape (n·(inputs + 2),): the rows of A, those of B, and for each input those of A with
-            its column of B.
-        constants: keys of the force law among the inputs.
-        values: of these constants at each point, shape (points, constants).
-        laws: by run the law without these constants, and ``of_run``, that of the run itself; unused without constants.
-        numbers: by run other results by name, which do not depend on the force law.
-    """
-
-    inputs: Sequence[str]
-    unit: numpy.ndarray
-    runs: Sequence[pathlib.Path]
-    run_of: numpy.ndarray
-    constants: Sequence[str]
-    values: numpy.ndarray
-    laws: Sequence[Mapping[str, Any]]
-    numbers: Sequence[Mapping[str, float]]
+    inputs: Sequence[str]  # names
+    unit: numpy.ndarray  # samples A, then B, in the unit cube, shape (2n, inputs)
+    runs: Sequence[pathlib.Path]  # results folders
+    run_of: numpy.ndarray  # run of each point, shape (points,)
+    constants: Sequence[str]  # keys of the force law among the inputs
+    values: numpy.ndarray  # of these constants, shape (points, constants)
+    laws: Sequence[Mapping[str, Any]]  # with constants: by run the ``law`` without them, and that ``of_run``
+    numbers: Sequence[Mapping[str, float]]  # by run other results, which do not depend on the force law
 
 
 @dataclasses.dataclass(frozen=True)
 class Uncertainty:
-    """The results.
+    """The results."""
 
-    Attributes:
-        outputs: names: `FORCE_OUTPUTS`, then the numbers that differ between the runs.
-        samples: outputs of A, then B, shape (2n, outputs).
-        indices: shape (inputs, outputs).
-        low, high: means of the outputs where an input is in its lowest and highest fifth, shape (inputs, outputs).
-        time_s: ends of the intervals, shape (intervals,).
-        axial_force_n, spin_torque_nmm: means over the intervals of A, then B, shape (intervals, 2n).
-    """
-
-    outputs: list[str]
-    samples: numpy.ndarray
-    indices: SobolIndices
-    low: numpy.ndarray
-    high: numpy.ndarray
-    time_s: numpy.ndarray
-    axial_force_n: numpy.ndarray
+    outputs: list[str]  # names: `FORCE_OUTPUTS`, then the numbers that differ between the runs
+    samples: numpy.ndarray  # outputs of A, then B, shape (2n, outputs)
+    indices: SobolIndices  # shape (inputs, outputs)
+    low: numpy.ndarray  # means of the outputs where an input is in its lowest fifth, shape (inputs, outputs)
+    high: numpy.ndarray  # the same of its highest fifth
+    time_s: numpy.ndarray  # ends of the intervals, shape (intervals,)
+    axial_force_n: numpy.ndarray  # means over the intervals of A, then B, shape (intervals, 2n)
     spin_torque_nmm: numpy.ndarray
 
 

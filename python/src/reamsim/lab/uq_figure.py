@@ -3,7 +3,7 @@
 
 """Bands of force and torque over time (left), and what the inputs change of their peaks (right)."""
 
-from .figure_style import BLUE, GREY, RED, few_tics, new_figure, panel, save, style
+from .figure_style import BLUE, GREY, RED, few_tics, new_figure, save, style
 
 MOST_INPUTS = 10
 
@@ -19,9 +19,10 @@ def draw(data, folder):
         figure = new_figure(180, 110)
         rows = (("axial_force", "Axial force (N)", "Peak axial force (N)", BLUE),
                 ("spin_torque", "Spin torque (N·mm)", "Peak spin torque (N·mm)", RED))
+        panels = figure.subplots(2, 2, width_ratios=(4, 3))
         for row, (name, title, peak, color) in enumerate(rows):
-            draw_bands(panel(figure, 18, 4 + 52 * row, 58, 40), data["time_s"], data[name], title, color, row == 1)
-            draw_tornado(panel(figure, 132, 4 + 52 * row, 44, 40), data[name], peak, color)
+            draw_bands(panels[row][0], data["time_s"], data[name], title, color, row == 1)
+            draw_tornado(panels[row][1], data[name], peak, color)
         save(figure, folder, "uq")
 
 
