@@ -95,21 +95,9 @@ std::vector<std::vector<BatchSample>> run_alternately(const std::vector<Program*
   return samples;
 }
 
-namespace {
-
-/// Keeps nothing: what becomes of the rows is no part of the latency.
-class NoSink final : public FrameSink {
- public:
-  void frame(const FrameResult&, const FrameTimes&) override {}
-  void snapshot(std::int64_t, FillBricks&) override {}
-  void removed(const RemovedFrames&) override {}
-};
-
-}  // namespace
-
 Latency frame_latency(SimulationInput& scene, Engine& engine, std::int64_t most, const std::function<bool()>& stop) {
   const Motion& motion = scene.motion;
-  NoSink sink;
+  FrameSink sink;  // what becomes of the rows is no part of the latency
   Diagnostics ignored;
   FrameStepper stepper(scene, engine, sink, ignored);
   const auto frame_of = [&](std::int64_t k) {

@@ -72,8 +72,6 @@ class CountingSink final : public FrameSink {
     contacts += result.contacts;
     removed_mm3 += result.removed_mm3;
   }
-  void snapshot(std::int64_t /*frame*/, FillBricks& /*fill*/) override {}
-  void removed(const RemovedFrames& /*voxels*/) override {}
 
   double kernel_s = 0;
   std::int64_t contacts = 0;
