@@ -90,38 +90,40 @@ void require_writable(const std::string& path, bool overwrite) {
 
 /// Severe contact as curves over the shell, a panel per voxmap; engines without a shell are level lines. The programs
 /// that the paper measured also get its figures.
-void add_severe(const bench::Findings& findings, BenchPlot& plot) {
-  for (const bench::CaseRow& row : findings.cases) {
-    if (row.at.contact != "severe" || row.at.who.engine == "exact") continue;
-    const bool no_shell = row.at.who.engine == "implicit";
-    const bool measured_there = no_shell || row.at.who.variant == "published";
-    for (const auto& [shell, points] : findings.shell_points) {
-      if (!no_shell && shell != row.at.shell) continue;
-      const auto paper = bench::paper_ms(row.at.who.engine, row.at.voxmap, shell);
+void add_severe(const bench::Json& report, BenchPlot& plot) {
+  for (const bench::Json& row : report["results"]) {
+    const bench::Label who{row["engine"], row["variant"]};
+    if (row["case"] != "severe" || who.engine == "exact") continue;
+    const bool no_shell = who.engine == "implicit";
+    const bool measured_there = no_shell || who.variant == "published";
+    for (const bench::Json& shell : report["shells"]) {
+      if (!no_shell && shell["shell"] != row["shell"]) continue;
+      const auto paper = bench::paper_ms(who.engine, row["voxmap"], shell["shell"]);
       plot.severe.push_back(
-          {name_of(row.at.who), row.at.voxmap, shell, row.ms.median, measured_there ? paper : std::nullopt});
+          {name_of(who), row["voxmap"], shell["shell"], row["median_ms"], measured_there ? paper : std::nullopt});
     }
   }
 }
 
-void add_voi(const bench::Findings& findings, BenchPlot& plot) {
-  for (const bench::Json& row : findings.voi) {
+void add_voi(const bench::Json& report, BenchPlot& plot) {
+  for (const bench::Json& row : report["voi"]) {
     plot.voi.push_back({name_of(bench::Label{row["engine"], row["variant"]}), 100 * row["fraction"].get<double>(),
                         row["with_ms"], row["without_ms"]});
   }
 }
 
 /// Measures, prints the tables and writes the JSON.
-bench::Findings measure(const bench::Plan& plan, const BenchOptions& options, const Console& console) {
+bench::Json measure(const bench::Plan& plan, const BenchOptions& options, const Console& console) {
   bench::BenchControl control;
   Progress progress(console, "bench", "steps");
   control.part = [&](double fraction, const std::string& step) { progress.update_part(fraction, step); };
   control.stop = stop_requested;
-  bench::Findings findings = bench::run_bench(plan, control);
+  bench::Json report = bench::run_bench(plan, control);
   progress.finish();
-  console.say_lines("\n" + bench::text_of(findings));
-  if (!options.json.empty()) write_file(options.json, bench::json_of(findings));
-  return findings;
+  console.say_lines("\n" + bench::text_of(report));
+  const auto replace_bytes = bench::Json::error_handler_t::replace;
+  if (!options.json.empty()) write_file(options.json, report.dump(2, ' ', false, replace_bytes) + "\n");
+  return report;
 }
 
 /// Measures, and writes the figure of severe contact and of the VOI.
@@ -129,11 +131,11 @@ void measure_with_figure(const bench::Plan& plan, const BenchOptions& options, c
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::benchmark, .overwrite = options.overwrite, .inputs = {}});
   const ForcedStop forced = abandoning(folder);
-  const bench::Findings findings = measure(plan, options, console);
+  const bench::Json report = measure(plan, options, console);
   BenchPlot plot;
-  plot.device = findings.device;
-  add_severe(findings, plot);
-  add_voi(findings, plot);
+  plot.device = report["device"];
+  add_severe(report, plot);
+  add_voi(report, plot);
   if (plot.severe.empty()) return console.warn("no engine could be measured: no figure written");
   write_bench_plot(folder.path(), plot);
   write_citation(folder.path(), cite_program());

@@ -33,9 +33,7 @@ void require_results(const std::string& dir) {
 void cite_command(const CiteOptions& options) {
   if (!options.dir.empty()) require_results(options.dir);
   const Citation citation = options.dir.empty() ? cite_program() : cite_results(options.dir);
-  const std::string text = options.json     ? csl_json_of(citation)
-                           : options.bibtex ? bibtex_of(citation)
-                                            : text_of(citation);
+  const std::string& text = options.json ? citation.csl_json : options.bibtex ? citation.bibtex : citation.text;
   std::fputs(text.c_str(), stdout);
 }
 

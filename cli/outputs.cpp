@@ -10,7 +10,6 @@
 #include "render/plots/plots.h"
 #include "render/viewer/report.h"
 #include "sim/base/error.h"
-#include "sim/base/file.h"
 #include "sim/record/run_totals.h"
 #include "sim/record/snapshot.h"
 #include "sim/run/checkpoint.h"
@@ -92,13 +91,6 @@ OutputOptions output_options_of(const SimulationInput& scene) {
           .report = scenario.render.enabled && scenario.render.report};
 }
 
-/// Whether forces.csv has the columns of a tool on springs.
-bool has_deflections(const std::string& dir) {
-  constexpr std::uintmax_t kHeader = 4096;
-  const std::string start = read_file_start(dir + "/forces.csv", kHeader);
-  return start.substr(0, start.find('\n')).find("deflection_x_mm") != std::string::npos;
-}
-
 }  // namespace
 
 RunInputs inputs_without_folder(const SimulationInput& scene) {
@@ -162,7 +154,7 @@ void Outputs::make_figures(Diagnostics& report) const {
   if (!options_.all_plots) return;
   write_depth_and_energy_plots(dir, log_with_means());
   if (std::filesystem::exists(dir + "/events.csv")) write_push_plot(dir);  // only a push has events
-  if (has_deflections(dir)) write_deflection_plot(dir);
+  if (run_->log().rows.front().deflection_mm) write_deflection_plot(dir);
   write_removed_density(dir, run_->voxmap(), run_->inputs().fill, run_->last_fill());
   if (options_.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
 }

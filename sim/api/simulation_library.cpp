@@ -60,8 +60,6 @@ namespace library {
 class Rows final : public FrameSink {
  public:
   void frame(const FrameResult& result, const FrameTimes&) override { rows.push_back(result_of(result)); }
-  void snapshot(std::int64_t, FillBricks&) override {}
-  void removed(const RemovedFrames&) override {}
   std::vector<StepResult> rows;
 };
 

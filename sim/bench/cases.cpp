@@ -3,6 +3,7 @@
 
 #include "sim/bench/measure.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -19,17 +20,43 @@ Spread spread_of(const std::vector<double>& values) {
   return {quantile(values, 0.5), least, most, static_cast<int>(values.size())};
 }
 
-const CaseRow* Findings::find(const Label& who, int voxmap, int shell, const std::string& contact) const {
-  const auto row = std::find_if(cases.begin(), cases.end(), [&](const CaseRow& r) {
-    return r.at.who.engine == who.engine && r.at.who.variant == who.variant && r.at.voxmap == voxmap &&
-           r.at.shell == shell && r.at.contact == contact;
+const Json* find_result(const Json& report, const Label& who, int voxmap, int shell, const std::string& contact) {
+  const Json& results = report["results"];
+  const auto row = std::find_if(results.begin(), results.end(), [&](const Json& r) {
+    return r["engine"] == who.engine && r["variant"] == who.variant && r["voxmap"] == voxmap && r["shell"] == shell &&
+           r["case"] == contact;
   });
-  return row == cases.end() ? nullptr : &*row;
+  return row == results.end() ? nullptr : &*row;
 }
 
-void set_ratio(const Findings& findings, CaseRow& row) {
-  const CaseRow* direct = findings.find({"direct", "published"}, row.at.voxmap, row.at.shell, row.at.contact);
-  if (direct != nullptr && row.ms.median > 0) row.ratio_to_direct = direct->ms.median / row.ms.median;
+Json case_row(const Label& who, const SizePair& size, const std::string& contact) {
+  return {{"engine", who.engine},
+          {"variant", who.variant},
+          {"voxmap", size.voxmap},
+          {"shell", size.shell},
+          {"case", contact}};
+}
+
+Json spread_ms(const Spread& ms) {
+  return {{"median_ms", ms.median}, {"min_ms", ms.min}, {"max_ms", ms.max}};
+}
+
+namespace {
+
+void set_ratio(const Json& report, Json& row) {
+  const Json* direct = find_result(report, {"direct", "published"}, row["voxmap"], row["shell"], row["case"]);
+  const double ms = row["median_ms"];
+  if (direct != nullptr && ms > 0) row["ratio_to_direct"] = (*direct)["median_ms"].get<double>() / ms;
+}
+
+}  // namespace
+
+Json& add_result(Json row, const Json& contacts, const Spread& ms, double kernel_ms, Json& report) {
+  row["contacts"] = contacts;
+  row.update(spread_ms(ms));
+  row.update({{"kernel_ms", kernel_ms}, {"ratio_to_direct", nullptr}, {"samples", ms.samples}});
+  set_ratio(report, row);
+  return report["results"].emplace_back(std::move(row));
 }
 
 namespace {
@@ -107,16 +134,16 @@ void measure_voi(const ProgramSet& set) {
     for (std::size_t i = 0; i < programs.size(); ++i) {
       const Spread with_ms = spread_over(with[i], &BatchSample::total_s);
       const Spread without_ms = spread_over(without[i], &BatchSample::total_s);
-      set.findings.voi.push_back({{"engine", programs[i]->label().engine},
-                                  {"variant", programs[i]->label().variant},
-                                  {"fraction", 0.1 * tenth},
-                                  {"contacts", static_cast<double>(touching)},
-                                  {"with_ms", with_ms.median},
-                                  {"with_min_ms", with_ms.min},
-                                  {"with_max_ms", with_ms.max},
-                                  {"without_ms", without_ms.median},
-                                  {"without_min_ms", without_ms.min},
-                                  {"without_max_ms", without_ms.max}});
+      set.report["voi"].push_back({{"engine", programs[i]->label().engine},
+                                   {"variant", programs[i]->label().variant},
+                                   {"fraction", 0.1 * tenth},
+                                   {"contacts", static_cast<double>(touching)},
+                                   {"with_ms", with_ms.median},
+                                   {"with_min_ms", with_ms.min},
+                                   {"with_max_ms", with_ms.max},
+                                   {"without_ms", without_ms.median},
+                                   {"without_min_ms", without_ms.min},
+                                   {"without_max_ms", without_ms.max}});
     }
   }
 }
@@ -135,10 +162,10 @@ void measure_batches(const ProgramSet& set) {
         if (repetition >= 0) ms.push_back(1e3 * sample.total_s / batch);
       }
       program->restore();
-      Json row = row_at(set.place(*program, "none"));
+      Json row = set.row(*program, "none");
       row["batch"] = batch;
       row.update(spread_ms(spread_of(ms)));
-      set.findings.batches.push_back(row);
+      set.report["batches"].push_back(row);
     }
   }
 }
@@ -164,10 +191,10 @@ void measure_scatter(const ProgramSet& set) {
   }
   const auto samples = run_alternately(racing, {frame}, kRepetitions, true, set.control);
   for (std::size_t i = 0; i < racing.size(); ++i) {
-    Json row = row_at(set.place(*racing[i], "severe"));
+    Json row = set.row(*racing[i], "severe");
     row.update({{"repetitions", samples[i].size()}, {"points", touching}, {"voxels", voxels}});
     add_scatter(samples[i], row);
-    set.findings.scatter.push_back(row);
+    set.report["scatter"].push_back(row);
   }
 }
 
@@ -201,7 +228,7 @@ Json phases_of(const ProgramSet& set, const Program& program, const std::vector<
   const double upload = spread_over(samples, &BatchSample::upload_s, 1e6).median;
   const double kernel = spread_over(samples, &BatchSample::kernel_s, 1e6).median;
   const double total = spread_over(samples, &BatchSample::total_s, 1e6).median;
-  Json row = row_at(set.place(program, "severe"));
+  Json row = set.row(program, "severe");
   row.update({{"obb_us", obb},
               {"voi_us", voi},
               {"upload_us", upload},
@@ -249,20 +276,22 @@ std::vector<Substep> plunge_frames(const ProgramSet& set) {
   return frames;
 }
 
-CaseRow plunge_row(const ProgramSet& set, const PlungeRun& run, const std::vector<BatchSample>& direct) {
-  CaseRow row{.at = set.place(*run.program, "plunge")};
-  if (row.at.who.variant == "deterministic") {
+/// Compares frame by frame where the frames of a program are not all.
+void add_plunge(const ProgramSet& set, const PlungeRun& run, const std::vector<BatchSample>& direct) {
+  Json voxels_per_frame;
+  if (run.program->label().variant == "deterministic") {
     double voxels = 0;
     for (const BatchSample& sample : run.chunks) voxels += static_cast<double>(sample.voxels);
-    row.contacts = voxels / static_cast<double>(run.frames);
+    voxels_per_frame = voxels / static_cast<double>(run.frames);
   }
-  row.ms = spread_over(run.chunks, &BatchSample::total_s);
-  row.kernel_ms = spread_over(run.chunks, &BatchSample::kernel_s).median;
+  const Spread ms = spread_over(run.chunks, &BatchSample::total_s);
+  Json& row = add_result(set.row(*run.program, "plunge"), voxels_per_frame, ms,
+                         spread_over(run.chunks, &BatchSample::kernel_s).median, set.report);
+  row["ratio_to_direct"] = nullptr;
   if (direct.size() >= run.chunks.size()) {
     const std::vector<BatchSample> same(direct.begin(), direct.begin() + std::ssize(run.chunks));
-    row.ratio_to_direct = spread_over(same, &BatchSample::total_s).median / row.ms.median;
+    row["ratio_to_direct"] = spread_over(same, &BatchSample::total_s).median / ms.median;
   }
-  return row;
 }
 
 }  // namespace
@@ -273,34 +302,33 @@ void measure_case(const ProgramSet& set, Contact contact) {
   const auto samples = run_alternately(programs, frames, set.plan.repetitions, true, set.control);
   const double touching = mean_touching(set, frames);
   for (std::size_t i = 0; i < programs.size(); ++i) {
-    CaseRow row{.at = set.place(*programs[i], name_of(contact))};
-    const bool points = row.at.who.engine != "implicit";
-    row.contacts = points ? touching : spread_over(samples[i], &BatchSample::voxels, 1).median;
-    row.ms = spread_over(samples[i], &BatchSample::total_s);
-    row.kernel_ms = spread_over(samples[i], &BatchSample::kernel_s).median;
-    set.findings.cases.push_back(row);
-    if (contact == Contact::severe) set.findings.phases.push_back(phases_of(set, *programs[i], samples[i]));
+    const bool points = programs[i]->label().engine != "implicit";
+    const double contacts = points ? touching : spread_over(samples[i], &BatchSample::voxels, 1).median;
+    add_result(set.row(*programs[i], name_of(contact)), contacts, spread_over(samples[i], &BatchSample::total_s),
+               spread_over(samples[i], &BatchSample::kernel_s).median, set.report);
+    if (contact == Contact::severe) set.report["phases"].push_back(phases_of(set, *programs[i], samples[i]));
   }
-  for (CaseRow& row : set.findings.cases) {
-    if (row.at.contact != "plunge") set_ratio(set.findings, row);  // measure_plunge() compares frame by frame
+  for (Json& row : set.report["results"]) {
+    if (row["case"] != "plunge") set_ratio(set.report, row);  // measure_plunge() compares frame by frame
   }
 }
 
-void add_memory(const std::string& engine, const SizePair& size, const StructureBytes& bytes, Findings& findings) {
-  const Json row{{"engine", engine},
-                 {"voxmap", size.voxmap},
-                 {"shell", size.shell},
-                 {"voxmap_mb", static_cast<double>(bytes.voxmap) / 1e6},
-                 {"shell_mb", static_cast<double>(bytes.shell) / 1e6}};
-  const bool known = std::ranges::any_of(findings.memory, [&](const Json& other) {
+void add_memory(const std::string& engine, const SizePair& size, const StructureBytes& bytes, Json& report) {
+  Json& memory = report["memory"];
+  const bool known = std::ranges::any_of(memory, [&](const Json& other) {
     return other["engine"] == engine && other["voxmap"] == size.voxmap && other["shell"] == size.shell;
   });
-  if (!known) findings.memory.push_back(row);
+  if (known) return;
+  memory.push_back({{"engine", engine},
+                    {"voxmap", size.voxmap},
+                    {"shell", size.shell},
+                    {"voxmap_mb", static_cast<double>(bytes.voxmap) / 1e6},
+                    {"shell_mb", static_cast<double>(bytes.shell) / 1e6}});
 }
 
 void measure_memory(const ProgramSet& set) {
   for (const auto& program : set.programs) {
-    add_memory(program->label().engine, set.size, program->bytes(), set.findings);
+    add_memory(program->label().engine, set.size, program->bytes(), set.report);
   }
 }
 
@@ -320,13 +348,12 @@ void measure_plunge(const ProgramSet& set) {
       std::find_if(runs.begin(), runs.end(), [](const PlungeRun& r) { return r.is_published_direct(); });
   for (const PlungeRun& run : runs) {
     run.program->restore();
-    set.findings.cases.push_back(
-        plunge_row(set, run, direct == runs.end() ? std::vector<BatchSample>{} : direct->chunks));
+    add_plunge(set, run, direct == runs.end() ? std::vector<BatchSample>{} : direct->chunks);
     if (run.frames == frames.size()) continue;
-    set.findings.skipped.push_back(
-        {set.findings.cases.back().at, "stopped after " + std::to_string(run.frames) + " of " +
-                                           std::to_string(frames.size()) +
-                                           " frames, which took 20 s; its ratio is over these frames"});
+    Json stopped = set.row(*run.program, "plunge");
+    stopped["reason"] = fmt::format("stopped after {} of {} frames, which took 20 s; its ratio is over these frames",
+                                    run.frames, frames.size());
+    set.report["skipped"].push_back(stopped);
   }
 }
 

@@ -45,15 +45,19 @@ const std::vector<std::string>& engine_names() {
   return names;
 }
 
-void measure_or_skip(const Place& at, std::vector<Skipped>& skipped, const std::function<void()>& measure) {
+void measure_or_skip(Json row, Json& report, const std::function<void()>& measure) {
+  const auto skip = [&](const char* reason) {
+    row["reason"] = reason;
+    report["skipped"].push_back(std::move(row));
+  };
   try {
     measure();
   } catch (const InputError& error) {
-    skipped.push_back({at, error.what()});
+    skip(error.what());
   } catch (const RunError& error) {
-    skipped.push_back({at, error.what()});
+    skip(error.what());
   } catch (const std::bad_alloc&) {
-    skipped.push_back({at, "not enough memory for the copy of the bone"});
+    skip("not enough memory for the copy of the bone");
   }
 }
 
@@ -62,7 +66,7 @@ void make_programs(ProgramSet& set, bool whole) {
   for (const Label& label : kPrograms) {
     if (std::ranges::count(set.plan.engines, label.engine) == 0) continue;
     if (!whole && label.engine == "implicit") continue;  // has no shell
-    measure_or_skip({label, set.size.voxmap, set.size.shell, "all"}, set.findings.skipped,
+    measure_or_skip(case_row(label, set.size, "all"), set.report,
                     [&] { set.programs.push_back(make_program(label, device, set.plan, set.setup)); });
   }
 }
@@ -95,21 +99,9 @@ std::vector<std::vector<BatchSample>> run_alternately(const std::vector<Program*
   return samples;
 }
 
-namespace {
-
-/// Keeps nothing: what becomes of the rows is no part of the latency.
-class NoSink final : public FrameSink {
- public:
-  void frame(const FrameResult&, const FrameTimes&) override {}
-  void snapshot(std::int64_t, FillBricks&) override {}
-  void removed(const RemovedFrames&) override {}
-};
-
-}  // namespace
-
 Latency frame_latency(SimulationInput& scene, Engine& engine, std::int64_t most, const std::function<bool()>& stop) {
   const Motion& motion = scene.motion;
-  NoSink sink;
+  FrameSink sink;  // what becomes of the rows is no part of the latency
   Diagnostics ignored;
   FrameStepper stepper(scene, engine, sink, ignored);
   const auto frame_of = [&](std::int64_t k) {
@@ -157,7 +149,7 @@ double shortest(const cl::Kernel& kernel, const cl::Device& device, std::size_t 
 
 }  // namespace
 
-MachinePeaks measure_peaks(const cl::DeviceInfo& info) {
+Json measure_peaks(const cl::DeviceInfo& info) {
   constexpr std::size_t kVector = 16 * sizeof(cl_float), kItems = 4096, kVectors = 512;
   constexpr cl_int kRounds = 4096;
   constexpr double kOperations = 256;  // of a round
@@ -168,10 +160,10 @@ MachinePeaks measure_peaks(const cl::DeviceInfo& info) {
   cl::Kernel multiply_add(program, "fused_multiply_adds"), copy(program, "copy_memory");
   multiply_add.set_from(0, to, kRounds);
   copy.set_from(0, from, to, static_cast<cl_int>(kVectors));
-  MachinePeaks out;
-  out.gops = 1e-9 * kOperations * kRounds * kItems / shortest(multiply_add, device, kItems);
-  out.gb_s = 1e-9 * 2 * static_cast<double>(from.count()) / shortest(copy, device, kItems);
-  return out;
+  return {{"gops", 1e-9 * kOperations * kRounds * kItems / shortest(multiply_add, device, kItems)},
+          {"gb_s", 1e-9 * 2 * static_cast<double>(from.count()) / shortest(copy, device, kItems)},
+          {"operations_per_voxel", kExactOperations},
+          {"bytes_per_voxel", kExactBytes}};
 }
 
 }  // namespace bench

@@ -11,25 +11,35 @@
 
 namespace reamsim::bench {
 
-/// Calls `measure`; where the device cannot do it (InputError, RunError, no memory), notes that in `skipped`.
-void measure_or_skip(const Place& at, std::vector<Skipped>& skipped, const std::function<void()>& measure);
+/// A row with the keys of a case: program, sizes and case (severe | light | none | plunge). `implicit` has no shell;
+/// its rows have the largest.
+Json case_row(const Label& who, const SizePair& size, const std::string& contact);
+/// The keys median_ms, min_ms and max_ms.
+Json spread_ms(const Spread& ms);
+/// Adds the results of a case to the report: touching points, mean over the poses (plunge, implicit and exact: voxels
+/// per frame; null: not known), host wall time and median device time of a frame, and the median of published `direct`
+/// over this one, if that was measured.
+Json& add_result(Json row, const Json& contacts, const Spread& ms, double kernel_ms, Json& report);
+
+/// Calls `measure`; where the device cannot do it (InputError, RunError, no memory), lists the case with the reason.
+void measure_or_skip(Json row, Json& report, const std::function<void()>& measure);
 
 /// The programs of one setup, and what the parts of the benchmark share.
 struct ProgramSet {
   const Plan& plan;
   const BenchControl& control;
-  Findings& findings;
+  Json& report;
   BenchSetup setup;
   SizePair size;
   std::vector<std::unique_ptr<Program>> programs;
 
-  [[nodiscard]] Place place(const Program& program, const std::string& contact) const {
-    return {program.label(), size.voxmap, size.shell, contact};
+  [[nodiscard]] Json row(const Program& program, const std::string& contact) const {
+    return case_row(program.label(), size, contact);
   }
 };
 
-/// Adds every program of the plan's engines in all its variants. Programs that the device cannot hold are added to
-/// Findings::skipped. `whole`: also engines without a shell.
+/// Adds every program of the plan's engines in all its variants that the device can hold. `whole`: also engines without
+/// a shell.
 void make_programs(ProgramSet& set, bool whole);
 
 /// Runs the frames one by one, each program in turn, `repetitions` times in two rounds, each after a warm-up: a frame
@@ -49,12 +59,9 @@ Spread spread_over(const std::vector<BatchSample>& samples, Value BatchSample::*
 }
 
 /// Adds the device memory of an engine, unless it is known.
-void add_memory(const std::string& engine, const SizePair& size, const StructureBytes& bytes, Findings& findings);
+void add_memory(const std::string& engine, const SizePair& size, const StructureBytes& bytes, Json& report);
 
-/// Compares a case with published `direct`, if that was measured.
-void set_ratio(const Findings& findings, CaseRow& row);
-
-// The parts of the benchmark; each adds its rows to the findings.
+// The parts of the benchmark; each adds its rows to the report.
 void measure_case(const ProgramSet& set, Contact contact);
 void measure_memory(const ProgramSet& set);
 void measure_voi(const ProgramSet& set);
@@ -64,9 +71,10 @@ void measure_scatter(const ProgramSet& set);
 void measure_exact_case(const ProgramSet& set, const std::string& contact);
 /// Calls `begin` before each sphere.
 void measure_spheres(const Plan& plan, const BenchControl& control,
-                     const std::function<void(const std::string&)>& begin, Findings& findings);
+                     const std::function<void(const std::string&)>& begin, Json& report);
 
-/// Measures the device: fused multiply-adds in registers, and a copy of 256 MB. The best of some repetitions.
-MachinePeaks measure_peaks(const cl::DeviceInfo& info);
+/// What a device does at most, as the report has it: 10⁹ operations a second in single precision, a fused multiply-add
+/// as two, in registers; 10⁹ bytes a second, read and written, of a copy of 256 MB. The best of some repetitions.
+Json measure_peaks(const cl::DeviceInfo& info);
 
 }  // namespace reamsim::bench

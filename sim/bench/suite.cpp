@@ -26,14 +26,14 @@ std::string size_text(const SizePair& size) {
 }
 
 /// Counts the points that touch at the stored depths. Throws RunError where they differ from the cases.
-void verify_poses(const Plan& plan, const BenchSetup& setup, Findings& findings) {
+void verify_poses(const Plan& plan, const BenchSetup& setup, Json& report) {
   const auto points = static_cast<double>(setup.tool->shell.codes.size());
   for (const Contact contact : kContacts) {
     int pose = 0;
     for (const Substep& frame : substeps_of(contact)) {
       const std::int64_t touching = count_touching(*setup.voxmap, *setup.tool, frame);
       const double wanted = wanted_points(contact, points);
-      findings.poses.push_back({{"case", name_of(contact)}, {"pose", pose}, {"points", touching}, {"wanted", wanted}});
+      report["poses"].push_back({{"case", name_of(contact)}, {"pose", pose}, {"points", touching}, {"wanted", wanted}});
       const double off = std::abs(static_cast<double>(touching) - wanted);
       ++pose;
       if (!plan.verify_poses || off <= kPoseTolerance * wanted) continue;
@@ -68,14 +68,21 @@ class Bench {
   Bench(const Plan& plan, const BenchControl& control)
       : plan_(plan), control_(control), usual_s_(usual_seconds(plan)) {}
 
-  Findings run() {
+  Json run() {
     const Stopwatch stopwatch;
     check_plan(plan_);
     const cl::DeviceInfo device = cl::choose_device(plan_.device);
-    findings_.device = device.name;
-    findings_.driver = device.platform_name + " " + device.driver;
-    findings_.compute_units = device.compute_units;
-    findings_.repetitions = plan_.repetitions;
+    report_ = {{"program", "reamsim " REAMSIM_VERSION},
+               {"device", device.name},
+               {"driver", device.platform_name + " " + device.driver},
+               {"compute_units", device.compute_units},
+               {"repetitions", plan_.repetitions},
+               {"seconds", 0}};
+    for (const char* list : {"results", "memory", "phases", "voi", "batches", "scatter", "spheres"}) {
+      report_[list] = Json::array();
+    }
+    report_["peaks"] = nullptr;
+    for (const char* list : {"poses", "shells", "skipped"}) report_[list] = Json::array();
     if (!plan_.sizes.empty()) {
       begin("generating the bone");
       series_.emplace(plan_.sampled);
@@ -83,9 +90,9 @@ class Bench {
     for (std::size_t i = 0; i < plan_.sizes.size(); ++i) measure(plan_.sizes[i], i + 1 == plan_.sizes.size());
     voxmap_ = {};
     measure_spheres(
-        plan_, control_, [this](const std::string& step) { begin(step); }, findings_);
-    findings_.seconds = stopwatch.seconds();
-    return std::move(findings_);
+        plan_, control_, [this](const std::string& step) { begin(step); }, report_);
+    report_["seconds"] = stopwatch.seconds();
+    return std::move(report_);
   }
 
  private:
@@ -99,7 +106,7 @@ class Bench {
     const auto [place, is_new] = tools_.try_emplace(shell);
     if (is_new) {
       place->second = cap_tool(shell);
-      findings_.shell_points.emplace_back(shell, place->second.shell.codes.size());
+      report_["shells"].push_back({{"shell", shell}, {"points", place->second.shell.codes.size()}});
     }
     return place->second;
   }
@@ -113,9 +120,9 @@ class Bench {
     }
     const Tool& reamer = tool(size.shell);
     const BenchSetup setup{&voxmap_, &reamer, series_->box(size.voxmap), shell_box(reamer)};
-    if (last) verify_poses(plan_, setup, findings_);
+    if (last) verify_poses(plan_, setup, report_);
     const bool whole = size.shell == plan_.sizes.back().shell;
-    ProgramSet set{plan_, control_, findings_, setup, size, {}};
+    ProgramSet set{plan_, control_, report_, setup, size, {}};
     make_programs(set, whole);
     measure_memory(set);
     measure_contact(set, Contact::severe, last);
@@ -142,7 +149,7 @@ class Bench {
   const BenchControl& control_;
   std::vector<double> usual_s_;  ///< of the steps
   std::size_t begun_ = 0;
-  Findings findings_;
+  Json report_;
   std::optional<BoneSeries> series_;
   FilledVoxmap voxmap_;
   std::map<int, Tool> tools_;
@@ -190,7 +197,7 @@ void check_plan(const Plan& plan) {
   cl::choose_device(plan.device);
 }
 
-Findings run_bench(const Plan& plan, const BenchControl& control) {
+Json run_bench(const Plan& plan, const BenchControl& control) {
   return Bench(plan, control).run();
 }
 

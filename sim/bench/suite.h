@@ -6,9 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "sim/bench/program.h"
@@ -25,61 +23,6 @@ struct Spread {
 };
 Spread spread_of(const std::vector<double>& values);
 
-/// Program, sizes and case of a measurement. `voxmap` and `shell`: cells along an edge. `implicit` has no shell; its
-/// rows have the largest.
-struct Place {
-  Label who;
-  int voxmap = 0;
-  int shell = 0;
-  std::string contact;  ///< severe | light | none | plunge
-};
-
-/// A case's frames, each enqueued alone (plunge: in the batches that the program uses by default).
-struct CaseRow {
-  Place at;
-  std::optional<double> contacts = {};  ///< touching points, mean over the poses; plunge and implicit: voxels per frame
-  Spread ms = {};                       ///< whole frame, host wall time
-  double kernel_ms = 0;                 ///< median, device time
-  std::optional<double> ratio_to_direct = {};  ///< published direct's median over this one
-};
-
-/// A measurement that was skipped, and why.
-struct Skipped {
-  Place at;
-  std::string reason;
-};
-
-/// More of the plunged sphere with `exact`.
-struct ExactFrames {
-  double kernel_ms = 0;  ///< of a frame, median
-  double voxels = 0;     ///< that lose bone in a frame, mean
-  std::optional<Spread> one_core_ms =
-      {};  ///< on one compute unit of a processor with several, if its driver can divide it
-  std::optional<double> one_core_kernel_ms = {};
-};
-
-/// The plunged sphere of a verification: time per frame at 0.2 mm/s and 1 kHz, and the volume's error. `exact`: whole
-/// frames with the rows of forces.csv, by window of 64; others: from the pose to the sums, by depth.
-struct SphereRow {
-  std::string engine;
-  ErosionMode erosion = {};
-  double voxel_mm = 0;
-  Spread ms = {};
-  double removed_mm3 = 0;
-  double volume_error = 0;  ///< removed over the cap's volume, less 1
-  std::optional<ExactFrames> exact = {};
-
-  /// Simulated over wall time at 1 kHz.
-  [[nodiscard]] double times_real_time() const { return 1 / ms.median; }
-};
-
-/// What a device does at most: 10⁹ operations a second in single precision, a fused multiply-add as two; 10⁹ bytes a
-/// second, read and written.
-struct MachinePeaks {
-  double gops = 0;
-  double gb_s = 0;
-};
-
 /// Operations of exact erosion for a voxel that loses bone in a frame of a window, a fused multiply-add as two: 36 for
 /// its loss (rs_window_outside() with two pieces and rs_clip_loss()) and 32 for force, torque and energies
 /// (kernels/cut_window.h).
@@ -87,44 +30,13 @@ inline constexpr double kExactOperations = 68;
 /// Memory that it needs, bytes: fill read and written, and grade read, once in a window of 64 frames.
 inline constexpr double kExactBytes = 5.0 / 64;
 
-/// Rows as the benchmark's JSON has them (docs/columns.md).
+/// The benchmark's report (docs/columns.md): what was measured, as rows.
 using Json = nlohmann::ordered_json;
-/// The keys of a place.
-Json row_at(const Place& at);
-/// The keys median_ms, min_ms and max_ms.
-Json spread_ms(const Spread& ms);
 
-struct Findings {
-  std::string device;
-  std::string driver;
-  unsigned compute_units = 0;
-  int repetitions = 0;
-  std::vector<std::pair<int, std::size_t>> shell_points;  ///< (cells along an edge, points)
-  Json poses = Json::array();  ///< touching points at each pose, with the largest voxmap and shell
-  std::vector<CaseRow> cases;
-  std::vector<Skipped> skipped;
-  Json memory = Json::array();  ///< 10⁶ bytes
-  /// Medians over the frames of a severe case, as in the paper's Table 2. `read_us`: the rest of the total: launches,
-  /// waiting and reading of results.
-  Json phases = Json::array();
-  Json voi = Json::array();      ///< by depths at which the VOI is `fraction` of the tool's box
-  Json batches = Json::array();  ///< frames enqueued `batch` at a time; time per frame
-  /// Variation of a racing program's results over repetitions of a severe frame. `points` touch: the count if every
-  /// point found its voxel unchanged; `voxels`: if only the first point of a voxel did. Spreads are standard deviations
-  /// over means; `component_spread`: the largest of a force's component over the mean magnitude.
-  Json scatter = Json::array();
-  std::vector<SphereRow> spheres;
-  std::optional<MachinePeaks> peaks;
-  double seconds = 0;
-
-  /// The row of a case, or nullptr.
-  [[nodiscard]] const CaseRow* find(const Label& who, int voxmap, int shell, const std::string& contact) const;
-};
-
-/// The findings as text tables, with the paper's figures.
-std::string text_of(const Findings& findings);
-/// The findings as JSON (docs/columns.md).
-std::string json_of(const Findings& findings);
+/// The row of a case in the results of a report, or nullptr.
+const Json* find_result(const Json& report, const Label& who, int voxmap, int shell, const std::string& contact);
+/// The report as text tables, with the paper's figures.
+std::string text_of(const Json& report);
 
 /// Sizes of voxmap and shell, cells along an edge.
 struct SizePair {
@@ -166,8 +78,8 @@ struct BenchControl {
 /// Throws InputError where the plan names an engine or a device that does not exist, RunError where there is no OpenCL.
 void check_plan(const Plan& plan);
 /// Runs the plan. Throws InputError (no such engine or device), RunError (no OpenCL; wrong number of touching points),
-/// Interrupted. Programs that the device cannot hold are in Findings::skipped.
-Findings run_bench(const Plan& plan, const BenchControl& control);
+/// Interrupted. Programs that the device cannot hold are in its list `skipped`.
+Json run_bench(const Plan& plan, const BenchControl& control);
 
 /// Depths of the approaches for a voxmap and a shell, as text for scene.cpp.
 std::string find_depths(int voxmap, int shell);

@@ -14,16 +14,32 @@ namespace reamsim::bench {
 
 namespace {
 
-using Rows = std::vector<std::vector<std::string>>;
+using Lines = std::vector<std::vector<std::string>>;
 
-/// The rows under a title, with the head underlined; "" where there is only the head.
-std::string table_text(const std::string& title, const Rows& rows) {
-  if (rows.size() < 2) return "";
-  std::vector<std::string> lines = align_columns(rows);
+/// The lines under a title, with the head underlined; "" where there is only the head.
+std::string table_text(const std::string& title, const Lines& cells) {
+  if (cells.size() < 2) return "";
+  std::vector<std::string> lines = align_columns(cells);
   lines.insert(lines.begin() + 1, std::string(text_width(lines[0]), '-'));
   std::string out = title + "\n";
   for (const std::string& line : lines) out += "  " + line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   return out + "\n";
+}
+
+/// A column of a table: its head, and the cell of a row.
+struct Column {
+  std::string head;
+  std::function<std::string(const Json&)> cell;
+};
+
+std::string table_text(const std::string& title, const Json& rows, const std::vector<Column>& columns) {
+  Lines cells(1);
+  for (const Column& column : columns) cells[0].push_back(column.head);
+  for (const Json& row : rows) {
+    cells.emplace_back();
+    for (const Column& column : columns) cells.back().push_back(column.cell(row));
+  }
+  return table_text(title, cells);
 }
 
 std::string cube(int side) {
@@ -43,10 +59,6 @@ std::string beside(std::optional<double> measured, std::optional<double> paper) 
   return number(measured, 2) + " (" + number(paper, 2) + ")";
 }
 
-std::string range(double min, double max, int decimals = 3) {
-  return number(min, decimals) + " – " + number(max, decimals);
-}
-
 /// The value of a row's key; none where it is null.
 std::optional<double> value(const Json& row, const char* key) {
   return row[key].is_null() ? std::nullopt : std::optional(row[key].get<double>());
@@ -56,76 +68,103 @@ Label label(const Json& row) {
   return {row["engine"], row["variant"]};
 }
 
-/// The labels of the case rows, in their order.
-std::vector<Label> labels_of(const Findings& findings) {
+Column program_column(const char* head = "engine") {
+  return {head, [](const Json& row) { return name_of(label(row)); }};
+}
+
+Column word_column(const char* head, const char* key) {
+  return {head, [key](const Json& row) { return row[key].get<std::string>(); }};
+}
+
+Column cube_column(const char* key) {
+  return {key, [key](const Json& row) { return cube(row[key]); }};
+}
+
+Column number_column(const char* head, const char* key, int decimals) {
+  return {head, [=](const Json& row) { return number(value(row, key), decimals); }};
+}
+
+Column percent_column(const char* head, const char* key, int decimals) {
+  return {head, [=](const Json& row) { return percent(row[key], decimals); }};
+}
+
+Column range_column(const char* least = "min_ms", const char* most = "max_ms", int decimals = 3) {
+  return {"min – max", [=](const Json& row) {
+            return number(value(row, least), decimals) + " – " + number(value(row, most), decimals);
+          }};
+}
+
+Column voxel_column() {
+  return {"voxel mm", [](const Json& row) { return fmt::format("{:g}", row["voxel_mm"].get<double>()); }};
+}
+
+/// The programs of the results, in their order.
+std::vector<Label> labels_of(const Json& report) {
   std::vector<Label> out;
-  for (const CaseRow& row : findings.cases) {
-    const auto same = [&](const Label& l) { return name_of(l) == name_of(row.at.who); };
-    if (std::none_of(out.begin(), out.end(), same)) out.push_back(row.at.who);
+  for (const Json& row : report["results"]) {
+    const auto same = [&](const Label& l) { return name_of(l) == name_of(label(row)); };
+    if (std::none_of(out.begin(), out.end(), same)) out.push_back(label(row));
   }
   return out;
 }
 
-template <class Member>
-std::vector<int> sizes_of(const Findings& findings, Member member) {
+std::set<int> sizes_of(const Json& report, const char* key) {
   std::set<int> sizes;
-  for (const CaseRow& row : findings.cases) sizes.insert(row.at.*member);
-  return {sizes.begin(), sizes.end()};
+  for (const Json& row : report["results"]) sizes.insert(row[key].get<int>());
+  return sizes;
 }
 
 /// Tables 1, 3 and 5: severe contact by voxmap (rows) and shell (columns).
-std::string severe_table(const Findings& findings, const Label& who) {
-  const std::vector<int> shells = sizes_of(findings, &Place::shell);
-  std::vector<std::string> head{"voxmap \\ shell"};
+std::string severe_table(const Json& report, const Label& who) {
   const bool no_shell = who.engine == "implicit";
-  for (const int shell : shells) {
-    if (!no_shell) head.push_back(cube(shell));
-  }
-  if (no_shell) head.push_back("no shell");
-  Rows table{head};
-  for (const int voxmap : sizes_of(findings, &Place::voxmap)) {
-    std::vector<std::string> cells{cube(voxmap)};
+  std::set<int> shells = sizes_of(report, "shell");
+  if (no_shell) shells.erase(shells.begin(), std::prev(shells.end()));
+  Lines table{{"voxmap \\ shell"}};
+  for (const int shell : shells) table[0].push_back(no_shell ? "no shell" : cube(shell));
+  for (const int voxmap : sizes_of(report, "voxmap")) {
+    table.push_back({cube(voxmap)});
     for (const int shell : shells) {
-      if (no_shell && shell != shells.back()) continue;
-      const CaseRow* row = findings.find(who, voxmap, shell, "severe");
-      const auto measured = row != nullptr ? std::optional(row->ms.median) : std::nullopt;
-      cells.push_back(beside(measured, paper_ms(who.engine, voxmap, shell)));
+      const Json* row = find_result(report, who, voxmap, shell, "severe");
+      const auto measured = row != nullptr ? value(*row, "median_ms") : std::nullopt;
+      table.back().push_back(beside(measured, paper_ms(who.engine, voxmap, shell)));
     }
-    table.push_back(cells);
   }
   const char* const source = who.engine == "octree" ? "Table 3" : no_shell ? "Table 5" : "Table 1";
   return table_text(name_of(who) + ", severe contact, whole frame, ms (the paper's " + source + ")", table);
 }
 
-std::string cases_table(const Findings& findings) {
-  Rows table{{"engine", "voxmap", "shell", "case", "contacts", "median ms", "min – max", "kernel ms",
-              "published direct / this"}};
-  for (const CaseRow& row : findings.cases) {
-    table.push_back({name_of(row.at.who), cube(row.at.voxmap), cube(row.at.shell), row.at.contact,
-                     number(row.contacts, 0), number(row.ms.median, 3), range(row.ms.min, row.ms.max),
-                     number(row.kernel_ms, 3), number(row.ratio_to_direct, 2)});
-  }
+std::string cases_table(const Json& report) {
   return table_text(
       "Every case: a frame alone, broad phase to results read; plunge in batches of 64. exact: whole frames at 1 mm/s "
       "with "
       "the rows of forces.csv, by window of 64; contacts: voxels that lose bone",
-      table);
+      report["results"],
+      {program_column(), cube_column("voxmap"), cube_column("shell"), word_column("case", "case"),
+       number_column("contacts", "contacts", 0), number_column("median ms", "median_ms", 3), range_column(),
+       number_column("kernel ms", "kernel_ms", 3), number_column("published direct / this", "ratio_to_direct", 2)});
 }
 
-std::string phases_table(const Findings& findings) {
+std::string phases_table(const Json& report) {
+  const Json& phases = report["phases"];
+  if (phases.empty()) return "";
   const PaperPhases paper;
-  Rows table{{"both at the largest, severe, µs", "OBB–OBB", "VOI", "to device", "kernels", "rest, read-back", "total"}};
-  table.push_back({"the paper", number(paper.obb, 2), number(paper.voi, 2), number(paper.upload, 1),
-                   number(paper.kernel, 1), number(paper.read, 1), number(paper.total, 1)});
-  if (findings.phases.empty()) return "";
-  const Json& last = findings.phases.back();
-  for (const Json& row : findings.phases) {
-    if (row["voxmap"] != last["voxmap"] || row["shell"] != last["shell"]) continue;
-    table.push_back({name_of(label(row)), number(value(row, "obb_us"), 2), number(value(row, "voi_us"), 2),
-                     number(value(row, "upload_us"), 1), number(value(row, "kernel_us"), 1),
-                     number(value(row, "read_us"), 1), number(value(row, "total_us"), 1)});
+  Json rows = Json::array();
+  rows.push_back({{"engine", "the paper"},
+                  {"variant", ""},
+                  {"obb_us", paper.obb},
+                  {"voi_us", paper.voi},
+                  {"upload_us", paper.upload},
+                  {"kernel_us", paper.kernel},
+                  {"read_us", paper.read},
+                  {"total_us", paper.total}});
+  for (const Json& row : phases) {
+    if (row["voxmap"] == phases.back()["voxmap"] && row["shell"] == phases.back()["shell"]) rows.push_back(row);
   }
-  return table_text("Phases (Table 2)", table);
+  return table_text("Phases (Table 2)", rows,
+                    {program_column("both at the largest, severe, µs"), number_column("OBB–OBB", "obb_us", 2),
+                     number_column("VOI", "voi_us", 2), number_column("to device", "upload_us", 1),
+                     number_column("kernels", "kernel_us", 1), number_column("rest, read-back", "read_us", 1),
+                     number_column("total", "total_us", 1)});
 }
 
 std::optional<double> paper_mb(const double (&table)[5][2], int side, const std::string& engine) {
@@ -135,10 +174,10 @@ std::optional<double> paper_mb(const double (&table)[5][2], int side, const std:
   return mb < 0 ? std::nullopt : std::optional(mb);
 }
 
-std::string memory_table(const Findings& findings) {
-  Rows table{{"engine", "voxmap", "MB", "shell", "MB"}};
+std::string memory_table(const Json& report) {
+  Lines table{{"engine", "voxmap", "MB", "shell", "MB"}};
   std::set<std::pair<std::string, int>> shown;
-  for (const Json& row : findings.memory) {
+  for (const Json& row : report["memory"]) {
     const std::string engine = row["engine"];
     const int voxmap = row["voxmap"], shell = row["shell"];
     // The two structures do not depend on each other: each size once.
@@ -153,114 +192,119 @@ std::string memory_table(const Findings& findings) {
   return table_text("Memory on the device, MB = 10⁶ bytes (Table 4)", table);
 }
 
-std::string voi_table(const Findings& findings) {
-  Rows table{{"VOI / tool's box", "engine", "contacts", "with VOI ms", "without ms", "saved"}};
-  for (const Json& row : findings.voi) {
-    const double with_ms = row["with_ms"], without_ms = row["without_ms"];
-    table.push_back({percent(row["fraction"], 0), name_of(label(row)), number(value(row, "contacts"), 0),
-                     number(with_ms, 3), number(without_ms, 3), percent(1 - with_ms / without_ms, 0)});
-  }
-  return table_text("VOI (Fig. 8; the paper saves almost 50 % in glenoid reaming)", table);
+std::string voi_table(const Json& report) {
+  const auto saved = [](const Json& row) { return percent(1 - *value(row, "with_ms") / *value(row, "without_ms"), 0); };
+  return table_text("VOI (Fig. 8; the paper saves almost 50 % in glenoid reaming)", report["voi"],
+                    {percent_column("VOI / tool's box", "fraction", 0),
+                     program_column(),
+                     number_column("contacts", "contacts", 0),
+                     number_column("with VOI ms", "with_ms", 3),
+                     number_column("without ms", "without_ms", 3),
+                     {"saved", saved}});
 }
 
-std::string batches_table(const Findings& findings) {
-  Rows table{{"engine", "case", "frames at once", "ms per frame", "min – max"}};
-  for (const Json& row : findings.batches) {
-    table.push_back({name_of(label(row)), row["case"], std::to_string(row["batch"].get<int>()),
-                     number(value(row, "median_ms"), 3), range(row["min_ms"], row["max_ms"])});
-  }
-  return table_text("Frames enqueued together", table);
+std::string batches_table(const Json& report) {
+  return table_text("Frames enqueued together", report["batches"],
+                    {program_column(), word_column("case", "case"), number_column("frames at once", "batch", 0),
+                     number_column("ms per frame", "median_ms", 3), range_column()});
 }
 
-std::string scatter_table(const Findings& findings) {
-  Rows table{
-      {"engine", "voxmap", "points", "in voxels", "counted", "min – max", "contacts ±", "force ±", "component ±"}};
-  for (const Json& row : findings.scatter) {
-    table.push_back({name_of(label(row)), cube(row["voxmap"]), number(value(row, "points"), 0),
-                     number(value(row, "voxels"), 0), number(value(row, "contacts_median"), 0),
-                     range(row["contacts_min"], row["contacts_max"], 0), percent(row["contacts_spread"], 3),
-                     percent(row["force_spread"], 3), percent(row["component_spread"], 3)});
-  }
-  return table_text("Effect of races: one severe frame repeated (± standard deviation)", table);
+std::string scatter_table(const Json& report) {
+  return table_text(
+      "Effect of races: one severe frame repeated (± standard deviation)", report["scatter"],
+      {program_column(), cube_column("voxmap"), number_column("points", "points", 0),
+       number_column("in voxels", "voxels", 0), number_column("counted", "contacts_median", 0),
+       range_column("contacts_min", "contacts_max", 0), percent_column("contacts ±", "contacts_spread", 3),
+       percent_column("force ±", "force_spread", 3), percent_column("component ±", "component_spread", 3)});
 }
 
-std::string spheres_table(const Findings& findings) {
-  Rows table{{"engine", "erosion", "voxel mm", "ms per frame", "min – max", "times real time", "kernels ms",
-              "one core ms", "removed mm³", "volume error"}};
-  for (const SphereRow& row : findings.spheres) {
-    const ExactFrames exact = row.exact.value_or(ExactFrames{});
-    table.push_back({row.engine, name_of(row.erosion), fmt::format("{:g}", row.voxel_mm), number(row.ms.median, 4),
-                     range(row.ms.min, row.ms.max), number(row.times_real_time(), 1),
-                     number(row.exact ? std::optional(exact.kernel_ms) : std::nullopt, 4),
-                     number(exact.one_core_ms ? std::optional(exact.one_core_ms->median) : std::nullopt, 4),
-                     number(row.removed_mm3, 1), fmt::format("{:+.5f} %", 100 * row.volume_error)});
-  }
+std::string spheres_table(const Json& report) {
+  const auto error = [](const Json& row) { return fmt::format("{:+.5f} %", 100 * row["volume_error"].get<double>()); };
   return table_text(
       "A sphere of 29 mm radius plunged 4 mm at 0.2 mm/s and 1 kHz, timed at four depths. exact: at each 256 whole "
       "frames with the rows of forces.csv, by window of 64; others: 16 frames from the pose to the sums",
-      table);
+      report["spheres"],
+      {word_column("engine", "engine"),
+       word_column("erosion", "erosion"),
+       voxel_column(),
+       number_column("ms per frame", "median_ms", 4),
+       range_column(),
+       number_column("times real time", "times_real_time", 1),
+       number_column("kernels ms", "kernel_ms", 4),
+       number_column("one core ms", "one_core_ms", 4),
+       number_column("removed mm³", "removed_mm3", 1),
+       {"volume error", error}});
 }
 
 /// How far the kernels of `exact` are from what the device does at most.
-std::string limits_table(const Findings& findings) {
-  if (!findings.peaks) return "";
-  const MachinePeaks& peaks = *findings.peaks;
-  Rows table{{"voxel mm", "voxels per frame", "10⁶ operations", "at the peak ms", "kB", "at the peak ms", "kernels ms",
-              "fraction of the limit"}};
-  for (const SphereRow& row : findings.spheres) {
-    if (!row.exact) continue;
-    const double operations = kExactOperations * row.exact->voxels, bytes = kExactBytes * row.exact->voxels;
-    const double arithmetic_ms = 1e-6 * operations / peaks.gops, memory_ms = 1e-6 * bytes / peaks.gb_s;
-    table.push_back({fmt::format("{:g}", row.voxel_mm), number(row.exact->voxels, 0), number(1e-6 * operations, 2),
-                     number(arithmetic_ms, 4), number(1e-3 * bytes, 1), number(memory_ms, 5),
-                     number(row.exact->kernel_ms, 4),
-                     percent(std::max(arithmetic_ms, memory_ms) / row.exact->kernel_ms, 1)});
+std::string limits_table(const Json& report) {
+  const Json& peaks = report["peaks"];
+  if (peaks.is_null()) return "";
+  const double gops = peaks["gops"], gb_s = peaks["gb_s"];
+  Json rows = Json::array();
+  for (const Json& row : report["spheres"]) {
+    if (row["voxels"].is_null()) continue;
+    const double voxels = row["voxels"], operations = kExactOperations * voxels, bytes = kExactBytes * voxels;
+    const double arithmetic_ms = 1e-6 * operations / gops, memory_ms = 1e-6 * bytes / gb_s;
+    rows.push_back(row);
+    rows.back().update({{"operations", 1e-6 * operations},
+                        {"arithmetic_ms", arithmetic_ms},
+                        {"kb", 1e-3 * bytes},
+                        {"memory_ms", memory_ms},
+                        {"fraction", std::max(arithmetic_ms, memory_ms) / row["kernel_ms"].get<double>()}});
   }
-  return table_text(fmt::format("exact against this device: {:.0f}·10⁹ operations/s (fused multiply-adds, two each), "
-                                "{:.1f} GB/s (copy); {:.0f} operations and {:.2f} bytes per voxel and frame",
-                                peaks.gops, peaks.gb_s, kExactOperations, kExactBytes),
-                    table);
+  return table_text(
+      fmt::format("exact against this device: {:.0f}·10⁹ operations/s (fused multiply-adds, two each), "
+                  "{:.1f} GB/s (copy); {:.0f} operations and {:.2f} bytes per voxel and frame",
+                  gops, gb_s, kExactOperations, kExactBytes),
+      rows,
+      {voxel_column(), number_column("voxels per frame", "voxels", 0), number_column("10⁶ operations", "operations", 2),
+       number_column("at the peak ms", "arithmetic_ms", 4), number_column("kB", "kb", 1),
+       number_column("at the peak ms", "memory_ms", 5), number_column("kernels ms", "kernel_ms", 4),
+       percent_column("fraction of the limit", "fraction", 1)});
 }
 
-std::string head(const Findings& findings) {
+std::string head(const Json& report) {
   std::string out = fmt::format(
       "reamsim " REAMSIM_VERSION
       " bench on {} ({}, {} compute units); in brackets: the paper's figure on a GTX 970\nmedians of {} repetitions of "
       "each of 4 poses, after a warm-up, engines alternating\nshells:",
-      findings.device, findings.driver, findings.compute_units, findings.repetitions);
-  for (const auto& [shell, points] : findings.shell_points) {
-    out += " " + cube(shell) + " " + std::to_string(points) + " points;";
+      report["device"].get<std::string>(), report["driver"].get<std::string>(), report["compute_units"].get<unsigned>(),
+      report["repetitions"].get<int>());
+  for (const Json& row : report["shells"]) {
+    out += fmt::format(" {} {} points;", cube(row["shell"]), row["points"].get<std::size_t>());
   }
   out.back() = '\n';
-  if (!findings.poses.empty()) out += "points touching at the largest, by pose:";
-  for (const Json& pose : findings.poses) {
+  if (!report["poses"].empty()) out += "points touching at the largest, by pose:";
+  for (const Json& pose : report["poses"]) {
     out += (pose["pose"] == 0 ? "  " + pose["case"].get<std::string>() + " " : ", ") +
            std::to_string(pose["points"].get<std::int64_t>());
   }
   return out + "\n\n";
 }
 
-std::string skipped_list(const Findings& findings) {
-  if (findings.skipped.empty()) return "";
+std::string skipped_list(const Json& report) {
+  if (report["skipped"].empty()) return "";
   std::string out = "Not measured\n";
-  for (const Skipped& row : findings.skipped) {
-    out += fmt::format("  {}, voxmap {}³, shell {}³, {}: {}\n", name_of(row.at.who), row.at.voxmap, row.at.shell,
-                       row.at.contact, row.reason);
+  for (const Json& row : report["skipped"]) {
+    out += fmt::format("  {}, voxmap {}, shell {}, {}: {}\n", name_of(label(row)), cube(row["voxmap"]),
+                       cube(row["shell"]), row["case"].get<std::string>(), row["reason"].get<std::string>());
   }
   return out + "\n";
 }
 
 }  // namespace
 
-std::string text_of(const Findings& findings) {
-  std::string out = head(findings);
-  for (const Label& who : labels_of(findings)) {
-    if (who.engine != "exact") out += severe_table(findings, who);
+std::string text_of(const Json& report) {
+  std::string out = head(report);
+  for (const Label& who : labels_of(report)) {
+    if (who.engine != "exact") out += severe_table(report, who);
   }
-  out += phases_table(findings) + memory_table(findings) + voi_table(findings) + batches_table(findings) +
-         scatter_table(findings) + spheres_table(findings) + limits_table(findings) + cases_table(findings) +
-         skipped_list(findings);
-  return out + fmt::format("took {:.0f} s\n", findings.seconds);
+  for (const auto table : {phases_table, memory_table, voi_table, batches_table, scatter_table, spheres_table,
+                           limits_table, cases_table, skipped_list}) {
+    out += table(report);
+  }
+  return out + fmt::format("took {:.0f} s\n", report["seconds"].get<double>());
 }
 
 }  // namespace reamsim::bench

@@ -68,16 +68,12 @@ class CountingSink final : public FrameSink {
 
   void frame(const FrameResult& result, const FrameTimes& times) override {
     recorder_.frame(result, times);
-    kernel_s += times.detect_s + times.cut_s;
     contacts += result.contacts;
-    removed_mm3 += result.removed_mm3;
   }
-  void snapshot(std::int64_t /*frame*/, FillBricks& /*fill*/) override {}
-  void removed(const RemovedFrames& /*voxels*/) override {}
+  [[nodiscard]] const RunTotals& totals() const { return recorder_.totals(); }
+  [[nodiscard]] double kernel_s() const { return totals().times.detect_s + totals().times.cut_s; }
 
-  double kernel_s = 0;
   std::int64_t contacts = 0;
-  double removed_mm3 = 0;
 
  private:
   Recorder recorder_;
@@ -113,17 +109,17 @@ double time_run(const ExactRuns& runs, const Motion& motion, const BenchControl&
     if (frame == last) return;
     if (frame >= kWindowFrames) {
       out.ms.push_back(1e3 * watch.seconds() / kWindowFrames);
-      out.kernel_ms.push_back(1e3 * (sink.kernel_s - kernel_before_s) / kWindowFrames);
+      out.kernel_ms.push_back(1e3 * (sink.kernel_s() - kernel_before_s) / kWindowFrames);
     } else {
       contacts_before = sink.contacts;
     }
     contacts = sink.contacts;
-    kernel_before_s = sink.kernel_s;
+    kernel_before_s = sink.kernel_s();
     watch = Stopwatch();
   };
   Diagnostics report;
   simulate(scene, *engine, sink, hooks, report);
-  out.removed_mm3 = sink.removed_mm3;
+  out.removed_mm3 = sink.totals().removed_mm3;
   out.bytes = engine->structure_bytes();
   return static_cast<double>(contacts - contacts_before);
 }
@@ -164,15 +160,39 @@ double cap_mm3(double depth_mm) {
   return std::numbers::pi * depth_mm * depth_mm * (kRadiusMm - depth_mm / 3);
 }
 
+/// More of the sphere with `exact`: median device time of a frame, and the voxels that lose bone in it.
+struct ExactFrames {
+  Json kernel_ms = {}, voxels = {};
+  /// On one compute unit of a processor with several, if its driver can divide it.
+  Json one_core_ms = {}, one_core_kernel_ms = {};
+};
+
+/// A row of the report: time per frame of the plunged sphere at 0.2 mm/s and 1 kHz, and the volume's error down to
+/// `depth_mm`. `exact`: whole frames with the rows of forces.csv, by window of 64; others: from the pose to the sums,
+/// by depth.
+Json sphere_row(const std::string& engine, ErosionMode erosion, double voxel_mm, const Spread& ms, double removed_mm3,
+                double depth_mm, const ExactFrames& exact = {}) {
+  Json row{{"engine", engine}, {"erosion", name_of(erosion)}, {"voxel_mm", voxel_mm}};
+  row.update(spread_ms(ms));
+  row.update({{"times_real_time", 1 / ms.median},
+              {"kernel_ms", exact.kernel_ms},
+              {"one_core_ms", exact.one_core_ms},
+              {"one_core_kernel_ms", exact.one_core_kernel_ms},
+              {"voxels", exact.voxels},
+              {"removed_mm3", removed_mm3},
+              {"volume_error", removed_mm3 / cap_mm3(depth_mm) - 1},
+              {"samples", ms.samples}});
+  return row;
+}
+
 /// The whole plunge with a shell; time per frame at the depths.
-SphereRow plunge(Program& program, double voxel_mm, const BenchControl& control) {
-  SphereRow row{.engine = program.label().engine, .erosion = ErosionMode::remove, .voxel_mm = voxel_mm};
+Json plunge(Program& program, double voxel_mm, const BenchControl& control) {
   const double frame_mm = kSphereFeedMmS * kSphereFrameS;
   std::vector<double> ms;
   double voxels = 0;
   double depth = 0;
   // implicit: one step gives the same, because the tool at a depth contains all of its straight path.
-  const double step_mm = row.engine == "implicit" ? kDepthMm : kStepVoxels * voxel_mm;
+  const double step_mm = program.label().engine == "implicit" ? kDepthMm : kStepVoxels * voxel_mm;
   for (int i = 1; i <= kDepths; ++i) {
     const double begin = kDepthMm * i / kDepths - kFramesOfDepth * frame_mm;
     while (depth < begin) {
@@ -188,10 +208,8 @@ SphereRow plunge(Program& program, double voxel_mm, const BenchControl& control)
     voxels += sample.removed;
     depth = begin + kFramesOfDepth * frame_mm;
   }
-  row.ms = spread_of(ms);
-  row.removed_mm3 = voxels * std::pow(voxel_mm, 3);
-  row.volume_error = row.removed_mm3 / cap_mm3(depth) - 1;
-  return row;
+  return sphere_row(program.label().engine, ErosionMode::remove, voxel_mm, spread_of(ms),
+                    voxels * std::pow(voxel_mm, 3), depth);
 }
 
 /// The motions of `erosion: exact`: its windows at each depth.
@@ -204,40 +222,38 @@ std::vector<Motion> motions_at_depths() {
   return out;
 }
 
-SphereRow exact_row(const FilledVoxmap& bone, const Tool& tool, const Plan& plan, const BenchControl& control) {
+Json exact_row(const FilledVoxmap& bone, const Tool& tool, const Plan& plan, const BenchControl& control) {
   ExactRuns runs{.bone = &bone, .tool = &tool, .motions = motions_at_depths(), .device = plan.device};
   const WholeFrames frames = time_whole_frames(runs, control);
-  SphereRow row{.engine = "exact", .erosion = ErosionMode::exact, .voxel_mm = bone.grid.voxel_mm};
-  row.ms = spread_of(frames.ms);
-  row.removed_mm3 = frames.removed_mm3;
-  row.volume_error = row.removed_mm3 / cap_mm3(kDepthMm) - 1;
-  row.exact = {.kernel_ms = spread_of(frames.kernel_ms).median, .voxels = frames.voxels};
+  ExactFrames exact{.kernel_ms = spread_of(frames.kernel_ms).median, .voxels = frames.voxels};
   const cl::DeviceInfo device = cl::choose_device(plan.device);
-  if (device.gpu || device.compute_units < 2 || device.max_parts == 0) return row;
-  runs.cores = 1;
-  const WholeFrames one_core = time_whole_frames(runs, control);
-  row.exact->one_core_ms = spread_of(one_core.ms);
-  row.exact->one_core_kernel_ms = spread_of(one_core.kernel_ms).median;
-  return row;
+  if (!device.gpu && device.compute_units >= 2 && device.max_parts > 0) {
+    runs.cores = 1;
+    const WholeFrames one_core = time_whole_frames(runs, control);
+    exact.one_core_ms = spread_of(one_core.ms).median;
+    exact.one_core_kernel_ms = spread_of(one_core.kernel_ms).median;
+  }
+  return sphere_row("exact", ErosionMode::exact, bone.grid.voxel_mm, spread_of(frames.ms), frames.removed_mm3, kDepthMm,
+                    exact);
 }
 
 }  // namespace
 
 void measure_spheres(const Plan& plan, const BenchControl& control,
-                     const std::function<void(const std::string&)>& begin, Findings& findings) {
+                     const std::function<void(const std::string&)>& begin, Json& report) {
   const bool exact = std::ranges::count(plan.engines, "exact") > 0;
-  if (exact && !plan.sphere_voxels_mm.empty()) findings.peaks = measure_peaks(cl::choose_device(plan.device));
+  if (exact && !plan.sphere_voxels_mm.empty()) report["peaks"] = measure_peaks(cl::choose_device(plan.device));
   for (const double voxel_mm : plan.sphere_voxels_mm) {
     const FilledVoxmap bone = block(voxel_mm);
     const Tool tool = cap(voxel_mm);
     const BenchSetup setup{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
     for (const std::string& engine : plan.engines) {
       begin("plunged sphere, " + engine + fmt::format(", voxels of {:g} mm", voxel_mm));
-      const Place place{{engine, "deterministic"}, bone.grid.dims.x(), tool.shell.resolution, "sphere"};
-      measure_or_skip(place, findings.skipped, [&] {
-        findings.spheres.push_back(engine == "exact"
-                                       ? exact_row(bone, tool, plan, control)
-                                       : plunge(*make_engine_program(engine, plan.device, setup), voxel_mm, control));
+      const SizePair size{bone.grid.dims.x(), tool.shell.resolution};
+      measure_or_skip(case_row({engine, "deterministic"}, size, "sphere"), report, [&] {
+        report["spheres"].push_back(engine == "exact"
+                                        ? exact_row(bone, tool, plan, control)
+                                        : plunge(*make_engine_program(engine, plan.device, setup), voxel_mm, control));
       });
     }
   }
@@ -271,19 +287,16 @@ std::vector<Motion> motions_of(const std::string& contact, double voxel_mm) {
 
 void measure_exact_case(const ProgramSet& set, const std::string& contact) {
   if (std::ranges::count(set.plan.engines, "exact") == 0) return;
-  const Place at{{"exact", "deterministic"}, set.size.voxmap, set.size.shell, contact};
+  const Json at = case_row({"exact", "deterministic"}, set.size, contact);
   const ExactRuns runs{.bone = set.setup.voxmap,
                        .tool = set.setup.tool,
                        .motions = motions_of(contact, set.setup.voxmap->grid.voxel_mm),
                        .device = set.plan.device};
-  measure_or_skip(at, set.findings.skipped, [&] {
+  measure_or_skip(at, set.report, [&] {
     const WholeFrames frames = time_whole_frames(runs, set.control);
-    CaseRow row{.at = at, .contacts = frames.voxels, .ms = spread_of(frames.ms)};
-    row.kernel_ms = spread_of(frames.kernel_ms).median;
-    set_ratio(set.findings, row);
-    set.findings.cases.push_back(row);
+    add_result(at, frames.voxels, spread_of(frames.ms), spread_of(frames.kernel_ms).median, set.report);
     if (contact != name_of(Contact::severe)) return;
-    add_memory("exact", set.size, {frames.bytes.voxmap, 0}, set.findings);
+    add_memory("exact", set.size, {frames.bytes.voxmap, 0}, set.report);
   });
 }
 

@@ -20,26 +20,52 @@
 
 namespace reamsim {
 
+namespace embedded {
+extern const char* const references;
+}
+
 namespace {
 
 namespace fs = std::filesystem;
 
+/// A work is an item of CSL-JSON. Its note says what it is cited for, or its licence or checksum.
 using Json = nlohmann::ordered_json;
+
+/// What to cite, by what it is cited for.
+struct Works {
+  std::vector<Json> program, method, data, libraries;
+};
 
 constexpr int kReleaseYear = 2026;  // of this version
 
-Reference program_reference(const std::string& version) {
-  return {.key = version == REAMSIM_VERSION ? "reamsim" : "reamsim-" + version,
-          .type = "software",
-          .authors = {"the reamsim authors"},
-          .title = "reamsim: an offline glenoid-reaming simulator",
-          .year = version == REAMSIM_VERSION ? kReleaseYear : 0,
-          .version = version,
-          .note = "Apache-2.0"};
-}
-
 std::string word_of(const Json& json, const char* key) {
   return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : "";
+}
+
+/// references.json: the works that docs/physics.md, the pages that it lists and docs/engines.md use, and the files that
+/// docs/command-line.md names under "Data", by their SHA-256.
+const Json& known() {
+  static const Json all = Json::parse(embedded::references);
+  return all;
+}
+
+Json published(const char* id, const std::string& note) {
+  const Json& works = known()["works"];
+  Json work = *std::find_if(works.begin(), works.end(), [&](const Json& each) { return each["id"] == id; });
+  work["note"] = note;
+  return work;
+}
+
+Json program_work(const std::string& version) {
+  const bool current = version == REAMSIM_VERSION;
+  Json work{{"id", current ? "reamsim" : "reamsim-" + version},
+            {"type", "software"},
+            {"title", "reamsim: an offline glenoid-reaming simulator"}};
+  work["author"].push_back({{"literal", "the reamsim authors"}});
+  if (current) work["issued"]["date-parts"] = Json::array({Json::array({kReleaseYear})});
+  if (!version.empty()) work["version"] = version;
+  work["note"] = "Apache-2.0";
+  return work;
 }
 
 std::string version_of(const Json& summary) {
@@ -68,90 +94,90 @@ bool has_default_density(const YamlNodePtr& scenario) {
 }
 
 /// Each work once, whatever it is cited for.
-void add(const Reference& reference, std::vector<Reference>& list) {
-  const auto known = std::ranges::find(list, reference.key, &Reference::key);
-  if (known == list.end()) {
-    list.push_back(reference);
-  } else if (reference.note.find(known->note) != std::string::npos) {
-    known->note = reference.note;
-  } else if (known->note.find(reference.note) == std::string::npos) {
-    known->note += "; " + reference.note;
+void add(const Json& work, std::vector<Json>& list) {
+  const auto listed = std::ranges::find_if(list, [&](const Json& each) { return each["id"] == work["id"]; });
+  if (listed == list.end()) return list.push_back(work);
+  const std::string note = word_of(work, "note"), before = word_of(*listed, "note");
+  if (note.find(before) != std::string::npos) {
+    (*listed)["note"] = note;
+  } else if (before.find(note) == std::string::npos) {
+    (*listed)["note"] = before + "; " + note;
   }
 }
 
-void add_density(const YamlNodePtr& scenario, Citation& out) {
+void add_density(const YamlNodePtr& scenario, Works& out) {
   if (has_default_density(scenario)) {
-    add(known_reference("pmc5234499", "density from radiodensity: the default, of a femur; docs/density.md, 1"),
-        out.method);
+    add(published("pmc5234499", "density from radiodensity: the default, of a femur; docs/density.md, 1"), out.method);
   } else {
-    add({.key = "density",
-         .type = "document",
-         .title = "the source of your relation of density and radiodensity",
-         .note = "bone.density differs from the default"},
+    add({{"id", "density"},
+         {"type", "document"},
+         {"title", "the source of your relation of density and radiodensity"},
+         {"note", "bone.density differs from the default"}},
         out.method);
   }
 }
 
 /// Reads the resolved scenario of the run where a citation depends on it.
-void add_method(const Json& summary, const std::string& dir, Citation& out) {
+void add_method(const Json& summary, const std::string& dir, Works& out) {
   const std::string engine = word_of(summary, "engine");
   std::string rebuilt;
   if (engine == "octree") rebuilt = "; the engine is that of Zheng et al., its reference 33, as rebuilt there";
   if (engine == "implicit") rebuilt = "; the engine is that of Yau et al., its reference 32, as rebuilt there";
-  add(known_reference("faieghi2020", "voxmap, broad phase and contact" + rebuilt), out.method);
+  add(published("faieghi2020", "voxmap, broad phase and contact" + rebuilt), out.method);
   if (word_of(summary, "erosion") == "exact") {
-    add(known_reference("scardovelli2000", "volumes of clipped voxels; docs/density.md, 1, and docs/erosion.md, 3"),
+    add(published("scardovelli2000", "volumes of clipped voxels; docs/density.md, 1, and docs/erosion.md, 3"),
         out.method);
   }
   if (summary.contains("segmentation")) {
-    add(known_reference("aslam2004", "density of boundary voxels; docs/density.md, 1"), out.method);
+    add(published("aslam2004", "density of boundary voxels; docs/density.md, 1"), out.method);
     const std::string file = dir + "/scenario.yaml";
     add_density(parse_yaml(read_file(file, "the scenario.yaml of a run"), file), out);
   }
   if (summary.contains("deflection")) {
-    add(known_reference("broyden1965", "balance of a tool on springs; docs/feeds.md, 11"), out.method);
+    add(published("broyden1965", "balance of a tool on springs; docs/feeds.md, 11"), out.method);
   }
 }
 
 /// Everything that the run read and reamsim does not ship: bones, label maps, recordings.
-void add_data(const Json& summary, Citation& out) {
+void add_data(const Json& summary, Works& out) {
   if (!summary.contains("inputs") || !summary["inputs"].is_array()) return;
   for (const Json& input : summary["inputs"]) {
     const std::string role = word_of(input, "role"), sha256 = word_of(input, "sha256");
     if (role == "scenario" || role.find("tool") != std::string::npos) continue;
-    Reference data = known_data(sha256);
-    if (data.key.empty()) {
-      const std::string title = role + ", " + fs::path(word_of(input, "path")).filename().string();
-      const auto is_same = [&](const Reference& known) {
-        return sha256.empty() ? known.title == title : known.note.ends_with(sha256);
-      };
-      if (std::ranges::any_of(out.data, is_same)) continue;
-      data = {.key = "data" + std::to_string(out.data.size() + 1),
-              .type = "dataset",
-              .title = title,
-              .note = "not a data set that reamsim knows: cite its source" +
-                      (sha256.empty() ? std::string() : "; SHA-256 " + sha256)};
+    if (const Json& data = known()["data"]; data.contains(sha256)) {
+      add(data[sha256], out.data);
+      continue;
     }
-    add(data, out.data);
+    const std::string title = role + ", " + fs::path(word_of(input, "path")).filename().string();
+    const bool is_listed = std::ranges::any_of(out.data, [&](const Json& other) {
+      return sha256.empty() ? other["title"] == title : word_of(other, "note").ends_with(sha256);
+    });
+    if (is_listed) continue;
+    out.data.push_back({{"id", "data" + std::to_string(out.data.size() + 1)},
+                        {"type", "dataset"},
+                        {"title", title},
+                        {"note", "not a data set that reamsim knows: cite its source" +
+                                     (sha256.empty() ? std::string() : "; SHA-256 " + sha256)}});
   }
 }
 
-void add_libraries(const Json& summary, Citation& out) {
-  add(known_reference("museth2013", "OpenVDB: grids"), out.libraries);
-  add(known_reference("eigen", "linear algebra"), out.libraries);
-  if (summary.contains("segmentation")) add(known_reference("mccormick2014", "reading of the CT"), out.libraries);
+void add_libraries(const Json& summary, Works& out) {
+  add(published("museth2013", "OpenVDB: grids"), out.libraries);
+  add(published("eigen", "linear algebra"), out.libraries);
+  if (summary.contains("segmentation")) add(published("mccormick2014", "reading of the CT"), out.libraries);
   const std::string device = word_of(summary, "device");
   if (device.starts_with("pthread") || device.starts_with("cpu") || device.starts_with("basic")) {
-    add(known_reference("jaaskelainen2015", "OpenCL on the processor"), out.libraries);
+    add(published("jaaskelainen2015", "OpenCL on the processor"), out.libraries);
   }
 }
 
-Json summary_of(const std::string& dir) {
-  return parse_result_json(read_file(dir + "/summary.json", "the summary of a run"));
-}
-
-void add_run(const Json& summary, const std::string& dir, Citation& out) {
-  add(program_reference(version_of(summary)), out.program);
+/// Adds what the run in `dir` used. Throws InputError where a file of it is damaged.
+void add_run(const std::string& dir, Works& out) {
+  const Json summary = parse_result_json(read_file(dir + "/summary.json", "the summary of a run"));
+  if (!summary.is_object()) {
+    throw InputError({dir + "/summary.json", 0, 0}, "", "is damaged", "expected the summary of a run");
+  }
+  add(program_work(version_of(summary)), out.program);
   add_method(summary, dir, out);
   add_data(summary, out);
   add_libraries(summary, out);
@@ -184,14 +210,12 @@ std::vector<std::string> runs_of_study(const std::string& dir) {
 }
 
 /// A damaged run is left out: the study writes its citation, and must not end with it.
-Citation cite_study(const std::string& dir) {
-  Citation out;
+Works works_of_study(const std::string& dir) {
+  Works out;
   for (const std::string& run : runs_of_study(dir)) {
     try {
-      const Json summary = summary_of(run);
-      if (!summary.is_object()) continue;
-      Citation with_run = out;
-      add_run(summary, run, with_run);
+      Works with_run = out;
+      add_run(run, with_run);
       out = std::move(with_run);
     } catch (const InputError&) {
       continue;
@@ -200,55 +224,114 @@ Citation cite_study(const std::string& dir) {
   return out;
 }
 
-/// "Faieghi, M." and a group, as CSL names them.
-Json csl_author(const std::string& author) {
-  const std::size_t comma = author.find(", ");
-  if (comma == std::string::npos) return {{"literal", author == "others" ? "et al." : author}};
-  return {{"family", author.substr(0, comma)}, {"given", author.substr(comma + 2)}};
+Works works_of_program() {
+  return {.program = {program_work(REAMSIM_VERSION)},
+          .method = {published("faieghi2020", "voxmap, broad phase and contact")},
+          .data = {},
+          .libraries = {published("museth2013", "OpenVDB: grids"), published("eigen", "linear algebra")}};
 }
 
-Json csl_of(const Reference& reference) {
-  Json item{{"id", reference.key}, {"type", reference.type}, {"title", reference.title}};
-  for (const std::string& author : reference.authors) item["author"].push_back(csl_author(author));
-  if (reference.year > 0) item["issued"]["date-parts"] = Json::array({Json::array({reference.year})});
-  const auto set = [&](const char* key, const std::string& value) {
-    if (!value.empty()) item[key] = value;
+/// The authors of a work, each as `write` has it: called with name, group (or "") and what separates it from the last.
+template <class Write>
+std::string authors_of(const Json& work, const std::string& separator, const Write& write) {
+  std::string out;
+  if (!work.contains("author")) return out;
+  for (const Json& author : work["author"]) {
+    const std::string group = word_of(author, "literal");
+    const std::string name = group.empty() ? word_of(author, "family") + ", " + word_of(author, "given") : group;
+    out += write(name, group, out.empty() ? "" : separator);
+  }
+  return out;
+}
+
+std::string year_of(const Json& work) {
+  return work.contains("issued") ? work["issued"]["date-parts"][0][0].dump() : "";
+}
+
+const char* journal_key(const Json& work) {
+  return work["type"] == "article-journal" ? "container-title" : "publisher";
+}
+
+/// One line: authors, year, title, journal, DOI, note.
+std::string text_of(const Json& work) {
+  const auto author = [](const std::string& name, const std::string& group, const std::string& separator) {
+    return group == "et al." ? " et al." : separator + name;
   };
-  set(reference.type == "article-journal" ? "container-title" : "publisher", reference.journal);
-  set("volume", reference.volume);
-  set("page", reference.pages);
-  set("version", reference.version);
-  set("DOI", reference.doi);
-  set("URL", reference.url);
-  set("note", reference.note);
-  return item;
+  std::string out = authors_of(work, ", ", author);
+  const auto put = [&](const char* before, const std::string& value, const char* after = "") {
+    if (!value.empty()) out += before + value + after;
+  };
+  put(" (", year_of(work), ")");
+  out += (out.empty() ? "" : ": ") + word_of(work, "title");
+  put(", version ", word_of(work, "version"));
+  put(". ", word_of(work, journal_key(work)));
+  put(" ", word_of(work, "volume"));
+  put(", ", word_of(work, "page"));
+  put(". doi:", word_of(work, "DOI"));
+  put(". ", word_of(work, "URL"));
+  put(" [", word_of(work, "note"), "]");
+  return out;
+}
+
+/// A value of BibTeX between braces. Braces within it must be in pairs, so those of a file name are left out.
+std::string braced(const std::string& text) {
+  std::string out = "{";
+  for (const char c : text) {
+    if (c == '{' || c == '}' || c == '\\') continue;
+    if (std::string_view("&%$#_").find(c) != std::string_view::npos) out += '\\';
+    out += c;
+  }
+  return out + "}";
+}
+
+std::string bibtex_of(const Json& work) {
+  std::string out = (work["type"] == "article-journal" ? "@article{" : "@misc{") + word_of(work, "id");
+  const auto field = [&](const char* name, const std::string& value, bool as_it_is = false) {
+    if (!value.empty()) out += std::string(",\n  ") + name + " = " + (as_it_is ? "{" + value + "}" : braced(value));
+  };
+  const auto author = [](const std::string& name, const std::string& group, const std::string& separator) {
+    return separator + (group == "et al." ? "others" : group.empty() ? name : "{" + group + "}");
+  };
+  field("author", authors_of(work, " and ", author), true);
+  field("title", word_of(work, "title"));
+  field("year", year_of(work));
+  field(work["type"] == "article-journal" ? "journal" : "publisher", word_of(work, journal_key(work)));
+  field("volume", word_of(work, "volume"));
+  field("pages", word_of(work, "page"));
+  field("version", word_of(work, "version"));
+  field("doi", word_of(work, "DOI"), true);
+  field("url", word_of(work, "URL"), true);
+  field("note", word_of(work, "note"));
+  return out + "\n}\n";
+}
+
+Citation citation_of(const Works& works) {
+  const std::pair<const char*, const std::vector<Json>*> sections[] = {
+      {"Program", &works.program}, {"Method", &works.method}, {"Data", &works.data}, {"Libraries", &works.libraries}};
+  Citation out{.text = "What a publication of these results should cite\n", .bibtex = "", .csl_json = ""};
+  Json all = Json::array();
+  for (const auto& [title, list] : sections) {
+    if (!list->empty()) out.text += std::string("\n") + title + "\n";
+    for (const Json& work : *list) {
+      out.text += "  " + text_of(work) + "\n";
+      out.bibtex += (all.empty() ? "" : "\n") + bibtex_of(work);
+      all.push_back(work);
+    }
+  }
+  out.csl_json = all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return out;
 }
 
 }  // namespace
 
-std::vector<Reference> Citation::all() const {
-  std::vector<Reference> out = program;
-  for (const auto* list : {&method, &data, &libraries}) out.insert(out.end(), list->begin(), list->end());
-  return out;
-}
-
 Citation cite_program() {
-  return {.program = {program_reference(REAMSIM_VERSION)},
-          .method = {known_reference("faieghi2020", "voxmap, broad phase and contact")},
-          .data = {},
-          .libraries = {known_reference("museth2013", "OpenVDB: grids"), known_reference("eigen", "linear algebra")}};
+  return citation_of(works_of_program());
 }
 
 Citation cite_runs(const std::vector<std::string>& dirs) {
-  Citation out;
-  for (const std::string& dir : dirs) {
-    const Json summary = summary_of(dir);
-    if (!summary.is_object()) {
-      throw InputError({dir + "/summary.json", 0, 0}, "", "is damaged", "expected the summary of a run");
-    }
-    add_run(summary, dir, out);
-  }
-  return out;
+  Works out;
+  for (const std::string& dir : dirs) add_run(dir, out);
+  return citation_of(out);
 }
 
 Citation cite_results(const std::string& dir) {
@@ -257,43 +340,18 @@ Citation cite_results(const std::string& dir) {
     throw InputError({dir, 0, 0}, "", "holds a comparison, which does not know the folders of its runs",
                      std::string("read its ") + kCitationName + ", or give the folders of its runs, one at a time");
   }
-  Citation out = cite_study(dir);
-  if (out.program.empty()) out = cite_program();
+  Works out = works_of_study(dir);
+  if (out.program.empty()) out = works_of_program();
   if (fs::exists(dir + "/uq.json")) {
-    out.method.push_back(known_reference("sobol2001", "sensitivity indices"));
-    out.method.push_back(known_reference("saltelli2010", "estimator of the first-order index"));
-    out.method.push_back(known_reference("jansen1999", "estimator of the total index"));
+    out.method.push_back(published("sobol2001", "sensitivity indices"));
+    out.method.push_back(published("saltelli2010", "estimator of the first-order index"));
+    out.method.push_back(published("jansen1999", "estimator of the total index"));
   }
-  return out;
-}
-
-std::string text_of(const Citation& citation) {
-  std::string out = "What a publication of these results should cite\n";
-  const std::pair<const char*, const std::vector<Reference>*> sections[] = {{"Program", &citation.program},
-                                                                            {"Method", &citation.method},
-                                                                            {"Data", &citation.data},
-                                                                            {"Libraries", &citation.libraries}};
-  for (const auto& [title, list] : sections) {
-    if (!list->empty()) out += std::string("\n") + title + "\n";
-    for (const Reference& reference : *list) out += "  " + text_of(reference) + "\n";
-  }
-  return out;
-}
-
-std::string bibtex_of(const Citation& citation) {
-  std::string out;
-  for (const Reference& reference : citation.all()) out += (out.empty() ? "" : "\n") + bibtex_of(reference);
-  return out;
-}
-
-std::string csl_json_of(const Citation& citation) {
-  Json list = Json::array();
-  for (const Reference& reference : citation.all()) list.push_back(csl_of(reference));
-  return list.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return citation_of(out);
 }
 
 void write_citation(const std::string& dir, const Citation& citation) {
-  replace_file(dir + "/" + kCitationName, text_of(citation) + "\nBibTeX\n\n" + bibtex_of(citation));
+  replace_file(dir + "/" + kCitationName, citation.text + "\nBibTeX\n\n" + citation.bibtex);
 }
 
 }  // namespace reamsim

@@ -3,11 +3,12 @@
 
 #include "sim/record/force_log.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
+#include <span>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -19,70 +20,97 @@ namespace reamsim {
 
 namespace {
 
-constexpr std::array<std::string_view, 20> kNames{
-    "frame",         "time_s",          "tool_x_mm",      "tool_y_mm", "tool_z_mm",       "tool_qw",   "tool_qx",
-    "tool_qy",       "tool_qz",         "spin_angle_rad", "depth_mm",  "force_x_n",       "force_y_n", "force_z_n",
-    "axial_force_n", "spin_torque_nmm", "removed_mm3",    "energy_mj", "floor_energy_mj", "balance"};
-/// Logs of older versions have no passes; only a tool that a hand pushes has the others.
-constexpr std::array<std::string_view, 7> kOptionalNames{"pass",         "feed_mm_s",    "velocity_mm_s", "thrust_n",
-                                                         "hand_force_n", "hand_power_w", "drill_power_w"};
 /// A tool farther away is a damaged file: recorded poses reach 1e6 mm along each axis of the motion's frame, which may
 /// be rotated.
 constexpr double kFarthest_mm = 2e6;
 
-/// Counts up to here are whole numbers of a double.
-constexpr double kLargestCount = 1e15, kLargestPass = 1e4;
+/// The columns of forces.csv: calls visit(name, value) for each that a run with the parts of `r` writes, in their
+/// order.
+template <class Result, class Visit>
+void visit_columns(Result& r, const Visit& visit) {
+  const auto visit_vector = [&](auto& v, const char* x, const char* y, const char* z) {
+    visit(x, v.x());
+    visit(y, v.y());
+    visit(z, v.z());
+  };
+  visit("frame", r.frame);
+  visit("time_s", r.time_s);
+  visit_vector(r.pose.position_mm, "tool_x_mm", "tool_y_mm", "tool_z_mm");
+  visit("tool_qw", r.pose.orientation.w());
+  visit_vector(r.pose.orientation, "tool_qx", "tool_qy", "tool_qz");
+  visit("spin_rpm", r.pose.spin_rpm);
+  visit("spin_angle_rad", r.pose.spin_angle_rad);
+  visit("depth_mm", r.depth_mm);
+  visit_vector(r.force_n, "force_x_n", "force_y_n", "force_z_n");
+  visit_vector(r.torque_nmm, "torque_x_nmm", "torque_y_nmm", "torque_z_nmm");
+  visit("axial_force_n", r.axial_force_n);
+  visit("spin_torque_nmm", r.spin_torque_nmm);
+  visit("contacts", r.contacts);
+  visit("removed_mm3", r.removed_mm3);
+  visit("energy_mj", r.energy_mj);
+  visit("floor_energy_mj", r.floor_energy_mj);
+  visit("balance", r.balance);
+  visit("pass", r.pass);
+  if (r.push) {
+    visit("feed_mm_s", r.push->feed_mm_s);
+    visit("velocity_mm_s", r.push->velocity_mm_s);
+    visit("thrust_n", r.push->thrust_n);
+    visit("hand_force_n", r.push->hand_force_n);
+    visit("hand_power_w", r.push->hand_power_w);
+    visit("drill_power_w", r.push->drill_power_w);
+  }
+  if (r.deflection_mm) visit_vector(*r.deflection_mm, "deflection_x_mm", "deflection_y_mm", "deflection_z_mm");
+}
+
+/// A result with the parts that a run has.
+FrameResult result_with(PoseFeedback feedback) {
+  FrameResult out;
+  if (feedback.push) out.push.emplace();
+  if (feedback.springs) out.deflection_mm.emplace(Vec3::Zero());
+  return out;
+}
+
+std::vector<std::string> column_names(PoseFeedback feedback) {
+  const FrameResult result = result_with(feedback);
+  std::vector<std::string> out;
+  visit_columns(result, [&](const char* name, const auto&) { out.emplace_back(name); });
+  return out;
+}
 
 std::int64_t count_in(double value, double least, double most, const char* column, const SourceLocation& where) {
   if (value >= least && value <= most) return static_cast<std::int64_t>(value);
   throw InputError(where, column, "out of range", "expected a forces.csv as reamsim wrote it");
 }
 
-/// The number of a frame or pass. Throw InputError for one that no run writes.
-std::int64_t frame_number(double value, const SourceLocation& where) {
-  return count_in(value, 0, kLargestCount, "frame", where);
+/// Sets `result` from a row in the order of its columns. A value that is missing stays as it is.
+void set_values(const std::vector<double>& row, const SourceLocation& where, FrameResult& result) {
+  // Counts up to here are whole numbers of a double.
+  constexpr double kLargestCount = 1e15, kLargestPass = 1e4;
+  const double* next = row.data();
+  visit_columns(result, [&](const char* name, auto& value) {
+    using Value = std::remove_reference_t<decltype(value)>;
+    const double read = *next++;
+    if (std::isnan(read)) return;
+    if constexpr (std::is_same_v<Value, double>) {
+      value = read;
+    } else if constexpr (std::is_same_v<Value, int>) {
+      value = static_cast<int>(count_in(read, 1, kLargestPass, name, where));
+    } else {
+      value = count_in(read, 0, kLargestCount, name, where);
+    }
+  });
 }
 
-int pass_number(double value, const SourceLocation& where) {
-  return static_cast<int>(count_in(value, 1, kLargestPass, "pass", where));
-}
-
-ToolPose checked_pose(const double* position, const double* quaternion, const SourceLocation& where) {
-  ToolPose pose;
-  pose.position_mm = Vec3(position);
+/// Throws InputError for a pose that no run writes. Its quaternion is normalized.
+void check_pose(ToolPose& pose, const SourceLocation& where) {
   if (!(pose.position_mm.cwiseAbs().maxCoeff() <= kFarthest_mm)) {
     throw InputError(where, "tool_x_mm", "the position of the tool is out of range",
                      fmt::format("expected at most {:g} mm", kFarthest_mm));
   }
-  pose.orientation = Quat(quaternion[0], quaternion[1], quaternion[2], quaternion[3]);
   if (std::abs(pose.orientation.norm() - 1) > 1e-3) {
     throw InputError(where, "tool_qw", "the quaternion does not have length 1", "expected a rotation");
   }
   pose.orientation.normalize();
-  return pose;
-}
-
-/// `values`: of a row, in the order of kNames and kOptionalNames.
-ForceRow make_row(const SourceLocation& where, const std::vector<double>& values) {
-  ForceRow row;
-  const double* v = values.data();
-  row.frame = frame_number(*v++, where);
-  row.time_s = *v++;
-  row.pose = checked_pose(v, v + 3, where);
-  v += 7;
-  for (double* value : {&row.pose.spin_angle_rad, &row.depth_mm}) *value = *v++;
-  row.force_n = Vec3(v);
-  v += 3;
-  for (double* value : {&row.axial_force_n, &row.spin_torque_nmm, &row.removed_mm3, &row.cumulative_energy_mj,
-                        &row.cumulative_floor_mj, &row.balance}) {
-    *value = *v++;
-  }
-  row.pass = std::isnan(*v) ? 1 : pass_number(*v, where);
-  ++v;
-  if (std::all_of(v, v + 6, [](double value) { return std::isfinite(value); })) {
-    row.push = PushResult{v[0], v[1], v[2], v[3], v[4], v[5]};
-  }
-  return row;
 }
 
 class LayerMeans {
@@ -219,18 +247,34 @@ const ForceRow& ForceLog::at(std::int64_t frame, const std::string& path) const 
 }
 
 void for_each_force_row(const std::string& path, const std::function<void(const ForceRow&)>& visit) {
-  CsvReader table(path, kNames, "the forces.csv of a run", kOptionalNames);
+  // Neither figures nor pictures need some of the columns, and logs of older versions have no passes.
+  constexpr std::array<std::string_view, 6> kOptional{"spin_rpm",     "torque_x_nmm", "torque_y_nmm",
+                                                      "torque_z_nmm", "contacts",     "pass"};
+  const std::size_t push = column_names({}).size(), springs = column_names({.push = true}).size();
+  constexpr PoseFeedback kAll{.push = true, .springs = true};
+  CsvLayout layout;
+  for (const std::string& name : column_names(kAll)) {
+    const bool optional = layout.columns.size() >= push || std::ranges::count(kOptional, name) > 0;
+    layout.columns.push_back({.name = name, .number = 0, .may_be_missing = optional});
+  }
+  CsvReader table(path, layout, "the forces.csv of a run");
   double removed_mm3 = 0, energy_mj = 0, floor_mj = 0;
   std::int64_t before = -1;
   for (std::vector<double> values; table.next(values);) {
-    ForceRow row = make_row(table.where(), values);
+    ForceRow row{result_with(kAll)};
+    set_values(values, table.where(), row);
+    check_pose(row.pose, table.where());
     if (row.frame <= before) {
       throw InputError(table.where(), "frame", "frames are not in ascending order", "the forces.csv of a run");
     }
     before = row.frame;
+    const auto is_missing = [](double value) { return std::isnan(value); };
+    const auto values_of_push = std::span(values).subspan(push, springs - push);
+    if (std::ranges::any_of(values_of_push, is_missing)) row.push.reset();
+    if (std::ranges::any_of(std::span(values).subspan(springs), is_missing)) row.deflection_mm.reset();
     row.removed_mm3 = removed_mm3 += row.removed_mm3;
-    row.cumulative_energy_mj = energy_mj += row.cumulative_energy_mj;
-    row.cumulative_floor_mj = floor_mj += row.cumulative_floor_mj;
+    row.cumulative_energy_mj = energy_mj += row.energy_mj;
+    row.cumulative_floor_mj = floor_mj += row.floor_energy_mj;
     visit(row);
   }
   if (before < 0) throw InputError({path, 0, 0}, "", "has no rows", "run the scenario again");
@@ -266,69 +310,25 @@ KeyResults key_results_of(const ForceLog& log, bool means) {
   return out;
 }
 
-namespace {
-
-/// Calls visit() for the values of a row, in the order of kForceColumns.
-template <class Result, class Visit>
-void visit_values(Result& r, const Visit& visit) {
-  visit(r.frame);
-  visit(r.time_s);
-  for (auto& coordinate : r.pose.position_mm) visit(coordinate);
-  auto& q = r.pose.orientation;
-  visit(q.w());
-  for (auto& part : q.vec()) visit(part);
-  visit(r.pose.spin_rpm);
-  visit(r.pose.spin_angle_rad);
-  visit(r.depth_mm);
-  for (auto& component : r.force_n) visit(component);
-  for (auto& component : r.torque_nmm) visit(component);
-  visit(r.axial_force_n);
-  visit(r.spin_torque_nmm);
-  visit(r.contacts);
-  visit(r.removed_mm3);
-  visit(r.energy_mj);
-  visit(r.floor_energy_mj);
-  visit(r.balance);
-  visit(r.pass);
-}
-
-}  // namespace
-
 std::string force_columns(PoseFeedback feedback) {
-  return std::string(kForceColumns) + (feedback.push ? kPushColumns : "") +
-         (feedback.springs ? kDeflectionColumns : "");
+  return fmt::format("{}", fmt::join(column_names(feedback), ","));
 }
 
-std::vector<double> force_row(const FrameResult& r) {
+std::vector<double> force_row(const FrameResult& result) {
   std::vector<double> out;
-  visit_values(r, [&](auto value) { out.push_back(static_cast<double>(value)); });
-  if (const auto& push = r.push) {
-    out.insert(out.end(), {push->feed_mm_s, push->velocity_mm_s, push->thrust_n, push->hand_force_n, push->hand_power_w,
-                           push->drill_power_w});
-  }
-  if (r.deflection_mm) out.insert(out.end(), r.deflection_mm->begin(), r.deflection_mm->end());
+  visit_columns(result, [&](const char*, auto value) { out.push_back(static_cast<double>(value)); });
   return out;
 }
 
-FrameResult result_of(std::span<const double> row, const SourceLocation& where) {
-  FrameResult out;
-  const double* v = row.data();
-  visit_values(out, [&](auto& value) {
-    using Value = std::remove_reference_t<decltype(value)>;
-    if constexpr (std::is_same_v<Value, double>) {
-      value = *v++;
-    } else if constexpr (std::is_same_v<Value, int>) {
-      value = pass_number(*v++, where);
-    } else {
-      value = count_in(*v++, 0, kLargestCount, &value == &out.frame ? "frame" : "contacts", where);
-    }
-  });
-  if (const auto more = row.data() + row.size() - v; more == 3) {
-    out.deflection_mm = Vec3(v);
-  } else if (more > 0) {
-    out.push = PushResult{v[0], v[1], v[2], v[3], v[4], v[5]};
+void for_each_result(const std::string& path, PoseFeedback feedback,
+                     const std::function<void(const FrameResult&)>& visit) {
+  const std::string columns = force_columns(feedback);
+  CsvReader log(path, csv_cells(columns), "the log of a run");
+  FrameResult result = result_with(feedback);
+  for (std::vector<double> row; log.next(row);) {
+    set_values(row, log.where(), result);
+    visit(result);
   }
-  return out;
 }
 
 }  // namespace reamsim

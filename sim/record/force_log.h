@@ -6,15 +6,12 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "sim/base/error.h"
 #include "sim/record/results.h"
 #include "sim/record/run_totals.h"
-#include "sim/tool/pose_sequence.h"
 
 namespace reamsim {
 
@@ -26,26 +23,15 @@ struct RowPoint {
   double cumulative_energy_mj = 0;
 };
 
-/// The columns of forces.csv that pictures and plots need, for one frame.
-struct ForceRow {
-  std::int64_t frame = 0;
-  int pass = 1;  ///< of the tool
-  double time_s = 0;
-  ToolPose pose;
-  double depth_mm = 0;
-  double axial_force_n = 0;
-  double spin_torque_nmm = 0;
-  double removed_mm3 = 0;              ///< since the start
-  double cumulative_energy_mj = 0;     ///< cutting energy since the start
-  double cumulative_floor_mj = 0;      ///< speed-floor energy since the start
-  double balance = 0;                  ///< energy balance
-  Vec3 force_n = Vec3::Zero();         ///< of the bone on the tool, in B
-  double layer_axial_force_n = 0;      ///< mean over the last voxel of travel, see add_layer_means()
-  double layer_spin_torque_nmm = 0;    ///< likewise
-  Vec3 layer_force_n = Vec3::Zero();   ///< of a mean, the component along the tool's axis
-  std::size_t layer_frames = 0;        ///< number of frames in these means
-  RowPoint layer_middle, layer_begin;  ///< in the middle and before the first of these frames
-  std::optional<PushResult> push;      ///< of a tool that a hand pushes
+/// A row of forces.csv with sums and means over the rows up to it.
+struct ForceRow : FrameResult {                  // removed_mm3: since the start
+  double cumulative_energy_mj = 0;               ///< cutting energy since the start
+  double cumulative_floor_mj = 0;                ///< speed-floor energy since the start
+  double layer_axial_force_n = 0;                ///< mean over the last voxel of travel, see add_layer_means()
+  double layer_spin_torque_nmm = 0;              ///< likewise
+  Vec3 layer_force_n = Vec3::Zero();             ///< of a mean, the component along the tool's axis
+  std::size_t layer_frames = 0;                  ///< number of frames in these means
+  RowPoint layer_middle = {}, layer_begin = {};  ///< in the middle and before the first of these frames
 };
 
 /// DIR/forces.csv, in ascending frames. A long log is decimated.
@@ -109,17 +95,6 @@ void add_layer_means(ForceLog& log, double travel_mm);
 /// The headline of a log with its means. `means`: they are over a voxel of travel.
 KeyResults key_results_of(const ForceLog& log, bool means);
 
-inline constexpr const char* kForceColumns =
-    "frame,time_s,tool_x_mm,tool_y_mm,tool_z_mm,tool_qw,tool_qx,tool_qy,tool_qz,spin_rpm,spin_angle_rad,depth_mm,"
-    "force_x_n,force_y_n,force_z_n,torque_x_nmm,torque_y_nmm,torque_z_nmm,axial_force_n,spin_torque_nmm,contacts,"
-    "removed_mm3,energy_mj,floor_energy_mj,balance,pass";
-
-/// The columns that follow in a run whose tool a hand pushes.
-inline constexpr const char* kPushColumns = ",feed_mm_s,velocity_mm_s,thrust_n,hand_force_n,hand_power_w,drill_power_w";
-
-/// Those of a tool on springs.
-inline constexpr const char* kDeflectionColumns = ",deflection_x_mm,deflection_y_mm,deflection_z_mm";
-
 /// What decides the poses of a run, beside the planned motion.
 struct PoseFeedback {
   bool push = false;     ///< motion.push
@@ -132,7 +107,9 @@ std::string force_columns(PoseFeedback feedback);
 /// The values of a row of forces.csv, in the order of its columns.
 std::vector<double> force_row(const FrameResult& result);
 
-/// The result in such a row. Throws InputError at `where` for a frame, pass or number of contacts that no run writes.
-FrameResult result_of(std::span<const double> row, const SourceLocation& where);
+/// Calls visit() with every row of such a forces.csv, each as it was written. Throws InputError: no such file, a column
+/// missing, not a number, or a frame, pass or number of contacts that no run writes.
+void for_each_result(const std::string& path, PoseFeedback feedback,
+                     const std::function<void(const FrameResult&)>& visit);
 
 }  // namespace reamsim

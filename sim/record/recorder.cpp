@@ -125,8 +125,7 @@ constexpr const char* kTimingColumns = "frame,broad_phase_ms,detect_ms,cut_ms";
 
 Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis, PoseFeedback feedback)
     : dir_(dir),
-      columns_(force_columns(feedback)),
-      forces_(dir + "/forces.csv", columns_),
+      forces_(dir + "/forces.csv", force_columns(feedback)),
       timings_(dir + "/timings.csv", kTimingColumns),
       totals_(voxel_mm) {
   if (force_basis) basis_.emplace(dir + "/" + kForceBasisName);
@@ -135,26 +134,17 @@ Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis, Po
 Recorder::Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs,
                    RemovedFrames removed, PoseFeedback feedback)
     : dir_(dir),
-      columns_(force_columns(feedback)),
-      forces_(dir + "/forces.csv", columns_, logs.forces_bytes),
+      forces_(dir + "/forces.csv", force_columns(feedback), logs.forces_bytes),
       timings_(dir + "/timings.csv", kTimingColumns, logs.timings_bytes),
       totals_(voxel_mm),
       removed_(std::move(removed)) {
   if (logs.basis_bytes > 0) basis_.emplace(dir + "/" + kForceBasisName, logs.basis_bytes);
   remove_snapshots_after(dir, frame);
-  add_rows_again();
-}
-
-void Recorder::add_rows_again() {
-  const std::vector<std::string_view> forces = csv_cells(columns_), timings = csv_cells(kTimingColumns);
+  for_each_result(dir + "/forces.csv", feedback, [&](const FrameResult& result) { totals_.add(result); });
+  const std::vector<std::string_view> columns = csv_cells(kTimingColumns);
   std::vector<double> row;
-  for (CsvReader log(dir_ + "/forces.csv", forces, "the log of a run"); log.next(row);) {
-    totals_.add(result_of(row, log.where()));
-  }
-  for (CsvReader log(dir_ + "/timings.csv", timings, "the log of a run"); log.next(row);) {
-    totals_.broad_phase_s += row[1] / 1e3;
-    totals_.detect_s += row[2] / 1e3;
-    totals_.cut_s += row[3] / 1e3;
+  for (CsvReader log(dir + "/timings.csv", columns, "the log of a run"); log.next(row);) {
+    totals_.times += {row[1] / 1e3, row[2] / 1e3, row[3] / 1e3};
   }
 }
 
@@ -162,9 +152,7 @@ void Recorder::frame(const FrameResult& r, const FrameTimes& times) {
   forces_.row(force_row(r));
   timings_.row({static_cast<double>(r.frame), 1e3 * times.broad_phase_s, 1e3 * times.detect_s, 1e3 * times.cut_s});
   totals_.add(r);
-  totals_.broad_phase_s += times.broad_phase_s;
-  totals_.detect_s += times.detect_s;
-  totals_.cut_s += times.cut_s;
+  totals_.times += times;
 }
 
 void Recorder::snapshot(std::int64_t frame, FillBricks& fill) {

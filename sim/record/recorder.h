@@ -79,10 +79,7 @@ class Recorder final : public FrameSink {
   [[nodiscard]] const RemovedFrames& removed_frames() const { return removed_; }
 
  private:
-  void add_rows_again();
-
   std::string dir_;
-  std::string columns_;  ///< of forces.csv
   CsvWriter forces_;
   CsvWriter timings_;
   std::optional<ForceBasisWriter> basis_;

@@ -70,18 +70,25 @@ struct FrameTimes {
   double broad_phase_s = 0;
   double detect_s = 0;
   double cut_s = 0;
+
+  FrameTimes& operator+=(const FrameTimes& other) {
+    broad_phase_s += other.broad_phase_s;
+    detect_s += other.detect_s;
+    cut_s += other.cut_s;
+    return *this;
+  }
 };
 
-/// Receives the results of a run frame by frame.
+/// Receives the results of a run frame by frame. What it does not override it does not need.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
-  virtual void frame(const FrameResult& result, const FrameTimes& times) = 0;
+  virtual void frame(const FrameResult& /*result*/, const FrameTimes& /*times*/) {}
   /// The force basis of the frame that frame() received last, with `output.force_basis`; ascending grades.
   virtual void basis(const std::vector<BasisRow>& /*rows*/) {}
   /// The fill of the bone after `frame`. The sink may take its changes since the last call.
-  virtual void snapshot(std::int64_t frame, FillBricks& fill) = 0;
-  virtual void removed(const RemovedFrames& voxels) = 0;
+  virtual void snapshot(std::int64_t /*frame*/, FillBricks& /*fill*/) {}
+  virtual void removed(const RemovedFrames& /*voxels*/) {}
 };
 
 }  // namespace reamsim

@@ -181,9 +181,7 @@ class RunTotals : public PassTotals {
   double peak_advance_mm = 0;                  ///< of the tool in the frame with peak_axial_force_n
   std::optional<PushTotals> push;              ///< of a tool that a hand pushes
   std::optional<DeflectionTotals> deflection;  ///< of a tool on springs
-  double broad_phase_s = 0;
-  double detect_s = 0;
-  double cut_s = 0;
+  FrameTimes times;
 
   void add(const FrameResult& row);
   /// Root mean square over the frames in contact; 0 without contact.

@@ -345,9 +345,9 @@ void write_summary(const std::string& dir, const SimulationInput& scene, const R
     if (!facts.render_context.empty()) json["render"] = {{"context", facts.render_context}};
     json["timings_s"] = {{"load", facts.load_s},
                          {"simulate", facts.simulate_s},
-                         {"broad_phase", totals.broad_phase_s},
-                         {"detect", totals.detect_s},
-                         {"cut", totals.cut_s},
+                         {"broad_phase", totals.times.broad_phase_s},
+                         {"detect", totals.times.detect_s},
+                         {"cut", totals.times.cut_s},
                          {"measure", facts.measure_s},
                          {"checkpoints", facts.checkpoints_s},
                          {"write", facts.write_s},

@@ -175,11 +175,8 @@ namespace {
 /// Calls visit() with every row of the run's forces.csv, with the forces of other constants.
 template <class Visit>
 void for_each_reforced(const BasisRun& run, const ForceConstants& constants, const Visit& visit) {
-  const std::vector<std::string_view> columns = csv_cells(kForceColumns);
-  CsvReader log(run.dir + "/forces.csv", columns, "the log of a run");
   double work_mj = 0, floor_mj = 0, cut_mj = 0;
-  for (std::vector<double> row; log.next(row);) {
-    FrameResult result = result_of(row, log.where());
+  for_each_result(run.dir + "/forces.csv", {}, [&](FrameResult result) {
     const FrameForces now = run.basis.forces(result.frame, constants);
     work_mj += now.work_mj;
     floor_mj += now.floor_energy_mj;
@@ -193,7 +190,7 @@ void for_each_reforced(const BasisRun& run, const ForceConstants& constants, con
     result.axial_force_n = result.force_n.dot(tool_z);
     result.spin_torque_nmm = result.torque_nmm.dot(tool_z);
     visit(result);
-  }
+  });
 }
 
 }  // namespace
@@ -204,7 +201,7 @@ RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std:
   // Under another name until it is complete, because the rows are read from a file that this one may replace.
   const std::string path = to + "/forces.csv.tmp";
   {
-    CsvWriter forces(path, kForceColumns);
+    CsvWriter forces(path, force_columns({}));
     for_each_reforced(run, constants, [&](const FrameResult& result) {
       forces.row(force_row(result));
       totals.add(result);

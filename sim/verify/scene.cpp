@@ -137,8 +137,6 @@ class Rows final : public FrameSink {
   std::vector<FrameResult> rows;
 
   void frame(const FrameResult& result, const FrameTimes& /*times*/) override { rows.push_back(result); }
-  void snapshot(std::int64_t /*frame*/, FillBricks& /*fill*/) override {}
-  void removed(const RemovedFrames& /*voxels*/) override {}
 };
 
 }  // namespace

@@ -32,21 +32,25 @@ def check(cff):
         assert complaints_of({**cff, **change}), f"not found: {change}"
 
 
-def fields_of(text, entry, field):
-    """Per key of an entry, what its fields say, in one spelling: without braces, dashes and case."""
-    found = {}
-    for key, body in re.findall(entry, text, re.S):
-        fields = dict(re.findall(field, body))
-        found[key] = {name: re.sub(r"[{}]", "", value).replace("--", "-").lower() for name, value in fields.items()}
-    return found
+def plain(value):
+    """What a field says, in one spelling: without braces, dashes and case."""
+    return re.sub(r"[{}]", "", str(value)).replace("--", "-").lower()
+
+
+def fields_of(item):
+    """The fields of an item of CSL-JSON by their names in BibTeX."""
+    values = {"title": item["title"], "year": item.get("issued", {}).get("date-parts", [[None]])[0][0], "volume": item.get("volume"),
+              "journal": item.get("container-title", item.get("publisher")), "doi": item.get("DOI")}
+    return {name: plain(value) for name, value in values.items() if value}
 
 
 def check_references(root):
     """`reamsim cite` and the paper must not name different works by the same key. Pages may be more exact in one of them."""
-    program = fields_of((root / "sim/record/references.cpp").read_text(), r'\.key = "(\w+)",(.*?)(?=\.key = |std::string joined)',
-                        r'\.(title|year|journal|volume|doi) =\s+"?((?<=")[^"]*|\d+)')
-    paper = fields_of((root / "paper/paper.bib").read_text(), r"@\w+\{(\w+),(.*?)\n\}",
-                      r"(title|year|journal|volume|doi) *= \{(.*)\}")
+    references = json.loads((root / "sim/record/references.json").read_text())
+    program = {item["id"]: fields_of(item) for item in [*references["works"], *references["data"].values()]}
+    entries = re.findall(r"@\w+\{(\w+),(.*?)\n\}", (root / "paper/paper.bib").read_text(), re.S)
+    paper = {key: {name: plain(value) for name, value in re.findall(r"(title|year|journal|volume|doi) *= \{(.*)\}", body)}
+             for key, body in entries}
     common = set(program) & set(paper)
     assert {"faieghi2020", "museth2013", "jaaskelainen2015", "armato2015"} <= common, common
     for key in common:
@@ -61,10 +65,10 @@ def main():
     check(cff)
     assert cff["version"] == version, f"CITATION.cff has {cff['version']}, the program {version}"
     assert cff["license"] in (root / ".reuse/dep5").read_text()
-    assert f'.title = "{cff["title"]}"' in (root / "sim/record/citation.cpp").read_text()
+    assert f'{{"title", "{cff["title"]}"}}' in (root / "sim/record/citation.cpp").read_text()
     # The same work as in the program and in README.
     doi = cff["references"][0]["doi"]
-    for place in ("sim/record/references.cpp", "README.md"):
+    for place in ("sim/record/references.json", "README.md"):
         assert doi in (root / place).read_text(), place
     check_references(root)
     assert f"## [{version}]" in (root / "CHANGELOG.md").read_text()
