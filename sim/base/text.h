@@ -34,6 +34,9 @@ std::vector<std::string> align_columns(const std::vector<std::vector<std::string
 /// The parts of a text between separators, empty ones too: at least one.
 std::vector<std::string> split(std::string_view text, char separator);
 
+/// A to Z as a to z.
+std::string lower_case(std::string text);
+
 /// Whether a text consists of digits: an index, a label.
 bool is_whole_number(std::string_view text);
 

@@ -67,11 +67,6 @@ void ResultWriter::put(const std::string& text) {
   std::memcpy(take(text.size(), 1), text.data(), text.size());
 }
 
-void ResultWriter::put(const std::vector<std::string>& texts) {
-  put(std::uint64_t{texts.size()});
-  for (const std::string& text : texts) put(text);
-}
-
 void ResultWriter::begin_file(const std::string& path) {
   SharedMemory::Head& head = memory_.head();
   const std::size_t length = std::min(path.size(), SharedMemory::Head::kPathBytes - 1);
@@ -98,13 +93,6 @@ std::string ResultReader::text() {
   const auto length = get<std::uint64_t>();
   const std::byte* first = take(length, 1);
   return {reinterpret_cast<const char*>(first), length};
-}
-
-std::vector<std::string> ResultReader::texts() {
-  const auto count = get<std::uint64_t>();
-  std::vector<std::string> out;
-  while (out.size() < count) out.push_back(text());
-  return out;
 }
 
 const std::byte* ResultReader::take(std::uint64_t bytes, std::size_t alignment) {

@@ -10,11 +10,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <map>
+#include <optional>
 #include <string>
+#include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/geometry.h"
 
 namespace reamsim {
 
@@ -24,6 +29,19 @@ namespace reamsim {
 /// A plain value: the same bytes in child and parent.
 template <class T>
 concept PlainValue = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>;
+
+/// A struct whose static fields() ties its members. Where it has is_valid(), the reader refuses what is not.
+template <class T>
+concept HasFields = requires(T& value) {
+  T::fields(value);
+};
+
+/// A vector of values that are not plain.
+template <class T>
+concept HasElements = requires {
+  typename T::value_type;
+}
+&&!PlainValue<typename T::value_type>;
 
 /// How the work of a child ended.
 enum class ChildOutcome : std::uint32_t { died, done, wrong_input, failed, out_of_memory, result_too_large };
@@ -72,11 +90,33 @@ class ResultWriter {
   explicit ResultWriter(SharedMemory& memory) : memory_(memory) {}
 
   template <PlainValue T>
-  void put(const T& value) {
-    std::memcpy(take(sizeof value, 1), &value, sizeof value);
-  }
+  requires(!HasFields<T>) void put(const T& value) { std::memcpy(take(sizeof value, 1), &value, sizeof value); }
   void put(const std::string& text);
-  void put(const std::vector<std::string>& texts);
+  template <HasFields T>
+  void put(const T& value) {
+    std::apply([this](const auto&... field) { (put(field), ...); }, T::fields(value));
+  }
+  template <class Number, int kRows, int kColumns>
+  void put(const Eigen::Matrix<Number, kRows, kColumns>& matrix) {
+    for (const Number value : matrix.reshaped()) put(value);
+  }
+  template <class T>
+  void put(const std::optional<T>& value) {
+    put(value.has_value());
+    if (value) put(*value);
+  }
+  void put(const std::map<std::string, std::string>& texts) {
+    put(std::uint64_t{texts.size()});
+    for (const auto& [name, value] : texts) {
+      put(name);
+      put(value);
+    }
+  }
+  template <HasElements T>
+  void put(const T& values) {
+    put(std::uint64_t{values.size()});
+    for (const auto& value : values) put(value);
+  }
   template <PlainValue T>
   void put(const std::vector<T>& values) {
     T* place = array<T>(values.size());
@@ -116,7 +156,7 @@ class ResultReader {
     return std::bit_cast<T>(bytes);
   }
   std::string text();
-  std::vector<std::string> texts();
+  std::vector<std::string> texts() { return take<std::vector<std::string>>(); }
   /// Calls `use` with the first and the end of each block of an array. Its pages return to the system, so that the
   /// array does not exist twice.
   template <PlainValue T, class Use>
@@ -146,14 +186,42 @@ class ResultReader {
   /// The next value by its type.
   template <class T>
   T take() {
-    if constexpr (std::is_same_v<T, std::string>)
-      return text();
-    else if constexpr (std::is_same_v<T, std::vector<std::string>>)
-      return texts();
-    else if constexpr (PlainValue<T>)
-      return get<T>();
-    else
-      return array<typename T::value_type>();
+    T out{};
+    read(out);
+    return out;
+  }
+  template <PlainValue T>
+  requires(!HasFields<T>) void read(T& out) { out = get<T>(); }
+  template <PlainValue T>
+  void read(std::vector<T>& out) {
+    out = array<T>();
+  }
+  void read(bool& out) { out = get<unsigned char>() != 0; }
+  void read(std::string& out) { out = text(); }
+  template <HasFields T>
+  void read(T& out) {
+    std::apply([this](auto&... field) { (read(field), ...); }, T::fields(out));
+    if constexpr (requires { out.is_valid(); }) {
+      if (!out.is_valid()) fail();
+    }
+  }
+  template <class Number, int kRows, int kColumns>
+  void read(Eigen::Matrix<Number, kRows, kColumns>& out) {
+    for (Number& value : out.reshaped()) value = get<Number>();
+  }
+  template <class T>
+  void read(std::optional<T>& out) {
+    if (take<bool>()) out = take<T>();
+  }
+  void read(std::map<std::string, std::string>& out) {
+    for (auto left = get<std::uint64_t>(); left > 0; --left) {
+      std::string name = text();
+      out[std::move(name)] = text();
+    }
+  }
+  template <HasElements T>
+  void read(T& out) {
+    for (auto left = get<std::uint64_t>(); left > 0; --left) out.push_back(take<typename T::value_type>());
   }
   [[noreturn]] void fail() const;
 

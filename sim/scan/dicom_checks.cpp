@@ -1,15 +1,16 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/dicom_checks.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <set>
 #include <utility>
+
+#include "sim/scan/dicom_stack.h"
 
 namespace reamsim::ct {
 
@@ -85,13 +86,10 @@ std::vector<int> numbers_of(const Stack& stack) {
 
 /// How many images the acquisition of the stack has, as the header says; 0: unknown, or all are here.
 int images_said(const Stack& stack, const DicomSeries& series) {
-  const auto acquisition = [](const DicomHeader& header) {
-    const auto found = header.tags.find("AcquisitionNumber");
-    return found == header.tags.end() ? std::string() : found->second;
-  };
+  constexpr const char* kAcquisition = "AcquisitionNumber";
   const DicomHeader& first = *stack.front().header;
   const auto here = std::ranges::count_if(
-      series.images, [&](const DicomHeader& image) { return acquisition(image) == acquisition(first); });
+      series.images, [&](const DicomHeader& image) { return image.tag(kAcquisition) == first.tag(kAcquisition); });
   return first.images_in_acquisition > here ? first.images_in_acquisition : 0;
 }
 

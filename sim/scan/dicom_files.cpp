@@ -14,10 +14,8 @@
 #include "sim/base/file.h"
 #include "sim/isolation/read_in_child.h"
 #include "sim/scan/dicom_frames.h"
-#include "sim/scan/dicom_syntax.h"
+#include "sim/scan/dicom_values.h"
 #include "sim/scan/image_io.h"
-#include "sim/scan/scan_transfer.h"
-#include "sim/scan/segment.h"
 
 namespace reamsim::ct {
 
@@ -55,7 +53,7 @@ void put_headers(ResultWriter& out, const std::vector<std::string>& files, const
       out.begin_file(path);
       file = read_dicom_header(path);
     }
-    put_dicom_file(out, file);
+    out.put(file);
   }
 }
 
@@ -65,7 +63,7 @@ std::vector<DicomFile> read_headers_but(const std::set<std::string>& damaged, co
   const std::vector<std::string> unread(damaged.begin(), damaged.end());
   ChildResult result = read_in_child<put_headers>({folder, key}, limits_for_headers(files), files, unread);
   std::vector<DicomFile> out(files.size());
-  for (DicomFile& file : out) file = take_dicom_file(result.reader());
+  for (DicomFile& file : out) result.reader().read(file);
   return out;
 }
 
@@ -86,8 +84,7 @@ void put_slice_facts(ResultWriter& out, const std::vector<std::string>& files, c
   for (const std::string& path : files) {
     out.begin_file(path);
     const itk::GDCMImageIO::Pointer io = open_slice(path, key);
-    put_geometry(out, geometry_of(*io, path, key, true));
-    out.put(pixel_type_of(*io));
+    out.put(SliceFacts{geometry_of(*io, path, key, true), pixel_type_of(*io)});
   }
 }
 
@@ -114,48 +111,43 @@ void put_slice(const std::string& path, const IndexBox& in_slice, const std::str
   }
 }
 
-/// What put_slices() reads, as plain values.
-struct FrameRescale {
-  int frame;
-  double slope;
-  double intercept;
-};
-
-void put_frames(const std::string& path, const std::vector<std::string>& files, const std::vector<FrameRescale>& frames,
-                const IndexBox& in_slice, const std::string& key, float* first) {
+/// Reads the frames of one file among `slices`.
+void put_frames(const std::string& path, const std::vector<SliceSource>& slices, const IndexBox& in_slice,
+                const std::string& key, float* first) {
   std::unique_ptr<DicomFrames> decoded;
   try {
     decoded = std::make_unique<DicomFrames>(path, key);
   } catch (const InputError& error) {
     refuse_coding(error, path, key);
   }
-  for (std::size_t n = 0; n < files.size(); ++n) {
-    if (files[n] != path) continue;
-    const Vec3i& dims = decoded->dims();
-    const Vec3i end = in_slice.start + in_slice.size;
-    if (end.x() > dims.x() || end.y() > dims.y() || frames[n].frame >= dims.z()) {
+  const Vec3i& dims = decoded->dims();
+  const Vec3i end = in_slice.start + in_slice.size;
+  for (std::size_t n = 0; n < slices.size(); ++n) {
+    const SliceSource& slice = slices[n];
+    if (slice.path != path) continue;
+    if (end.x() > dims.x() || end.y() > dims.y() || slice.frame >= dims.z()) {
       throw InputError({path}, key, fmt::format("the file has {} frames of {}x{} pixels", dims.z(), dims.x(), dims.y()),
                        "its header claims more: give a complete file");
     }
-    decoded->copy(frames[n].frame, in_slice, frames[n].slope, frames[n].intercept,
+    decoded->copy(slice.frame, in_slice, slice.slope, slice.intercept,
                   first + n * static_cast<std::size_t>(in_slice.voxels()));
   }
 }
 
-void put_slices(ResultWriter& out, const std::vector<std::string>& files, const std::vector<FrameRescale>& frames,
-                const PlainBox& box, const std::string& key) {
-  const IndexBox in_slice = box.get();
+void put_slices(ResultWriter& out, const std::vector<SliceSource>& slices, const IndexBox& in_slice,
+                const std::string& key) {
   const auto pixels = static_cast<std::size_t>(in_slice.voxels());
-  float* first = out.array<float>(pixels * files.size());
+  float* first = out.array<float>(pixels * slices.size());
   std::set<std::string> multi_frame;
-  for (std::size_t n = 0; n < files.size(); ++n) {
-    const bool is_frame = frames[n].frame >= 0;
-    if (is_frame && !multi_frame.insert(files[n]).second) continue;
-    out.begin_file(files[n]);
+  for (std::size_t n = 0; n < slices.size(); ++n) {
+    const std::string& path = slices[n].path;
+    const bool is_frame = slices[n].frame >= 0;
+    if (is_frame && !multi_frame.insert(path).second) continue;
+    out.begin_file(path);
     if (is_frame) {
-      put_frames(files[n], files, frames, in_slice, key, first);
+      put_frames(path, slices, in_slice, key, first);
     } else {
-      put_slice(files[n], in_slice, key, first + n * pixels);
+      put_slice(path, in_slice, key, first + n * pixels);
     }
   }
 }
@@ -173,7 +165,7 @@ ScanGeometry geometry_of_frame(const DicomHeader& header, const std::string& key
   out.step_mm.col(1) = header.axes->col(1) * header.pixel_spacing_mm->y();
   out.step_mm.col(2) = header.normal() * (header.slice_spacing_mm > 0 ? header.slice_spacing_mm : 1);
   out.origin_mm = *header.position_mm;
-  if (!is_plausible(out)) {
+  if (!out.is_valid()) {
     throw InputError({header.path}, key, "voxel spacing or axes are degenerate", "export the original series");
   }
   return out;
@@ -216,8 +208,7 @@ std::vector<SliceFacts> read_slice_facts(const std::vector<const DicomHeader*>& 
   ChildResult result = read_in_child<put_slice_facts>({files.front(), key}, limits_for(files), files, key);
   for (std::size_t n = 0; n < headers.size(); ++n) {
     if (headers[n]->frame >= 0) continue;
-    out[n].geometry = take_geometry(result.reader());
-    out[n].pixel_type = result.reader().text();
+    result.reader().read(out[n]);
   }
   return out;
 }
@@ -226,17 +217,15 @@ std::vector<float> read_slices(const std::vector<SliceSource>& slices, const Ind
                                const std::string& key) {
   const auto pixels = static_cast<std::size_t>(in_slice.voxels());
   std::vector<std::string> files;
-  std::vector<FrameRescale> frames;
   double most_pixels = 0;
   for (const SliceSource& slice : slices) {
     files.push_back(slice.path);
-    frames.push_back({slice.frame, slice.slope, slice.intercept});
     if (slice.frame >= 0) most_pixels = std::max(most_pixels, slice.file_pixels);
   }
   constexpr double kBytesPerPixel = 12;  // coded, decoded by frame, and decoded as a whole
   ReadLimits limits = limits_for(files).with(0, static_cast<std::uint64_t>(kBytesPerPixel * most_pixels));
   limits.result_bytes += pixels * files.size() * sizeof(float);
-  ChildResult result = read_in_child<put_slices>({files.front(), key}, limits, files, frames, PlainBox(in_slice), key);
+  ChildResult result = read_in_child<put_slices>({files.front(), key}, limits, slices, in_slice, key);
   std::vector<float> out = result.reader().array<float>();
   if (out.size() != pixels * files.size()) result.reader().fail();
   return out;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -28,6 +29,8 @@ std::vector<DicomFile> read_dicom_headers(const std::vector<std::string>& files,
 struct SliceFacts {
   ScanGeometry geometry;  ///< its slice thickness may differ from the slice spacing
   std::string pixel_type;
+
+  static auto fields(auto& self) { return std::tie(self.geometry, self.pixel_type); }
 };
 
 /// Of the slices `headers`, in their order. Throws InputError, with the file: truncated, damaged.
@@ -40,11 +43,17 @@ struct SliceSource {
   double slope = 1;
   double intercept = 0;
   double file_pixels = 0;  ///< of all frames
+
+  static auto fields(auto& s) { return std::tie(s.path, s.frame, s.slope, s.intercept, s.file_pixels); }
 };
 
 /// The values of a box of each slice, one slice after the other. Throws InputError, with the file.
 std::vector<float> read_slices(const std::vector<SliceSource>& slices, const IndexBox& in_slice,
                                const std::string& key);
+
+/// The regular files in a folder and its subfolders, sorted by path, or the file `path`. Links to folders are not
+/// followed.
+std::vector<std::string> files_below(const std::string& path);
 
 /// The images of a folder with one series UID, sorted by path.
 struct DicomSeries {
@@ -62,11 +71,10 @@ struct DicomSeries {
 };
 
 struct DicomFolder {
-  std::vector<DicomSeries> series;       ///< by series number, then UID: the order that the scenario's numbers refer to
-  std::vector<std::string> damaged;      ///< DICOM files that cannot be read
-  std::vector<std::string> unsupported;  ///< coded in a way that cannot be decoded
-  std::vector<std::string> others;       ///< not recognized as DICOM
-  std::string folder;                    ///< or a single file
+  std::vector<DicomSeries> series;   ///< by series number, then UID: the order that the scenario's numbers refer to
+  std::vector<std::string> damaged;  ///< DICOM files that cannot be read
+  std::vector<std::string> unread;   ///< these, files coded in a way that cannot be decoded, others than DICOM
+  std::string folder;                ///< or a single file
 };
 
 /// All DICOM images in a folder and its subfolders, or the file `folder`. Throws InputError if there is none, or if

@@ -12,7 +12,7 @@
 
 #include "sim/base/error.h"
 #include "sim/scan/dicom_values.h"
-#include "sim/scan/segment.h"
+#include "sim/scan/image_io.h"
 
 namespace reamsim::ct {
 
@@ -58,11 +58,10 @@ bool DicomFrames::take_plain(const std::string& path, const std::string& key) {
   reader.SetFileName(path.c_str());
   if (!reader.Read()) throw unreadable(path, key);
   const gdcm::DataSet& data = reader.GetFile().GetDataSet();
-  const gdcm::Tag tag(0x7fe0, 0x0010);
-  const gdcm::ByteValue* value = data.FindDataElement(tag) ? data.GetDataElement(tag).GetByteValue() : nullptr;
+  const DicomValues values(data);
+  const gdcm::ByteValue* value = values.raw({0x7fe0, 0x0010});
   const gdcm::TransferSyntax syntax = reader.GetFile().GetHeader().GetDataSetTransferSyntax();
   if (value == nullptr || syntax == gdcm::TransferSyntax::ExplicitVRBigEndian) return false;
-  const DicomValues values(data);
   set_format(path, key, std::max(1, values.short_integer({0x0028, 0x0002})), values.short_integer({0x0028, 0x0100}),
              values.short_integer({0x0028, 0x0101}), values.short_integer({0x0028, 0x0102}),
              values.short_integer({0x0028, 0x0103}) == 1);

@@ -11,11 +11,8 @@
 
 #include "sim/base/error.h"
 #include "sim/scan/dicom_files.h"
-#include "sim/scan/dicom_syntax.h"
-#include "sim/scan/dicom_tags.h"
 #include "sim/scan/dicom_values.h"
-#include "sim/scan/scan_transfer.h"
-#include "sim/scan/segment.h"
+#include "sim/scan/image_io.h"
 
 namespace reamsim::ct {
 
@@ -73,7 +70,8 @@ constexpr DicomTag kMacros[] = {
 
 std::string lossy_words(const DicomValues& values, const std::string& syntax) {
   const std::string flag = values.text(kLossy);
-  if (flag != "01" && !is_lossy_syntax(syntax) && !(may_be_lossy_syntax(syntax) && flag.empty())) return "";
+  const Loss loss = loss_of_syntax(syntax);
+  if (flag != "01" && loss != Loss::certain && !(loss == Loss::possible && flag.empty())) return "";
   std::string out = values.text(kLossyMethod);
   if (out.empty()) out = name_of_syntax(syntax).empty() ? "method unknown" : name_of_syntax(syntax);
   const std::string ratio = values.text(kLossyRatio);
@@ -162,8 +160,7 @@ std::vector<DicomHeader> frames_of(const DicomValues& values, const DicomHeader&
     DicomHeader frame = shared;
     frame.frame = static_cast<int>(out.size());
     fill_from_groups(groups, frame);
-    const auto kernel = frame.tags.find("ConvolutionKernel");
-    if (kernel != frame.tags.end()) frame.kernel = kernel->second;
+    if (const std::string kernel = frame.tag("ConvolutionKernel"); !kernel.empty()) frame.kernel = kernel;
     frame.instance_uid += "#" + std::to_string(frame.frame + 1);
     frame.pixel_type = pixel_type_of(values, frame);
     out.push_back(std::move(frame));
@@ -195,85 +192,6 @@ DicomFile read_dicom_header(const std::string& path) {
   } catch (const std::exception&) {
     return {DicomKind::damaged, "", {}};
   }
-}
-
-namespace {
-
-template <class Header, class Texts, class Numbers, class Reals>
-void for_each_member(Header& header, const Texts& text, const Numbers& number, const Reals& real) {
-  for (auto* value :
-       {&header.path, &header.series_uid, &header.instance_uid, &header.sop_class, &header.description, &header.kernel,
-        &header.modality, &header.photometric, &header.pixel_type, &header.position_text, &header.lossy}) {
-    text(*value);
-  }
-  for (auto* value : {&header.series_number, &header.frames, &header.frame, &header.columns, &header.rows,
-                      &header.images_in_acquisition}) {
-    number(*value);
-  }
-  for (auto* value : {&header.slope, &header.intercept, &header.kvp, &header.slice_spacing_mm}) real(*value);
-}
-
-template <class Matrix>
-void put_optional(ResultWriter& out, const std::optional<Matrix>& matrix) {
-  out.put(matrix.has_value());
-  if (!matrix) return;
-  for (const double value : matrix->reshaped()) out.put(value);
-}
-
-template <class Matrix>
-std::optional<Matrix> take_optional(ResultReader& in) {
-  if (in.get<unsigned char>() == 0) return std::nullopt;
-  Matrix out;
-  for (double& value : out.reshaped()) value = in.get<double>();
-  if (!out.allFinite()) in.fail();
-  return out;
-}
-
-void put_dicom_header(ResultWriter& out, const DicomHeader& header) {
-  const auto put = [&out](const auto& value) { out.put(value); };
-  for_each_member(header, put, put, put);
-  out.put(header.rescales);
-  out.put(header.instance_number.has_value());
-  out.put(header.instance_number.value_or(0));
-  put_optional(out, header.pixel_spacing_mm);
-  put_optional(out, header.position_mm);
-  put_optional(out, header.axes);
-  put_texts(out, header.tags);
-}
-
-DicomHeader take_dicom_header(ResultReader& in) {
-  DicomHeader header;
-  for_each_member(
-      header, [&in](std::string& text) { text = in.text(); }, [&in](int& number) { number = in.get<int>(); },
-      [&in](double& real) { real = in.get<double>(); });
-  header.rescales = in.get<unsigned char>() != 0;
-  const bool numbered = in.get<unsigned char>() != 0;
-  const int number = in.get<int>();
-  if (numbered) header.instance_number = number;
-  header.pixel_spacing_mm = take_optional<Vec2>(in);
-  header.position_mm = take_optional<Vec3>(in);
-  header.axes = take_optional<SliceAxes>(in);
-  header.tags = take_texts(in);
-  return header;
-}
-
-}  // namespace
-
-void put_dicom_file(ResultWriter& out, const DicomFile& file) {
-  out.put(file.kind);
-  out.put(file.note);
-  out.put(std::uint64_t{file.images.size()});
-  for (const DicomHeader& image : file.images) put_dicom_header(out, image);
-}
-
-DicomFile take_dicom_file(ResultReader& in) {
-  DicomFile out;
-  out.kind = in.get<DicomKind>();
-  if (out.kind < DicomKind::other || out.kind > DicomKind::image) in.fail();
-  out.note = in.text();
-  for (auto left = in.get<std::uint64_t>(); left > 0; --left) out.images.push_back(take_dicom_header(in));
-  if ((out.kind == DicomKind::image) == out.images.empty()) in.fail();
-  return out;
 }
 
 }  // namespace reamsim::ct

@@ -6,10 +6,10 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "sim/base/geometry.h"
-#include "sim/isolation/child_result.h"
 
 namespace reamsim::ct {
 
@@ -49,6 +49,22 @@ struct DicomHeader {
   std::map<std::string, std::string> tags;
 
   [[nodiscard]] Vec3 normal() const { return axes->col(0).cross(axes->col(1)); }
+  [[nodiscard]] bool is_valid() const {
+    const auto is_finite = [](const auto& numbers) { return !numbers || numbers->allFinite(); };
+    return is_finite(pixel_spacing_mm) && is_finite(position_mm) && is_finite(axes);
+  }
+  /// The value of an element that may tell volumes apart; "" without it.
+  [[nodiscard]] std::string tag(const std::string& keyword) const {
+    const auto found = tags.find(keyword);
+    return found == tags.end() ? "" : found->second;
+  }
+
+  static auto fields(auto& h) {
+    return std::tie(h.path, h.series_uid, h.instance_uid, h.sop_class, h.description, h.kernel, h.modality,
+                    h.photometric, h.pixel_type, h.position_text, h.lossy, h.series_number, h.frames, h.frame,
+                    h.columns, h.rows, h.images_in_acquisition, h.rescales, h.slope, h.intercept, h.kvp,
+                    h.slice_spacing_mm, h.instance_number, h.pixel_spacing_mm, h.position_mm, h.axes, h.tags);
+  }
 };
 
 enum class DicomKind {
@@ -64,12 +80,13 @@ struct DicomFile {
   DicomKind kind = DicomKind::other;
   std::string note;                 ///< the transfer syntax that cannot be decoded; the modality without an image
   std::vector<DicomHeader> images;  ///< one, or its frames
-};
 
-/// What a child process hands back about a DICOM file.
-void put_dicom_file(ResultWriter& out, const DicomFile& file);
-/// Throws InputError where it is inconsistent.
-DicomFile take_dicom_file(ResultReader& in);
+  [[nodiscard]] bool is_valid() const {
+    return kind >= DicomKind::other && kind <= DicomKind::image && (kind == DicomKind::image) != images.empty();
+  }
+
+  static auto fields(auto& self) { return std::tie(self.kind, self.note, self.images); }
+};
 
 /// Reads a file up to its pixels.
 DicomFile read_dicom_header(const std::string& path);

@@ -1,16 +1,12 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/dicom_seg_planes.h"
-
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-#include "sim/scan/image_io.h"
-#include "sim/scan/segment.h"
-#include "sim/scan/slice_spacing.h"
+#include "sim/scan/dicom_stack.h"
 
 namespace reamsim::ct {
 
@@ -58,7 +54,7 @@ double plane_step(std::vector<double> heights, double header_mm, const std::stri
 void check_planes(const SegPlanes& planes, const std::vector<DicomHeader>& frames, const std::string& path,
                   const std::string& key) {
   const ScanGeometry& geometry = planes.geometry;
-  if (!is_plausible(geometry)) throw bad_seg(path, key, "voxel spacing or axes are degenerate");
+  if (!geometry.is_valid()) throw bad_seg(path, key, "voxel spacing or axes are degenerate");
   check_fits_in_memory(static_cast<double>(geometry.size()), sizeof(float), path, key);
   const double reach = 0.5 * geometry.spacing_mm().minCoeff();
   for (std::size_t n = 0; n < frames.size(); ++n) {

@@ -12,7 +12,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/scan/dicom_syntax.h"
+#include "sim/scan/dicom_values.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {
@@ -22,19 +22,6 @@ namespace {
 constexpr const char* kModalityKey = "bone.ct.modality";
 /// Spacings that differ by less than this fraction are the same.
 constexpr double kSameSpacing = 0.01;
-
-/// The files in a folder and its subfolders, sorted by path. Links to folders are not followed.
-std::vector<std::string> files_below(const std::string& folder) {
-  namespace fs = std::filesystem;
-  if (!fs::is_directory(folder)) return {folder};
-  std::vector<std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
-    std::error_code ignored;
-    if (entry.is_regular_file(ignored)) files.push_back(entry.path().string());
-  }
-  std::ranges::sort(files);
-  return files;
-}
 
 /// Files whose coding GDCM does not have. Skipped with a warning where others are images: a folder may hold videos.
 void report_unsupported(const std::vector<std::string>& files, const std::vector<DicomFile>& read, bool has_images,
@@ -144,6 +131,18 @@ std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, bool any
 
 }  // namespace
 
+std::vector<std::string> files_below(const std::string& path) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(path)) return {path};
+  std::vector<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(path, fs::directory_options::skip_permission_denied)) {
+    std::error_code ignored;
+    if (entry.is_regular_file(ignored)) files.push_back(entry.path().string());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
 int DicomSeries::slices() const {
   int out = 0;
   for (const DicomHeader& image : images) out += image.frame >= 0 ? 1 : std::clamp(image.frames, 1, 1'000'000);
@@ -157,11 +156,17 @@ DicomFolder find_dicom_series(const std::string& folder, const std::string& key,
   std::vector<DicomFile> read = read_dicom_headers(files, folder, key);
   std::map<std::string, std::vector<DicomHeader>> by_uid;
   for (std::size_t n = 0; n < files.size(); ++n) {
-    if (read[n].kind == DicomKind::unsupported) out.unsupported.push_back(files[n]);
-    if (read[n].kind == DicomKind::damaged) out.damaged.push_back(files[n]);
-    if (read[n].kind == DicomKind::other) out.others.push_back(files[n]);
     for (DicomHeader& header : read[n].images) by_uid[header.series_uid].push_back(std::move(header));
   }
+  const auto add_files_of = [&](DicomKind kind) {
+    for (std::size_t n = 0; n < files.size(); ++n) {
+      if (read[n].kind == kind) out.unread.push_back(files[n]);
+    }
+  };
+  add_files_of(DicomKind::damaged);
+  out.damaged = out.unread;
+  add_files_of(DicomKind::unsupported);
+  add_files_of(DicomKind::other);
   report_unsupported(files, read, !by_uid.empty(), key, report);
   if (!out.damaged.empty()) {
     report.warn(folder + ": damaged DICOM files skipped: " + std::to_string(out.damaged.size()) + ", the first is " +
@@ -171,8 +176,7 @@ DicomFolder find_dicom_series(const std::string& folder, const std::string& key,
   std::ranges::stable_sort(out.series, {}, [](const DicomSeries& s) { return std::tie(s.number, s.uid); });
   if (out.series.empty() && !std::filesystem::is_directory(folder)) {
     throw InputError({folder}, key,
-                     out.damaged.empty() && out.others.empty() ? "a DICOM file without an image"
-                                                               : "the DICOM header is truncated or damaged",
+                     out.unread.empty() ? "a DICOM file without an image" : "the DICOM header is truncated or damaged",
                      "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
   }
   if (out.series.empty()) {

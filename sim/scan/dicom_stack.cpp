@@ -6,20 +6,29 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <numeric>
 #include <set>
 #include <utility>
 
-#include "sim/scan/dicom_checks.h"
-#include "sim/scan/dicom_tags.h"
-#include "sim/scan/scan_transfer.h"
+#include "sim/base/text.h"
+#include "sim/scan/dicom_values.h"
+#include "sim/scan/image_io.h"
 
 namespace reamsim::ct {
 
 namespace {
+
+/// Slices that form a volume, in the order of their positions.
+struct DicomStack {
+  std::vector<SliceSource> slices;
+  std::vector<SliceBlend> blends;  ///< of the slices of the volume, where it is interpolated between `slices`
+  std::string pixel_type;
+  ScanGeometry geometry;
+  double kvp = 0;  ///< of the first slice; 0: unknown
+  int files = 0;
+};
 
 /// False for screenshots, dose reports and multi-frame files that do not say where their frames lie.
 bool may_be_slice(const DicomHeader& header) {
@@ -75,7 +84,7 @@ std::vector<Stack> groups_of(const std::vector<const DicomHeader*>& slices, cons
   std::vector<SliceFacts> facts = read_slice_facts(slices, key);
   std::vector<Stack> groups;
   for (std::size_t n = 0; n < slices.size(); ++n) {
-    const Slice slice{slices[n], std::move(facts[n].geometry), std::move(facts[n].pixel_type), 0, 0};
+    const Slice slice{std::move(facts[n]), slices[n]};
     const auto group = std::ranges::find_if(
         groups, [&](const Stack& g) { return belong_together(g.front().geometry, slice.geometry); });
     if (group == groups.end()) {
@@ -117,7 +126,7 @@ std::string list_of(const std::vector<Candidate>& candidates, const std::string&
     out += fmt::format("{}{}/{}: ", n == 0 ? "" : "; ", series, n + 1);
     if (!volume.label.empty()) out += volume.label + ", ";
     out += fmt::format("{} slices of {}x{}, {:.4g}x{:.4g}x{:.4g} mm", volume.slices.size(), g.dims.x(), g.dims.y(),
-                       g.spacing_mm().x(), g.spacing_mm().y(), typical_spacing(places_of(volume.slices)));
+                       g.spacing_mm().x(), g.spacing_mm().y(), typical_spacing(volume.slices));
   }
   return out;
 }
@@ -181,15 +190,10 @@ void warn_of_other_groups(const std::vector<Stack>& groups, Diagnostics& report)
               " and has " + difference(other.geometry, groups[0].front().geometry));
 }
 
-std::string without_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 std::string keyword_named(const std::string& name, const DicomFolder& folder) {
   std::string known;
   for (const SeparatingTag& tag : separating_tags()) {
-    if (without_case(tag.keyword) == without_case(name)) return tag.keyword;
+    if (lower_case(tag.keyword) == lower_case(name)) return tag.keyword;
     known += (known.empty() ? "" : ", ") + std::string(tag.keyword);
   }
   throw InputError({folder.folder}, kSeriesKey, "'" + name + "' is no element by which volumes are told apart",
@@ -202,13 +206,8 @@ std::vector<const DicomHeader*> with_tags(std::vector<const DicomHeader*> slices
   for (const auto& [name, wanted] : choice.tags) {
     const std::string keyword = keyword_named(name, folder);
     std::set<std::string> values;
-    const auto differs = [&](const DicomHeader* header) {
-      const auto found = header->tags.find(keyword);
-      const std::string value = found == header->tags.end() ? "" : found->second;
-      values.insert(value);
-      return value != wanted;
-    };
-    std::erase_if(slices, differs);
+    for (const DicomHeader* header : slices) values.insert(header->tag(keyword));
+    std::erase_if(slices, [&](const DicomHeader* header) { return header->tag(keyword) != wanted; });
     if (!slices.empty()) continue;
     constexpr std::size_t kMost = 20;
     std::string list;
@@ -234,19 +233,18 @@ void report_resampling(const SpacingFault& fault, const Stack& stack, const Dico
                           what, stack.size(), out.blends.size(), out.geometry.spacing_mm().z()));
 }
 
-SliceSource source_of(const Slice& slice) {
-  const DicomHeader& h = *slice.header;
-  return {h.path, h.frame, h.slope, h.intercept, double{1} * h.rows * h.columns * std::max(h.frames, 1)};
-}
-
-/// Where positions are rounded, the header knows the spacing better, unless it contradicts them.
+/// Where positions are rounded, the header knows the spacing better, unless it contradicts them. The line keeps its
+/// middle.
 void use_spacing_of_header(SliceLine& line, const Stack& stack) {
   const ScanGeometry& g = stack.front().geometry;
   const double along = std::abs(g.step_mm.col(0).cross(g.step_mm.col(1)).normalized().dot(line.step_mm.normalized()));
   const double header_mm = stack.front().header->slice_spacing_mm;
   constexpr double kRounded = 1e-3;  // of the spacing
-  if (!(header_mm > 0) || stack.front().half_unit_mm < kRounded * header_mm) return;
-  if (explains(places_of(stack), header_mm)) line = with_spacing(line, header_mm / along, stack.size());
+  if (!(header_mm > 0) || stack.front().half_unit_mm < kRounded * header_mm || !explains(stack, header_mm)) return;
+  const double middle = 0.5 * static_cast<double>(stack.size() - 1);
+  const Vec3 step = line.step_mm.normalized() * (header_mm / along);
+  line.point_mm += middle * (line.step_mm - step);
+  line.step_mm = step;
 }
 
 /// The geometry from the positions, not the slice thickness in the header: a tilted gantry is a shear.
@@ -266,38 +264,28 @@ void set_geometry(DicomStack& out, const Stack& stack, const std::string& key, D
   out.geometry.step_mm.col(2) = line.step_mm * (at.back() / static_cast<double>(slices - 1));
   out.geometry.origin_mm = line.point_mm;
   check_straight(stack, line, at, key, report);
-  if (!is_plausible(out.geometry)) {
+  if (!out.geometry.is_valid()) {
     throw InputError({stack.front().path()}, key, "voxel spacing or axes are degenerate", "export the original series");
   }
-}
-
-/// Slices that are not evenly spaced are refused, or will be interpolated.
-std::optional<SpacingFault> check_spacing(DicomStack& out, const Stack& stack, const std::vector<Stack>& groups,
-                                          const std::vector<std::string>& skipped, const std::string& key,
-                                          bool resample) {
-  const std::vector<SlicePlace> places = places_of(stack);
-  const auto fault = spacing_fault(places, stack.front().header->slice_spacing_mm);
-  if (fault && !resample) refuse_spacing(*fault, stack, groups, skipped, key);
-  if (fault) out.blends = blends_of(places);
-  return fault;
 }
 
 DicomStack stack_of(const Stack& stack, const std::vector<Stack>& groups, std::vector<std::string> skipped,
                     const DicomFolder& folder, const std::string& key, bool resample, Diagnostics& report) {
   check_values(stack, key);
   refuse_same_place(stack, key);
-  std::vector<std::string> unreadable = folder.damaged;
-  unreadable.insert(unreadable.end(), folder.unsupported.begin(), folder.unsupported.end());
-  unreadable.insert(unreadable.end(), folder.others.begin(), folder.others.end());
-  const std::vector<std::string> damaged = named_like_slices(stack, unreadable);
+  const std::vector<std::string> damaged = named_like_slices(stack, folder.unread);
   skipped.insert(skipped.begin(), damaged.begin(), damaged.end());
   DicomStack out;
-  const auto fault = check_spacing(out, stack, groups, skipped, key, resample);
+  const auto fault = spacing_fault(stack, stack.front().header->slice_spacing_mm);
+  if (fault && !resample) refuse_spacing(*fault, stack, groups, skipped, key);
+  if (fault) out.blends = blends_of(stack);
   refuse_damaged_slices(damaged, key);
   std::set<std::string> files;
   for (const Slice& slice : stack) {
-    out.slices.push_back(source_of(slice));
-    files.insert(slice.path());
+    const DicomHeader& h = *slice.header;
+    out.slices.push_back(
+        {h.path, h.frame, h.slope, h.intercept, double{1} * h.rows * h.columns * std::max(h.frames, 1)});
+    files.insert(h.path);
   }
   out.files = static_cast<int>(files.size());
   out.pixel_type = stack.front().pixel_type;
@@ -307,8 +295,12 @@ DicomStack stack_of(const Stack& stack, const std::vector<Stack>& groups, std::v
   return out;
 }
 
-}  // namespace
-
+/// Sorts the slices of a series, or of the volume of it that is chosen. Skips, with a warning, images of another size,
+/// spacing or orientation (a scout) and copies of a slice. Warns of rounded positions, slices missing at the ends,
+/// lossy compression and mixed volumes. Files of `folder` that cannot be read may be missing slices. `resample`: slices
+/// that are not evenly spaced are interpolated, with a warning. Throws InputError with the file: several volumes,
+/// truncated, damaged, MONOCHROME1, a multi-frame file without positions, missing, unevenly spaced, duplicate,
+/// displaced.
 DicomStack stack_slices(const DicomSeries& series, const SeriesChoice& choice, const DicomFolder& folder,
                         const std::string& key, bool resample, Diagnostics& report) {
   std::vector<std::string> skipped = folder.damaged;
@@ -325,6 +317,74 @@ DicomStack stack_slices(const DicomSeries& series, const SeriesChoice& choice, c
   warn_of_missing_ends(chosen.volume.slices, series, report);
   warn_of_values(chosen.volume.slices, report);
   return out;
+}
+
+class DicomScan : public ScanSource {
+ public:
+  DicomScan(const std::string& folder, const std::string& key, const DicomChoice& choice, Diagnostics& report)
+      : key_(key) {
+    const SeriesChoice chosen = parse_series_choice(choice.series, folder);
+    const DicomFolder found = find_dicom_series(folder, key, report);
+    const DicomSeries& series = choose_series(found, chosen, choice.any_modality, report);
+    if (series.modality != "CT") {
+      report.warn(folder + ": modality " + (series.modality.empty() ? "unknown" : series.modality) +
+                  ", not CT; thresholds and densities are wrong unless its values are HU");
+    }
+    stack_ = stack_slices(series, chosen, found, key, choice.resample, report);
+    name_ = series.description.empty() ? "" : " \"" + series.description + "\"";
+    check_fits_in_memory(static_cast<double>(stack_.geometry.size()), sizeof(float), folder, key_);
+  }
+
+  [[nodiscard]] const ScanGeometry& geometry() const override { return stack_.geometry; }
+  [[nodiscard]] std::string description() const override {
+    const std::size_t slices = stack_.slices.size();
+    std::string out =
+        "DICOM series" + name_ + " of " + std::to_string(stack_.files) + (stack_.files == 1 ? " file, " : " files, ");
+    if (static_cast<std::size_t>(stack_.files) != slices) out += std::to_string(slices) + " frames, ";
+    return out + stack_.pixel_type;
+  }
+  [[nodiscard]] double kvp() const override { return stack_.kvp; }
+
+  [[nodiscard]] Scan read(const IndexBox& box) const override {
+    const IndexBox in_slice{{box.start.x(), box.start.y(), 0}, {box.size.x(), box.size.y(), 1}};
+    const auto slices = [&](std::size_t first, std::size_t last) {
+      const auto begin = stack_.slices.begin();
+      return read_slices({begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last) + 1},
+                         in_slice, key_);
+    };
+    const auto first = static_cast<std::size_t>(box.start.z());
+    const std::size_t last = first + static_cast<std::size_t>(box.size.z()) - 1;
+    Scan out{part_of(stack_.geometry, box), {}};
+    if (stack_.blends.empty()) {
+      out.value = slices(first, last);
+      return out;
+    }
+    const std::size_t lowest = stack_.blends[first].below;
+    const std::vector<float> source = slices(lowest, stack_.blends[last].below + 1);
+    const auto pixels = static_cast<std::size_t>(in_slice.voxels());
+    out.value.reserve(static_cast<std::size_t>(box.voxels()));
+    for (std::size_t k = first; k <= last; ++k) {
+      const SliceBlend& blend = stack_.blends[k];
+      const float* low = source.data() + (blend.below - lowest) * pixels;
+      for (std::size_t n = 0; n < pixels; ++n) {
+        const double value = (1 - blend.weight) * double{low[n]} + blend.weight * double{low[pixels + n]};
+        out.value.push_back(static_cast<float>(value));
+      }
+    }
+    return out;
+  }
+
+ private:
+  std::string key_;
+  std::string name_;
+  DicomStack stack_;
+};
+
+}  // namespace
+
+std::unique_ptr<ScanSource> open_dicom(const std::string& path, const std::string& key, const DicomChoice& choice,
+                                       Diagnostics& report) {
+  return std::make_unique<DicomScan>(path, key, choice, report);
 }
 
 }  // namespace reamsim::ct

@@ -4,10 +4,14 @@
 #include "sim/scan/dicom_values.h"
 
 #include <fmt/core.h>
+#include <gdcmTransferSyntax.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
+
+#include "sim/base/file.h"
 
 namespace reamsim::ct {
 
@@ -22,8 +26,6 @@ std::string binary_text(const std::string& bytes) {
   return fmt::format("{}", out);
 }
 
-}  // namespace
-
 std::string plain_text(std::string bytes) {
   for (char& c : bytes) c = c == '\0' ? ' ' : (c < 0x20 || c > 0x7e) ? '?' : c;
   const std::size_t first = bytes.find_first_not_of(' ');
@@ -31,7 +33,98 @@ std::string plain_text(std::string bytes) {
   return bytes.substr(first, bytes.find_last_not_of(' ') - first + 1);
 }
 
-std::vector<double> numbers_in(const std::string& list) {
+constexpr SeparatingTag kTags[] = {{"AcquisitionNumber", {0x0020, 0x0012}},
+                                   {"FrameAcquisitionNumber", {0x0020, 0x9156}, DicomType::us},
+                                   {"TemporalPositionIdentifier", {0x0020, 0x0100}},
+                                   {"TemporalPositionIndex", {0x0020, 0x9128}, DicomType::ul},
+                                   {"NominalPercentageOfCardiacPhase", {0x0020, 0x9241}, DicomType::fd},
+                                   {"TriggerTime", {0x0018, 0x1060}},
+                                   {"NominalCardiacTriggerDelayTime", {0x0020, 0x9153}, DicomType::fd},
+                                   {"TemporalPositionTimeOffset", {0x0020, 0x930d}, DicomType::fd},
+                                   {"EchoNumbers", {0x0018, 0x0086}},
+                                   {"EchoTime", {0x0018, 0x0081}},
+                                   {"EffectiveEchoTime", {0x0018, 0x9082}, DicomType::fd},
+                                   {"ConvolutionKernel", {0x0018, 0x1210}},
+                                   {"FilterType", {0x0018, 0x1160}},
+                                   {"ReconstructionAlgorithm", {0x0018, 0x9315}},
+                                   {"ImageType", {0x0008, 0x0008}},
+                                   {"FrameType", {0x0008, 0x9007}},
+                                   {"KVP", {0x0018, 0x0060}},
+                                   {"ReferencedSegmentNumber", {0x0062, 0x000b}, DicomType::us},
+                                   {"StackID", {0x0020, 0x9056}},
+                                   {"SliceThickness", {0x0018, 0x0050}},
+                                   {"ReconstructionDiameter", {0x0018, 0x1100}},
+                                   {"ContrastBolusAgent", {0x0018, 0x0010}},
+                                   {"SeriesNumber", {0x0020, 0x0011}},
+                                   {"SeriesDescription", {0x0008, 0x103e}},
+                                   {"StudyInstanceUID", {0x0020, 0x000d}},
+                                   {"FrameOfReferenceUID", {0x0020, 0x0052}},
+                                   {"IrradiationEventUID", {0x0008, 0x3010}},
+                                   {"AcquisitionDateTime", {0x0008, 0x002a}},
+                                   {"FrameAcquisitionDateTime", {0x0018, 0x9074}},
+                                   {"FrameReferenceDateTime", {0x0018, 0x9151}},
+                                   {"AcquisitionTime", {0x0008, 0x0032}},
+                                   {"ContentTime", {0x0008, 0x0033}},
+                                   {"SeriesTime", {0x0008, 0x0031}},
+                                   {"AcquisitionDate", {0x0008, 0x0022}},
+                                   {"ContentDate", {0x0008, 0x0023}},
+                                   // Of multi-frame files; those of slices all differ.
+                                   {"InstanceNumber", {0x0020, 0x0013}},
+                                   {"SOPInstanceUID", {0x0008, 0x0018}}};
+
+struct Syntax {
+  std::string_view uid;
+  const char* name;
+  Loss loss = Loss::none;
+};
+
+constexpr Syntax kCompressed[] = {{"1.2.840.10008.1.2.1.99", "deflated"},
+                                  {"1.2.840.10008.1.2.4.50", "JPEG baseline", Loss::certain},
+                                  {"1.2.840.10008.1.2.4.51", "JPEG extended", Loss::certain},
+                                  {"1.2.840.10008.1.2.4.52", "JPEG extended", Loss::certain},
+                                  {"1.2.840.10008.1.2.4.53", "JPEG spectral selection", Loss::certain},
+                                  {"1.2.840.10008.1.2.4.55", "JPEG full progression", Loss::certain},
+                                  {"1.2.840.10008.1.2.4.57", "JPEG lossless"},
+                                  {"1.2.840.10008.1.2.4.70", "JPEG lossless"},
+                                  {"1.2.840.10008.1.2.4.80", "JPEG-LS lossless"},
+                                  {"1.2.840.10008.1.2.4.81", "JPEG-LS near-lossless", Loss::certain},
+                                  {"1.2.840.10008.1.2.4.90", "JPEG 2000 lossless"},
+                                  {"1.2.840.10008.1.2.4.91", "JPEG 2000", Loss::possible},
+                                  {"1.2.840.10008.1.2.4.92", "JPEG 2000 part 2 lossless"},
+                                  {"1.2.840.10008.1.2.4.93", "JPEG 2000 part 2", Loss::possible},
+                                  {"1.2.840.10008.1.2.4.94", "JPIP"},
+                                  {"1.2.840.10008.1.2.4.95", "JPIP"},
+                                  {"1.2.840.10008.1.2.5", "RLE"},
+                                  {"1.2.840.10008.1.2.8.1", "deflated frames"}};
+
+/// Families of UIDs that GDCM does not know.
+constexpr Syntax kFamilies[] = {{"1.2.840.10008.1.2.4.10", "video (MPEG)"},
+                                {"1.2.840.10008.1.2.4.11", "JPEG XL"},
+                                {"1.2.840.10008.1.2.4.20", "High-Throughput JPEG 2000, HTJ2K"},
+                                {"1.2.840.10008.1.2.7.", "video (SMPTE)"}};
+
+std::uint16_t uint16_at(const std::string& bytes, std::size_t at) {
+  return static_cast<std::uint16_t>(static_cast<unsigned char>(bytes[at]) | static_cast<unsigned char>(bytes[at + 1])
+                                                                                << 8);
+}
+
+}  // namespace
+
+const gdcm::ByteValue* DicomValues::raw(const DicomTag& tag) const {
+  return has(tag) ? data_->GetDataElement(gdcm::Tag(tag.group, tag.element)).GetByteValue() : nullptr;
+}
+
+std::string DicomValues::bytes(const DicomTag& tag) const {
+  const gdcm::ByteValue* value = raw(tag);
+  return value == nullptr ? "" : std::string(value->GetPointer(), value->GetLength());
+}
+
+std::string DicomValues::text(const DicomTag& tag) const {
+  return plain_text(bytes(tag));
+}
+
+std::vector<double> DicomValues::numbers(const DicomTag& tag) const {
+  const std::string list = text(tag);
   std::vector<double> out;
   for (std::size_t at = 0; at < list.size();) {
     const std::size_t end = std::min(list.find('\\', at), list.size());
@@ -43,20 +136,6 @@ std::vector<double> numbers_in(const std::string& list) {
     at = end + 1;
   }
   return out;
-}
-
-std::string DicomValues::bytes(const DicomTag& tag) const {
-  if (!has(tag)) return "";
-  const gdcm::ByteValue* value = data_->GetDataElement(gdcm::Tag(tag.group, tag.element)).GetByteValue();
-  return value == nullptr ? "" : std::string(value->GetPointer(), value->GetLength());
-}
-
-std::string DicomValues::text(const DicomTag& tag) const {
-  return plain_text(bytes(tag));
-}
-
-std::vector<double> DicomValues::numbers(const DicomTag& tag) const {
-  return numbers_in(text(tag));
 }
 
 double DicomValues::number(const DicomTag& tag, double otherwise) const {
@@ -100,6 +179,67 @@ std::vector<DicomValues> DicomValues::items(const DicomTag& tag) const {
     out.push_back(DicomValues(sequence->GetItem(n).GetNestedDataSet(), sequence));
   }
   return out;
+}
+
+std::span<const SeparatingTag> separating_tags() {
+  return kTags;
+}
+
+void add_tags(const DicomValues& values, std::map<std::string, std::string>& tags) {
+  for (const SeparatingTag& tag : kTags) {
+    const std::string value = values.text_of(tag.tag, tag.type);
+    if (!value.empty()) tags[tag.keyword] = value;
+  }
+}
+
+std::string syntax_in_file(const std::string& path) {
+  constexpr std::size_t kPreamble = 128, kMagic = 4, kMost = 4096;
+  const std::string start = read_file_start(path, kMost);
+  if (start.size() < kPreamble + kMagic || start.compare(kPreamble, kMagic, "DICM") != 0) return "";
+  // The meta information is explicit little endian whatever follows.
+  for (std::size_t at = kPreamble + kMagic; at + 12 <= start.size() && uint16_at(start, at) == 2;) {
+    const std::string vr = start.substr(at + 4, 2);
+    const bool is_long = vr == "OB" || vr == "UN" || vr == "UT" || vr == "SQ" || vr == "OW";
+    const std::size_t length =
+        is_long ? uint16_at(start, at + 8) + (std::size_t{uint16_at(start, at + 10)} << 16) : uint16_at(start, at + 6);
+    const std::size_t value = at + (is_long ? 12 : 8);
+    if (uint16_at(start, at + 2) == 0x10 && value <= start.size()) return plain_text(start.substr(value, length));
+    at = value + length;
+  }
+  return "";
+}
+
+std::string name_of_syntax(const std::string& uid) {
+  const auto found = std::ranges::find(kCompressed, uid, &Syntax::uid);
+  if (found != std::end(kCompressed)) return found->name;
+  const auto family = std::ranges::find_if(kFamilies, [&](const Syntax& s) { return uid.starts_with(s.uid); });
+  return family == std::end(kFamilies) ? "" : family->name;
+}
+
+bool is_supported_syntax(const std::string& uid) {
+  if (uid.empty()) return true;
+  switch (gdcm::TransferSyntax::GetTSType(uid.c_str())) {
+    case gdcm::TransferSyntax::TS_END:
+    case gdcm::TransferSyntax::MPEG2MainProfile:
+    case gdcm::TransferSyntax::MPEG2MainProfileHighLevel:
+    case gdcm::TransferSyntax::MPEG4AVCH264HighProfileLevel4_1:
+    case gdcm::TransferSyntax::MPEG4AVCH264BDcompatibleHighProfileLevel4_1:
+    case gdcm::TransferSyntax::JPIPReferenced:
+      return false;
+    default:
+      return true;
+  }
+}
+
+Loss loss_of_syntax(const std::string& uid) {
+  const auto found = std::ranges::find(kCompressed, uid, &Syntax::uid);
+  return found == std::end(kCompressed) ? Loss::none : found->loss;
+}
+
+std::string how_to_decode(const std::string& name_and_uid) {
+  const std::string plain = "export it from the archive as Explicit VR Little Endian";
+  if (name_and_uid.find("HTJ2K") == std::string::npos) return plain;
+  return "decompress its files with pydicom and pylibjpeg-openjpeg (dcmread, decompress, save_as), or " + plain;
 }
 
 }  // namespace reamsim::ct

@@ -5,9 +5,11 @@
 
 #include <gdcmDataSet.h>
 #include <gdcmSequenceOfItems.h>
-#include <array>
 #include <cstdint>
+#include <map>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace reamsim::ct {
@@ -31,6 +33,8 @@ class DicomValues {
   [[nodiscard]] bool has(const DicomTag& tag) const {
     return data_->FindDataElement(gdcm::Tag(tag.group, tag.element));
   }
+  /// The bytes in the file; nullptr without any, as for a sequence or compressed pixels.
+  [[nodiscard]] const gdcm::ByteValue* raw(const DicomTag& tag) const;
   [[nodiscard]] std::string bytes(const DicomTag& tag) const;
   /// Without padding; other characters than printable ASCII become "?".
   [[nodiscard]] std::string text(const DicomTag& tag) const;
@@ -54,8 +58,35 @@ class DicomValues {
   const gdcm::DataSet* data_;
 };
 
-/// As DicomValues gives them.
-std::string plain_text(std::string bytes);
-std::vector<double> numbers_in(const std::string& list);
+/// An element that may tell volumes of one series apart.
+struct SeparatingTag {
+  const char* keyword;
+  DicomTag tag;
+  DicomType type = DicomType::text;
+};
+
+/// Those known, the one that says most about the reason first.
+std::span<const SeparatingTag> separating_tags();
+
+/// Adds the values that a data set has, by keyword.
+void add_tags(const DicomValues& values, std::map<std::string, std::string>& tags);
+
+// Transfer syntaxes: how a DICOM file and its pixels are coded.
+
+/// The transfer syntax UID in the meta information of a file, also one that GDCM does not know; "" without one.
+std::string syntax_in_file(const std::string& path);
+
+/// "JPEG 2000"; "" for one that is not compressed, or unknown.
+std::string name_of_syntax(const std::string& uid);
+
+/// Whether GDCM can decode it. "" is taken as supported: files without meta information are implicit little endian.
+bool is_supported_syntax(const std::string& uid);
+
+/// Whether a compression loses values.
+enum class Loss { none, possible, certain };
+Loss loss_of_syntax(const std::string& uid);
+
+/// What to do about files in a syntax that cannot be decoded.
+std::string how_to_decode(const std::string& name_and_uid);
 
 }  // namespace reamsim::ct

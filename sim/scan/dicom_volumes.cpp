@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/dicom_volumes.h"
-
 #include <fmt/core.h>
 #include <algorithm>
 #include <cstdlib>
@@ -13,18 +11,14 @@
 #include <tuple>
 #include <utility>
 
-#include "sim/scan/dicom_tags.h"
+#include "sim/scan/dicom_stack.h"
+#include "sim/scan/dicom_values.h"
 
 namespace reamsim::ct {
 
 namespace {
 
 using Keywords = std::vector<std::string>;
-
-std::string value_of(const Slice& slice, const std::string& keyword) {
-  const auto found = slice.header->tags.find(keyword);
-  return found == slice.header->tags.end() ? "" : found->second;
-}
 
 /// Numbers by size, other texts by their characters.
 struct ByValue {
@@ -43,7 +37,7 @@ std::vector<DicomVolume> divide(const Stack& sorted, const Keywords& keywords) {
   std::map<Keywords, Stack, ByValue> groups;
   for (const Slice& slice : sorted) {
     Keywords values;
-    for (const std::string& keyword : keywords) values.push_back(value_of(slice, keyword));
+    for (const std::string& keyword : keywords) values.push_back(slice.header->tag(keyword));
     groups[values].push_back(slice);
   }
   std::vector<DicomVolume> out;
@@ -60,7 +54,7 @@ Keywords candidates_in(const Stack& sorted) {
   Keywords out;
   for (const SeparatingTag& tag : separating_tags()) {
     std::set<std::string> values;
-    for (const Slice& slice : sorted) values.insert(value_of(slice, tag.keyword));
+    for (const Slice& slice : sorted) values.insert(slice.header->tag(tag.keyword));
     if (values.size() >= 2 && 2 * values.size() <= sorted.size()) out.emplace_back(tag.keyword);
   }
   return out;
@@ -104,7 +98,7 @@ std::string range_of(const Stack& slices) {
 std::optional<std::vector<DicomVolume>> divide_by_order(Stack sorted) {
   const auto is_numbered = [](const Slice& s) { return s.header->frame >= 0 || s.header->instance_number; };
   if (!std::ranges::all_of(sorted, is_numbered)) return std::nullopt;
-  const double near_mm = kSamePlace * typical_spacing(places_of(sorted));
+  const double near_mm = kSamePlace * typical_spacing(sorted);
   std::vector<DicomVolume> out;
   for (std::size_t first = 0, last = 0; first < sorted.size(); first = last) {
     while (last < sorted.size() && sorted[last].height_mm - sorted[first].height_mm <= near_mm) ++last;
@@ -138,24 +132,16 @@ std::optional<std::vector<DicomVolume>> divide_alternating(const Stack& sorted) 
   return first_division(sorted, [](const std::vector<DicomVolume>& volumes) {
     constexpr std::size_t kLeastSlices = 3;
     if (least_slices(volumes) < kLeastSlices) return false;
-    const auto is_even = [](const DicomVolume& v) {
-      return has_single_places(v) && !spacing_fault(places_of(v.slices), 0);
-    };
+    const auto is_even = [](const DicomVolume& v) { return has_single_places(v) && !spacing_fault(v.slices, 0); };
     return std::ranges::all_of(volumes, is_even) && any_overlap(volumes);
   });
 }
 
 }  // namespace
 
-std::vector<SlicePlace> places_of(const Stack& stack) {
-  std::vector<SlicePlace> out;
-  for (const Slice& slice : stack) out.push_back({slice.height_mm, slice.half_unit_mm, slice.header->instance_number});
-  return out;
-}
-
 std::ptrdiff_t same_place(const Stack& sorted) {
   if (sorted.size() < 2) return -1;
-  const double near_mm = kSamePlace * typical_spacing(places_of(sorted));
+  const double near_mm = kSamePlace * typical_spacing(sorted);
   for (std::size_t n = 1; n < sorted.size(); ++n) {
     if (sorted[n].height_mm - sorted[n - 1].height_mm <= near_mm) return static_cast<std::ptrdiff_t>(n);
   }
@@ -191,7 +177,7 @@ std::vector<DicomVolume> volumes_in(const Stack& sorted) {
   const std::vector<DicomVolume> whole{{"", sorted}};
   if (sorted.size() < 2) return whole;
   if (same_place(sorted) < 0) {
-    if (!spacing_fault(places_of(sorted), 0)) return whole;
+    if (!spacing_fault(sorted, 0)) return whole;
     return divide_alternating(sorted).value_or(whole);
   }
   for (const std::size_t least : {2U, 1U}) {
@@ -214,9 +200,9 @@ std::string mixed_elements(const Stack& sorted) {
     std::set<std::string> values;
     std::size_t runs = 0;
     for (std::size_t n = 0; n < sorted.size(); ++n) {
-      const std::string value = value_of(sorted[n], keyword);
+      const std::string value = sorted[n].header->tag(keyword);
       values.insert(value);
-      if (n == 0 || value != value_of(sorted[n - 1], keyword)) ++runs;
+      if (n == 0 || value != sorted[n - 1].header->tag(keyword)) ++runs;
     }
     // Blocks of slices, as of two ranges of a scan, have one run each.
     if (values.size() < 2 || runs <= values.size()) continue;

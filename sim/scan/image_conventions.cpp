@@ -1,9 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/image_conventions.h"
-
-#include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
 
 #include <algorithm>
@@ -21,6 +18,7 @@
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 #include "sim/base/text.h"
+#include "sim/scan/image_io.h"
 
 namespace reamsim::ct {
 
@@ -33,11 +31,6 @@ struct NrrdHeader {
   Vec3 to_mm = Vec3::Ones();          ///< millimetres in the length unit of each axis of the space
   std::string unknown_unit = {};      ///< the first that is no known length unit, taken as mm; empty: none
 };
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 /// Letters and digits in lower case.
 std::string plain(const std::string& text) {
@@ -246,11 +239,6 @@ void check_encoding(const std::string& path, const std::string& key) {
   if (std::ranges::find(kKnown, encoding) != kKnown.end()) return;
   throw InputError({path}, key, "the voxels are encoded as " + printable(encoding) + ", which this program cannot read",
                    "save the file as raw or gzip (3D Slicer, or unu save -f nrrd -e gzip)");
-}
-
-bool can_be_read_in_part(itk::ImageIOBase& io) {
-  auto* meta = dynamic_cast<itk::MetaImageIO*>(&io);
-  return meta == nullptr || !meta->GetMetaImagePointer()->CompressedData();
 }
 
 }  // namespace reamsim::ct

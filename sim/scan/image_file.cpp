@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <fmt/core.h>
-#include <itkMetaDataObject.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,10 +14,8 @@
 #include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"
 #include "sim/scan/dicom_files.h"
-#include "sim/scan/image_conventions.h"
 #include "sim/scan/image_io.h"
 #include "sim/scan/nifti_file.h"
-#include "sim/scan/scan_transfer.h"
 
 namespace reamsim::ct {
 
@@ -26,62 +23,41 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string lower_file_name(const std::string& path) {
-  std::string name = fs::path(path).filename().string();
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
-  return name;
-}
-
-/// Key-value metadata of an NRRD.
-std::map<std::string, std::string> metadata_of(const itk::ImageIOBase& io) {
-  const itk::MetaDataDictionary& dictionary = io.GetMetaDataDictionary();
-  std::map<std::string, std::string> out;
-  for (const std::string& name : dictionary.GetKeys()) {
-    std::string value;
-    if (itk::ExposeMetaData<std::string>(dictionary, name, value)) out[name] = value;
-  }
-  return out;
-}
-
 void put_header(ResultWriter& out, const std::string& path, const std::string& key, bool allow_layers) {
-  if (const auto nifti = read_nifti_header(path, key)) {
-    put_facts(out, facts_of(*nifti, path, key, allow_layers));
-    put_texts(out, {});
-    return;
-  }
+  if (const auto nifti = read_nifti_header(path, key)) return out.put(facts_of(*nifti, path, key, allow_layers));
   std::string format;
   const itk::ImageIOBase::Pointer io = open_image_io(path, key, format);
-  put_facts(out, check_image(*io, path, key, format, allow_layers));
-  put_texts(out, metadata_of(*io));
+  out.put(check_image(*io, path, key, format, allow_layers));
 }
 
 /// What is read of a file that had these dimensions and layers.
 struct Part {
-  PlainBox whole;
-  int layers;
-  PlainBox box;
-  int layer;
+  Vec3i dims = Vec3i::Zero();
+  int layers = 1;
+  IndexBox box;
+  int layer = 0;
+
+  static auto fields(auto& self) { return std::tie(self.dims, self.layers, self.box, self.layer); }
 };
 
 /// Throws InputError unless the file still has the dimensions of its header.
 void check_unchanged(const Part& part, const Vec3i& dims, int layers, const std::string& path, const std::string& key) {
-  if (dims == part.whole.get().size && layers == part.layers) return;
+  if (dims == part.dims && layers == part.layers) return;
   throw InputError({path}, key, "the file has changed while it was read", "start again");
 }
 
 void put_part(ResultWriter& out, const std::string& path, const std::string& key, const Part& part) {
-  const IndexBox box = part.box.get();
   if (const auto nifti = read_nifti_header(path, key)) {
     check_unchanged(part, placement_of(*nifti, path, key).geometry.dims, nifti->layers(), path, key);
-    float* const voxels = out.array<float>(static_cast<std::size_t>(box.voxels()));
-    return read_nifti_voxels(*nifti, box, part.layer, path, key, voxels);
+    float* const voxels = out.array<float>(static_cast<std::size_t>(part.box.voxels()));
+    return read_nifti_voxels(*nifti, part.box, part.layer, path, key, voxels);
   }
   std::string format;
   const itk::ImageIOBase::Pointer io = open_image_io(path, key, format);
   read_header(*io, path, key, format);
   const ScanGeometry now = geometry_of(*io, path, key, false, true);
   check_unchanged(part, now.dims, static_cast<int>(io->GetNumberOfComponents()), path, key);
-  read_voxels(*io, box, part.layer, path, key, out.array<float>(static_cast<std::size_t>(box.voxels())));
+  read_voxels(*io, part.box, part.layer, path, key, out.array<float>(static_cast<std::size_t>(part.box.voxels())));
 }
 
 /// The largest angle by which two axes miss a right one, degrees.
@@ -110,8 +86,7 @@ class FileScan : public LabelSource {
       : path_(path), key_(key) {
     const ReadLimits limits = ReadLimits().with(bytes_of_file(path), 0);
     ChildResult result = read_in_child<put_header>({path, key}, limits, path, key, allow_layers);
-    facts_ = take_facts(result.reader());
-    metadata_ = take_texts(result.reader());
+    facts_ = result.reader().take<ImageFacts>();
     check_fits_in_memory(static_cast<double>(facts_.geometry.size()), facts_.bytes_per_voxel, path, key);
     warn_of_header(path, facts_, report);
   }
@@ -128,13 +103,13 @@ class FileScan : public LabelSource {
   }
   [[nodiscard]] Scan read_layer(const IndexBox& box, int layer) const override {
     const auto voxels = static_cast<std::size_t>(box.voxels());
-    const Part part{PlainBox({Vec3i::Zero(), facts_.geometry.dims}), facts_.layers, PlainBox(box), layer};
+    const Part part{facts_.geometry.dims, facts_.layers, box, layer};
     ChildResult result = read_in_child<put_part>({path_, key_}, limits_for(voxels), path_, key_, part);
     Scan scan{part_of(facts_.geometry, box), result.reader().array<float>()};
     if (scan.value.size() != voxels) result.reader().fail();
     return scan;
   }
-  [[nodiscard]] std::map<std::string, std::string> metadata() const override { return metadata_; }
+  [[nodiscard]] const std::vector<NamedSegment>& segments() const override { return facts_.segments; }
 
  private:
   /// Formats that cannot be read in part are in memory as a whole, some of them twice.
@@ -148,7 +123,6 @@ class FileScan : public LabelSource {
   std::string path_;
   std::string key_;
   ImageFacts facts_;
-  std::map<std::string, std::string> metadata_;
 };
 
 /// The kind of an existing path. Throws InputError if the path does not exist.
@@ -180,7 +154,7 @@ std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string
   const bool folder = fs::is_directory(checked_status(path, key, "give a CT image"));
   try {
     // DICOMDIR is the index file beside the folders of a study.
-    if (!folder && lower_file_name(path) == "dicomdir")
+    if (!folder && lower_case(fs::path(path).filename().string()) == "dicomdir")
       return open_dicom(fs::path(path).parent_path().string(), key, choice, report);
     if (folder || looks_like_dicom(path)) return open_dicom(path, key, choice, report);
     auto scan = std::make_unique<FileScan>(path, key, false, report);

@@ -3,16 +3,21 @@
 
 #include "sim/scan/image_io.h"
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <itkGDCMImageIO.h>
+#include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <iostream>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
@@ -20,8 +25,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/scan/image_conventions.h"
-#include "sim/scan/segment.h"
+#include "sim/scan/label_map.h"
 
 namespace reamsim::ct {
 
@@ -43,8 +47,7 @@ constexpr double kGreatestStep_mm = 1e6;
 constexpr double kMostElongated = 200;
 
 std::string lower_extension(const std::string& path) {
-  std::string name = fs::path(path).filename().string();
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string name = lower_case(fs::path(path).filename().string());
   return name.ends_with(".nii.gz") ? ".nii.gz" : fs::path(name).extension().string();
 }
 
@@ -158,8 +161,15 @@ itk::ImageIORegion io_region(const itk::ImageIOBase& io, const IndexBox& box) {
   return region;
 }
 
-InputError cut_off(const std::string& path, const std::string& key) {
-  return {{path}, key, "the voxels cannot be read: the file is truncated or damaged", "give a complete file"};
+/// Key-value metadata of an NRRD.
+std::map<std::string, std::string> metadata_of(const itk::ImageIOBase& io) {
+  const itk::MetaDataDictionary& dictionary = io.GetMetaDataDictionary();
+  std::map<std::string, std::string> out;
+  for (const std::string& name : dictionary.GetKeys()) {
+    std::string value;
+    if (itk::ExposeMetaData<std::string>(dictionary, name, value)) out[name] = value;
+  }
+  return out;
 }
 
 constexpr std::size_t kLongestLine = 200;
@@ -268,6 +278,7 @@ ImageFacts check_image(itk::ImageIOBase& io, const std::string& path, const std:
   out.layers = static_cast<int>(io.GetNumberOfComponents());
   out.bytes_per_voxel = static_cast<double>(io.GetComponentSize()) * io.GetNumberOfComponents();
   describe_header(io, out);
+  if (allow_layers) out.segments = segments_of_nrrd(metadata_of(io), out.layers);
   check_fits_in_memory(static_cast<double>(out.geometry.size()), out.bytes_per_voxel, path, key);
   check_file_length(path, key, out.geometry.size(), out.bytes_per_voxel);
   return out;
@@ -283,14 +294,14 @@ void read_header(itk::ImageIOBase& io, const std::string& path, const std::strin
   }
 }
 
-bool is_plausible(const ScanGeometry& geometry) {
-  if (!geometry.step_mm.allFinite() || !geometry.origin_mm.allFinite()) return false;
-  if ((geometry.dims.array() < 1).any()) return false;
-  const Vec3 edge = geometry.spacing_mm();
+bool ScanGeometry::is_valid() const {
+  if (!step_mm.allFinite() || !origin_mm.allFinite()) return false;
+  if ((dims.array() < 1).any()) return false;
+  const Vec3 edge = spacing_mm();
   constexpr double kLeastVolume = 1e-3;  // of the box with these edges; less: the axes lie in a plane
   return edge.minCoeff() >= kLeastStep_mm && edge.maxCoeff() <= kGreatestStep_mm &&
          edge.maxCoeff() <= kMostElongated * edge.minCoeff() &&
-         std::abs(geometry.step_mm.determinant()) >= kLeastVolume * edge.prod();
+         std::abs(step_mm.determinant()) >= kLeastVolume * edge.prod();
 }
 
 void check_volume(const std::vector<std::int64_t>& sizes, bool allow_slice, const std::string& path,
@@ -329,7 +340,7 @@ ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, co
     geometry.origin_mm[axis] = io.GetOrigin(axis);
   }
   geometry = apply_format_conventions(io, geometry);
-  if (!is_plausible(geometry)) {
+  if (!geometry.is_valid()) {
     throw InputError({path}, key, "voxel spacing, axes or origin are zero, not finite or degenerate",
                      fmt::format("expected a spacing above {:g} mm and three independent axes", kLeastStep_mm));
   }
@@ -350,7 +361,9 @@ std::string pixel_type_of(const itk::ImageIOBase& io) {
 void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std::string& path, const std::string& key,
                  float* out) {
   const QuietLibraries quiet;
-  io.SetUseStreamedReading(can_be_read_in_part(io));
+  auto* meta = dynamic_cast<itk::MetaImageIO*>(&io);
+  // ITK loses voxels of a part of a compressed MetaImage.
+  io.SetUseStreamedReading(meta == nullptr || !meta->GetMetaImagePointer()->CompressedData());
   try {
     const itk::ImageIORegion held = io.GenerateStreamableReadRegionFromRequestedRegion(io_region(io, box));
     // Not initialized, so that a header with false dimensions uses no memory before the file proves to be truncated.
@@ -367,6 +380,36 @@ void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std
   } catch (const std::exception&) {
     throw cut_off(path, key);
   }
+}
+
+InputError cut_off(const std::string& path, const std::string& key) {
+  return {{path}, key, "the voxels cannot be read: the file is truncated or damaged", "give a complete file"};
+}
+
+QuietLibraries::QuietLibraries()
+    : cerr_(std::cerr.rdbuf(captured_.rdbuf())), cout_(std::cout.rdbuf(captured_.rdbuf())) {
+  std::fflush(stderr);
+  stderr_ = dup(STDERR_FILENO);
+  const int null_device = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (stderr_ >= 0 && null_device >= 0) dup2(null_device, STDERR_FILENO);
+  if (null_device >= 0) close(null_device);
+}
+
+QuietLibraries::~QuietLibraries() {
+  std::fflush(stderr);
+  if (stderr_ >= 0) {
+    dup2(stderr_, STDERR_FILENO);
+    close(stderr_);
+  }
+  std::cout.rdbuf(cout_);
+  std::cerr.rdbuf(cerr_);
+}
+
+bool QuietLibraries::reports_missing_voxels() const {
+  constexpr std::array<const char*, 3> kMessages{"data not read completely", "Uncompress failed",
+                                                 "Incomplete Pixel Data"};
+  const std::string output = captured_.str();
+  return std::ranges::any_of(kMessages, [&](const char* text) { return output.find(text) != std::string::npos; });
 }
 
 }  // namespace reamsim::ct

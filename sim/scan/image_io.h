@@ -5,16 +5,42 @@
 
 #include <itkImageIOBase.h>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <sstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "sim/scan/scan.h"
-#include "sim/scan/scan_transfer.h"
 
 namespace reamsim::ct {
 
 // Reading with ITK, for child processes. Private to sim/scan: only its sources include this header.
+
+/// The warning of a header without orientation.
+inline constexpr const char* kNoOrientation =
+    "the header does not say how the axes lie in the body; left, posterior, superior are assumed. Check side and "
+    "glenoid, "
+    "or export the file with its orientation";
+
+/// What the header of an image file says.
+struct ImageFacts {
+  std::string format;
+  std::string pixel_type;  ///< "int16", "float", ...
+  ScanGeometry geometry;
+  int layers = 1;
+  double bytes_per_voxel = 0;          ///< of all layers
+  std::string frame;                   ///< what in the header places the voxels
+  std::vector<std::string> warnings;   ///< what it leaves open or contradicts
+  std::vector<NamedSegment> segments;  ///< the labels that it names
+
+  [[nodiscard]] bool is_valid() const { return layers >= 1 && bytes_per_voxel > 0; }
+
+  static auto fields(auto& f) {
+    return std::tie(f.format, f.pixel_type, f.geometry, f.layers, f.bytes_per_voxel, f.frame, f.warnings, f.segments);
+  }
+};
 
 /// The reader of a file by its content, without ITK's global list of factories. Sets `format`: "NRRD", "MetaImage",
 /// "DICOM". Throws InputError: none of these, or a header on which the libraries would crash.
@@ -44,7 +70,25 @@ std::string pixel_type_of(const itk::ImageIOBase& io);
 void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std::string& path, const std::string& key,
                  float* out);
 
-/// Opens a folder of DICOM slices, or a multi-frame file (dicom_scan.cpp). Throws InputError: no DICOM, slices that do
+/// The error of a file whose voxels end too early.
+InputError cut_off(const std::string& path, const std::string& key);
+
+// What ITK reads otherwise than the format says, by version, and what a header leaves open (image_conventions.cpp). All
+// after ReadImageInformation().
+
+/// The geometry that ITK gives, mm in LPS, as the file means it: NRRD in the space left-anterior-superior or in one
+/// with time, which versions of ITK convert differently, and NRRD in other units than mm.
+ScanGeometry apply_format_conventions(const itk::ImageIOBase& io, ScanGeometry geometry);
+
+/// What in the header places the voxels, and warnings of what it leaves open. Orientation: NRRD without an anatomical
+/// space; ITK takes the axes as left, posterior, superior. Units: NRRD in units that are unknown, which are taken as
+/// mm.
+void describe_header(const itk::ImageIOBase& io, ImageFacts& facts);
+
+/// Throws InputError where the voxels of an NRRD are encoded in a way that ITK cannot read.
+void check_encoding(const std::string& path, const std::string& key);
+
+/// Opens a folder of DICOM slices, or a multi-frame file (dicom_stack.cpp). Throws InputError: no DICOM, slices that do
 /// not form a volume.
 std::unique_ptr<ScanSource> open_dicom(const std::string& path, const std::string& key, const DicomChoice& choice,
                                        Diagnostics& report);
@@ -52,5 +96,24 @@ std::unique_ptr<ScanSource> open_dicom(const std::string& path, const std::strin
 /// Opens a DICOM segmentation (SEG), or a folder with one (dicom_seg.cpp). Each segment is named by its label; its
 /// value is its number. Throws InputError: no segmentation, several, damaged, frames that do not form a volume.
 std::unique_ptr<LabelSource> open_dicom_seg(const std::string& path, const std::string& key, Diagnostics& report);
+
+/// Suppresses the output of ITK, GDCM and MetaIO during its lifetime. These libraries print warnings about
+/// damaged files, where a user should see only the message of the exception. Not for concurrent use.
+class QuietLibraries {
+ public:
+  QuietLibraries();
+  ~QuietLibraries();
+  QuietLibraries(const QuietLibraries&) = delete;
+  QuietLibraries& operator=(const QuietLibraries&) = delete;
+
+  /// Whether MetaIO or GDCM printed that voxels are missing. They report it in no other way.
+  [[nodiscard]] bool reports_missing_voxels() const;
+
+ private:
+  std::ostringstream captured_;
+  std::streambuf* cerr_;
+  std::streambuf* cout_;
+  int stderr_ = -1;  ///< copy of the file descriptor of stderr
+};
 
 }  // namespace reamsim::ct

@@ -148,10 +148,8 @@ class LabelReader {
 
  private:
   [[nodiscard]] std::vector<LabelValue> wanted() const {
-    std::vector<NamedSegment> segments = segments_of_nrrd(source_->metadata(), source_->layers());
-    if (segments.empty()) segments = segments_of_nifti(map_.path);
     report_.note("label map " + map_.path + ": " + source_->description() + shape());
-    return find_labels(map_.label, segments, source_->layers(), map_.path);
+    return find_labels(map_.label, source_->segments(), source_->layers(), map_.path);
   }
 
   [[nodiscard]] std::string shape() const {

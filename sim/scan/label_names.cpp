@@ -7,26 +7,17 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <memory>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/isolation/read_in_child.h"
-#include "sim/scan/nifti_file.h"
 
 namespace reamsim::ct {
 
 namespace {
 
-constexpr const char* kLabelMapPathKey = "bone.ct.label_map.path";
 constexpr const char* kLabelChoiceKey = "bone.ct.label_map.label";
 /// Names that a message lists; TotalSegmentator has 117.
 constexpr std::size_t kMaxNames = 40;
-
-std::string in_lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 /// Marks an invalid number. No map has so many layers, so its segment is rejected as damaged.
 constexpr int kNoWholeNumber = 1'000'000;
@@ -52,7 +43,7 @@ std::string names_of(const std::vector<NamedSegment>& segments) {
 LabelValue find_name(const std::string& wanted, const std::vector<NamedSegment>& segments, const std::string& path) {
   std::vector<LabelValue> found;
   for (const NamedSegment& segment : segments) {
-    if (in_lower_case(segment.name) == in_lower_case(wanted)) found.push_back(segment.label);
+    if (lower_case(segment.name) == lower_case(wanted)) found.push_back(segment.label);
   }
   if (found.size() == 1) return found.front();
   if (found.size() > 1) {
@@ -114,19 +105,6 @@ std::string attribute(const std::string& tag, const std::string& name) {
   return end == std::string::npos ? "" : tag.substr(from, end - from);
 }
 
-void add_xml_labels(const std::string& xml, std::vector<NamedSegment>& out) {
-  for (std::size_t at = xml.find("<Label "); at != std::string::npos; at = xml.find("<Label ", at + 1)) {
-    const std::size_t open_end = xml.find('>', at);
-    const std::size_t close = xml.find("</Label>", at);
-    if (open_end == std::string::npos || close == std::string::npos || open_end > close) return;
-    const std::string key = attribute(xml.substr(at, open_end - at), "Key");
-    if (!is_whole_number(key)) continue;
-    std::string name = xml.substr(open_end + 1, close - open_end - 1);
-    if (name.starts_with("<![CDATA[") && name.ends_with("]]>")) name = name.substr(9, name.size() - 12);
-    out.push_back({name, {0, std::strtod(key.c_str(), nullptr)}});
-  }
-}
-
 }  // namespace
 
 std::vector<NamedSegment> segments_of_nrrd(const std::map<std::string, std::string>& metadata, int layers) {
@@ -144,36 +122,21 @@ std::vector<NamedSegment> segments_of_nrrd(const std::map<std::string, std::stri
   return out;
 }
 
-namespace {
-
-/// In a child process.
-std::vector<NamedSegment> read_nifti_segments(const std::string& path) {
+std::vector<NamedSegment> segments_of_nifti(const std::vector<std::string>& extensions) {
   std::vector<NamedSegment> out;
-  const auto header = read_nifti_header(path, kLabelMapPathKey);
-  for (const std::string& text : header ? header->extensions : std::vector<std::string>()) add_xml_labels(text, out);
+  for (const std::string& xml : extensions) {
+    for (std::size_t at = xml.find("<Label "); at != std::string::npos; at = xml.find("<Label ", at + 1)) {
+      const std::size_t open_end = xml.find('>', at);
+      const std::size_t close = xml.find("</Label>", at);
+      if (open_end == std::string::npos || close == std::string::npos || open_end > close) break;
+      const std::string key = attribute(xml.substr(at, open_end - at), "Key");
+      if (!is_whole_number(key)) continue;
+      std::string name = xml.substr(open_end + 1, close - open_end - 1);
+      if (name.starts_with("<![CDATA[") && name.ends_with("]]>")) name = name.substr(9, name.size() - 12);
+      out.push_back({name, {0, std::strtod(key.c_str(), nullptr)}});
+    }
+  }
   return out;
-}
-
-void put_nifti_segments(ResultWriter& out, const std::string& path) {
-  for (const NamedSegment& segment : read_nifti_segments(path)) {
-    out.put(true);
-    out.put(segment.name);
-    out.put(segment.label.value);
-  }
-  out.put(false);
-}
-
-}  // namespace
-
-std::vector<NamedSegment> segments_of_nifti(const std::string& path) {
-  const ReadLimits limits = ReadLimits().with(bytes_of_file(path), 0);
-  ChildResult result = read_in_child<put_nifti_segments>({path, kLabelMapPathKey}, limits, path);
-  std::vector<NamedSegment> segments;
-  while (result.reader().get<unsigned char>() != 0) {
-    std::string name = result.reader().text();
-    segments.push_back({std::move(name), {0, result.reader().get<double>()}});
-  }
-  return segments;
 }
 
 std::vector<LabelValue> find_labels(const std::vector<std::string>& wanted, const std::vector<NamedSegment>& segments,

@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 
 namespace reamsim::ct {
 
@@ -99,9 +100,7 @@ void take_fields(const Fields& in, const Layout& at, NiftiHeader& out) {
 }
 
 std::string lower_ending(const std::string& path) {
-  std::string out = fs::path(path).extension().string();
-  std::ranges::transform(out, out.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return out;
+  return lower_case(fs::path(path).extension().string());
 }
 
 /// NAME.hdr of NAME.img and the other way round, also where both are compressed; the path itself for other names.
@@ -276,8 +275,7 @@ void read_nifti_voxels(const NiftiHeader& header, const IndexBox& box, int layer
     for (int j = 0; j < box.size.y(); ++j) {
       const std::int64_t voxel = box.start.x() + nx * (box.start.y() + j + ny * (box.start.z() + k + nz * layer));
       if (!file.seek(header.offset + voxel * bytes) || file.read(raw.data(), raw.size()) != raw.size()) {
-        throw InputError({path}, key, "the voxels cannot be read: the file is truncated or damaged",
-                         "give a complete file");
+        throw cut_off(path, key);
       }
       convert(header, raw.data(), row, out);
       out += row;

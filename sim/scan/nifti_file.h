@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/scan/image_io.h"
 #include "sim/scan/scan.h"
-#include "sim/scan/scan_transfer.h"
 
 namespace reamsim::ct {
 

@@ -8,8 +8,8 @@
 
 #include "sim/base/error.h"
 #include "sim/scan/image_io.h"
+#include "sim/scan/label_map.h"
 #include "sim/scan/nifti_file.h"
-#include "sim/scan/scan_transfer.h"
 
 namespace reamsim::ct {
 
@@ -121,7 +121,7 @@ void compare(const Form& taken, const Form& other, std::vector<std::string>& war
 
 /// Leaves out a form that no image can have, with a warning.
 void leave_out_damaged(std::optional<Form>& form, std::vector<std::string>& warnings) {
-  if (!form || is_plausible(form->geometry)) return;
+  if (!form || form->geometry.is_valid()) return;
   warnings.push_back(
       fmt::format("the {} of the NIfTI header is not finite, zero or degenerate, and is not used", form->name));
   form.reset();
@@ -133,7 +133,7 @@ NiftiPlacement placed_by_spacing(const NiftiHeader& header, const std::string& p
   out.geometry = geometry_of(header, Vec3(-1, -1, 1).cwiseProduct(spacing_of(header)).asDiagonal(), Vec3::Zero());
   out.frame = "no orientation in the header";
   out.warnings.emplace_back(kNoOrientation);
-  if (is_plausible(out.geometry)) return out;
+  if (out.geometry.is_valid()) return out;
   throw InputError({path}, key,
                    "the spacing of the voxels (pixdim) in the NIfTI header is zero, not finite or degenerate",
                    "the file is damaged: export it again");
@@ -181,10 +181,8 @@ ImageFacts facts_of(const NiftiHeader& header, const std::string& path, const st
   out.frame = std::move(placement.frame);
   out.warnings = std::move(placement.warnings);
   check_fits_in_memory(static_cast<double>(out.geometry.size()), out.bytes_per_voxel, path, key);
-  if (!is_complete(header)) {
-    throw InputError({path}, key, "the voxels cannot be read: the file is truncated or damaged",
-                     "give a complete file");
-  }
+  if (allow_layers) out.segments = segments_of_nifti(header.extensions);
+  if (!is_complete(header)) throw cut_off(path, key);
   return out;
 }
 

@@ -5,9 +5,9 @@
 
 #include <fmt/core.h>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "sim/base/error.h"
@@ -27,6 +27,10 @@ struct ScanGeometry {
   [[nodiscard]] Vec3 point_mm(const Vec3& index) const { return origin_mm + step_mm * index; }
   /// Bounding box along the LPS axes of all voxels (their outer faces).
   [[nodiscard]] Aabb bounds_mm() const;
+  /// Whether voxels have a volume, and edges of a plausible length.
+  [[nodiscard]] bool is_valid() const;
+
+  static auto fields(auto& self) { return std::tie(self.dims, self.step_mm, self.origin_mm); }
 };
 
 /// The index of a voxel in an array of `dims` voxels: i + nx·(j + ny·k).
@@ -41,6 +45,8 @@ struct IndexBox {
 
   [[nodiscard]] bool empty() const { return (size.array() <= 0).any(); }
   [[nodiscard]] std::int64_t voxels() const { return std::int64_t{1} * size.x() * size.y() * size.z(); }
+
+  static auto fields(auto& self) { return std::tie(self.start, self.size); }
 };
 
 /// The geometry of the voxels in `box`.
@@ -65,6 +71,19 @@ class ScanSource {
   [[nodiscard]] virtual Scan read(const IndexBox& box) const = 0;
 };
 
+/// A value of a label map and its layer.
+struct LabelValue {
+  int layer = 0;
+  double value = 1;
+};
+
+struct NamedSegment {
+  std::string name;
+  LabelValue label;
+
+  static auto fields(auto& self) { return std::tie(self.name, self.label); }
+};
+
 /// A label map file. Its voxels may have several values, the layers.
 class LabelSource : public ScanSource {
  public:
@@ -72,8 +91,8 @@ class LabelSource : public ScanSource {
   [[nodiscard]] virtual bool has_whole_numbers() const = 0;
   /// As read(), for one layer.
   [[nodiscard]] virtual Scan read_layer(const IndexBox& box, int layer) const = 0;
-  /// Key-value metadata of an NRRD, such as "Segment0_Name".
-  [[nodiscard]] virtual std::map<std::string, std::string> metadata() const = 0;
+  /// The labels that the file names.
+  [[nodiscard]] virtual const std::vector<NamedSegment>& segments() const = 0;
 };
 
 /// Selects a DICOM series of a folder.

@@ -255,30 +255,4 @@ BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtS
   return bone;
 }
 
-QuietLibraries::QuietLibraries()
-    : cerr_(std::cerr.rdbuf(captured_.rdbuf())), cout_(std::cout.rdbuf(captured_.rdbuf())) {
-  std::fflush(stderr);
-  stderr_ = dup(STDERR_FILENO);
-  const int null_device = open("/dev/null", O_WRONLY | O_CLOEXEC);
-  if (stderr_ >= 0 && null_device >= 0) dup2(null_device, STDERR_FILENO);
-  if (null_device >= 0) close(null_device);
-}
-
-QuietLibraries::~QuietLibraries() {
-  std::fflush(stderr);
-  if (stderr_ >= 0) {
-    dup2(stderr_, STDERR_FILENO);
-    close(stderr_);
-  }
-  std::cout.rdbuf(cout_);
-  std::cerr.rdbuf(cerr_);
-}
-
-bool QuietLibraries::reports_missing_voxels() const {
-  constexpr std::array<const char*, 3> kMessages{"data not read completely", "Uncompress failed",
-                                                 "Incomplete Pixel Data"};
-  const std::string output = captured_.str();
-  return std::ranges::any_of(kMessages, [&](const char* text) { return output.find(text) != std::string::npos; });
-}
-
 }  // namespace reamsim::ct

@@ -3,9 +3,7 @@
 
 #pragma once
 
-#include <iostream>
-#include <sstream>
-#include <string>
+#include <vector>
 
 #include "sim/base/error.h"
 #include "sim/scan/aligned_image.h"
@@ -54,24 +52,5 @@ std::vector<float> signed_field(const AlignedImage& hu, double threshold_hu, con
 /// kept, a joint gap is not crossed, and voxels of the `other` labels are never added.
 void refine_to_isosurface(AlignedImage& field, const AlignedImage& other, const AlignedImage& hu, double threshold_hu,
                           double reach_mm, Diagnostics& report);
-
-/// Suppresses the output of ITK, GDCM and MetaIO during its lifetime. These libraries print warnings about
-/// damaged files, where a user should see only the message of the exception. Not for concurrent use.
-class QuietLibraries {
- public:
-  QuietLibraries();
-  ~QuietLibraries();
-  QuietLibraries(const QuietLibraries&) = delete;
-  QuietLibraries& operator=(const QuietLibraries&) = delete;
-
-  /// Whether MetaIO or GDCM printed that voxels are missing. They report it in no other way.
-  [[nodiscard]] bool reports_missing_voxels() const;
-
- private:
-  std::ostringstream captured_;
-  std::streambuf* cerr_;
-  std::streambuf* cout_;
-  int stderr_ = -1;  ///< copy of the file descriptor of stderr
-};
 
 }  // namespace reamsim::ct

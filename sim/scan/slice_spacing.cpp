@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/slice_spacing.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <limits>
 
 #include "sim/base/text.h"
+#include "sim/scan/dicom_stack.h"
 
 namespace reamsim::ct {
 
@@ -44,9 +43,9 @@ Digits digits_of(const std::string& text) {
   return out;
 }
 
-std::vector<double> gaps_of(const std::vector<SlicePlace>& places) {
+std::vector<double> gaps_of(const Stack& slices) {
   std::vector<double> out;
-  for (std::size_t k = 1; k < places.size(); ++k) out.push_back(places[k].height_mm - places[k - 1].height_mm);
+  for (std::size_t k = 1; k < slices.size(); ++k) out.push_back(slices[k].height_mm - slices[k - 1].height_mm);
   return out;
 }
 
@@ -55,39 +54,37 @@ bool same_gap(double a, double b) {
 }
 
 /// How far the positions leave room for lines with this spacing; negative: no such line lies within all half units.
-double slack_of(const std::vector<SlicePlace>& places, double spacing_mm) {
+double slack_of(const Stack& slices, double spacing_mm) {
   double low = -std::numeric_limits<double>::infinity();
   double high = -low;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const double start = places[k].height_mm - spacing_mm * static_cast<double>(k);
-    low = std::max(low, start - places[k].half_unit_mm);
-    high = std::min(high, start + places[k].half_unit_mm);
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    const double start = slices[k].height_mm - spacing_mm * static_cast<double>(k);
+    low = std::max(low, start - slices[k].half_unit_mm);
+    high = std::min(high, start + slices[k].half_unit_mm);
   }
   return high - low;
 }
 
 /// The spacing of the line that explains all positions by their rounding; none if there is no such line.
-std::optional<double> spacing_within_rounding(const std::vector<SlicePlace>& places) {
-  const double n = static_cast<double>(places.size() - 1);
-  const double mean = (places.back().height_mm - places.front().height_mm) / n;
-  const double reach = (places.front().half_unit_mm + places.back().half_unit_mm) / n;
+std::optional<double> spacing_within_rounding(const Stack& slices) {
+  const double n = static_cast<double>(slices.size() - 1);
+  const double mean = (slices.back().height_mm - slices.front().height_mm) / n;
+  const double reach = (slices.front().half_unit_mm + slices.back().half_unit_mm) / n;
   double low = mean - reach, high = mean + reach;
   for (int step = 0; step < 100; ++step) {  // the slack is a concave function of the spacing
     const double a = low + (high - low) / 3, b = high - (high - low) / 3;
-    (slack_of(places, a) < slack_of(places, b) ? low : high) = slack_of(places, a) < slack_of(places, b) ? a : b;
+    (slack_of(slices, a) < slack_of(slices, b) ? low : high) = slack_of(slices, a) < slack_of(slices, b) ? a : b;
   }
   const double best = 0.5 * (low + high);
-  constexpr double kRoundingError = 1e-6;
-  if (slack_of(places, best) < -kRoundingError) return std::nullopt;
-  return best;
+  return explains(slices, best) ? std::optional(best) : std::nullopt;
 }
 
 /// The steps of the instance numbers across each gap, positive; empty unless all are known and run in one direction.
-std::vector<int> instance_steps(const std::vector<SlicePlace>& places) {
+std::vector<int> instance_steps(const Stack& slices) {
   std::vector<int> out;
-  for (std::size_t k = 1; k < places.size(); ++k) {
-    if (!places[k].instance_number || !places[k - 1].instance_number) return {};
-    out.push_back(*places[k].instance_number - *places[k - 1].instance_number);
+  for (std::size_t k = 1; k < slices.size(); ++k) {
+    if (!slices[k].header->instance_number || !slices[k - 1].header->instance_number) return {};
+    out.push_back(*slices[k].header->instance_number - *slices[k - 1].header->instance_number);
   }
   if (std::ranges::all_of(out, [](int step) { return step < 0; })) {
     for (int& step : out) step = -step;
@@ -97,14 +94,14 @@ std::vector<int> instance_steps(const std::vector<SlicePlace>& places) {
 
 /// Whether a gap that holds several spacings is due to rounding: the header's spacing says so, or, where that fits
 /// neither explanation, instance numbers without a jump.
-bool rounding_explains(const std::vector<SlicePlace>& places, double header_mm) {
-  const std::vector<double> gaps = gaps_of(places);
-  const double typical = typical_spacing(places);
-  const std::optional<double> even = spacing_within_rounding(places);
+bool rounding_explains(const Stack& slices, double header_mm) {
+  const std::vector<double> gaps = gaps_of(slices);
+  const double typical = typical_spacing(slices);
+  const std::optional<double> even = spacing_within_rounding(slices);
   if (!even) return false;
   const auto is_wide = [&](double gap) { return std::lround(gap / typical) >= 2; };
   if (std::ranges::none_of(gaps, is_wide)) return true;
-  const std::vector<int> steps = instance_steps(places);
+  const std::vector<int> steps = instance_steps(slices);
   const auto jumps = [](int step) { return step != 1; };
   if (std::ranges::any_of(steps, jumps)) return false;
   constexpr double kAgrees = 0.01;
@@ -120,15 +117,14 @@ std::size_t end_of_run(const std::vector<double>& gaps, std::size_t first) {
   return last;
 }
 
-SpacingFault fault_at(const std::vector<SlicePlace>& places, const std::vector<double>& gaps, double typical,
-                      std::size_t gap) {
+SpacingFault fault_at(const Stack& slices, const std::vector<double>& gaps, double typical, std::size_t gap) {
   const std::size_t last = end_of_run(gaps, gap);
   const std::size_t length = last - gap + 1;
   const long multiple = std::lround(gaps[gap] / typical);
   const double reach =
-      kSpacingTolerance * typical + 2 * std::max(places[gap].half_unit_mm, places[gap + 1].half_unit_mm);
+      kSpacingTolerance * typical + 2 * std::max(slices[gap].half_unit_mm, slices[gap + 1].half_unit_mm);
   const bool is_multiple = multiple >= 2 && std::abs(gaps[gap] - static_cast<double>(multiple) * typical) <= reach;
-  const std::vector<int> steps = instance_steps(places);
+  const std::vector<int> steps = instance_steps(slices);
   const bool numbers_jump = !steps.empty() && steps[gap] == multiple;
   // Two wide gaps between slices without numbers are rather two missing slices than two changes.
   constexpr std::size_t kMostMissing = 2;
@@ -177,27 +173,32 @@ std::vector<Vec3> half_units(const std::vector<std::string>& positions) {
   return out;
 }
 
-double typical_spacing(const std::vector<SlicePlace>& places) {
-  std::vector<double> gap = gaps_of(places);
+bool explains(const Stack& slices, double spacing_mm) {
+  constexpr double kRoundingError = 1e-6;
+  return slack_of(slices, spacing_mm) >= -kRoundingError;
+}
+
+double typical_spacing(const Stack& slices) {
+  std::vector<double> gap = gaps_of(slices);
   std::ranges::sort(gap);
   const auto first = std::ranges::lower_bound(gap, kSamePlace * gap.back());
   return *(first + (gap.end() - first) / 2);
 }
 
-std::optional<SpacingFault> spacing_fault(const std::vector<SlicePlace>& places, double header_mm) {
-  const std::vector<double> gaps = gaps_of(places);
-  const double typical = typical_spacing(places);
+std::optional<SpacingFault> spacing_fault(const Stack& slices, double header_mm) {
+  const std::vector<double> gaps = gaps_of(slices);
+  const double typical = typical_spacing(slices);
   const auto is_odd = [&](double gap) { return std::abs(gap - typical) > kSpacingTolerance * typical; };
-  if (std::ranges::none_of(gaps, is_odd) || rounding_explains(places, header_mm)) return std::nullopt;
+  if (std::ranges::none_of(gaps, is_odd) || rounding_explains(slices, header_mm)) return std::nullopt;
   // Rounded gaps differ from one another; only what rounding cannot explain is a fault.
   for (std::size_t gap = 0; gap < gaps.size(); ++gap) {
-    const double rounding = places[gap].half_unit_mm + places[gap + 1].half_unit_mm;
+    const double rounding = slices[gap].half_unit_mm + slices[gap + 1].half_unit_mm;
     const bool is_rounded = std::lround(gaps[gap] / typical) == 1 && rounding < 0.5 * typical &&
                             std::abs(gaps[gap] - typical) <= kSpacingTolerance * typical + 2 * rounding;
-    if (is_odd(gaps[gap]) && !is_rounded) return fault_at(places, gaps, typical, gap);
+    if (is_odd(gaps[gap]) && !is_rounded) return fault_at(slices, gaps, typical, gap);
   }
   const auto first = std::ranges::find_if(gaps, is_odd);
-  return fault_at(places, gaps, typical, static_cast<std::size_t>(first - gaps.begin()));
+  return fault_at(slices, gaps, typical, static_cast<std::size_t>(first - gaps.begin()));
 }
 
 SliceLine line_through(const std::vector<Vec3>& positions, const std::vector<double>& at) {
@@ -229,22 +230,9 @@ SliceLine line_through(const std::vector<Vec3>& positions, const std::vector<dou
   return out;
 }
 
-SliceLine with_spacing(SliceLine line, double spacing_mm, std::size_t slices) {
-  const double middle = 0.5 * static_cast<double>(slices - 1);
-  const Vec3 step = line.step_mm.normalized() * spacing_mm;
-  line.point_mm += middle * (line.step_mm - step);
-  line.step_mm = step;
-  return line;
-}
-
-bool explains(const std::vector<SlicePlace>& places, double spacing_mm) {
-  constexpr double kRoundingError = 1e-6;
-  return slack_of(places, spacing_mm) >= -kRoundingError;
-}
-
-std::vector<SliceBlend> blends_of(const std::vector<SlicePlace>& places) {
-  std::vector<double> gaps = gaps_of(places);
-  const double extent = places.back().height_mm - places.front().height_mm;
+std::vector<SliceBlend> blends_of(const Stack& slices) {
+  std::vector<double> gaps = gaps_of(slices);
+  const double extent = slices.back().height_mm - slices.front().height_mm;
   std::ranges::sort(gaps);
   double finest = gaps.back();
   for (std::size_t n = gaps.size(); n-- > 1;) {
@@ -255,10 +243,10 @@ std::vector<SliceBlend> blends_of(const std::vector<SlicePlace>& places) {
   std::vector<SliceBlend> out;
   std::size_t below = 0;
   for (double k = 0; k <= count; ++k) {
-    const double height = places.front().height_mm + extent * k / count;
-    while (below + 2 < places.size() && places[below + 1].height_mm <= height) ++below;
-    const double gap = places[below + 1].height_mm - places[below].height_mm;
-    out.push_back({below, std::clamp((height - places[below].height_mm) / gap, 0.0, 1.0)});
+    const double height = slices.front().height_mm + extent * k / count;
+    while (below + 2 < slices.size() && slices[below + 1].height_mm <= height) ++below;
+    const double gap = slices[below + 1].height_mm - slices[below].height_mm;
+    out.push_back({below, std::clamp((height - slices[below].height_mm) / gap, 0.0, 1.0)});
   }
   return out;
 }
