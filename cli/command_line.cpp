@@ -295,7 +295,6 @@ std::string lower_extension(const std::string& path) {
 BoneSource source_of_file(const std::string& path) {
   switch (content_kind(path)) {
     case ContentKind::mesh:
-    case ContentKind::foreign_mesh:
       return BoneSource::mesh;
     case ContentKind::vdb:
       return BoneSource::vdb;

@@ -12,7 +12,7 @@
 #include "cli/command_line.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/bone/mesh_unit.h"
+#include "sim/bone/mesh_source.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/shipped.h"
 

@@ -46,6 +46,10 @@ InputError::InputError(std::vector<Mistake> mistakes)
     : std::runtime_error(lines_of(mistakes)),
       mistakes_(std::make_shared<const std::vector<Mistake>>(std::move(mistakes))) {}
 
+void refuse_file(const std::string& path, const std::string& found, const std::string& expected) {
+  throw InputError({path, 0, 0}, "", found, expected);
+}
+
 std::string message_of(const std::exception& error) {
   const bool ours = dynamic_cast<const InputError*>(&error) != nullptr ||
                     dynamic_cast<const RunError*>(&error) != nullptr ||

@@ -50,6 +50,9 @@ class InputError : public std::runtime_error {
   std::shared_ptr<const std::vector<Mistake>> mistakes_;  // shared, so that copying an exception cannot throw
 };
 
+/// Throws the InputError of a whole file.
+[[noreturn]] void refuse_file(const std::string& path, const std::string& found, const std::string& expected);
+
 /// The run failed for a reason that is not the input's (exit status 1): disk full, device lost.
 class RunError : public std::runtime_error {
  public:

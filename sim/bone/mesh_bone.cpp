@@ -3,7 +3,6 @@
 
 #include <fmt/core.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/tools/Interpolation.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,49 +11,139 @@
 #include <string>
 
 #include "sim/base/error.h"
+#include "sim/base/parallel.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/inside_columns.h"
 #include "sim/bone/mesh_source.h"
 #include "sim/bone/phantom.h"
 #include "sim/bone/vdb/grids.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/bone/voxmap/sparse_bricks.h"
-#include "sim/bone/voxmap/voxel_grid.h"
-#include "sim/mesh/mesh_holes.h"
-#include "sim/mesh/mesh_repair.h"
-#include "sim/mesh/triangle_mesh.h"
+#include "sim/mesh/mesh_pieces.h"
+#include "sim/mesh/winding.h"
 
 namespace reamsim {
 
 namespace {
 
-/// Signed distance of voxel centres from a closed mesh, voxels, negative inside. Near the surface it is sampled at
-/// every voxel. Where a layer is many voxels thick, the distance below that is interpolated linearly between samples
-/// some voxels apart: a band of all voxels down to 1.5 mm takes most of the time and the memory of loading a fine bone.
-class MeshDepth {
+/// Where the columns of voxels along z lie inside a mesh: where its winding number (winding.h) is more than 0.
+/// Overlaps, doubled faces and surfaces within the solid change nothing. The edges of the mesh must cancel
+/// (holes_of()).
+class InsideColumns {
  public:
-  /// `layer_voxels`: depth to which distances are needed. `inside`: what lies inside, for a mesh that is not clean.
-  /// Throws InputError where the mesh cannot be sampled.
-  MeshDepth(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid, double layer_voxels,
-            const InsideColumns* inside = nullptr);
+  InsideColumns(const TriangleMesh& mesh, const VoxelGrid& grid)
+      : grid_(grid), parts_(static_cast<std::size_t>(grid.dims.x()) * static_cast<std::size_t>(grid.dims.y())) {
+    const LineCrossings lines(mesh, 2);
+    const auto rows = static_cast<std::size_t>(grid.dims.y());
+    std::vector<char> row_is_simple(rows, 1);
+    parallel_items(rows, [&](std::size_t row) {
+      std::vector<LineCrossings::Crossing> crossings;
+      for (Vec3i voxel(0, static_cast<int>(row), 0); voxel.x() < grid.dims.x(); ++voxel.x()) {
+        const Vec3 start = grid.center_mm(voxel);
+        lines.along(start.x(), start.y(), crossings);
+        std::vector<Part>& parts = parts_[column_of(voxel)];
+        int winding = 0;
+        for (const auto& crossing : crossings) {
+          const int next = winding - crossing.leaving;
+          if (winding <= 0 && next > 0) parts.push_back({crossing.at_mm, crossing.at_mm});
+          if (winding > 0 && next <= 0) parts.back().end_mm = crossing.at_mm;
+          winding = next;
+          if (winding < 0 || winding > 1) row_is_simple[row] = 0;
+        }
+      }
+    });
+    for (const auto& parts : parts_) {
+      for (const Part& part : parts) volume_mm3_ += (part.end_mm - part.begin_mm) * grid.voxel_mm * grid.voxel_mm;
+    }
+    simple_ = std::ranges::all_of(row_is_simple, [](char simple) { return simple != 0; });
+  }
 
-  /// Distances near the surface, by voxel; constant outside and below.
-  [[nodiscard]] const openvdb::FloatTree& near_surface() const { return near_->tree(); }
-  /// Whether distances below are interpolated.
-  [[nodiscard]] bool interpolated() const { return ratio_ > 1; }
-  /// The interpolated distance at voxel coordinates, below the surface.
-  [[nodiscard]] float below(const Vec3& voxel) const;
-
-  using Distances = std::array<float, BrickLattice::kVoxels>;
-  /// The distances of a brick's voxels, by BrickLattice::offset_of().
-  void of_brick(const Vec3i& brick, Distances& out) const;
+  /// Whether the centre of a voxel is inside; it may lie outside the grid.
+  [[nodiscard]] bool contains(const Vec3i& voxel) const {
+    if (!grid_.contains(voxel)) return false;
+    const double z_mm = grid_.center_mm(voxel).z();
+    return std::ranges::any_of(parts_[column_of(voxel)],
+                               [&](const Part& part) { return z_mm >= part.begin_mm && z_mm < part.end_mm; });
+  }
+  /// Of the columns, mm³.
+  [[nodiscard]] double volume_mm3() const { return volume_mm3_; }
+  /// Whether the winding number is nowhere other than 0 or 1: no surface overlaps another.
+  [[nodiscard]] bool is_simple() const { return simple_; }
 
  private:
-  openvdb::FloatGrid::Ptr near_;
-  openvdb::FloatGrid::Ptr deep_;  ///< distances in spacings of `ratio_` voxels, from the first voxel on
-  int ratio_ = 1;
+  struct Part {
+    double begin_mm = 0;
+    double end_mm = 0;
+  };
+
+  [[nodiscard]] std::size_t column_of(const Vec3i& voxel) const {
+    return static_cast<std::size_t>(voxel.x() + std::int64_t{grid_.dims.x()} * voxel.y());
+  }
+
+  VoxelGrid grid_;
+  std::vector<std::vector<Part>> parts_;  ///< of each column
+  double volume_mm3_ = 0;
+  bool simple_ = true;
+};
+
+using Corners = std::array<Vec3, 3>;
+
+/// Divides at the middles of the edges until they are short enough.
+void divide(const Corners& t, double edge_mm, std::vector<Corners>& out) {
+  const double longest_mm = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
+  if (longest_mm <= edge_mm) return out.push_back(t);
+  const Vec3 ab = 0.5 * (t[0] + t[1]), bc = 0.5 * (t[1] + t[2]), ca = 0.5 * (t[2] + t[0]);
+  for (const Corners& part :
+       {Corners{t[0], ab, ca}, Corners{ab, t[1], bc}, Corners{ca, bc, t[2]}, Corners{ab, bc, ca}}) {
+    divide(part, edge_mm, out);
+  }
+}
+
+/// Whether one side of a part of a surface is inside and the other is not, at its middle or near a corner.
+bool is_boundary(const LineCrossings& lines, const Corners& t, double beside_mm) {
+  const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
+  if (normal.norm() == 0) return false;
+  const Vec3 step = beside_mm * normal.normalized(), middle = (t[0] + t[1] + t[2]) / 3;
+  const auto differs_at = [&](const Vec3& p) { return (lines.winding(p + step) > 0) != (lines.winding(p - step) > 0); };
+  return differs_at(middle) ||
+         std::ranges::any_of(t, [&](const Vec3& corner) { return differs_at(0.3 * middle + 0.7 * corner); });
+}
+
+/// The triangles at the boundary of the inside: without walls inside the solid and flaps outside. Triangles are divided
+/// to edges of at most `edge_mm`, so that they end where surfaces cross. For distances only: it has cracks.
+TriangleMesh boundary_of_inside(const TriangleMesh& mesh, double edge_mm) {
+  constexpr double kBeside = 1e-7;  // of the size of the mesh
+  const LineCrossings lines(mesh, 2);
+  const double beside_mm = kBeside * (mesh.bounds().max - mesh.bounds().min).maxCoeff();
+  std::vector<std::vector<Corners>> kept(mesh.triangles.size());
+  parallel_items(mesh.triangles.size(), [&](std::size_t i) {
+    divide(mesh.corners(mesh.triangles[i]), edge_mm, kept[i]);
+    std::erase_if(kept[i], [&](const Corners& part) { return !is_boundary(lines, part, beside_mm); });
+  });
+  TriangleMesh out;
+  for (const auto& parts : kept) {
+    for (const Corners& part : parts) {
+      const auto first = static_cast<std::int32_t>(out.vertices.size());
+      out.vertices.insert(out.vertices.end(), part.begin(), part.end());
+      out.triangles.push_back({first, first + 1, first + 2});
+    }
+  }
+  return out;
+}
+
+/// A distance interpolated between its samples.
+struct DistanceBetween {
+  const openvdb::FloatTree& distance;
+
+  [[nodiscard]] double operator()(const Vec3& index) const {
+    const Vec3 base = index.array().floor();
+    double sum = 0;
+    for_each_trilinear_weight(index - base, [&](const Vec3i& step, double weight) {
+      const Vec3i at = base.cast<int>() + step;
+      sum += weight * double{distance.getValue({at.x(), at.y(), at.z()})};
+    });
+    return sum;
+  }
 };
 
 /// The least number of samples across a layer.
@@ -96,60 +185,77 @@ class SamplesAround {
   std::array<float, std::size_t{kSide} * kSide * kSide> values_{};
 };
 
-MeshDepth::MeshDepth(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid, double layer_voxels,
-                     const InsideColumns* inside)
-    : ratio_(std::max(1, static_cast<int>(layer_voxels / kSamplesInLayer))) {
-  const DistanceSampling near{.first_mm = grid.center_mm({0, 0, 0}),
-                              .spacing_mm = grid.voxel_mm,
-                              .outer_spacings = kMarginVoxels - 1,
-                              .inner_spacings = ratio_ == 1 ? layer_voxels + kBeyond : kNearVoxels};
-  DistanceSampling deep = near;
-  deep.spacing_mm = ratio_ * grid.voxel_mm;
-  deep.inner_spacings = layer_voxels / ratio_ + kBeyond;
-  try {
-    if (inside == nullptr) {
-      near_ = mesh_distance(mesh, near);
-      deep_ = ratio_ == 1 ? near_ : mesh_distance(mesh, deep);
-      return;
+/// Signed distance of voxel centres from a closed mesh, voxels, negative inside. Near the surface it is sampled at
+/// every voxel. Where a layer is many voxels thick, the distance below that is interpolated linearly between samples
+/// some voxels apart: a band of all voxels down to 1.5 mm takes most of the time and the memory of loading a fine bone.
+class MeshDepth {
+ public:
+  /// `layer_voxels`: depth to which distances are needed. `inside`: what lies inside, for a mesh that is not clean.
+  /// Throws InputError where the mesh cannot be sampled.
+  MeshDepth(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid, double layer_voxels,
+            const InsideColumns* inside = nullptr)
+      : ratio_(std::max(1, static_cast<int>(layer_voxels / kSamplesInLayer))) {
+    const DistanceSampling near{.first_mm = grid.center_mm({0, 0, 0}),
+                                .spacing_mm = grid.voxel_mm,
+                                .outer_spacings = kMarginVoxels - 1,
+                                .inner_spacings = ratio_ == 1 ? layer_voxels + kBeyond : kNearVoxels};
+    DistanceSampling deep = near;
+    deep.spacing_mm = ratio_ * grid.voxel_mm;
+    deep.inner_spacings = layer_voxels / ratio_ + kBeyond;
+    try {
+      if (inside == nullptr) {
+        near_ = mesh_distance(mesh, near);
+        deep_ = ratio_ == 1 ? near_ : mesh_distance(mesh, deep);
+        return;
+      }
+      constexpr double kEdgeVoxels = 2;
+      const TriangleMesh boundary = inside->is_simple() ? mesh : boundary_of_inside(mesh, kEdgeVoxels * grid.voxel_mm);
+      const auto contains = [&](int ratio) {
+        return [inside, ratio](const Vec3i& sample) { return inside->contains(ratio * sample); };
+      };
+      near_ = mesh_distance(boundary, near, grid.dims, contains(1));
+      deep_ = ratio_ == 1 ? near_ : mesh_distance(boundary, deep, grid.dims / ratio_, contains(ratio_));
+    } catch (const std::bad_alloc&) {
+      refuse_file(path, "the distance field of the mesh does not fit into memory", "increase bone.voxel_mm");
+    } catch (const openvdb::Exception&) {
+      refuse_file(path, "the mesh cannot be voxelized", "give a closed surface");
     }
-    constexpr double kEdgeVoxels = 2;
-    const TriangleMesh boundary = inside->is_simple() ? mesh : boundary_of_inside(mesh, kEdgeVoxels * grid.voxel_mm);
-    const auto contains = [&](int ratio) {
-      return [inside, ratio](const Vec3i& sample) { return inside->contains(ratio * sample); };
-    };
-    near_ = mesh_distance(boundary, near, grid.dims, contains(1));
-    deep_ = ratio_ == 1 ? near_ : mesh_distance(boundary, deep, grid.dims / ratio_, contains(ratio_));
-  } catch (const std::bad_alloc&) {
-    throw InputError({path, 0, 0}, "", "the distance field of the mesh does not fit into memory",
-                     "increase bone.voxel_mm");
-  } catch (const openvdb::Exception&) {
-    throw InputError({path, 0, 0}, "", "the mesh cannot be voxelized", "give a closed surface");
   }
-}
 
-float MeshDepth::below(const Vec3& voxel) const {
-  const Vec3 sample = voxel / ratio_;
-  return static_cast<float>(ratio_) *
-         openvdb::tools::BoxSampler::sample(deep_->tree(), openvdb::Vec3d(sample.x(), sample.y(), sample.z()));
-}
-
-void MeshDepth::of_brick(const Vec3i& brick, Distances& out) const {
-  using Leaf = openvdb::FloatTree::LeafNodeType;
-  static_assert(Leaf::DIM == BrickLattice::kSide);
-  const Vec3i first = BrickLattice::kSide * brick;
-  const openvdb::Coord corner(first.x(), first.y(), first.z());
-  const Leaf* leaf = near_->tree().probeConstLeaf(corner);
-  const float all = leaf == nullptr ? near_->tree().getValue(corner) : 0;
-  std::optional<SamplesAround> samples;
-  for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
-    const Vec3i v = BrickLattice::voxel_at(Vec3i::Zero(), offset);
-    float& distance = out[static_cast<std::size_t>(offset)];
-    distance = leaf == nullptr ? all : leaf->getValue(Leaf::coordToOffset({v.x(), v.y(), v.z()}));
-    if (!interpolated() || distance > -kNearVoxels) continue;
-    if (!samples) samples.emplace(deep_->tree(), first, ratio_);
-    distance = samples->at(first + v);
+  /// Distances near the surface, by voxel; constant outside and below.
+  [[nodiscard]] const openvdb::FloatTree& near_surface() const { return near_->tree(); }
+  /// Whether distances below are interpolated.
+  [[nodiscard]] bool interpolated() const { return ratio_ > 1; }
+  /// The interpolated distance at voxel coordinates, below the surface.
+  [[nodiscard]] double below(const Vec3& voxel) const {
+    return ratio_ * DistanceBetween{deep_->tree()}(voxel / ratio_);
   }
-}
+
+  using Distances = std::array<float, BrickLattice::kVoxels>;
+  /// The distances of a brick's voxels, by BrickLattice::offset_of().
+  void of_brick(const Vec3i& brick, Distances& out) const {
+    using Leaf = openvdb::FloatTree::LeafNodeType;
+    static_assert(Leaf::DIM == BrickLattice::kSide);
+    const Vec3i first = BrickLattice::kSide * brick;
+    const openvdb::Coord corner(first.x(), first.y(), first.z());
+    const Leaf* leaf = near_->tree().probeConstLeaf(corner);
+    const float all = leaf == nullptr ? near_->tree().getValue(corner) : 0;
+    std::optional<SamplesAround> samples;
+    for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
+      const Vec3i v = BrickLattice::voxel_at(Vec3i::Zero(), offset);
+      float& distance = out[static_cast<std::size_t>(offset)];
+      distance = leaf == nullptr ? all : leaf->getValue(Leaf::coordToOffset({v.x(), v.y(), v.z()}));
+      if (!interpolated() || distance > -kNearVoxels) continue;
+      if (!samples) samples.emplace(deep_->tree(), first, ratio_);
+      distance = samples->at(first + v);
+    }
+  }
+
+ private:
+  openvdb::FloatGrid::Ptr near_;
+  openvdb::FloatGrid::Ptr deep_;  ///< distances in spacings of `ratio_` voxels, from the first voxel on
+  int ratio_ = 1;
+};
 
 /// Largest relative deviation of the voxelized volume from that of the mesh without a warning.
 constexpr double kMaxVolumeError = 0.1;
@@ -162,8 +268,8 @@ struct GradesByDepth {
   std::uint8_t cortical;
   std::uint8_t trabecular;
 
-  [[nodiscard]] std::uint8_t grade(float distance) const {
-    const double depth = -double{distance};
+  [[nodiscard]] std::uint8_t grade(double distance) const {
+    const double depth = -distance;
     if (depth <= 0) return 0;
     return depth <= cortical_voxels ? cortical : trabecular;
   }
@@ -176,7 +282,7 @@ bool grade_brick(const MeshDepth& depth, const GradesByDepth& by_depth, const Ve
   const Vec3i first = GradeBricks::kSide * brick_coord;
   const openvdb::Coord corner(first.x(), first.y(), first.z());
   if (depth.near_surface().probeConstLeaf(corner) == nullptr) {
-    float all = depth.near_surface().getValue(corner);
+    double all = depth.near_surface().getValue(corner);
     if (all > 0) return false;
     bool uniform = !depth.interpolated();
     if (!uniform) {
@@ -194,36 +300,9 @@ bool grade_brick(const MeshDepth& depth, const GradesByDepth& by_depth, const Ve
   return std::ranges::any_of(out, [](std::uint8_t grade) { return grade != 0; });
 }
 
-FilledVoxmap grades_from_depth(const MeshDepth& depth, const VoxelGrid& grid, const GradesByDepth& by_depth) {
-  FilledVoxmap voxmap(grid);
-  voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
-    return grade_brick(depth, by_depth, brick_coord, brick);
-  });
-  return voxmap;
-}
-
-/// The distance grid, interpolated between the centres of its voxels.
-class DistanceBetween {
- public:
-  explicit DistanceBetween(const openvdb::FloatTree& distance) : distance_(distance) {}
-
-  [[nodiscard]] double operator()(const Vec3& index) const {
-    const Vec3 base = index.array().floor();
-    double sum = 0;
-    for_each_trilinear_weight(index - base, [&](const Vec3i& step, double weight) {
-      const Vec3i at = base.cast<int>() + step;
-      sum += weight * double{distance_.getValue({at.x(), at.y(), at.z()})};
-    });
-    return sum;
-  }
-
- private:
-  const openvdb::FloatTree& distance_;
-};
-
 /// Sets the fill by the distance of the surface. Grades depend on the depth only: there is no partial volume.
 void set_fill_at_surface(const openvdb::FloatTree& distance, const GradesByDepth& by_depth, FilledVoxmap& voxmap) {
-  const DistanceBetween between(distance);
+  const DistanceBetween between{distance};
   const std::uint8_t outermost = by_depth.grade(-std::numeric_limits<float>::min());
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
     const double away = double{distance.getValue({voxel.x(), voxel.y(), voxel.z()})};
@@ -240,7 +319,7 @@ double bone_fraction(const BoneMesh& bone, double voxel_mm) {
   constexpr double kPassed = 2;
   const double brick_mm = GradeBricks::kSide * voxel_mm;
   const double box_mm3 = bone.mesh.bounds().half().prod() * 8;
-  return std::min(1.0, (bone.outer_mm3 + kPassed * area_mm2(bone.mesh) * brick_mm) / box_mm3);
+  return std::min(1.0, (bone.outer_mm3 + kPassed * bone.mesh.area_mm2() * brick_mm) / box_mm3);
 }
 
 double relative_difference(double voxels_mm3, double mesh_mm3) {
@@ -260,7 +339,10 @@ void check_volume(double mesh_mm3, bool by_winding, double voxels_mm3, Diagnosti
 
 FilledVoxmap voxmap_of(const MeshDepth& depth, const BoneSettings& settings, const VoxelGrid& grid,
                        const GradesByDepth& by_depth) {
-  FilledVoxmap out = grades_from_depth(depth, grid, by_depth);
+  FilledVoxmap out(grid);
+  out.grade = sample_bricks(grid.dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
+    return grade_brick(depth, by_depth, brick_coord, brick);
+  });
   if (out.count_bone() == 0) {
     throw InputError({settings.mesh.path, 0, 0}, "bone.voxel_mm", "the mesh contains no voxel centre",
                      "use smaller voxels, a larger bone.mesh.scale, or a closed mesh");
@@ -273,9 +355,8 @@ FilledVoxmap voxmap_of(const MeshDepth& depth, const BoneSettings& settings, con
 /// numbers.
 FilledVoxmap filled_voxmap(const BoneSettings& settings, const BoneMesh& source, const VoxelGrid& grid,
                            const GradesByDepth& by_depth, const StageSink& stages, Diagnostics& report) {
-  const std::string& path = settings.mesh.path;
   if (source.was_clean) {
-    const MeshDepth depth(path, source.mesh, grid, by_depth.cortical_voxels);
+    const MeshDepth depth(settings.mesh.path, source.mesh, grid, by_depth.cortical_voxels);
     begin_stage(stages, BoneStage::voxels);
     FilledVoxmap out = voxmap_of(depth, settings, grid, by_depth);
     const bool fits = relative_difference(out.bone_mm3(), source.outer_mm3) <= kMaxVolumeErrorOfSimple;
@@ -288,7 +369,7 @@ FilledVoxmap filled_voxmap(const BoneSettings& settings, const BoneMesh& source,
   TriangleMesh mesh = source.mesh;
   turn_outwards(mesh, true);  // a surface inside another creates no cavity
   const InsideColumns inside(mesh, grid);
-  const MeshDepth depth(path, mesh, grid, by_depth.cortical_voxels, &inside);
+  const MeshDepth depth(settings.mesh.path, mesh, grid, by_depth.cortical_voxels, &inside);
   begin_stage(stages, BoneStage::voxels);
   FilledVoxmap out = voxmap_of(depth, settings, grid, by_depth);
   check_volume(inside.volume_mm3(), true, out.bone_mm3(), report);

@@ -5,12 +5,36 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "sim/mesh/triangle_mesh.h"
 
 namespace reamsim {
+
+/// An edge of one triangle. `low` < `high`; `forward` if the triangle has them in this order.
+struct EdgeSide {
+  std::int32_t low = 0;
+  std::int32_t high = 0;
+  bool forward = false;
+  std::uint32_t triangle = 0;
+};
+
+/// The edges of all triangles but collapsed ones, sorted by their vertices and then by their triangle.
+std::vector<EdgeSide> sorted_sides(const std::vector<MeshTriangle>& triangles);
+
+/// Calls visit(sides) for each edge with the sides of its triangles.
+template <class Visit>
+void for_each_edge(const std::vector<MeshTriangle>& triangles, const Visit& visit) {
+  const std::vector<EdgeSide> sides = sorted_sides(triangles);
+  for (auto first = sides.begin(); first != sides.end();) {
+    auto last = first;
+    while (last != sides.end() && last->low == first->low && last->high == first->high) ++last;
+    visit(std::span<const EdgeSide>(first, last));
+    first = last;
+  }
+}
 
 /// Defects of a mesh as the boundary of a solid. All zero for a closed, two-manifold, consistently oriented mesh.
 struct MeshDiagnosis {
@@ -29,10 +53,32 @@ struct MeshDiagnosis {
   /// One line for an error message: counts and the position of the first defects.
   [[nodiscard]] std::string text() const;
 };
+MeshDiagnosis diagnose(const TriangleMesh& mesh);
 
 /// The component of each triangle, from 0. Components are connected by shared vertices.
 std::vector<std::size_t> components_of(const TriangleMesh& mesh);
 
-MeshDiagnosis diagnose(const TriangleMesh& mesh);
+/// A closed line at which the surface ends: where its edges are counted with the direction that they have in each
+/// triangle, they do not add up to zero. Besides the rims of holes these are those of loose flaps.
+struct MeshHole {
+  std::vector<std::int32_t> rim;  ///< vertices, in the order in which they close the hole
+  Vec3 centre_mm = Vec3::Zero();  ///< mean of the vertices
+  double area_mm2 = 0;            ///< of the triangles from the centre to the rim
+  double width_mm = 0;            ///< second of the three extents along its principal axes: small for a crack
+  double length_mm = 0;           ///< twice the largest distance of a vertex of the rim from the centre
+};
+
+/// The largest area first.
+std::vector<MeshHole> holes_of(const TriangleMesh& mesh);
+
+/// Holes so small that closing them changes no volume to speak of.
+struct HoleLimits {
+  static constexpr double kMostOfArea = 0.005;  ///< of the surface, together
+  static constexpr double kMostWidth_mm = 3;
+};
+bool are_small(const std::vector<MeshHole>& holes, double surface_mm2);
+
+/// "3 holes, 2.1 mm2 (0.01 % of the surface) together, the widest 0.8 mm at (1.0, 2.0, 3.0) mm".
+std::string text_of(const std::vector<MeshHole>& holes, double surface_mm2);
 
 }  // namespace reamsim

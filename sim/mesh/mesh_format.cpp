@@ -10,7 +10,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <new>
 #include <optional>
 #include <sstream>
 
@@ -26,10 +25,6 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{2} << 30;
 constexpr const char* kExpected = "expected a mesh in STL, OBJ or PLY";
 
-[[noreturn]] void refuse(const std::string& path, const std::string& found, const std::string& expected) {
-  throw InputError({path, 0, 0}, "", found, expected);
-}
-
 std::string capitals(std::string_view text) {
   std::string out(text);
   std::ranges::transform(out, out.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
@@ -41,7 +36,7 @@ struct ForeignFormat {
   std::string_view begins;  ///< in capitals; text, whose case does not count
   std::string_view name;
   std::string_view advice;
-  ContentKind kind = ContentKind::foreign_mesh;
+  ContentKind kind = ContentKind::mesh;
 };
 
 constexpr std::string_view kSaveByMeshLab = "save it as STL or PLY with MeshLab or Blender";
@@ -222,13 +217,13 @@ std::uintmax_t checked_size(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   const std::string reason = unreachable_reason(path);
-  if (!reason.empty()) refuse(path, "cannot be read (" + reason + ")", "expected a readable mesh file");
-  if (!fs::exists(status)) refuse(path, "no such file", kExpected);
-  if (fs::is_directory(status)) refuse(path, "a folder", kExpected);
+  if (!reason.empty()) refuse_file(path, "cannot be read (" + reason + ")", "expected a readable mesh file");
+  if (!fs::exists(status)) refuse_file(path, "no such file", kExpected);
+  if (fs::is_directory(status)) refuse_file(path, "a folder", kExpected);
   const std::uintmax_t size = fs::file_size(path, error);
-  if (error || !std::ifstream(path).good()) refuse(path, "cannot be read", "expected a readable mesh file");
-  if (size == 0) refuse(path, "an empty file", kExpected);
-  if (size > kMaxFileBytes) refuse(path, "a file of more than 2 GiB", "expected a mesh of at most 2 GiB");
+  if (error || !std::ifstream(path).good()) refuse_file(path, "cannot be read", "expected a readable mesh file");
+  if (size == 0) refuse_file(path, "an empty file", kExpected);
+  if (size > kMaxFileBytes) refuse_file(path, "a file of more than 2 GiB", "expected a mesh of at most 2 GiB");
   return size;
 }
 
@@ -238,22 +233,22 @@ void check_stl(const std::string& path, std::string_view start, std::uintmax_t s
   const std::uintmax_t needed = kStlHeaderBytes + std::uintmax_t{kStlTriangleBytes} * count;
   const std::uintmax_t held = (size - kStlHeaderBytes) / kStlTriangleBytes;
   if (is_unknown_stl_count(count)) {
-    if (held == 0) refuse(path, "an STL of 0 triangles", "expected a surface");
+    if (held == 0) refuse_file(path, "an STL of 0 triangles", "expected a surface");
     if ((size - kStlHeaderBytes) % kStlTriangleBytes == 0) return;
-    refuse(path,
-           "its header claims " + std::to_string(count) + " triangles, and its length, " + std::to_string(size) +
-               " bytes, is not that of whole triangles",
-           "export the STL again");
+    refuse_file(path,
+                "its header claims " + std::to_string(count) + " triangles, and its length, " + std::to_string(size) +
+                    " bytes, is not that of whole triangles",
+                "export the STL again");
   }
   if (size >= needed) return;
   const std::uint32_t swapped = __builtin_bswap32(count);
   if (size == kStlHeaderBytes + std::uintmax_t{kStlTriangleBytes} * swapped) {
-    refuse(path, "a binary STL with the byte order of another machine (big-endian)", "export the STL again");
+    refuse_file(path, "a binary STL with the byte order of another machine (big-endian)", "export the STL again");
   }
-  refuse(path,
-         "a truncated STL: its header claims " + std::to_string(count) + " triangles, the file holds " +
-             std::to_string(held),
-         "expected " + std::to_string(needed) + " bytes");
+  refuse_file(path,
+              "a truncated STL: its header claims " + std::to_string(count) + " triangles, the file holds " +
+                  std::to_string(held),
+              "expected " + std::to_string(needed) + " bytes");
 }
 
 /// Checks the counts in a PLY header, for which assimp reserves memory.
@@ -269,11 +264,11 @@ void check_ply(const std::string& path, std::string_view start, std::uintmax_t s
     if (keyword != "element") continue;
     std::uintmax_t count = 0;
     if (!(words >> name >> count) || count > size) {
-      refuse(path, "a truncated PLY: its header claims more elements \"" + name + "\" than the file can hold",
-             "expected a complete PLY file");
+      refuse_file(path, "a truncated PLY: its header claims more elements \"" + name + "\" than the file can hold",
+                  "expected a complete PLY file");
     }
   }
-  if (!ended) refuse(path, "a PLY header without \"end_header\"", "expected a complete PLY file");
+  if (!ended) refuse_file(path, "a PLY header without \"end_header\"", "expected a complete PLY file");
 }
 
 /// What the header says of the frame is lost in a conversion.
@@ -293,16 +288,16 @@ MeshFormat checked_format(const std::string& path, std::string_view start, std::
   if (has_length_of_stl(start, size)) return MeshFormat::stl_binary;
   if (const auto foreign = foreign_format(start)) {
     const bool vtk = foreign->name == "a VTK file";
-    refuse(path, std::string(foreign->name), std::string(foreign->advice) + (vtk ? space_hint(start) : ""));
+    refuse_file(path, std::string(foreign->name), std::string(foreign->advice) + (vtk ? space_hint(start) : ""));
   }
   if (const auto format = mesh_format(start)) return *format;
   if (is_stl_by_name(path) && !is_text(start)) {
     if (size < kStlHeaderBytes)
-      refuse(path, "a truncated STL of " + std::to_string(size) + " bytes", "expected 84 or more");
+      refuse_file(path, "a truncated STL of " + std::to_string(size) + " bytes", "expected 84 or more");
     return MeshFormat::stl_binary;
   }
-  refuse(path, "its content is neither STL, OBJ nor PLY",
-         std::string(kExpected) + "; MeshLab and Blender convert others");
+  refuse_file(path, "its content is neither STL, OBJ nor PLY",
+              std::string(kExpected) + "; MeshLab and Blender convert others");
 }
 
 /// The part of a file in which programs state the frame.
@@ -357,14 +352,6 @@ ContentKind content_kind(const std::string& path) {
   if (has_length_of_stl(start, size)) return ContentKind::mesh;
   if (const auto foreign = foreign_format(start)) return foreign->kind;
   return mesh_format(start) ? ContentKind::mesh : ContentKind::unknown;
-}
-
-void require_mesh(const std::string& path, const std::string& key) {
-  try {
-    check_mesh_file(path);
-  } catch (const InputError& error) {
-    throw InputError({}, key, error.what(), "");
-  }
 }
 
 MeshFile check_mesh_file(const std::string& path) {

@@ -3,10 +3,13 @@
 
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace reamsim {
 
@@ -20,16 +23,13 @@ struct MeshFile {
   std::uintmax_t bytes = 0;
 };
 
-/// What a file is by its first bytes.
-enum class ContentKind { mesh, image, vdb, foreign_mesh, unknown };
+/// What a file is by its first bytes; a mesh also in a format that is not read.
+enum class ContentKind { mesh, image, vdb, unknown };
 ContentKind content_kind(const std::string& path);
 
 /// Checks the size, format and header of a mesh file, whose counts the library that reads it trusts. Throws InputError:
 /// no such file, another format (with its name and what converts it), a header that claims more than the file holds.
 MeshFile check_mesh_file(const std::string& path);
-
-/// The same, at a key of the scenario.
-void require_mesh(const std::string& path, const std::string& key);
 
 /// The value of 3D Slicer's `SPACE=` in the header of a mesh, in capitals ("LPS", "RAS"); several that differ with
 /// " and " between them; "" without one. `start`: the first bytes of the file.
@@ -48,5 +48,21 @@ std::uint32_t stl_count(std::string_view start);
 constexpr bool is_unknown_stl_count(std::uint32_t count) {
   return count == 0 || count == 0xFFFFFFFFU;
 }
+
+/// A corner in file units, in single precision, as a binary STL has it.
+using StlCorner = std::array<float, 3>;
+/// Takes the corners of a triangle.
+using StlSink = std::function<void(const std::array<StlCorner, 3>&)>;
+
+/// Reads the triangles of a binary STL, whose length check_mesh_file() has checked. Returns what to warn of: a number
+/// of triangles that the length of the file says, bytes after the last triangle.
+std::vector<std::string> read_binary_stl(std::string_view bytes, const StlSink& sink);
+
+/// Reads the triangles of an ASCII STL by its words: keywords in any case, names of any length, several solids, any
+/// blanks and ends of lines; words that it does not know are skipped to the end of their line, except within a loop.
+/// A facet of more than three vertices becomes a fan. Returns what to warn of: decimal commas, a missing end. Throws
+/// InputError with the line: a vertex without three numbers, a facet of fewer than three vertices, a file that ends
+/// within a facet.
+std::vector<std::string> read_ascii_stl(const std::string& path, std::string_view text, const StlSink& sink);
 
 }  // namespace reamsim

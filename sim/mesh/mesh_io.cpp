@@ -19,16 +19,11 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/isolation/read_in_child.h"
-#include "sim/mesh/mesh_weld.h"
-#include "sim/mesh/stl_reader.h"
+#include "sim/mesh/mesh_repair.h"
 
 namespace reamsim {
 
 namespace {
-
-[[noreturn]] void fail(const std::string& path, const std::string& found, const std::string& expected) {
-  throw InputError({path, 0, 0}, "", found, expected);
-}
 
 /// Keeps only the reader of `extension`, so that assimp does not try others.
 void keep_only_reader(Assimp::Importer& importer, const std::string& extension) {
@@ -50,11 +45,11 @@ void check_faces(const aiScene& scene, const std::string& path) {
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
       if (face.mNumIndices == 0 || face.mIndices == nullptr) {
-        fail(path, "face " + std::to_string(f + 1) + " has no vertices", "give a complete mesh");
+        refuse_file(path, "face " + std::to_string(f + 1) + " has no vertices", "give a complete mesh");
       }
       for (unsigned c = 0; c < face.mNumIndices; ++c) {
         if (face.mIndices[c] >= part.mNumVertices) {
-          fail(path, "face " + std::to_string(f + 1) + " refers to a missing vertex", "give a complete mesh");
+          refuse_file(path, "face " + std::to_string(f + 1) + " refers to a missing vertex", "give a complete mesh");
         }
       }
     }
@@ -78,11 +73,9 @@ class MeshBuilder {
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const aiFace& face = part.mFaces[f];
       if (face.mNumIndices != 3) continue;  // a point or line
-      std::array<std::int32_t, 3> triangle{};
+      MeshTriangle triangle{};
       for (std::size_t c = 0; c < 3; ++c) {
-        const unsigned index = face.mIndices[c];
-        if (index >= part.mNumVertices) fail(path_, "a triangle refers to a missing vertex", "give a complete mesh");
-        const aiVector3D& v = part.mVertices[index];
+        const aiVector3D& v = part.mVertices[face.mIndices[c]];
         triangle[c] = vertex({v.x, v.y, v.z});
       }
       mesh_.triangles.push_back(triangle);
@@ -98,8 +91,8 @@ class MeshBuilder {
  private:
   std::int32_t vertex(const StlCorner& v) {
     if (!std::ranges::all_of(v, [](float value) { return std::isfinite(value); })) {
-      fail(path_, "a NaN or infinite coordinate in triangle " + std::to_string(mesh_.triangles.size() + 1),
-           "expected finite numbers");
+      refuse_file(path_, "a NaN or infinite coordinate in triangle " + std::to_string(mesh_.triangles.size() + 1),
+                  "expected finite numbers");
     }
     const StlCorner key{v[0] + 0.0F, v[1] + 0.0F, v[2] + 0.0F};  // −0 becomes 0
     const auto [found, is_new] = vertex_of_.try_emplace(key, static_cast<std::int32_t>(mesh_.vertices.size()));
@@ -123,7 +116,7 @@ void read_with_assimp(const std::string& path, const std::string& bytes, const s
   if (scene != nullptr) check_faces(*scene, path);
   if (scene != nullptr) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr) {
-    fail(path, "not a readable " + extension + " mesh (truncated or damaged)", "expected a surface");
+    refuse_file(path, "not a readable " + extension + " mesh (truncated or damaged)", "expected a surface");
   }
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) builder.add(*scene->mMeshes[i]);
 }
@@ -138,27 +131,24 @@ std::vector<std::string> read_bytes(const std::string& path, const std::string& 
   return {};
 }
 
+using Coordinates = std::array<double, 3>;
+
 void put_mesh(ResultWriter& out, const TriangleMesh& mesh) {
-  auto* coordinate = out.array<double>(3 * mesh.vertices.size());
-  for (const Vec3& vertex : mesh.vertices) coordinate = std::copy_n(vertex.data(), 3, coordinate);
-  auto* corner = out.array<std::int32_t>(3 * mesh.triangles.size());
-  for (const auto& triangle : mesh.triangles) corner = std::copy_n(triangle.data(), 3, corner);
+  std::ranges::transform(mesh.vertices, out.array<Coordinates>(mesh.vertices.size()), [](const Vec3& v) {
+    return Coordinates{v.x(), v.y(), v.z()};
+  });
+  out.put(mesh.triangles);
 }
 
 TriangleMesh take_mesh(ResultReader& in) {
   TriangleMesh mesh;
-  const auto coordinate = in.array<double>();
-  const auto corner = in.array<std::int32_t>();
-  if (coordinate.size() % 3 != 0 || corner.size() % 3 != 0) in.fail();
-  mesh.vertices.reserve(coordinate.size() / 3);
-  for (std::size_t i = 0; i < coordinate.size(); i += 3) {
-    mesh.vertices.emplace_back(coordinate[i], coordinate[i + 1], coordinate[i + 2]);
+  in.for_each_in_array<Coordinates>([&](const Coordinates& c) {
+    mesh.vertices.emplace_back(c[0], c[1], c[2]);
     if (!mesh.vertices.back().allFinite()) in.fail();
-  }
-  mesh.triangles.reserve(corner.size() / 3);
-  for (std::size_t i = 0; i < corner.size(); i += 3) {
-    mesh.triangles.push_back({corner[i], corner[i + 1], corner[i + 2]});
-    for (const std::int32_t vertex : mesh.triangles.back()) {
+  });
+  mesh.triangles = in.array<MeshTriangle>();
+  for (const MeshTriangle& triangle : mesh.triangles) {
+    for (const std::int32_t vertex : triangle) {
       if (vertex < 0 || static_cast<std::size_t>(vertex) >= mesh.vertices.size()) in.fail();
     }
   }
@@ -168,7 +158,7 @@ TriangleMesh take_mesh(ResultReader& in) {
 void read_and_put(ResultWriter& out, const std::string& path, MeshFormat format, double scale) {
   const std::string bytes = read_file(path, "a mesh");
   if (bytes.size() < kStlHeaderBytes && format == MeshFormat::stl_binary)
-    fail(path, "a truncated STL", "expected more");
+    refuse_file(path, "a truncated STL", "expected more");
   MeshBuilder builder(path, scale);
   const std::vector<std::string> warnings = read_bytes(path, bytes, format, builder);
   put_mesh(out, builder.take());
@@ -191,16 +181,23 @@ void append_point(std::string& out, const Vec3& p) {
 
 }  // namespace
 
-MeshContents read_mesh_contents(const std::string& path, double scale) {
-  if (!std::isfinite(scale) || scale <= 0) fail(path, "a scale of " + std::to_string(scale), "expected more than 0");
-  const MeshFile file = check_mesh_file(path);
+MeshContents read_mesh_contents(const std::string& path, double scale, const std::string& key) {
+  if (!std::isfinite(scale) || scale <= 0)
+    refuse_file(path, "a scale of " + std::to_string(scale), "expected more than 0");
+  MeshFile file;
+  try {
+    file = check_mesh_file(path);
+  } catch (const InputError& error) {
+    if (key.empty()) throw;
+    throw InputError({}, key, error.what(), "");
+  }
   ChildResult result = read_in_child<read_and_put>({path, ""}, limits_for(file.bytes), path, file.format, scale);
   MeshContents out;
   out.mesh = take_mesh(result.reader());
   out.warnings = result.reader().texts();
   out.space = result.reader().text();
-  if (out.mesh.triangles.empty()) fail(path, "a mesh of 0 triangles", "expected a surface");
-  const std::string welded = weld(out.mesh).text();
+  if (out.mesh.triangles.empty()) refuse_file(path, "a mesh of 0 triangles", "expected a surface");
+  const std::string welded = weld(out.mesh);
   if (!welded.empty()) out.notes.push_back(welded);
   return out;
 }

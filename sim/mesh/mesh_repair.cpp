@@ -7,91 +7,79 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <limits>
 #include <map>
+#include <numeric>
 #include <set>
+#include <unordered_map>
 #include <utility>
-
-#include "sim/mesh/mesh_check.h"
-#include "sim/mesh/mesh_holes.h"
 
 namespace reamsim {
 
 namespace {
 
-using Triangle = std::array<std::int32_t, 3>;
-
 /// The vertices of a triangle in order: the same for all triangles that lie on each other.
-Triangle place_of(Triangle t) {
+MeshTriangle place_of(MeshTriangle t) {
   std::ranges::sort(t);
   return t;
 }
 
 /// Whether the order of the vertices is an even permutation of that of place_of().
-bool is_forward(const Triangle& t) {
-  const Triangle sorted = place_of(t);
+bool is_forward(const MeshTriangle& t) {
+  const MeshTriangle sorted = place_of(t);
   const auto first = static_cast<std::size_t>(std::ranges::find(t, sorted[0]) - t.begin());
   return t[(first + 1) % 3] == sorted[1];
 }
 
 using Edge = std::pair<std::int32_t, std::int32_t>;
 
-std::array<Edge, 3> edges_of(const Triangle& t) {
+std::array<Edge, 3> edges_of(const MeshTriangle& t) {
   return {std::minmax(t[0], t[1]), std::minmax(t[1], t[2]), std::minmax(t[2], t[0])};
 }
 
 /// The places of balanced triangles, as many forward as backward, that are needed: groups of them that share edges, and
 /// at most of whose outer edges the other triangles leave a hole; or that have no outer edge, as a surface with two
 /// sides.
-class NeededPlaces {
- public:
-  NeededPlaces(const std::map<Triangle, int>& balance) {
-    for (const auto& [place, sum] : balance) {
-      for (const Edge& edge : edges_of(place)) (sum == 0 ? balanced_[edge] : others_[edge]).push_back(place);
-    }
-    for (const auto& [place, sum] : balance) {
-      if (sum == 0 && !visited_.contains(place)) visit(place);
-    }
+std::set<MeshTriangle> needed_places(const std::map<MeshTriangle, int>& balance) {
+  std::map<Edge, std::vector<MeshTriangle>> balanced;
+  std::map<Edge, std::size_t> others;
+  for (const auto& [place, sum] : balance) {
+    for (const Edge& edge : edges_of(place)) sum == 0 ? balanced[edge].push_back(place) : void(++others[edge]);
   }
-  [[nodiscard]] bool contains(const Triangle& place) const { return needed_.contains(place); }
-
- private:
-  void visit(const Triangle& start) {
-    std::vector<Triangle> group{start};
-    visited_.insert(start);
+  std::set<MeshTriangle> visited, needed;
+  for (const auto& [start, start_sum] : balance) {
+    if (start_sum != 0 || !visited.insert(start).second) continue;
+    std::vector<MeshTriangle> group{start};
     std::size_t outer = 0, open = 0;
     for (std::size_t n = 0; n < group.size(); ++n) {
-      for (const Edge& edge : edges_of(Triangle(group[n]))) {
-        const std::vector<Triangle>& beside = balanced_[edge];
+      for (const Edge& edge : edges_of(group[n])) {
+        const std::vector<MeshTriangle>& beside = balanced[edge];
         if (beside.size() == 1) {
-          const auto others = others_.find(edge);
-          const std::size_t count = others == others_.end() ? 0 : others->second.size();
           ++outer;
-          open += count % 2;
+          open += others[edge] % 2;
         }
-        for (const Triangle& next : beside) {
-          if (visited_.insert(next).second) group.push_back(next);
-        }
+        std::ranges::copy_if(beside, std::back_inserter(group),
+                             [&](const auto& p) { return visited.insert(p).second; });
       }
     }
-    if (2 * open >= outer) needed_.insert(group.begin(), group.end());
+    if (2 * open >= outer) needed.insert(group.begin(), group.end());
   }
-
-  std::map<Edge, std::vector<Triangle>> balanced_, others_;
-  std::set<Triangle> visited_, needed_;
-};
+  return needed;
+}
 
 /// Removes collapsed triangles, and all but one at each place; of balanced ones also that, unless it is needed.
-std::size_t remove_degenerate(std::vector<Triangle>& triangles) {
+std::size_t remove_degenerate(std::vector<MeshTriangle>& triangles) {
   const std::size_t before = triangles.size();
-  std::erase_if(triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
-  std::map<Triangle, int> balance;
-  for (const Triangle& t : triangles) balance[place_of(t)] += is_forward(t) ? 1 : -1;
+  std::erase_if(triangles, is_collapsed);
+  std::map<MeshTriangle, int> balance;
+  for (const MeshTriangle& t : triangles) balance[place_of(t)] += is_forward(t) ? 1 : -1;
   if (balance.size() == triangles.size()) return before - triangles.size();
-  const NeededPlaces needed(balance);
-  std::set<Triangle> seen;
-  std::erase_if(triangles, [&](const Triangle& t) {
-    const Triangle place = place_of(t);
+  const std::set<MeshTriangle> needed = needed_places(balance);
+  std::set<MeshTriangle> seen;
+  std::erase_if(triangles, [&](const MeshTriangle& t) {
+    const MeshTriangle place = place_of(t);
     const int sum = balance[place];
     if (sum == 0 ? !needed.contains(place) : is_forward(t) != (sum > 0)) return true;
     return !seen.insert(place).second;
@@ -99,48 +87,19 @@ std::size_t remove_degenerate(std::vector<Triangle>& triangles) {
   return before - triangles.size();
 }
 
-/// The two triangles at each edge that has two, in the order of the edges; the others are no guide.
-struct Neighbours {
-  std::size_t first;
-  std::size_t second;
-  bool opposite;  ///< their orientations differ
-};
-
-std::vector<Neighbours> neighbours_in(const std::vector<Triangle>& triangles) {
-  struct Uses {
-    std::size_t count = 0;
-    std::array<std::size_t, 2> triangle{};
-    std::array<bool, 2> forward{};
-  };
-  std::map<std::pair<std::int32_t, std::int32_t>, Uses> edges;
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::int32_t a = triangles[i][c], b = triangles[i][(c + 1) % 3];
-      Uses& uses = edges[std::minmax(a, b)];
-      if (uses.count < 2) {
-        uses.triangle[uses.count] = i;
-        uses.forward[uses.count] = a < b;
-      }
-      ++uses.count;
-    }
-  }
-  std::vector<Neighbours> out;
-  for (const auto& [edge, uses] : edges) {
-    if (uses.count == 2) out.push_back({uses.triangle[0], uses.triangle[1], uses.forward[0] == uses.forward[1]});
-  }
-  return out;
-}
-
 /// Turns the triangles of each surface to the orientation that most of them have. A surface with one side only, such
 /// as a Moebius strip, some edges stay between opposite orientations.
-std::size_t turn_alike(std::vector<Triangle>& triangles) {
-  const std::vector<Neighbours> edges = neighbours_in(triangles);
-  if (std::ranges::none_of(edges, &Neighbours::opposite)) return 0;
-  std::vector<std::vector<std::pair<std::size_t, bool>>> beside(triangles.size());
-  for (const Neighbours& edge : edges) {
-    beside[edge.first].emplace_back(edge.second, edge.opposite);
-    beside[edge.second].emplace_back(edge.first, edge.opposite);
-  }
+std::size_t turn_alike(std::vector<MeshTriangle>& triangles) {
+  std::vector<std::vector<std::pair<std::size_t, bool>>> beside(triangles.size());  // and whether it is opposite
+  bool any_opposite = false;
+  for_each_edge(triangles, [&](std::span<const EdgeSide> sides) {
+    if (sides.size() != 2) return;  // no guide
+    const bool opposite = sides[0].forward == sides[1].forward;
+    any_opposite |= opposite;
+    beside[sides[0].triangle].emplace_back(sides[1].triangle, opposite);
+    beside[sides[1].triangle].emplace_back(sides[0].triangle, opposite);
+  });
+  if (!any_opposite) return 0;
   constexpr int kUnknown = -1;
   std::vector<int> turned(triangles.size(), kUnknown);
   std::size_t count = 0;
@@ -175,212 +134,150 @@ RepairResult clean(TriangleMesh& mesh) {
   return out;
 }
 
-RepairResult repair(TriangleMesh& mesh) {
-  RepairResult out = clean(mesh);
-  const std::vector<Neighbours> edges = neighbours_in(mesh.triangles);
-  if (std::ranges::any_of(edges, &Neighbours::opposite)) return out;
-  const std::vector<MeshHole> holes = holes_of(mesh);
+void close_holes(TriangleMesh& mesh, const std::vector<MeshHole>& holes, RepairResult& done) {
   const std::size_t before = mesh.triangles.size();
-  close_holes(mesh, holes);
-  out.closed_holes = holes.size();
-  out.added_triangles = mesh.triangles.size() - before;
-  for (const MeshHole& hole : holes) out.widest_hole_mm = std::max(out.widest_hole_mm, hole.length_mm);
-  return out;
+  for (const MeshHole& hole : holes) {
+    done.widest_hole_mm = std::max(done.widest_hole_mm, hole.length_mm);
+    if (hole.rim.size() == 3) {
+      mesh.triangles.push_back({hole.rim[0], hole.rim[1], hole.rim[2]});
+      continue;
+    }
+    const auto centre = static_cast<std::int32_t>(mesh.vertices.size());
+    mesh.vertices.push_back(hole.centre_mm);
+    for (std::size_t i = 0; i < hole.rim.size(); ++i) {
+      mesh.triangles.push_back({hole.rim[i], hole.rim[(i + 1) % hole.rim.size()], centre});
+    }
+  }
+  done.closed_holes = holes.size();
+  done.added_triangles = mesh.triangles.size() - before;
 }
 
 std::string RepairResult::text() const {
   return fmt::format(
       "{} collapsed or doubled triangles removed, {} triangles turned, {} holes closed with {} triangles (largest "
-      "hole: {:.2f} "
-      "mm)",
+      "hole: {:.2f} mm)",
       dropped_triangles, turned_triangles, closed_holes, added_triangles, widest_hole_mm);
 }
 
 namespace {
 
-/// The volume of a piece, the volume times its centroid, and its outermost vertices along each axis.
-struct PieceSums {
-  double volume_mm3 = 0;
-  Vec3 moment = Vec3::Zero();
-  Aabb box = Aabb::none();
-  std::array<Vec3, 6> extreme_mm;
+/// Of the longest side of the mesh: some hundred times the rounding of single precision, a few µm of a scapula.
+constexpr double kRelativeTolerance = 1e-5;
+constexpr double kOfShortestEdge = 0.1;
+/// Of the largest coordinate: edges below are what rounding left of a collapsed one.
+constexpr double kRounding = 4 * std::numeric_limits<float>::epsilon();
 
-  void add(const Vec3& reference, const std::array<Vec3, 3>& corners) {
-    const Vec3 a = corners[0] - reference, b = corners[1] - reference, c = corners[2] - reference;
-    const double volume = a.dot(b.cross(c)) / 6;
-    volume_mm3 += volume;
-    moment += volume * (a + b + c) / 4;
-    for (const Vec3& corner : corners) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto at = static_cast<Eigen::Index>(axis);
-        if (corner[at] < box.min[at]) extreme_mm[2 * axis] = corner;
-        if (corner[at] > box.max[at]) extreme_mm[2 * axis + 1] = corner;
+/// Vertices at edges that belong to one triangle, in order.
+std::set<std::int32_t> rim_vertices(const TriangleMesh& mesh) {
+  std::set<std::int32_t> out;
+  for_each_edge(mesh.triangles, [&](std::span<const EdgeSide> sides) {
+    if (sides.size() == 1) out.insert({sides[0].low, sides[0].high});
+  });
+  return out;
+}
+
+double tolerance_of(const TriangleMesh& mesh) {
+  const Aabb box = mesh.bounds();
+  const double rounding_mm = kRounding * std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
+  double shortest_mm = std::numeric_limits<double>::infinity();
+  for (const auto& triangle : mesh.triangles) {
+    const auto corners = mesh.corners(triangle);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double length_mm = (corners[(c + 1) % 3] - corners[c]).norm();
+      if (length_mm > rounding_mm) shortest_mm = std::min(shortest_mm, length_mm);
+    }
+  }
+  return std::min(kRelativeTolerance * (box.max - box.min).maxCoeff(), kOfShortestEdge * shortest_mm);
+}
+
+/// Finds the vertex within a tolerance that came first.
+class NearVertices {
+ public:
+  NearVertices(const TriangleMesh& mesh, double tolerance_mm) : mesh_(mesh), tolerance_mm_(tolerance_mm) {}
+
+  /// The nearest earlier one, or the vertex itself, which then is one for the later ones.
+  std::int32_t take(std::int32_t vertex) {
+    const Vec3& point = at(vertex);
+    const std::array<std::int64_t, 3> cell = cell_of(point);
+    std::int32_t nearest = vertex;
+    double least_mm = tolerance_mm_;
+    for (std::int64_t step = 0; step < 27; ++step) {
+      const auto found = cells_.find(key({cell[0] + step % 3 - 1, cell[1] + step / 3 % 3 - 1, cell[2] + step / 9 - 1}));
+      if (found == cells_.end()) continue;
+      for (const std::int32_t other : found->second) {
+        const double apart_mm = (at(other) - point).norm();
+        if (apart_mm > least_mm) continue;
+        least_mm = apart_mm;
+        nearest = other;
       }
-      box.extend(corner);
     }
+    if (nearest == vertex) cells_[key(cell)].push_back(vertex);
+    return nearest;
   }
 
-  [[nodiscard]] MeshPiece piece(const Vec3& reference) const {
-    const bool solid = std::abs(volume_mm3) > 1e-9 * std::max(box.half().prod() * 8, 1e-300);
-    const Vec3 centre = solid ? Vec3(reference + moment / volume_mm3) : Vec3(0.5 * (box.min + box.max));
-    return {std::abs(volume_mm3), centre, false, solid && volume_mm3 < 0};
+ private:
+  [[nodiscard]] const Vec3& at(std::int32_t vertex) const { return mesh_.vertices[static_cast<std::size_t>(vertex)]; }
+  [[nodiscard]] std::array<std::int64_t, 3> cell_of(const Vec3& point) const {
+    const Vec3 cell = (point / tolerance_mm_).array().floor();
+    return {std::llround(cell.x()), std::llround(cell.y()), std::llround(cell.z())};
   }
+  static std::uint64_t key(const std::array<std::int64_t, 3>& cell) {
+    std::uint64_t hash = 1469598103934665603ULL;
+    for (const std::int64_t c : cell) hash = (hash ^ static_cast<std::uint64_t>(c)) * 1099511628211ULL;
+    return hash;
+  }
+
+  const TriangleMesh& mesh_;
+  double tolerance_mm_;
+  std::unordered_map<std::uint64_t, std::vector<std::int32_t>> cells_;  // other cells of the same key do no harm
 };
 
-/// A point of a piece, and the other pieces that the ray along +z from it crosses an odd number of times: those around
-/// it. Each counts by itself: an island in a cavity lies in two.
-struct Probe {
-  Vec3 point;
-  std::size_t piece;
-  std::vector<std::size_t> around = {};
-
-  void cross(std::size_t other) {
-    const auto found = std::ranges::find(around, other);
-    if (found == around.end()) {
-      around.push_back(other);
-    } else {
-      around.erase(found);
-    }
+/// Removes vertices that no triangle has.
+void remove_unused(TriangleMesh& mesh) {
+  std::vector<std::int32_t> number(mesh.vertices.size(), -1);
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::int32_t v : triangle) number[static_cast<std::size_t>(v)] = 0;
   }
-};
-
-/// Whether the ray along +z from a point meets a triangle. Edges belong to one of their two triangles.
-bool is_below(const Vec3& p, const std::array<Vec3, 3>& t) {
-  bool inside = false;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 &a = t[i], &b = t[(i + 1) % 3];
-    if ((a.y() > p.y()) == (b.y() > p.y())) continue;
-    const Vec3 &low = a.y() < b.y() ? a : b, &high = a.y() < b.y() ? b : a;  // the same arithmetic for both triangles
-    if (p.x() < low.x() + (p.y() - low.y()) / (high.y() - low.y()) * (high.x() - low.x())) inside = !inside;
+  std::vector<Vec3> kept;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] < 0) continue;
+    number[v] = static_cast<std::int32_t>(kept.size());
+    kept.push_back(mesh.vertices[v]);
   }
-  if (!inside) return false;
-  const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]);
-  return normal.z() != 0 && normal.dot(t[0] - p) / normal.z() > 0;
-}
-
-/// Finds the pieces around each probe: one pass over the triangles, with the probes sorted by x.
-void find_around(const TriangleMesh& mesh, const std::vector<std::size_t>& piece_of, std::vector<Probe>& probes) {
-  std::ranges::sort(probes, {}, [](const Probe& probe) { return probe.point.x(); });
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const auto [a, b, c] = mesh.corners(mesh.triangles[i]);
-    const auto [least, most] = std::minmax({a.x(), b.x(), c.x()});
-    auto probe = std::ranges::lower_bound(probes, least, {}, [](const Probe& p) { return p.point.x(); });
-    for (; probe != probes.end() && probe->point.x() <= most; ++probe) {
-      if (probe->piece != piece_of[i] && is_below(probe->point, {a, b, c})) probe->cross(piece_of[i]);
-    }
+  mesh.vertices = std::move(kept);
+  for (auto& triangle : mesh.triangles) {
+    for (std::int32_t& v : triangle) v = number[static_cast<std::size_t>(v)];
   }
-}
-
-/// A piece is inside another, larger one if its outermost vertices are.
-void mark_enclosed(const TriangleMesh& mesh, const std::vector<std::size_t>& piece_of,
-                   const std::vector<PieceSums>& sums, std::vector<MeshPiece>& pieces) {
-  std::vector<Probe> probes;
-  for (std::size_t n = 0; n < sums.size(); ++n) {
-    for (const Vec3& point : sums[n].extreme_mm) probes.push_back({point, n});
-  }
-  find_around(mesh, piece_of, probes);
-  std::vector<std::map<std::size_t, std::size_t>> points_in(pieces.size());  // of each piece, by the piece around them
-  for (const Probe& probe : probes) {
-    for (const std::size_t other : probe.around) ++points_in[probe.piece][other];
-  }
-  for (std::size_t n = 0; n < pieces.size(); ++n) {
-    pieces[n].inside_another = std::ranges::any_of(points_in[n], [&](const auto& in) {
-      // Rounding may put each of two copies of a surface inside the other.
-      return in.second == sums[n].extreme_mm.size() && pieces[in.first].volume_mm3 > pieces[n].volume_mm3;
-    });
-  }
-}
-
-std::string text_of(const MeshPiece& piece) {
-  const Vec3& c = piece.centre_mm;
-  return fmt::format("{:.{}f} mm3 at ({:.1f}, {:.1f}, {:.1f}) mm", piece.volume_mm3, piece.volume_mm3 < 10 ? 2 : 0,
-                     c.x(), c.y(), c.z());
-}
-
-/// The places of the first pieces, the largest, and how many more there are.
-std::string places_of(const std::vector<MeshPiece>& pieces) {
-  constexpr std::size_t kMostNamed = 3;
-  std::string out;
-  for (std::size_t n = 0; n < std::min(pieces.size(), kMostNamed); ++n) {
-    out += (n == 0 ? "" : ", ") + text_of(pieces[n]);
-  }
-  return pieces.size() <= kMostNamed ? out : out + fmt::format(" and {} more", pieces.size() - kMostNamed);
-}
-
-std::vector<MeshPiece> chosen(const std::vector<MeshPiece>& pieces, bool (*wanted)(const MeshPiece&)) {
-  std::vector<MeshPiece> out;
-  std::ranges::copy_if(pieces, std::back_inserter(out), wanted);
-  return out;
-}
-
-std::string inward_warning(const std::vector<MeshPiece>& inward, std::size_t outer_count) {
-  if (inward.size() == outer_count) return "the triangles of the mesh face inwards; orientation flipped";
-  return fmt::format("{} inwards: {}; orientation flipped",
-                     inward.size() == 1 ? "the triangles of a piece of the mesh face"
-                                        : fmt::format("the triangles of {} pieces of the mesh face", inward.size()),
-                     places_of(inward));
-}
-
-/// The pieces in the order of components_of().
-std::vector<MeshPiece> pieces_in_order(const TriangleMesh& mesh, const std::vector<std::size_t>& piece_of) {
-  const std::size_t count = piece_of.empty() ? 0 : 1 + *std::ranges::max_element(piece_of);
-  const Vec3 reference = mesh.bounds().center();
-  std::vector<PieceSums> sums(count);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    sums[piece_of[i]].add(reference, mesh.corners(mesh.triangles[i]));
-  }
-  std::vector<MeshPiece> out;
-  for (const PieceSums& piece : sums) out.push_back(piece.piece(reference));
-  if (count > 1) mark_enclosed(mesh, piece_of, sums, out);
-  return out;
-}
-
-void sort_by_volume(std::vector<MeshPiece>& pieces) {
-  std::ranges::stable_sort(pieces, [](const MeshPiece& a, const MeshPiece& b) { return a.volume_mm3 > b.volume_mm3; });
 }
 
 }  // namespace
 
-std::vector<MeshPiece> pieces_of(const TriangleMesh& mesh) {
-  std::vector<MeshPiece> out = pieces_in_order(mesh, components_of(mesh));
-  sort_by_volume(out);
-  return out;
-}
-
-std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh, bool all) {
-  const std::vector<std::size_t> piece_of = components_of(mesh);
-  std::vector<MeshPiece> out = pieces_in_order(mesh, piece_of);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const MeshPiece& piece = out[piece_of[i]];
-    if (piece.faces_inwards && (all || !piece.inside_another)) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+std::string weld(TriangleMesh& mesh) {
+  const std::set<std::int32_t> rim = rim_vertices(mesh);
+  const double tolerance_mm = rim.empty() ? 0 : tolerance_of(mesh);
+  if (!std::isfinite(tolerance_mm) || tolerance_mm <= 0) return "";
+  std::vector<std::int32_t> target(mesh.vertices.size());
+  std::iota(target.begin(), target.end(), 0);
+  NearVertices near(mesh, tolerance_mm);
+  std::size_t corners = 0;
+  double farthest_mm = 0;
+  for (const std::int32_t v : rim) {
+    const std::int32_t to = near.take(v);
+    if (to == v) continue;
+    target[static_cast<std::size_t>(v)] = to;
+    ++corners;
+    const double moved_mm =
+        (mesh.vertices[static_cast<std::size_t>(v)] - mesh.vertices[static_cast<std::size_t>(to)]).norm();
+    farthest_mm = std::max(farthest_mm, moved_mm);
   }
-  sort_by_volume(out);
-  return out;
-}
-
-double outer_volume_mm3(const std::vector<MeshPiece>& pieces) {
-  double sum = 0;
-  for (const MeshPiece& piece : pieces) sum += piece.inside_another ? 0 : piece.volume_mm3;
-  return sum;
-}
-
-std::vector<std::string> warnings_of(const std::vector<MeshPiece>& pieces) {
-  std::vector<std::string> out;
-  std::vector<MeshPiece> outer = chosen(pieces, [](const MeshPiece& piece) { return !piece.inside_another; });
-  const std::size_t inside = pieces.size() - outer.size();
-  const auto inward = chosen(outer, [](const MeshPiece& piece) { return piece.faces_inwards; });
-  if (!inward.empty()) out.push_back(inward_warning(inward, outer.size()));
-  if (outer.size() > 1) {
-    outer.erase(outer.begin());
-    out.push_back(
-        fmt::format("the mesh has {} besides the largest: {}; all are kept as bone: remove in the mesh what is no bone",
-                    outer.size() == 1 ? "a piece" : fmt::format("{} pieces", outer.size()), places_of(outer)));
+  if (corners == 0) return "";
+  for (auto& triangle : mesh.triangles) {
+    for (std::int32_t& v : triangle) v = target[static_cast<std::size_t>(v)];
   }
-  if (inside > 0) {
-    out.push_back(fmt::format("the mesh has {} inside another; a surface inside another does not create a cavity",
-                              inside == 1 ? "a surface" : fmt::format("{} surfaces", inside)));
-  }
-  return out;
+  std::erase_if(mesh.triangles, is_collapsed);
+  remove_unused(mesh);
+  return fmt::format("{} {} welded that differed by up to {:.2g} mm (tolerance {:.2g} mm)", corners,
+                     corners == 1 ? "corner of triangles was" : "corners of triangles were", farthest_mm, tolerance_mm);
 }
 
 }  // namespace reamsim

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/mesh/stl_reader.h"
+#include "sim/mesh/mesh_format.h"
 
 #include <algorithm>
 #include <cctype>
@@ -11,7 +11,6 @@
 #include <optional>
 
 #include "sim/base/error.h"
-#include "sim/mesh/mesh_format.h"
 
 namespace reamsim {
 

@@ -11,12 +11,20 @@
 
 namespace reamsim {
 
+/// Vertices by their index.
+using MeshTriangle = std::array<std::int32_t, 3>;
+
+/// Whether two vertices of a triangle are one.
+inline bool is_collapsed(const MeshTriangle& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
 /// A triangle mesh, vertices in mm in its owner's frame, triangles counter-clockwise seen from outside.
 struct TriangleMesh {
   std::vector<Vec3> vertices;
-  std::vector<std::array<std::int32_t, 3>> triangles;
+  std::vector<MeshTriangle> triangles;
 
-  [[nodiscard]] std::array<Vec3, 3> corners(const std::array<std::int32_t, 3>& triangle) const {
+  [[nodiscard]] std::array<Vec3, 3> corners(const MeshTriangle& triangle) const {
     const auto vertex = [&](std::size_t c) -> const Vec3& { return vertices[static_cast<std::size_t>(triangle[c])]; };
     return {vertex(0), vertex(1), vertex(2)};
   }
@@ -37,6 +45,15 @@ struct TriangleMesh {
       six_volumes += pa.dot(pb.cross(pc));
     }
     return six_volumes / 6;
+  }
+  /// Area of all triangles, mm².
+  [[nodiscard]] double area_mm2() const {
+    double sum = 0;
+    for (const MeshTriangle& triangle : triangles) {
+      const auto [a, b, c] = corners(triangle);
+      sum += 0.5 * (b - a).cross(c - a).norm();
+    }
+    return sum;
   }
 };
 

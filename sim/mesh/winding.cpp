@@ -82,14 +82,18 @@ void LineCrossings::along(double first_mm, double second_mm, std::vector<Crossin
   std::ranges::sort(out, {}, &Crossing::at_mm);
 }
 
-int LineCrossings::winding(const Vec3& point_mm) const {
-  int sum = 0;
+void LineCrossings::above(const Vec3& point_mm, const std::function<void(std::uint32_t, int)>& visit) const {
   const double u = point_mm[(axis_ + 1) % 3], v = point_mm[(axis_ + 2) % 3];
   for (const std::uint32_t i : rows_[row_of(v)]) {
     const Seen t = seen_along(mesh_.corners(mesh_.triangles[i]), axis_);
     const int leaving = winding_in_plane(t, u, v);
-    if (leaving != 0 && height(t, u, v) > point_mm[axis_]) sum += leaving;
+    if (leaving != 0 && height(t, u, v) > point_mm[axis_]) visit(i, leaving);
   }
+}
+
+int LineCrossings::winding(const Vec3& point_mm) const {
+  int sum = 0;
+  above(point_mm, [&sum](std::uint32_t, int leaving) { sum += leaving; });
   return sum;
 }
 

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "sim/mesh/triangle_mesh.h"
@@ -11,7 +13,7 @@
 namespace reamsim {
 
 // The winding number of a point says how often a surface encloses it: 1 inside, 0 outside, 2 where two surfaces
-// overlap. For a surface whose edges cancel (mesh_holes.h) it is the number of triangles that a line from the point
+// overlap. For a surface whose edges cancel (holes_of()) it is the number of triangles that a line from the point
 // crosses from inside to outside, less those that it crosses the other way, whatever the line. This is exact, so no
 // fast approximation (Barill et al. 2018) is needed.
 
@@ -31,6 +33,8 @@ class LineCrossings {
   /// axis 0, z and x for axis 1, x and y for axis 2).
   void along(double first_mm, double second_mm, std::vector<Crossing>& out) const;
 
+  /// Calls visit(triangle, leaving) where the half of a point's line in the direction of the axis crosses the mesh.
+  void above(const Vec3& point_mm, const std::function<void(std::uint32_t triangle, int leaving)>& visit) const;
   /// The winding number of a point, by the half of its line in the direction of the axis.
   [[nodiscard]] int winding(const Vec3& point_mm) const;
 

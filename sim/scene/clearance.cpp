@@ -12,7 +12,7 @@
 #include <span>
 #include <tuple>
 
-#include "sim/bone/mesh_frame.h"
+#include "sim/bone/mesh_source.h"
 #include "sim/bone/voxel_surface.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/scenario/passes.h"
@@ -117,8 +117,7 @@ class Surfaces {
   }
 
   TriangleMesh read_envelope(const ClearanceEnvelopeSettings& settings) {
-    require_mesh(settings.path, "clearance.envelope.path");
-    MeshContents contents = read_mesh_contents(settings.path, settings.scale);
+    MeshContents contents = read_mesh_contents(settings.path, settings.scale, "clearance.envelope.path");
     Diagnostics report = {.notes = contents.notes, .warnings = contents.warnings, .listings = {}};
     bring_into_lps(contents, MeshFrame::file, settings.path, "", report);
     if (meet_after_half_turn_only(contents.mesh.bounds(), bone_.voxmap.grid.bounds_mm())) {

@@ -65,8 +65,7 @@ Vec3 centroid(const TriangleMesh& mesh) {
 }
 
 TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Diagnostics& report) {
-  require_mesh(settings.mesh, "tool.mesh");
-  MeshContents contents = read_mesh_contents(settings.mesh, settings.scale);
+  MeshContents contents = read_mesh_contents(settings.mesh, settings.scale, "tool.mesh");
   for (const std::string& warning : contents.warnings) report.warn("tool.mesh: " + warning);
   for (const std::string& note : contents.notes) report.note("tool.mesh: " + note);
   if (!contents.space.empty()) {

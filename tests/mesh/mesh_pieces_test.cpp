@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/mesh/mesh_repair.h"
+#include "sim/mesh/mesh_pieces.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,6 +21,10 @@ TriangleMesh joined(const std::vector<TriangleMesh>& parts) {
     for (const auto& [a, b, c] : part.triangles) out.triangles.push_back({a + before, b + before, c + before});
   }
   return out;
+}
+
+std::vector<MeshPiece> pieces_of(TriangleMesh mesh) {
+  return turn_outwards(mesh);
 }
 
 TEST(MeshPieces, HaveVolumeAndCentreTheLargestFirst) {

@@ -11,6 +11,13 @@
 namespace reamsim::test {
 namespace {
 
+/// Cleans a mesh, and closes its holes where it can be oriented.
+RepairResult repair(TriangleMesh& mesh) {
+  RepairResult done = clean(mesh);
+  if (diagnose(mesh).inconsistent_edges == 0) close_holes(mesh, holes_of(mesh), done);
+  return done;
+}
+
 TEST(MeshRepair, ClosesAHoleTheRightWayRound) {
   TriangleMesh mesh = box_mesh({0, 0, 0}, {2, 3, 4});
   mesh.triangles.erase(mesh.triangles.begin() + 2, mesh.triangles.begin() + 4);  // the whole face z = 4

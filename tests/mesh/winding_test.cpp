@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "sim/mesh/mesh_check.h"
-#include "sim/mesh/mesh_holes.h"
+#include "sim/mesh/mesh_pieces.h"
 #include "sim/mesh/mesh_repair.h"
 #include "tests/support/mesh_shapes.h"
 
@@ -55,7 +55,8 @@ TEST(MeshHoles, AreMeasured) {
   EXPECT_NEAR(holes[0].area_mm2, 6, 1e-9);
   EXPECT_NEAR(holes[0].width_mm, 2, 1e-9);
   EXPECT_NEAR(holes[0].length_mm, std::hypot(2, 3), 1e-9);
-  close_holes(mesh, holes);
+  RepairResult done;
+  close_holes(mesh, holes, done);
   EXPECT_TRUE(diagnose(mesh).closed_manifold());
   EXPECT_NEAR(mesh.volume_mm3(), 24, 1e-9);
   EXPECT_TRUE(holes_of(mesh).empty());
@@ -63,7 +64,7 @@ TEST(MeshHoles, AreMeasured) {
 
 TEST(MeshHoles, SmallOnesAndLargeOnes) {
   TriangleMesh mesh = sphere_mesh({0, 0, 0}, 30, 4);
-  const double surface = area_mm2(mesh);
+  const double surface = mesh.area_mm2();
   EXPECT_NEAR(surface, 4 * std::numbers::pi * 900, 0.01 * surface);
   mesh.triangles.pop_back();
   EXPECT_TRUE(are_small(holes_of(mesh), surface));
