@@ -7,10 +7,6 @@
 
 namespace reamsim {
 
-/// Range of positions, mm. A position beyond it is a mistake of unit or frame.
-constexpr Range kPosition = between(-10000, 10000);
-/// Range of the components of a direction, which need not be normalized.
-constexpr Range kComponent = between(-1000, 1000);
 /// Range of densities that are not 0, g/cm³, from the least that a voxel stores.
 constexpr Range kDensity = between(0.008, 2);
 /// Range of the length in mm of a unit of a file, from nanometres to kilometres.

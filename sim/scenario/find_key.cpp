@@ -129,11 +129,11 @@ const KeyNode& find_key(const std::string& path, const SourceLocation& where) {
   bool in_list = false;
   for (const std::string& step : split(path, '.')) {
     const std::string name = so_far + (so_far.empty() ? "" : ".") + shown_key(step);
-    if (at->kind == KeyNode::Kind::list && !in_list) {
+    if (at->info.kind == KeyKind::list && !in_list) {
       if (!is_index(step)) throw InputError(where, name, "unknown key", "expected an index into the list " + so_far);
       in_list = true;
     } else {
-      const bool has_keys = at->kind == KeyNode::Kind::section || in_list;
+      const bool has_keys = at->info.kind == KeyKind::section || in_list;
       if (!has_keys) throw InputError(where, name, "unknown key", so_far + " has no keys below it");
       const KeyNode* next = at->find(step);
       if (next == nullptr) throw InputError(where, name, "unknown key", suggest_key(*at, step));
@@ -142,8 +142,8 @@ const KeyNode& find_key(const std::string& path, const SourceLocation& where) {
     }
     so_far = name;
   }
-  const bool is_list = at->kind == KeyNode::Kind::list;
-  if (at->kind == KeyNode::Kind::section || is_list) {
+  const bool is_list = at->info.kind == KeyKind::list;
+  if (at->info.kind == KeyKind::section || is_list) {
     std::vector<std::string_view> names;
     for (const KeyNode& key : at->children) names.push_back(key.info.name);
     const std::string remedy = is_list && !in_list
@@ -168,8 +168,8 @@ class UnknownKeys {
         mistakes_.add(InputError(entry.mark.in(file_), entry_path, "unknown key", suggest_key(section, entry.key)));
         continue;
       }
-      if (key->kind == KeyNode::Kind::section) find(*entry.value, *key, entry_path);
-      if (key->kind != KeyNode::Kind::list) continue;
+      if (key->info.kind == KeyKind::section) find(*entry.value, *key, entry_path);
+      if (key->info.kind != KeyKind::list) continue;
       for (std::size_t i = 0; i < entry.value->items.size(); ++i) {
         find(*entry.value->items[i], *key, entry_path + "." + std::to_string(i));
       }

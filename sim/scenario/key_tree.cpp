@@ -41,72 +41,80 @@ std::pair<std::string_view, std::string_view> unit_suffix(std::string_view name)
   return name.ends_with(kNewton.first) ? kNewton : std::pair<std::string_view, std::string_view>{};
 }
 
-std::string vector_json(const Vec3& v) {
-  return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]";
-}
-
 /// Lists every key of a default scenario.
 class TreeBuilder : public KeyVisitor {
  public:
   explicit TreeBuilder(KeyNode& root) : stack_{&root} {}
 
-  void number(const KeyInfo& info, double& value) override { leaf(info, KeyNode::Kind::number, number_text(value)); }
-  void integer(const KeyInfo& info, int& value) override { leaf(info, KeyNode::Kind::integer, std::to_string(value)); }
-  void flag(const KeyInfo& info, bool& value) override { leaf(info, KeyNode::Kind::flag, value ? "true" : "false"); }
-  void text(const KeyInfo& info, std::string& value) override {
-    const bool has_default = !value.empty() || info.text == TextKind::output_folder;
-    leaf(info, KeyNode::Kind::text, has_default ? json_string(value) : "");
-  }
-  void choices(const KeyInfo& info, std::vector<std::string>& values) override {
-    std::string json;
-    for (const auto& value : values) json += (json.empty() ? "" : ", ") + json_string(value);
-    leaf(info, KeyNode::Kind::choices, "[" + json + "]");
-  }
-  void names(const KeyInfo& info, std::vector<std::string>& values) override {
-    std::string json;
-    for (const std::string& value : values)
-      json += (json.empty() ? "" : ", ") + (is_whole_number(value) ? value : json_string(value));
-    leaf(info, KeyNode::Kind::names, values.size() == 1 ? json : "[" + json + "]");
-  }
-  void vector(const KeyInfo& info, Vec3& value) override { leaf(info, KeyNode::Kind::vector, vector_json(value)); }
-  void optional_vector(const KeyInfo& info, std::optional<Vec3>&) override { leaf(info, KeyNode::Kind::vector, ""); }
-  void points(const KeyInfo& info, std::vector<Vec3>&) override { leaf(info, KeyNode::Kind::points, ""); }
-  void optional_quaternion(const KeyInfo& info, std::optional<Quat>&) override {
-    leaf(info, KeyNode::Kind::quaternion, "");
-  }
   void group(const KeyGroup& group) override { stack_.back()->groups.push_back(group); }
 
  protected:
+  void visit(const KeyInfo& info, const ValuePointer& value) override {
+    add(info, value_text(info, value, json_string));
+  }
   bool begin_section(const KeyInfo& info) override {
-    begin(info, KeyNode::Kind::section, "");
+    stack_.push_back(&add(info, ""));
     return true;
   }
   bool begin_optional_section(const KeyInfo& info, bool) override { return begin_section(info); }
-  void end_section() override { stack_.pop_back(); }
   std::size_t begin_list(const KeyInfo& info, std::size_t) override {
-    begin(info, KeyNode::Kind::list, "[]");
+    stack_.push_back(&add(info, "[]"));
     return 1;
   }
   void begin_item(std::size_t) override { stack_.push_back(stack_.back()); }
-  void end_list() override { stack_.pop_back(); }
+  void end() override { stack_.pop_back(); }
 
  private:
-  KeyNode& leaf(const KeyInfo& info, KeyNode::Kind kind, const std::string& default_json) {
+  KeyNode& add(const KeyInfo& info, const std::string& default_json) {
     KeyNode& parent = *stack_.back();
-    KeyNode node;
-    node.kind = kind;
-    node.info = info;
-    node.path = parent.path + (parent.kind == KeyNode::Kind::list ? "[]" : "") + (parent.path.empty() ? "" : ".");
-    node.path += info.name;
-    node.default_json = info.required ? "" : default_json;
-    parent.children.push_back(std::move(node));
+    const std::string item = parent.info.kind == KeyKind::list ? "[]" : "";
+    parent.children.push_back({.info = info,
+                               .path = parent.path + item + (parent.path.empty() ? "" : ".") + std::string(info.name),
+                               .default_json = info.required ? "" : default_json,
+                               .children = {},
+                               .groups = {}});
     return parent.children.back();
-  }
-  void begin(const KeyInfo& info, KeyNode::Kind kind, const std::string& default_json) {
-    stack_.push_back(&leaf(info, kind, default_json));
   }
 
   std::vector<KeyNode*> stack_;
+};
+
+/// value_text() by the type of the value.
+struct ValueText {
+  const KeyInfo& info;
+  const std::function<std::string(const std::string&)>& text_of;
+
+  std::string operator()(const double* value) const { return number_text(*value); }
+  std::string operator()(const int* value) const { return std::to_string(*value); }
+  std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
+  std::string operator()(const std::string* value) const {
+    return value->empty() && info.text != TextKind::output_folder ? "" : scalar(*value);
+  }
+  std::string operator()(const std::vector<std::string>* values) const {
+    if (info.kind == KeyKind::names && values->size() == 1) return scalar(values->front());
+    return list(*values, [this](const std::string& value) { return scalar(value); });
+  }
+  std::string operator()(const std::optional<Vec3>* value) const { return *value ? vector_text(**value) : ""; }
+  std::string operator()(const std::vector<Vec3>* values) const {
+    return values->empty() ? "" : list(*values, vector_text);
+  }
+  std::string operator()(const std::optional<Quat>* value) const {
+    if (!*value) return "";
+    const Quat& q = **value;
+    return list(std::array{q.w(), q.x(), q.y(), q.z()}, number_text);
+  }
+
+  /// A name that is a whole number stays one.
+  [[nodiscard]] std::string scalar(const std::string& value) const {
+    const bool may_be_number = info.number_too || info.kind == KeyKind::names;
+    return may_be_number && is_whole_number(value) ? value : text_of(value);
+  }
+  template <class Values, class Text>
+  static std::string list(const Values& values, const Text& text) {
+    std::string out;
+    for (const auto& value : values) out += (out.empty() ? "" : ", ") + text(value);
+    return "[" + out + "]";
+  }
 };
 
 }  // namespace
@@ -154,37 +162,42 @@ std::string join_or(const std::vector<std::string_view>& words) {
   return out;
 }
 
-std::string expectation(const KeyInfo& info, KeyNode::Kind kind) {
+std::string value_text(const KeyInfo& info, const ValuePointer& value,
+                       const std::function<std::string(const std::string&)>& text_of) {
+  return std::visit(ValueText{info, text_of}, value);
+}
+
+std::string expectation(const KeyInfo& info) {
   const std::string range = range_text(info.range);
   const std::string_view unit = unit_of(info.name);
   const std::string tail = (range.empty() ? "" : ", " + range) + (unit.empty() ? "" : " (" + std::string(unit) + ")");
-  switch (kind) {
-    case KeyNode::Kind::section:
+  switch (info.kind) {
+    case KeyKind::section:
       return "a section of keys";
-    case KeyNode::Kind::list:
+    case KeyKind::list:
       return "a list of sections";
-    case KeyNode::Kind::number:
+    case KeyKind::number:
       return "a number" + tail;
-    case KeyNode::Kind::integer:
+    case KeyKind::integer:
       return "a whole number" + tail;
-    case KeyNode::Kind::flag:
+    case KeyKind::flag:
       return "true or false";
-    case KeyNode::Kind::choices:
+    case KeyKind::choices:
       return "a list of one or more of " + join_or(info.choices);
-    case KeyNode::Kind::names:
+    case KeyKind::names:
       return "a name or a whole number, or a list of them";
-    case KeyNode::Kind::vector:
+    case KeyKind::vector:
       if (info.nonzero) return "3 numbers [x, y, z], not all zero, each " + range;
       return "3 numbers [x, y, z]" + (range.empty() ? "" : ", each " + range) +
              (unit.empty() ? "" : " (" + std::string(unit) + ")") +
              (info.point ? ", or {markups: FILE, point: LABEL}" : "");
-    case KeyNode::Kind::points:
+    case KeyKind::points:
       return "a list of " + std::to_string(info.least_points) + " or more points [[x, y, z], ...]" +
              (range.empty() ? "" : ", each number " + range) + (unit.empty() ? "" : " (" + std::string(unit) + ")") +
              (info.point ? ", or {markups: FILE}" : "");
-    case KeyNode::Kind::quaternion:
+    case KeyKind::quaternion:
       return "4 numbers [w, x, y, z] of length 1";
-    case KeyNode::Kind::text:
+    case KeyKind::text:
       break;
   }
   if (!info.choices.empty()) return join_or(info.choices);

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,9 +14,6 @@ namespace reamsim {
 
 /// A key as data: its description by describe_scenario(), its default, and the keys below it.
 struct KeyNode {
-  enum class Kind { section, list, number, integer, flag, text, choices, names, vector, points, quaternion };
-
-  Kind kind = Kind::section;
   KeyInfo info;
   std::string path;          ///< "motion.plunge.feed_mm_s"; "motion.keyframes[].time_s" inside a list
   std::string default_json;  ///< "" = none
@@ -35,7 +33,11 @@ std::string_view unit_of(std::string_view name);
 std::string_view without_unit(std::string_view name);
 
 /// The values that a key accepts, in words: "a number, 0.01 to 5 (mm)", "one of left, right".
-std::string expectation(const KeyInfo& info, KeyNode::Kind kind);
+std::string expectation(const KeyInfo& info);
+
+/// A value as YAML on one line, its texts by `text_of`; "": not given.
+std::string value_text(const KeyInfo& info, const ValuePointer& value,
+                       const std::function<std::string(const std::string&)>& text_of);
 
 /// A range in words: "0.01 to 5", or "".
 std::string range_text(const Range& range);

@@ -73,8 +73,8 @@ void replace_block(const std::string& head, const std::string& from, std::string
 
 /// The part of `bone` that the law depends on. The other keys name files, which are not required here.
 void describe_source_and_density(KeyVisitor& v, BoneSettings& bone) {
-  v.choice({.name = "source", .doc = "Source of the bone", .required = true}, bone.source);
-  v.section({.name = "density", .doc = "Relation from HU to density"}, bone.density, describe_density);
+  v.key("source", bone.source, "Source of the bone", {.required = true});
+  v.section("density", bone.density, describe_density, "Relation from HU to density");
 }
 
 }  // namespace
@@ -88,10 +88,10 @@ LawSettings parse_law_settings(const std::string& path, const std::vector<std::s
   reject_unknown_keys(*document, file, mistakes);
   ScenarioReader reader(document, file, "", mistakes);
   Scenario scenario;
-  reader.section({.name = "cutting"}, scenario.cutting, describe_cutting);
-  reader.section({.name = "output"}, scenario.output, describe_output);
-  reader.section({.name = "engine"}, scenario.engine, describe_engine);
-  reader.section({.name = "bone"}, scenario.bone, describe_source_and_density);
+  reader.section("cutting", scenario.cutting, describe_cutting);
+  reader.section("output", scenario.output, describe_output);
+  reader.section("engine", scenario.engine, describe_engine);
+  reader.section("bone", scenario.bone, describe_source_and_density);
   apply_preset(reader.locations(), scenario.cutting);
   Scenario checked = scenario;
   checked.bone.source = BoneSource::vdb;  // the rules of the other sources need keys that are not read here

@@ -125,9 +125,9 @@ ResultSettings parse_result_settings(const std::string& path, const std::vector<
   reject_unknown_keys(*document, file, mistakes);
   ScenarioReader reader(document, file, "", mistakes);
   ResultSettings out;
-  reader.section({.name = "render"}, out.render, describe_render);
-  reader.section({.name = "cutting"}, out.cutting, describe_cutting);
-  reader.section({.name = "output"}, out.output, describe_output);
+  reader.section("render", out.render, describe_render);
+  reader.section("cutting", out.cutting, describe_cutting);
+  reader.section("output", out.output, describe_output);
   mistakes.throw_if_any();
   check_cameras(out.render, reader.locations());
   if (resolves_cutting_edges(*document)) out.tool_spin = ToolSpin::resolved;
@@ -151,7 +151,7 @@ BoneSettings parse_bone_settings(const std::string& source, const std::string& p
   reject_unknown_keys(*document, file, mistakes);
   ScenarioReader reader(document, file, fs::current_path().string(), mistakes);
   Scenario scenario;
-  reader.section({.name = "bone"}, scenario.bone, describe_bone);
+  reader.section("bone", scenario.bone, describe_bone);
   check_rules(scenario, reader.locations(), mistakes);
   mistakes.throw_if_any();
   return scenario.bone;

@@ -28,9 +28,10 @@ std::string ScenarioReader::path_of(std::string_view name) const {
   return path + (path.empty() ? "" : ".") + std::string(name);
 }
 
-void ScenarioReader::reject(std::string_view key, const YamlNode& node, const std::string& found,
-                            const std::string& expected) const {
-  throw InputError(node.mark.in(file_), path_of(key), found, "expected " + expected);
+void ScenarioReader::reject(const KeyInfo& info, const YamlNode& node, const std::string& found,
+                            const std::string& more) const {
+  throw InputError(node.mark.in(file_), path_of(info.name), "found " + (found.empty() ? shown(node) : found),
+                   "expected " + expectation(info) + more);
 }
 
 ScenarioReader::Applies ScenarioReader::applies(const KeyInfo& info, std::string& why_not) const {
@@ -54,8 +55,7 @@ ScenarioReader::Applies ScenarioReader::applies(const KeyInfo& info, std::string
 
 void ScenarioReader::take_missing(const KeyInfo& info) {
   Level& level = levels_.back();
-  const KeyNode::Kind kind = info.choices.empty() ? KeyNode::Kind::section : KeyNode::Kind::text;
-  const std::string expected = info.choices.empty() ? std::string(info.doc) : expectation(info, kind);
+  const std::string expected = info.choices.empty() ? std::string(info.doc) : expectation(info);
   const InputError error(level.where, path_of(info.name), "missing", "expected this key: " + expected);
   if (!info.choices.empty()) level.unknown_choices.insert(info.name);
   if (level.has_unknown) return;
@@ -82,199 +82,129 @@ YamlNodePtr ScenarioReader::take(const KeyInfo& info) {
   throw InputError(where, path, "does not apply: " + why_not, "");
 }
 
-double ScenarioReader::checked_number(const KeyInfo& info, const YamlNode& node, const std::string& expected) const {
+void ScenarioReader::visit(const KeyInfo& info, const ValuePointer& value) {
+  const bool fine = mistakes_.attempt([&] {
+    const YamlNodePtr node = take(info);
+    if (node) std::visit([&](auto* target) { read(info, *node, *target); }, value);
+  });
+  if (info.kind != KeyKind::text || info.choices.empty()) return;
+  Level& level = levels_.back();
+  if (!fine || level.skipped) level.unknown_choices.insert(info.name);
+  level.chosen[info.name] = *std::get<std::string*>(value);
+}
+
+double ScenarioReader::checked_number(const KeyInfo& info, const YamlNode& node) const {
   const bool plain = node.kind == YamlNode::Kind::scalar && !node.quoted;
   const std::optional<double> value = plain ? parse_number(node.text) : std::nullopt;
-  if (!value) reject(info.name, node, "found " + shown(node), expected);
-  if (!std::isfinite(*value)) reject(info.name, node, "found " + shown(node) + ", which is not finite", expected);
-  if (!info.range.contains(*value)) reject(info.name, node, "found " + shown(node), expected);
+  if (!value) reject(info, node);
+  if (!std::isfinite(*value)) reject(info, node, shown(node) + ", which is not finite");
+  if (!info.range.contains(*value)) reject(info, node);
   return *value + 0.0;  // never a negative zero
 }
 
-void ScenarioReader::number(const KeyInfo& info, double& value) {
-  mistakes_.attempt([&] {
-    const YamlNodePtr node = take(info);
-    if (node) value = checked_number(info, *node, expectation(info, KeyNode::Kind::number));
-  });
+void ScenarioReader::read(const KeyInfo& info, const YamlNode& node, double& value) const {
+  value = checked_number(info, node);
 }
 
-void ScenarioReader::integer(const KeyInfo& info, int& value) {
-  mistakes_.attempt([&] {
-    const YamlNodePtr node = take(info);
-    if (!node) return;
-    const std::string expected = expectation(info, KeyNode::Kind::integer);
-    const double number = checked_number(info, *node, expected);
-    const bool digits_only = node->text.find_first_not_of("+-0123456789") == std::string::npos;
-    if (!digits_only) reject(info.name, *node, "found " + shown(*node), expected);
-    value = static_cast<int>(number);
-  });
+void ScenarioReader::read(const KeyInfo& info, const YamlNode& node, int& value) const {
+  const double number = checked_number(info, node);
+  if (node.text.find_first_not_of("+-0123456789") != std::string::npos) reject(info, node);
+  value = static_cast<int>(number);
 }
 
-void ScenarioReader::flag(const KeyInfo& info, bool& value) {
-  mistakes_.attempt([&] {
-    const YamlNodePtr node = take(info);
-    if (!node) return;
-    const bool plain = node->kind == YamlNode::Kind::scalar && !node->quoted;
-    if (!plain || (node->text != "true" && node->text != "false")) {
-      reject(info.name, *node, "found " + shown(*node), expectation(info, KeyNode::Kind::flag));
-    }
-    value = node->text == "true";
-  });
+void ScenarioReader::read(const KeyInfo& info, const YamlNode& node, bool& value) const {
+  const bool plain = node.kind == YamlNode::Kind::scalar && !node.quoted;
+  if (!plain || (node.text != "true" && node.text != "false")) reject(info, node);
+  value = node.text == "true";
 }
 
 std::string ScenarioReader::checked_text(const KeyInfo& info, const YamlNode& node) const {
-  const std::string expected = expectation(info, KeyNode::Kind::text);
-  if (node.kind != YamlNode::Kind::scalar) reject(info.name, node, "found " + shown(node), expected);
+  if (node.kind != YamlNode::Kind::scalar) reject(info, node);
   const bool number = !info.number_too && parse_number(node.text);
   const bool other_type =
       !node.quoted && !node.mark.override_text && (number || node.text == "true" || node.text == "false");
-  if (other_type)
-    reject(info.name, node, "found " + shown(node), expected + " (in quotes where it looks like a number)");
-  if (node.text.empty() && info.text != TextKind::output_folder) reject(info.name, node, "found \"\"", expected);
-  if (!is_printable(node.text)) {
-    reject(info.name, node, "found " + shown(node), expected + " without line breaks or control characters");
-  }
+  if (other_type) reject(info, node, "", " (in quotes where it looks like a number)");
+  if (node.text.empty() && info.text != TextKind::output_folder) reject(info, node, "\"\"");
+  if (!is_printable(node.text)) reject(info, node, "", " without line breaks or control characters");
   return node.text;
 }
 
-void ScenarioReader::read_text(const KeyInfo& info, std::string& value) {
-  const YamlNodePtr node = take(info);
-  if (!node) return;
-  const std::string text = checked_text(info, *node);
+void ScenarioReader::read(const KeyInfo& info, const YamlNode& node, std::string& value) const {
+  const std::string text = checked_text(info, node);
   const bool known = info.choices.empty() || std::ranges::find(info.choices, text) != info.choices.end();
-  if (!known) reject(info.name, *node, "found " + shown(*node), expectation(info, KeyNode::Kind::text));
-  const SourceLocation where = node->mark.in(file_);
+  if (!known) reject(info, node);
+  const SourceLocation where = node.mark.in(file_);
   value = info.text == TextKind::word ? text : resolve_path(text, info.text, folder_, where, path_of(info.name));
 }
 
-void ScenarioReader::text(const KeyInfo& info, std::string& value) {
-  const bool fine = mistakes_.attempt([&] { read_text(info, value); });
-  if (info.choices.empty()) return;
-  Level& level = levels_.back();
-  if (!fine || level.skipped) level.unknown_choices.insert(info.name);
-  level.chosen[info.name] = value;
+std::string ScenarioReader::checked_name(const KeyInfo& info, const YamlNode& node) const {
+  const bool plain_number = node.kind == YamlNode::Kind::scalar && !node.quoted && parse_number(node.text);
+  if (plain_number && !is_whole_number(node.text)) reject(info, node);
+  KeyInfo name = info;
+  name.kind = KeyKind::text;
+  name.number_too = true;
+  return checked_text(name, node);
 }
 
-void ScenarioReader::choices(const KeyInfo& info, std::vector<std::string>& values) {
-  mistakes_.attempt([&] { read_choices(info, values); });
-}
-
-void ScenarioReader::read_choices(const KeyInfo& info, std::vector<std::string>& values) {
-  const YamlNodePtr node = take(info);
-  if (!node) return;
-  const std::string expected = expectation(info, KeyNode::Kind::choices);
-  if (node->kind != YamlNode::Kind::sequence || node->items.empty()) {
-    reject(info.name, *node, "found " + shown(*node), expected);
-  }
+void ScenarioReader::read(const KeyInfo& info, const YamlNode& node, std::vector<std::string>& values) const {
   std::vector<std::string> found;
-  for (const auto& item : node->items) {
+  const auto add = [&](const YamlNode& item) {
+    if (info.kind == KeyKind::names) return found.push_back(checked_name(info, item));
     const bool known =
-        item->kind == YamlNode::Kind::scalar && std::ranges::find(info.choices, item->text) != info.choices.end();
-    if (!known) reject(info.name, *item, "found " + shown(*item), expected);
-    if (std::ranges::find(found, item->text) != found.end()) {
-      reject(info.name, *item, "found " + item->text + " twice", expected + ", each once");
-    }
-    found.push_back(item->text);
+        item.kind == YamlNode::Kind::scalar && std::ranges::find(info.choices, item.text) != info.choices.end();
+    if (!known) reject(info, item);
+    if (std::ranges::find(found, item.text) != found.end()) reject(info, item, item.text + " twice", ", each once");
+    found.push_back(item.text);
+  };
+  if (node.kind == YamlNode::Kind::sequence) {
+    if (node.items.empty()) reject(info, node);
+    for (const YamlNodePtr& item : node.items) add(*item);
+  } else {
+    if (info.kind == KeyKind::choices) reject(info, node);
+    add(node);
   }
   values = found;
 }
 
-void ScenarioReader::names(const KeyInfo& info, std::vector<std::string>& values) {
-  const YamlNodePtr node = take(info);
-  if (!node) return;
-  const std::string expected = expectation(info, KeyNode::Kind::names);
-  const auto add = [&](const YamlNode& item) {
-    const bool plain_number = item.kind == YamlNode::Kind::scalar && !item.quoted && parse_number(item.text);
-    const bool whole = is_whole_number(item.text);
-    if (plain_number && !whole) reject(info.name, item, "found " + shown(item), expected);
-    KeyInfo name = info;
-    name.number_too = true;
-    values.push_back(checked_text(name, item));
-  };
-  values.clear();
-  if (node->kind != YamlNode::Kind::sequence) return add(*node);
-  if (node->items.empty()) reject(info.name, *node, "found " + shown(*node), expected);
-  for (const auto& item : node->items) add(*item);
-}
-
-std::vector<double> ScenarioReader::components(const KeyInfo& info, const YamlNode& node, std::size_t count,
-                                               const std::string& expected) const {
-  if (node.kind != YamlNode::Kind::sequence || node.items.size() != count) {
-    reject(info.name, node, "found " + shown(node), expected);
-  }
+std::vector<double> ScenarioReader::components(const KeyInfo& info, const YamlNode& node, std::size_t count) const {
+  if (node.kind != YamlNode::Kind::sequence || node.items.size() != count) reject(info, node);
   std::vector<double> out;
-  for (const auto& item : node.items) out.push_back(checked_number(info, *item, expected));
+  for (const YamlNodePtr& item : node.items) out.push_back(checked_number(info, *item));
   return out;
 }
 
-void ScenarioReader::vector(const KeyInfo& info, Vec3& value) {
-  std::optional<Vec3> given;
-  optional_vector(info, given);
-  if (given) value = *given;
-}
-
-void ScenarioReader::optional_vector(const KeyInfo& info, std::optional<Vec3>& value) {
-  mistakes_.attempt([&] { read_vector(info, value); });
-}
-
-void ScenarioReader::read_vector(const KeyInfo& info, std::optional<Vec3>& value) {
-  const YamlNodePtr node = take(info);
-  if (!node) return;
-  if (MarkupsKeys::are_in(info, *node)) {
-    value = markups_.point(info, *node, path_of(info.name));
+void ScenarioReader::read(const KeyInfo& info, const YamlNode& node, std::optional<Vec3>& value) {
+  if (MarkupsKeys::are_in(info, node)) {
+    value = markups_.point(info, node, path_of(info.name));
     return;
   }
-  const std::string expected = expectation(info, KeyNode::Kind::vector);
-  const std::vector<double> numbers = components(info, *node, 3, expected);
+  const std::vector<double> numbers = components(info, node, 3);
   const Vec3 found(numbers[0], numbers[1], numbers[2]);
   // Shorter than this, squared lengths lose their digits.
   constexpr double kShortest = 1e-9;
-  if (info.nonzero && found.norm() < kShortest) {
-    reject(info.name, *node, "found a direction of length 0", expected);
-  }
+  if (info.nonzero && found.norm() < kShortest) reject(info, node, "a direction of length 0");
   value = found;
 }
 
-void ScenarioReader::points(const KeyInfo& info, std::vector<Vec3>& values) {
-  mistakes_.attempt([&] { read_points(info, values); });
-}
-
-void ScenarioReader::read_points(const KeyInfo& info, std::vector<Vec3>& values) {
-  const YamlNodePtr node = take(info);
-  if (!node) return;
-  if (MarkupsKeys::are_in(info, *node)) {
-    values = markups_.points(info, *node, path_of(info.name));
+void ScenarioReader::read(const KeyInfo& info, const YamlNode& node, std::vector<Vec3>& values) {
+  if (MarkupsKeys::are_in(info, node)) {
+    values = markups_.points(info, node, path_of(info.name));
     return;
   }
-  const std::string expected = expectation(info, KeyNode::Kind::points);
-  if (node->kind != YamlNode::Kind::sequence || std::ssize(node->items) < info.least_points) {
-    reject(info.name, *node, "found " + shown(*node), expected);
-  }
+  if (node.kind != YamlNode::Kind::sequence || std::ssize(node.items) < info.least_points) reject(info, node);
   values.clear();
-  for (const auto& item : node->items) {
-    if (MarkupsKeys::are_in(info, *item)) {
-      values.push_back(markups_.point(info, *item, path_of(info.name)));
-      continue;
-    }
-    const std::vector<double> numbers = components(info, *item, 3, expected);
-    values.emplace_back(numbers[0], numbers[1], numbers[2]);
+  for (const YamlNodePtr& item : node.items) {
+    std::optional<Vec3> point;
+    read(info, *item, point);
+    values.push_back(*point);
   }
 }
 
-void ScenarioReader::optional_quaternion(const KeyInfo& info, std::optional<Quat>& value) {
-  mistakes_.attempt([&] { read_quaternion(info, value); });
-}
-
-void ScenarioReader::read_quaternion(const KeyInfo& info, std::optional<Quat>& value) {
-  const YamlNodePtr node = take(info);
-  if (!node) return;
-  const std::string expected = expectation(info, KeyNode::Kind::quaternion);
-  const std::vector<double> n = components(info, *node, 4, expected);
+void ScenarioReader::read(const KeyInfo& info, const YamlNode& node, std::optional<Quat>& value) const {
+  const std::vector<double> n = components(info, node, 4);
   Quat q(n[0], n[1], n[2], n[3]);
   constexpr double kLengthTolerance = 1.0000001e-2;  // of one written with few digits; 1.01 is within it
-  if (std::abs(q.norm() - 1) > kLengthTolerance) {
-    reject(info.name, *node, "found 4 numbers of length " + number_text(q.norm()), expected);
-  }
+  if (std::abs(q.norm() - 1) > kLengthTolerance) reject(info, node, "4 numbers of length " + number_text(q.norm()));
   // A quaternion that is as unit as doubles allow stays as it is, so that to_yaml() and back changes nothing.
   constexpr double kRounding = 1e-14;
   if (std::abs(q.norm() - 1) > kRounding) q.normalize();
@@ -282,10 +212,6 @@ void ScenarioReader::read_quaternion(const KeyInfo& info, std::optional<Quat>& v
 }
 
 void ScenarioReader::group(const KeyGroup& group) {
-  mistakes_.attempt([&] { check_group(group); });
-}
-
-void ScenarioReader::check_group(const KeyGroup& group) const {
   const Level& level = levels_.back();
   if (level.skipped) return;
   std::vector<std::string_view> found;
@@ -297,91 +223,70 @@ void ScenarioReader::check_group(const KeyGroup& group) const {
     second = entry->mark.in(file_);
   }
   if (found.size() > 1) {
-    throw InputError(second, path_of(found.back()), "given together with " + std::string(found.front()),
-                     "expected one of " + join_or(group.names));
-  }
-  if (found.empty() && group.one_needed && !level.has_unknown) {
-    const std::string& path = level.path;
-    throw InputError(level.where, path, "needs either " + join_or(group.names), "");
+    mistakes_.add(InputError(second, path_of(found.back()), "given together with " + std::string(found.front()),
+                             "expected one of " + join_or(group.names)));
+  } else if (found.empty() && group.one_needed && !level.has_unknown) {
+    mistakes_.add(InputError(level.where, level.path, "needs either " + join_or(group.names), ""));
   }
 }
 
-void ScenarioReader::push(const KeyInfo& info, YamlNodePtr node, bool skipped) {
+void ScenarioReader::push(const std::string& path, YamlNodePtr node, bool skipped) {
   Level level;
   level.node = std::move(node);
-  level.path = path_of(info.name);
-  level.where = locations_.of(level.path);
+  level.path = path;
+  level.where = locations_.of(path);
   level.skipped = skipped || levels_.back().skipped;
-  level.has_unknown = mistakes_.has_key_in(level.path);
+  level.has_unknown = mistakes_.has_key_in(path);
   levels_.push_back(std::move(level));
 }
 
-void ScenarioReader::pop() {
+void ScenarioReader::end() {
   for (const MissingByChoice& missing : levels_.back().missing) {
     if (!levels_.back().contradicted.contains(missing.choice)) mistakes_.add(missing.error);
   }
   levels_.pop_back();
 }
 
-bool ScenarioReader::begin_section(const KeyInfo& info) {
-  std::string why_not;
-  YamlNodePtr node;
-  const bool fine = mistakes_.attempt([&] {
-    node = take(info);
-    if (node && node->kind != YamlNode::Kind::map) {
-      reject(info.name, *node, "found " + shown(*node), expectation(info, KeyNode::Kind::section));
-    }
+bool ScenarioReader::take_whole(const KeyInfo& info, YamlNode::Kind kind, YamlNodePtr& node) {
+  return mistakes_.attempt([&] {
+    const YamlNodePtr found = take(info);
+    if (found && found->kind != kind) reject(info, *found);
+    node = found;
   });
+}
+
+bool ScenarioReader::begin_section(const KeyInfo& info) {
+  YamlNodePtr node;
+  const bool fine = take_whole(info, YamlNode::Kind::map, node);
+  std::string why_not;
   if (applies(info, why_not) != Applies::yes) return false;
   // The keys of a required section that is missing are not missing as well.
-  push(info, fine ? node : nullptr, !fine || (info.required && !node));
+  push(path_of(info.name), node, !fine || (info.required && !node));
   return true;
 }
 
 bool ScenarioReader::begin_optional_section(const KeyInfo& info, bool) {
   const Level& level = levels_.back();
-  const bool given = level.node && level.node->find(info.name) != nullptr;
-  if (!given) {
-    mistakes_.attempt([&] { take(info); });
-    return false;
-  }
-  return begin_section(info);
-}
-
-void ScenarioReader::end_section() {
-  pop();
+  if (level.node && level.node->find(info.name) != nullptr) return begin_section(info);
+  mistakes_.attempt([&] { take(info); });
+  return false;
 }
 
 std::size_t ScenarioReader::begin_list(const KeyInfo& info, std::size_t) {
   YamlNodePtr node;
-  const bool fine = mistakes_.attempt([&] {
-    node = take(info);
-    if (node && node->kind != YamlNode::Kind::sequence) {
-      reject(info.name, *node, "found " + shown(*node), expectation(info, KeyNode::Kind::list));
-    }
-  });
-  push(info, fine ? node : nullptr, !fine);
-  return fine && node ? node->items.size() : 0;
+  const bool fine = take_whole(info, YamlNode::Kind::sequence, node);
+  push(path_of(info.name), node, !fine);
+  return node ? node->items.size() : 0;
 }
 
 void ScenarioReader::begin_item(std::size_t index) {
   const YamlNodePtr item = levels_.back().node->items[index];
-  Level level;
-  level.path = levels_.back().path + "." + std::to_string(index);
-  level.where = item->mark.in(file_);
-  level.skipped = item->kind != YamlNode::Kind::map;
-  level.has_unknown = mistakes_.has_key_in(level.path);
-  if (level.skipped) {
-    mistakes_.add(InputError(level.where, level.path, "found " + shown(*item), "expected a section of keys"));
-  } else {
-    level.node = item;
-  }
-  locations_.set(level.path, level.where, true);
-  levels_.push_back(std::move(level));
-}
-
-void ScenarioReader::end_list() {
-  pop();
+  const std::string path = path_of(std::to_string(index));
+  const SourceLocation where = item->mark.in(file_);
+  locations_.set(path, where, true);
+  const bool wrong = item->kind != YamlNode::Kind::map;
+  push(path, wrong ? nullptr : item, wrong);
+  if (wrong) mistakes_.add(InputError(where, path, "found " + shown(*item), "expected a section of keys"));
 }
 
 }  // namespace reamsim

@@ -32,26 +32,16 @@ class ScenarioReader : public KeyVisitor {
   /// The keys read so far whose points come from a file of markups.
   [[nodiscard]] const std::vector<MarkupsSource>& markups() const { return markups_.sources(); }
 
-  void number(const KeyInfo& info, double& value) override;
-  void integer(const KeyInfo& info, int& value) override;
-  void flag(const KeyInfo& info, bool& value) override;
-  void text(const KeyInfo& info, std::string& value) override;
-  void choices(const KeyInfo& info, std::vector<std::string>& values) override;
-  void names(const KeyInfo& info, std::vector<std::string>& values) override;
-  void vector(const KeyInfo& info, Vec3& value) override;
-  void optional_vector(const KeyInfo& info, std::optional<Vec3>& value) override;
-  void points(const KeyInfo& info, std::vector<Vec3>& values) override;
-  void optional_quaternion(const KeyInfo& info, std::optional<Quat>& value) override;
   void group(const KeyGroup& group) override;
   void defaults(const std::function<void()>& change) override { change(); }
 
  protected:
+  void visit(const KeyInfo& info, const ValuePointer& value) override;
   bool begin_section(const KeyInfo& info) override;
   bool begin_optional_section(const KeyInfo& info, bool has_value) override;
-  void end_section() override;
   std::size_t begin_list(const KeyInfo& info, std::size_t size) override;
   void begin_item(std::size_t index) override;
-  void end_list() override;
+  void end() override;
 
  private:
   /// A missing key that a choice requires; no mistake where a given key contradicts the choice.
@@ -79,21 +69,26 @@ class ScenarioReader : public KeyVisitor {
   YamlNodePtr take(const KeyInfo& info);
   void take_missing(const KeyInfo& info);
   [[nodiscard]] Applies applies(const KeyInfo& info, std::string& why_not) const;
-  void read_text(const KeyInfo& info, std::string& value);
-  void read_vector(const KeyInfo& info, std::optional<Vec3>& value);
-  void read_points(const KeyInfo& info, std::vector<Vec3>& values);
-  void read_choices(const KeyInfo& info, std::vector<std::string>& values);
-  void read_quaternion(const KeyInfo& info, std::optional<Quat>& value);
-  void check_group(const KeyGroup& group) const;
-  void push(const KeyInfo& info, YamlNodePtr node, bool skipped);
-  void pop();
+  /// The value that a node holds. Each throws InputError.
+  void read(const KeyInfo& info, const YamlNode& node, double& value) const;
+  void read(const KeyInfo& info, const YamlNode& node, int& value) const;
+  void read(const KeyInfo& info, const YamlNode& node, bool& value) const;
+  void read(const KeyInfo& info, const YamlNode& node, std::string& value) const;
+  void read(const KeyInfo& info, const YamlNode& node, std::vector<std::string>& values) const;
+  void read(const KeyInfo& info, const YamlNode& node, std::optional<Vec3>& value);
+  void read(const KeyInfo& info, const YamlNode& node, std::vector<Vec3>& values);
+  void read(const KeyInfo& info, const YamlNode& node, std::optional<Quat>& value) const;
+  /// Takes a section or list. Returns whether there was no mistake.
+  bool take_whole(const KeyInfo& info, YamlNode::Kind kind, YamlNodePtr& node);
+  void push(const std::string& path, YamlNodePtr node, bool skipped);
   [[nodiscard]] std::string path_of(std::string_view name) const;
-  [[nodiscard]] std::vector<double> components(const KeyInfo& info, const YamlNode& node, std::size_t count,
-                                               const std::string& expected) const;
-  [[nodiscard]] double checked_number(const KeyInfo& info, const YamlNode& node, const std::string& expected) const;
+  [[nodiscard]] std::vector<double> components(const KeyInfo& info, const YamlNode& node, std::size_t count) const;
+  [[nodiscard]] double checked_number(const KeyInfo& info, const YamlNode& node) const;
   [[nodiscard]] std::string checked_text(const KeyInfo& info, const YamlNode& node) const;
-  [[noreturn]] void reject(std::string_view key, const YamlNode& node, const std::string& found,
-                           const std::string& expected) const;
+  [[nodiscard]] std::string checked_name(const KeyInfo& info, const YamlNode& node) const;
+  /// `found`: "" = the node in words. `more`: behind what the key expects.
+  [[noreturn]] void reject(const KeyInfo& info, const YamlNode& node, const std::string& found = "",
+                           const std::string& more = "") const;
 
   std::string file_;
   std::string folder_;

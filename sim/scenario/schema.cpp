@@ -12,7 +12,6 @@ namespace reamsim {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Kind = KeyNode::Kind;
 
 Json number(double value) {
   // Whole numbers without ".0", as everyone writes them.
@@ -131,31 +130,31 @@ Json section_schema(const KeyNode& section) {
 }
 
 Json type_schema(const KeyNode& key) {
-  switch (key.kind) {
-    case Kind::section:
+  switch (key.info.kind) {
+    case KeyKind::section:
       return section_schema(key);
-    case Kind::list:
+    case KeyKind::list:
       return {{"type", "array"}, {"items", section_schema(key)}};
-    case Kind::number:
+    case KeyKind::number:
       return number_type(key, "number");
-    case Kind::integer:
+    case KeyKind::integer:
       return number_type(key, "integer");
-    case Kind::flag:
+    case KeyKind::flag:
       return {{"type", "boolean"}};
-    case Kind::choices:
+    case KeyKind::choices:
       return {{"type", "array"},
               {"items", {{"type", "string"}, {"enum", key.info.choices}}},
               {"minItems", 1},
               {"uniqueItems", true}};
-    case Kind::names:
+    case KeyKind::names:
       return names_type();
-    case Kind::vector:
+    case KeyKind::vector:
       return vector_type(key);
-    case Kind::points:
+    case KeyKind::points:
       return points_type(key);
-    case Kind::quaternion:
+    case KeyKind::quaternion:
       return numbers_type(key, 4);
-    case Kind::text:
+    case KeyKind::text:
       break;
   }
   return text_type(key);
@@ -185,32 +184,30 @@ std::string scenario_json_schema() {
 
 namespace {
 
-using Kind = KeyNode::Kind;
-
 std::string type_text(const KeyNode& key) {
-  switch (key.kind) {
-    case Kind::section:
+  switch (key.info.kind) {
+    case KeyKind::section:
       return "section";
-    case Kind::list:
+    case KeyKind::list:
       return "list of sections";
-    case Kind::number:
+    case KeyKind::number:
       return "number";
-    case Kind::integer:
+    case KeyKind::integer:
       return "whole number";
-    case Kind::flag:
+    case KeyKind::flag:
       return "true or false";
-    case Kind::choices:
+    case KeyKind::choices:
       return "list of words";
-    case Kind::names:
+    case KeyKind::names:
       return "name or whole number, or a list of them";
-    case Kind::vector:
+    case KeyKind::vector:
       return key.info.point ? "3 numbers, or a point of [markups](inputs.md#points-of-3d-slicer)" : "3 numbers";
-    case Kind::points:
+    case KeyKind::points:
       return std::string("list of points, 3 numbers each") +
              (key.info.point ? ", or [markups](inputs.md#points-of-3d-slicer)" : "");
-    case Kind::quaternion:
+    case KeyKind::quaternion:
       return "4 numbers";
-    case Kind::text:
+    case KeyKind::text:
       break;
   }
   if (!key.info.choices.empty()) return "word";
@@ -228,7 +225,7 @@ std::string values_text(const KeyNode& key) {
 
 std::string default_text(const KeyNode& key) {
   if (key.info.required) return "**required**";
-  if (key.kind == Kind::section) return "";
+  if (key.info.kind == KeyKind::section) return "";
   const std::string by = key.info.default_by.empty() ? "" : ", or by `" + std::string(key.info.default_by) + "`";
   return (key.default_json.empty() ? "none" : "`" + key.default_json + "`") + by;
 }

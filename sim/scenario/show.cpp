@@ -90,6 +90,10 @@ std::string number_text(double value) {
   return out;
 }
 
+std::string vector_text(const Vec3& v) {
+  return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]";
+}
+
 std::optional<double> parse_number(std::string_view text) {
   const bool negative = text.starts_with('-');
   if (negative || text.starts_with('+')) text.remove_prefix(1);

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/base/geometry.h"
 #include "sim/scenario/yaml_tree.h"
 
 namespace reamsim {
@@ -28,6 +29,9 @@ std::string shown(const YamlNode& node);
 /// The shortest decimal that reads back as the same double, in a form that every YAML and JSON reader takes for a
 /// number (1.0e+20, not 1e+20).
 std::string number_text(double value);
+
+/// "[1, 2, 3]".
+std::string vector_text(const Vec3& v);
 
 /// The number that the whole text is; infinite or NaN where written so or overflowing; nullopt for other text.
 std::optional<double> parse_number(std::string_view text);

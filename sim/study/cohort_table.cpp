@@ -16,7 +16,7 @@ namespace reamsim {
 namespace {
 
 bool names_input(const KeyNode& key) {
-  return key.kind == KeyNode::Kind::text &&
+  return key.info.kind == KeyKind::text &&
          (key.info.text == TextKind::input_file || key.info.text == TextKind::input_path);
 }
 

@@ -80,7 +80,8 @@ struct Study {
 /// to do. Keys are those of scenarios; whether their values are valid is known only from each run's scenario.
 Study read_study(const std::string& path);
 
-std::string study_json_schema();
+/// assets/study.schema.json with the keys that a scenario has now.
+std::string study_json_schema(const std::string& schema);
 
 /// Makes the values of scenario keys from what a study or its table has.
 class KeyValues {

@@ -26,10 +26,6 @@ namespace {
 
 constexpr std::size_t kMostRuns = 1'000'000;
 
-std::string vector_text(const Vec3& v) {
-  return "[" + number_text(v.x()) + ", " + number_text(v.y()) + ", " + number_text(v.z()) + "]";
-}
-
 const YamlNode* node_at(const YamlNode* node, std::string_view path) {
   while (node != nullptr && !path.empty()) {
     const std::size_t dot = path.find('.');

@@ -256,7 +256,7 @@ class StudyReader {
   static void check_type(const KeyNode& key, const SampledKey& sampled) {
     const auto kind = sampled.distribution.kind;
     const bool of_vector = kind == Distribution::Kind::tilt_sd_deg || kind == Distribution::Kind::shift_sd_mm;
-    const bool fits = of_vector ? key.kind == KeyNode::Kind::vector : key.kind == KeyNode::Kind::number;
+    const bool fits = of_vector ? key.info.kind == KeyKind::vector : key.info.kind == KeyKind::number;
     if (fits) return;
     throw InputError(
         sampled.where, sampled.key, "the distribution does not fit this key",
