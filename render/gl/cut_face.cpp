@@ -8,7 +8,6 @@
 #include <optional>
 #include <span>
 
-#include "render/surface/nearest_point.h"
 #include "sim/base/parallel.h"
 
 namespace reamsim {
@@ -52,20 +51,16 @@ Rectangle visible_rectangle(const Aabb& bone, const Camera& camera) {
 
 /// The texels at most `reach` columns and rows from a marked one.
 std::vector<std::uint8_t> dilated(const std::vector<std::uint8_t>& marked, int width, int height, int reach) {
-  const auto along = [&](const std::vector<std::uint8_t>& from, int count, int step, int lines, int line_step) {
-    std::vector<std::uint8_t> out(from.size(), 0);
-    for (int line = 0; line < lines; ++line) {
-      int left = 0;  // texels that the last mark reaches
-      const auto at = [&](int i) { return static_cast<std::size_t>(line * line_step + i * step); };
-      for (int i = -reach; i < count; ++i) {
-        if (i + reach < count && from[at(i + reach)] != 0) left = 2 * reach + 1;
-        if (i >= 0 && left > 0) out[at(i)] = 1;
-        --left;
-      }
+  std::vector<std::uint8_t> out(marked.size(), 0);
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    if (marked[i] == 0) continue;
+    const int column = static_cast<int>(i) % width, row = static_cast<int>(i) / width;
+    const int first = std::max(column - reach, 0), last = std::min(column + reach, width - 1);
+    for (int line = std::max(row - reach, 0); line <= std::min(row + reach, height - 1); ++line) {
+      std::fill_n(out.begin() + line * width + first, last - first + 1, std::uint8_t{1});
     }
-    return out;
-  };
-  return along(along(marked, width, 1, height, width), height, width, width, 1);
+  }
+  return out;
 }
 
 /// The boundary between the layers of a bone (Voxmap::layers) in a plane: at their depth, not between voxels.

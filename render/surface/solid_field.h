@@ -115,4 +115,16 @@ class UnreamedSurface {
   double deepest_mm_;
 };
 
+/// Distance to the nearest of some points, at least one.
+class NearestPoint {
+ public:
+  explicit NearestPoint(const std::vector<Vec3>& points);
+
+  [[nodiscard]] double distance(const Vec3& from) const;
+
+ private:
+  struct Tree;
+  std::shared_ptr<const Tree> tree_;
+};
+
 }  // namespace reamsim

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unsupported/Eigen/BVH>
 #include <utility>
 
-#include "render/surface/nearest_point.h"
 #include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
@@ -17,7 +17,6 @@ namespace reamsim {
 namespace {
 
 using openvdb::Vec3d;
-using Point = Eigen::Vector3d;
 
 /// Depth is not measured from the walls of holes and slits up to twice this wide.
 constexpr double kClosing_mm = 1.8;
@@ -77,7 +76,7 @@ std::vector<std::uint8_t> above_removed_bone(const OffsetSurface& offset, const 
     const Vec3d slope = central_difference(distance_at, p, 0.5 * offset.distance_mm->voxelSize()[0]);
     if (slope.length() < 1e-9) continue;
     const Vec3d below = (p - slope.unit() * (kClosing_mm + 0.75 * voxel_mm)) / voxel_mm;
-    const Vec3i voxel = Point(below.x(), below.y(), below.z()).array().round().cast<int>();
+    const Vec3i voxel = Vec3(below.x(), below.y(), below.z()).array().round().cast<int>();
     marked[i] = removed(voxmap, after, before, voxel) ? 1 : 0;
   }
   return marked;
@@ -121,7 +120,7 @@ openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxm
   std::vector<std::uint8_t> marked = above_removed_bone(offset, voxmap, before, after);
   dilate(marked, {offset.surface.points.size(), offset.surface.indices},
          static_cast<int>(std::ceil(2 * kClosing_mm / cell_mm)));
-  std::vector<Point> sources;
+  std::vector<Vec3> sources;
   for (std::size_t i = 0; i < marked.size(); ++i) {
     if (marked[i] != 0) sources.push_back(offset.surface.points[i].cast<double>());
   }
@@ -172,23 +171,25 @@ double max_depth_mm(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const
 
 }  // namespace
 
-/// For Eigen::BVMinimize: the squared distance to a point, and its lower bound in a box.
-struct NearestPoint::Query {
-  using Scalar = double;
-  Point from;
-
-  double minimumOnVolume(const Eigen::AlignedBox3d& box) const { return box.squaredExteriorDistance(from); }
-  double minimumOnObject(const Point& point) const { return (point - from).squaredNorm(); }
+struct NearestPoint::Tree : Eigen::KdBVH<double, 3, Vec3> {
+  using KdBVH::KdBVH;
 };
 
-NearestPoint::NearestPoint(const std::vector<Point>& points) {
+NearestPoint::NearestPoint(const std::vector<Vec3>& points) {
   const std::vector<Eigen::AlignedBox3d> boxes(points.begin(), points.end());
-  tree_.init(points.begin(), points.end(), boxes.begin(), boxes.end());
+  tree_ = std::make_shared<Tree>(points.begin(), points.end(), boxes.begin(), boxes.end());
 }
 
-double NearestPoint::distance(const Point& from) const {
-  Query query{from};
-  return std::sqrt(Eigen::BVMinimize(tree_, query));
+double NearestPoint::distance(const Vec3& from) const {
+  /// For Eigen::BVMinimize: the squared distance to a point, and its lower bound in a box.
+  struct Query {
+    using Scalar = double;
+    const Vec3& from;
+
+    double minimumOnVolume(const Eigen::AlignedBox3d& box) const { return box.squaredExteriorDistance(from); }
+    double minimumOnObject(const Vec3& point) const { return (point - from).squaredNorm(); }
+  } query{from};
+  return std::sqrt(Eigen::BVMinimize(*tree_, query));
 }
 
 UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before, const FillBricks& after)
