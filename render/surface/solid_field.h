@@ -115,16 +115,22 @@ class UnreamedSurface {
   double deepest_mm_;
 };
 
-/// Distance to the nearest of some points, at least one.
-class NearestPoint {
- public:
-  explicit NearestPoint(const std::vector<Vec3>& points);
+class NearestPoint;
 
-  [[nodiscard]] double distance(const Vec3& from) const;
+/// The boundary between the layers of a bone (Voxmap::layers) in a plane: at their depth, not between voxels.
+class LayerBoundary {
+ public:
+  /// For points in the plane through three points, in voxel index space. All must outlive this.
+  LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unreamed, const Vec3& a, const Vec3& b, const Vec3& c);
+
+  /// Whether the eight voxels nearest to a point (voxel index space) are of both layers.
+  [[nodiscard]] bool near(const Vec3& point) const;
+  /// The density in g/cm³ at a point by its depth, blended over `blend_voxels` across the boundary.
+  [[nodiscard]] double density_at(const Vec3& point, double blend_voxels) const;
 
  private:
-  struct Tree;
-  std::shared_ptr<const Tree> tree_;
+  const Voxmap& voxmap_;
+  std::shared_ptr<const NearestPoint> surface_;  ///< near the plane; null where it is empty
 };
 
 }  // namespace reamsim

@@ -14,6 +14,31 @@
 #include "sim/bone/vdb/grids.h"
 
 namespace reamsim {
+
+/// Distance to the nearest of some points, at least one.
+class NearestPoint {
+ public:
+  explicit NearestPoint(const std::vector<Vec3>& points) {
+    const std::vector<Eigen::AlignedBox3d> boxes(points.begin(), points.end());
+    tree_.init(points.begin(), points.end(), boxes.begin(), boxes.end());
+  }
+
+  [[nodiscard]] double distance(const Vec3& from) const {
+    /// For Eigen::BVMinimize: the squared distance to a point, and its lower bound in a box.
+    struct Query {
+      using Scalar = double;
+      const Vec3& from;
+
+      double minimumOnVolume(const Eigen::AlignedBox3d& box) const { return box.squaredExteriorDistance(from); }
+      double minimumOnObject(const Vec3& point) const { return (point - from).squaredNorm(); }
+    } query{from};
+    return std::sqrt(Eigen::BVMinimize(tree_, query));
+  }
+
+ private:
+  Eigen::KdBVH<double, 3, Vec3> tree_;
+};
+
 namespace {
 
 using openvdb::Vec3d;
@@ -171,32 +196,46 @@ double max_depth_mm(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const
 
 }  // namespace
 
-struct NearestPoint::Tree : Eigen::KdBVH<double, 3, Vec3> {
-  using KdBVH::KdBVH;
-};
-
-NearestPoint::NearestPoint(const std::vector<Vec3>& points) {
-  const std::vector<Eigen::AlignedBox3d> boxes(points.begin(), points.end());
-  tree_ = std::make_shared<Tree>(points.begin(), points.end(), boxes.begin(), boxes.end());
-}
-
-double NearestPoint::distance(const Vec3& from) const {
-  /// For Eigen::BVMinimize: the squared distance to a point, and its lower bound in a box.
-  struct Query {
-    using Scalar = double;
-    const Vec3& from;
-
-    double minimumOnVolume(const Eigen::AlignedBox3d& box) const { return box.squaredExteriorDistance(from); }
-    double minimumOnObject(const Vec3& point) const { return (point - from).squaredNorm(); }
-  } query{from};
-  return std::sqrt(Eigen::BVMinimize(*tree_, query));
-}
-
 UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before, const FillBricks& after)
     : before_(std::move(before)),
       field_(Occupancy(voxmap, before_)),
       surface_(extract_surface(*field_.grid().vdb, 0)),
       depth_(new ScalarGrid{depth_grid(surface_, voxmap, before_, after)}),
       deepest_mm_(max_depth_mm(*depth_->vdb, voxmap, after, before_)) {}
+
+LayerBoundary::LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unreamed, const Vec3& a, const Vec3& b,
+                             const Vec3& c)
+    : voxmap_(voxmap) {
+  constexpr double kMargin_voxels = 3;
+  const Vec3 normal = (b - a).cross(c - a).normalized();
+  const double reach = voxmap.layers->cortical_mm / voxmap.grid.voxel_mm + kMargin_voxels;
+  std::vector<Vec3> points;
+  for (const Eigen::Vector3f& p : unreamed.surface().points) {
+    if (std::abs(normal.dot(p.cast<double>() - a)) < reach) points.emplace_back(p.cast<double>());
+  }
+  if (!points.empty()) surface_ = std::make_shared<NearestPoint>(points);
+}
+
+bool LayerBoundary::near(const Vec3& point) const {
+  const Vec3i base = point.array().floor().cast<int>();
+  std::uint8_t found = 0;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3i voxel = base + Vec3i(i & 1, i >> 1 & 1, i >> 2);
+    if (!voxmap_.grid.contains(voxel)) continue;
+    const std::uint8_t grade = voxmap_.grade.get(voxel);
+    if (grade == 0 || grade == found) continue;
+    if (found != 0) return true;
+    found = grade;
+  }
+  return false;
+}
+
+double LayerBoundary::density_at(const Vec3& point, double blend_voxels) const {
+  const BoneLayers& layers = *voxmap_.layers;
+  if (!surface_) return layers.trabecular_g_cm3;
+  const double beyond = surface_->distance(point) - layers.cortical_mm / voxmap_.grid.voxel_mm;
+  const double trabecular = std::clamp(beyond / blend_voxels + 0.5, 0.0, 1.0);
+  return layers.cortical_g_cm3 + trabecular * (layers.trabecular_g_cm3 - layers.cortical_g_cm3);
+}
 
 }  // namespace reamsim
