@@ -325,17 +325,12 @@ FilmLayout film_layout(int width_px, int height_px) {
   const int panel_px = even_px(static_cast<int>(kPanelFraction * std::max(out.height_px, out.width_px)));
   if (std::min({panel_px, out.width_px, out.height_px}) < kMinPanel_px) return out;
   out.panel = out.bone;
-  if (portrait) {
-    out.bone.height -= panel_px;
-    out.panel.y = out.bone.height;
-    out.panel.height = panel_px;
-    out.unit = std::min(out.width_px / 1000.0, panel_px / 620.0);
-  } else {
-    out.bone.width -= panel_px;
-    out.panel.x = out.bone.width;
-    out.panel.width = panel_px;
-    out.unit = std::min(out.height_px / 1080.0, panel_px / 560.0);
-  }
+  double& bone_side = portrait ? out.bone.height : out.bone.width;
+  bone_side -= panel_px;
+  (portrait ? out.panel.y : out.panel.x) = bone_side;
+  (portrait ? out.panel.height : out.panel.width) = panel_px;
+  out.unit =
+      portrait ? std::min(out.width_px / 1000.0, panel_px / 620.0) : std::min(out.height_px / 1080.0, panel_px / 560.0);
   return out;
 }
 

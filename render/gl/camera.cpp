@@ -116,20 +116,18 @@ Vec2 Camera::pixel(const Vec3& point_mm) const {
 
 Camera make_camera(CameraView view, const ViewTarget& target, int width_px, int height_px) {
   Camera camera{.name = name_of(view), .width_px = width_px, .height_px = height_px};
-  const Vec3 front = front_side(target);
+  Vec3 towards_viewer = target.outward;
   if (view == CameraView::glenoid) {
     camera.shows_tool = false;
-    frame_target(camera, view_rotation(target.outward, target.superior), target, false);
-  } else if (view == CameraView::oblique || view == CameraView::overview) {
-    const Vec3 towards_viewer = 0.72 * target.outward + 0.58 * front + 0.28 * target.superior;
-    frame_target(camera, view_rotation(towards_viewer, target.superior), target, view == CameraView::overview);
-  } else {
+  } else if (view == CameraView::section) {
     camera.cut_plane = section_plane(target);
     const Vec3 normal = -camera.cut_plane->head<3>();
     // Turned slightly towards lateral so that the reamed face is visible behind the cut edge.
-    const Vec3 towards_viewer = std::cos(radians(16)) * normal + std::sin(radians(16)) * target.outward;
-    frame_target(camera, view_rotation(towards_viewer, target.superior), target, false);
+    towards_viewer = std::cos(radians(16)) * normal + std::sin(radians(16)) * target.outward;
+  } else {
+    towards_viewer = 0.72 * target.outward + 0.58 * front_side(target) + 0.28 * target.superior;
   }
+  frame_target(camera, view_rotation(towards_viewer, target.superior), target, view == CameraView::overview);
   return camera;
 }
 

@@ -32,8 +32,12 @@ std::string error_name(GLenum code) {
 constexpr int kSamples = 4;
 constexpr GLsizei kMaxLog = 4096;
 
-std::string trimmed_log(std::string log) {
-  std::replace(log.begin(), log.end(), '\n', ' ');
+/// The log of a shader or program, on one line.
+std::string log_of(decltype(Gl::GetShaderInfoLog) get, GLuint id) {
+  std::string log(kMaxLog, '\0');
+  get(id, kMaxLog, nullptr, log.data());
+  log = std::string(log.c_str());
+  std::ranges::replace(log, '\n', ' ');
   return log.substr(0, log.find_last_not_of(' ') + 1);
 }
 
@@ -44,10 +48,9 @@ GLuint compile(const Gl& gl, const std::string& name, GLenum type, const std::ve
   GLint done = 0;
   gl.GetShaderiv(shader, GL_COMPILE_STATUS, &done);
   if (done == GL_TRUE) return shader;
-  std::string log(kMaxLog, '\0');
-  gl.GetShaderInfoLog(shader, kMaxLog, nullptr, log.data());
+  const std::string log = log_of(gl.GetShaderInfoLog, shader);
   gl.DeleteShader(shader);
-  throw RunError("the shader '" + name + "' does not compile: " + trimmed_log(log.c_str()));
+  throw RunError("the shader '" + name + "' does not compile: " + log);
 }
 
 }  // namespace
@@ -85,10 +88,9 @@ GlProgram::GlProgram(const Gl& gl, const std::string& name, const std::vector<co
   GLint done = 0;
   gl.GetProgramiv(id_, GL_LINK_STATUS, &done);
   if (done == GL_TRUE) return;
-  std::string log(kMaxLog, '\0');
-  gl.GetProgramInfoLog(id_, kMaxLog, nullptr, log.data());
+  const std::string log = log_of(gl.GetProgramInfoLog, id_);
   gl.DeleteProgram(id_);
-  throw RunError("the shader '" + name + "' does not link: " + trimmed_log(log.c_str()));
+  throw RunError("the shader '" + name + "' does not link: " + log);
 }
 
 GlProgram::~GlProgram() {

@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
 
-#include "render/surface/nearest_point.h"
 #include "sim/base/parallel.h"
 
 namespace reamsim {
@@ -52,69 +50,22 @@ Rectangle visible_rectangle(const Aabb& bone, const Camera& camera) {
 
 /// The texels at most `reach` columns and rows from a marked one.
 std::vector<std::uint8_t> dilated(const std::vector<std::uint8_t>& marked, int width, int height, int reach) {
-  const auto along = [&](const std::vector<std::uint8_t>& from, int count, int step, int lines, int line_step) {
-    std::vector<std::uint8_t> out(from.size(), 0);
-    for (int line = 0; line < lines; ++line) {
-      int left = 0;  // texels that the last mark reaches
-      const auto at = [&](int i) { return static_cast<std::size_t>(line * line_step + i * step); };
-      for (int i = -reach; i < count; ++i) {
-        if (i + reach < count && from[at(i + reach)] != 0) left = 2 * reach + 1;
-        if (i >= 0 && left > 0) out[at(i)] = 1;
-        --left;
-      }
+  std::vector<std::uint8_t> out(marked.size(), 0);
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    if (marked[i] == 0) continue;
+    const int column = static_cast<int>(i) % width, row = static_cast<int>(i) / width;
+    const int first = std::max(column - reach, 0), last = std::min(column + reach, width - 1);
+    for (int line = std::max(row - reach, 0); line <= std::min(row + reach, height - 1); ++line) {
+      std::fill_n(out.begin() + line * width + first, last - first + 1, std::uint8_t{1});
     }
-    return out;
-  };
-  return along(along(marked, width, 1, height, width), height, width, width, 1);
+  }
+  return out;
 }
-
-/// The boundary between the layers of a bone (Voxmap::layers) in a plane: at their depth, not between voxels.
-class LayerBoundary {
- public:
-  /// For points in the plane through three points, in voxel index space.
-  LayerBoundary(const BoneFields& bone, const Vec3& a, const Vec3& b, const Vec3& c) : voxmap_(bone.voxmap) {
-    constexpr double kMargin_voxels = 3;
-    const Vec3 normal = (b - a).cross(c - a).normalized();
-    const double reach = voxmap_.layers->cortical_mm / voxmap_.grid.voxel_mm + kMargin_voxels;
-    std::vector<Vec3> points;
-    for (const Eigen::Vector3f& p : bone.unreamed.surface().points) {
-      if (std::abs(normal.dot(p.cast<double>() - a)) < reach) points.emplace_back(p.cast<double>());
-    }
-    if (!points.empty()) surface_.emplace(points);
-  }
-
-  /// Whether the eight voxels nearest to a point are of both layers.
-  [[nodiscard]] bool near(const Vec3& point) const {
-    const Vec3i base = point.array().floor().cast<int>();
-    std::uint8_t found = 0;
-    for (int i = 0; i < 8; ++i) {
-      const Vec3i voxel = base + Vec3i(i & 1, i >> 1 & 1, i >> 2);
-      if (!voxmap_.grid.contains(voxel)) continue;
-      const std::uint8_t grade = voxmap_.grade.get(voxel);
-      if (grade == 0 || grade == found) continue;
-      if (found != 0) return true;
-      found = grade;
-    }
-    return false;
-  }
-
-  /// The density in g/cm³ at a point by its depth, blended over `blend_voxels` across the boundary.
-  [[nodiscard]] double density_at(const Vec3& point, double blend_voxels) const {
-    const BoneLayers& layers = *voxmap_.layers;
-    if (!surface_) return layers.trabecular_g_cm3;
-    const double beyond = surface_->distance(point) - layers.cortical_mm / voxmap_.grid.voxel_mm;
-    const double trabecular = std::clamp(beyond / blend_voxels + 0.5, 0.0, 1.0);
-    return layers.cortical_g_cm3 + trabecular * (layers.trabecular_g_cm3 - layers.cortical_g_cm3);
-  }
-
- private:
-  const Voxmap& voxmap_;
-  std::optional<NearestPoint> surface_;  ///< near the plane
-};
 
 /// Draws the boundary between the layers of a bone at its depth. `points` in voxel index space, row by row.
 void draw_layers(const BoneFields& bone, const std::vector<Vec3>& points, double step_voxels, CutFace& face) {
-  const LayerBoundary boundary(bone, points.front(), points.back(), points[static_cast<std::size_t>(face.width) - 1]);
+  const LayerBoundary boundary(bone.voxmap, bone.unreamed, points.front(), points.back(),
+                               points[static_cast<std::size_t>(face.width) - 1]);
   std::vector<std::uint8_t> mixed(points.size());
   parallel_ranges(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) mixed[i] = boundary.near(points[i]) ? 1 : 0;

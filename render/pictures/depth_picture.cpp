@@ -11,7 +11,7 @@
 #include "render/pictures/depth_field.h"
 #include "render/pictures/overlay.h"
 #include "render/pictures/run_view.h"
-#include "render/surface/reamed_mesh.h"
+#include "render/surface/bone_surface.h"
 #include "sim/base/parallel.h"
 #include "sim/base/text.h"
 #include "sim/mesh/mesh_io.h"

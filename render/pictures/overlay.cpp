@@ -155,22 +155,21 @@ void draw_force(const Canvas& canvas, const Camera& camera, double u, const Forc
   draw_force_text(canvas, camera, u, force.text, to, (to - from).normalized());
 }
 
-void stroke_outlines(const Canvas& canvas, const Camera& camera, double u, const Labels& labels) {
+void stroke_outline(const Canvas& canvas, const Camera& camera, double u, const std::vector<Vec3>& outline_mm) {
+  if (outline_mm.empty()) return;
   cairo_t* c = canvas.get();
+  std::vector<Vec2> points;
+  for (const Vec3& point : outline_mm) points.push_back(camera.pixel(point));
+  canvas.trace(points);
+  canvas.set_color({1, 1, 1, 0.7});
+  cairo_set_line_width(c, std::max(2.0, 5 * u));
+  cairo_stroke_preserve(c);
+  canvas.set_color({0.15, 0.25, 0.40, 1});
+  cairo_set_line_width(c, std::max(1.0, 2.4 * u));
   const double dashes[] = {12 * u, 8 * u};
-  for (const auto& outline : labels.outlines_mm) {
-    std::vector<Vec2> points;
-    for (const Vec3& point : outline) points.push_back(camera.pixel(point));
-    canvas.trace(points);
-    canvas.set_color({1, 1, 1, 0.7});
-    cairo_set_line_width(c, std::max(2.0, 5 * u));
-    cairo_stroke_preserve(c);
-    canvas.set_color({0.15, 0.25, 0.40, 1});
-    cairo_set_line_width(c, std::max(1.0, 2.4 * u));
-    cairo_set_dash(c, dashes, 2, 0);
-    cairo_stroke(c);
-    cairo_set_dash(c, nullptr, 0, 0);
-  }
+  cairo_set_dash(c, dashes, 2, 0);
+  cairo_stroke(c);
+  cairo_set_dash(c, nullptr, 0, 0);
 }
 
 constexpr double kTextHeight = 19;   // pixels of a picture 1080 high
@@ -252,7 +251,7 @@ PixelImage labelled_page(PixelImage view, const PageLayout& layout, const Camera
 
 void draw_marks(PixelImage& view, const Camera& camera, double unit, const Labels& labels) {
   const Canvas canvas(view);
-  stroke_outlines(canvas, camera, unit, labels);
+  stroke_outline(canvas, camera, unit, labels.outline_mm);
   if (labels.force) draw_force(canvas, camera, unit, *labels.force);
   canvas.finish();
   draw_contour_numbers(view, camera, unit, labels.contours);

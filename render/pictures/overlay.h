@@ -56,7 +56,7 @@ struct Labels {
   std::vector<std::pair<std::string, std::string>> values;  ///< name and number with unit
   std::vector<Legend> legends;                              ///< at most two
   std::vector<std::pair<std::string, Vec3>> directions;     ///< anatomical directions: name and unit vector in B
-  std::vector<std::vector<Vec3>> outlines_mm;               ///< closed dashed lines in B
+  std::vector<Vec3> outline_mm;                             ///< closed dashed line in B; may be empty
   std::optional<ForceArrow> force;
   std::vector<SeenContour> contours;  ///< lines of the picture that get their numbers
   double scale_bar_fraction = 0.25;   ///< of the view's width, at most

@@ -263,18 +263,6 @@ ToolPath path_of_pass(const ToolPass& pass) {
   return {std::move(path), tool_reach_mm(pass.tool)};
 }
 
-/// Adds a pass after those so far.
-void add_pass(const RunInputs& run, std::size_t index, PredictedRun& out) {
-  const ToolPass& pass = run.passes[index];
-  const Profile tool = envelope_of_revolution(pass.tool).profile;
-  const auto contact = forecast_contact_frames(*run.voxmap, out.bone.fill, tool, path_of_pass(pass));
-  if (contact) out.contact.push_back(*contact);
-  PredictedBone bone = predict_swept_bone(*run.voxmap, out.bone.fill, tool, pass.poses, run.whole_voxels);
-  if (!bone.touches) return;
-  out.bone = std::move(bone);
-  out.pass = index;
-}
-
 }  // namespace
 
 Scale depth_scale(const RunData& run, double depth_max_mm) {
@@ -314,7 +302,7 @@ Labels RunView::labels(const Camera& camera, const std::optional<PlacedTool>& to
     if (target.anterior) labels.directions.emplace_back("anterior", *target.anterior);
   }
   if (tool && !camera.shows_tool) {
-    labels.outlines_mm.push_back(widest_circle(run_.inputs().passes[tool->pass].tool, tool->bone_from_tool));
+    labels.outline_mm = widest_circle(run_.inputs().passes[tool->pass].tool, tool->bone_from_tool);
   }
   return labels;
 }
@@ -364,8 +352,15 @@ double tool_reach_mm(const TriangleMesh& tool) {
 PredictedRun predict_run(const RunInputs& run) {
   PredictedRun out{.bone = {.fill = run.fill, .deepest = run.passes.front().poses.front()}, .contact = {}};
   for (std::size_t i = 0; i < run.passes.size(); ++i) {
+    const ToolPass& pass = run.passes[i];
     try {
-      add_pass(run, i, out);
+      const Profile tool = envelope_of_revolution(pass.tool).profile;
+      const auto contact = forecast_contact_frames(*run.voxmap, out.bone.fill, tool, path_of_pass(pass));
+      if (contact) out.contact.push_back(*contact);
+      PredictedBone bone = predict_swept_bone(*run.voxmap, out.bone.fill, tool, pass.poses, run.whole_voxels);
+      if (!bone.touches) continue;
+      out.bone = std::move(bone);
+      out.pass = i;
     } catch (const InputError& error) {
       throw InputError({tool_path(run.dir, static_cast<int>(i) + 1), 0, 0}, "", error.what(),
                        "expected the tool of a run");

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/plots/compare.h"
+#include "render/plots/plots.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -10,7 +10,6 @@
 #include <iterator>
 #include <limits>
 
-#include "render/plots/plots.h"
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/plots/compare.h"
+#include "render/plots/plots.h"
 
 #include <fmt/core.h>
 #include <algorithm>

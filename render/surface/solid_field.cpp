@@ -77,18 +77,18 @@ std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& ke
   return leaf;
 }
 
-/// The n-th of the 27 offsets −1, 0, 1 along each axis.
-Vec3i neighbour_offset(int n) {
-  return {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+/// Calls visit(brick) for the 27 bricks about this one.
+template <class Visit>
+void for_each_near(const Vec3i& brick, const Visit& visit) {
+  for_each_voxel(brick - Vec3i::Ones(), brick + Vec3i::Ones(), visit);
 }
 
 /// The common kind of the 27 bricks about this one, or kMixed.
 Occupancy::Kind neighbourhood(const Occupancy& occupancy, const Vec3i& brick) {
   const Occupancy::Kind own = occupancy.kind(brick);
-  for (int n = 0; n < 27; ++n) {
-    if (occupancy.kind(brick + neighbour_offset(n)) != own) return Occupancy::Kind::kMixed;
-  }
-  return own;
+  bool alike = true;
+  for_each_near(brick, [&](const Vec3i& near) { alike = alike && occupancy.kind(near) == own; });
+  return alike ? own : Occupancy::Kind::kMixed;
 }
 
 }  // namespace
@@ -153,10 +153,9 @@ void SolidField::update(const Occupancy& occupancy, const std::vector<Vec3i>& br
   const BrickLattice padded{occupancy.brick_dims() + Vec3i::Constant(2)};
   std::unordered_set<std::size_t> seen;
   for (const Vec3i& brick : bricks) {
-    for (int n = 0; n < 27; ++n) {
-      const Vec3i near = brick + neighbour_offset(n);
+    for_each_near(brick, [&](const Vec3i& near) {
       if (seen.insert(padded.index(near + Vec3i::Ones())).second) touched.push_back(near);
-    }
+    });
   }
   compute(occupancy, touched);
 }

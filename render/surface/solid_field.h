@@ -115,4 +115,22 @@ class UnreamedSurface {
   double deepest_mm_;
 };
 
+class NearestPoint;
+
+/// The boundary between the layers of a bone (Voxmap::layers) in a plane: at their depth, not between voxels.
+class LayerBoundary {
+ public:
+  /// For points in the plane through three points, in voxel index space. All must outlive this.
+  LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unreamed, const Vec3& a, const Vec3& b, const Vec3& c);
+
+  /// Whether the eight voxels nearest to a point (voxel index space) are of both layers.
+  [[nodiscard]] bool near(const Vec3& point) const;
+  /// The density in g/cm³ at a point by its depth, blended over `blend_voxels` across the boundary.
+  [[nodiscard]] double density_at(const Vec3& point, double blend_voxels) const;
+
+ private:
+  const Voxmap& voxmap_;
+  std::shared_ptr<const NearestPoint> surface_;  ///< near the plane; null where it is empty
+};
+
 }  // namespace reamsim

@@ -5,19 +5,43 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unsupported/Eigen/BVH>
 #include <utility>
 
-#include "render/surface/nearest_point.h"
 #include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/grids.h"
 
 namespace reamsim {
+
+/// Distance to the nearest of some points, at least one.
+class NearestPoint {
+ public:
+  explicit NearestPoint(const std::vector<Vec3>& points) {
+    const std::vector<Eigen::AlignedBox3d> boxes(points.begin(), points.end());
+    tree_.init(points.begin(), points.end(), boxes.begin(), boxes.end());
+  }
+
+  [[nodiscard]] double distance(const Vec3& from) const {
+    /// For Eigen::BVMinimize: the squared distance to a point, and its lower bound in a box.
+    struct Query {
+      using Scalar = double;
+      const Vec3& from;
+
+      double minimumOnVolume(const Eigen::AlignedBox3d& box) const { return box.squaredExteriorDistance(from); }
+      double minimumOnObject(const Vec3& point) const { return (point - from).squaredNorm(); }
+    } query{from};
+    return std::sqrt(Eigen::BVMinimize(tree_, query));
+  }
+
+ private:
+  Eigen::KdBVH<double, 3, Vec3> tree_;
+};
+
 namespace {
 
 using openvdb::Vec3d;
-using Point = Eigen::Vector3d;
 
 /// Depth is not measured from the walls of holes and slits up to twice this wide.
 constexpr double kClosing_mm = 1.8;
@@ -77,7 +101,7 @@ std::vector<std::uint8_t> above_removed_bone(const OffsetSurface& offset, const 
     const Vec3d slope = central_difference(distance_at, p, 0.5 * offset.distance_mm->voxelSize()[0]);
     if (slope.length() < 1e-9) continue;
     const Vec3d below = (p - slope.unit() * (kClosing_mm + 0.75 * voxel_mm)) / voxel_mm;
-    const Vec3i voxel = Point(below.x(), below.y(), below.z()).array().round().cast<int>();
+    const Vec3i voxel = Vec3(below.x(), below.y(), below.z()).array().round().cast<int>();
     marked[i] = removed(voxmap, after, before, voxel) ? 1 : 0;
   }
   return marked;
@@ -121,7 +145,7 @@ openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxm
   std::vector<std::uint8_t> marked = above_removed_bone(offset, voxmap, before, after);
   dilate(marked, {offset.surface.points.size(), offset.surface.indices},
          static_cast<int>(std::ceil(2 * kClosing_mm / cell_mm)));
-  std::vector<Point> sources;
+  std::vector<Vec3> sources;
   for (std::size_t i = 0; i < marked.size(); ++i) {
     if (marked[i] != 0) sources.push_back(offset.surface.points[i].cast<double>());
   }
@@ -172,30 +196,46 @@ double max_depth_mm(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const
 
 }  // namespace
 
-/// For Eigen::BVMinimize: the squared distance to a point, and its lower bound in a box.
-struct NearestPoint::Query {
-  using Scalar = double;
-  Point from;
-
-  double minimumOnVolume(const Eigen::AlignedBox3d& box) const { return box.squaredExteriorDistance(from); }
-  double minimumOnObject(const Point& point) const { return (point - from).squaredNorm(); }
-};
-
-NearestPoint::NearestPoint(const std::vector<Point>& points) {
-  const std::vector<Eigen::AlignedBox3d> boxes(points.begin(), points.end());
-  tree_.init(points.begin(), points.end(), boxes.begin(), boxes.end());
-}
-
-double NearestPoint::distance(const Point& from) const {
-  Query query{from};
-  return std::sqrt(Eigen::BVMinimize(tree_, query));
-}
-
 UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before, const FillBricks& after)
     : before_(std::move(before)),
       field_(Occupancy(voxmap, before_)),
       surface_(extract_surface(*field_.grid().vdb, 0)),
       depth_(new ScalarGrid{depth_grid(surface_, voxmap, before_, after)}),
       deepest_mm_(max_depth_mm(*depth_->vdb, voxmap, after, before_)) {}
+
+LayerBoundary::LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unreamed, const Vec3& a, const Vec3& b,
+                             const Vec3& c)
+    : voxmap_(voxmap) {
+  constexpr double kMargin_voxels = 3;
+  const Vec3 normal = (b - a).cross(c - a).normalized();
+  const double reach = voxmap.layers->cortical_mm / voxmap.grid.voxel_mm + kMargin_voxels;
+  std::vector<Vec3> points;
+  for (const Eigen::Vector3f& p : unreamed.surface().points) {
+    if (std::abs(normal.dot(p.cast<double>() - a)) < reach) points.emplace_back(p.cast<double>());
+  }
+  if (!points.empty()) surface_ = std::make_shared<NearestPoint>(points);
+}
+
+bool LayerBoundary::near(const Vec3& point) const {
+  const Vec3i base = point.array().floor().cast<int>();
+  std::uint8_t found = 0;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3i voxel = base + Vec3i(i & 1, i >> 1 & 1, i >> 2);
+    if (!voxmap_.grid.contains(voxel)) continue;
+    const std::uint8_t grade = voxmap_.grade.get(voxel);
+    if (grade == 0 || grade == found) continue;
+    if (found != 0) return true;
+    found = grade;
+  }
+  return false;
+}
+
+double LayerBoundary::density_at(const Vec3& point, double blend_voxels) const {
+  const BoneLayers& layers = *voxmap_.layers;
+  if (!surface_) return layers.trabecular_g_cm3;
+  const double beyond = surface_->distance(point) - layers.cortical_mm / voxmap_.grid.voxel_mm;
+  const double trabecular = std::clamp(beyond / blend_voxels + 0.5, 0.0, 1.0);
+  return layers.cortical_g_cm3 + trabecular * (layers.trabecular_g_cm3 - layers.cortical_g_cm3);
+}
 
 }  // namespace reamsim

@@ -18,8 +18,8 @@
 
 #include "render/pictures/figures.h"
 #include "render/pictures/page_layout.h"
+#include "render/surface/bone_surface.h"
 #include "render/surface/color_map.h"
-#include "render/surface/reamed_mesh.h"
 #include "sim/base/error.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_check.h"

@@ -200,10 +200,10 @@ TEST_F(Page, MarksOnTheViewAreLegibleOnAnySlide) {
   const Camera face_on = run.camera("glenoid");
   PixelImage outlined = blank_page(face_on.width_px, face_on.height_px, Background::transparent);
   const Labels labels = run.view.labels(face_on, run.view.tool_at(40));
-  ASSERT_EQ(labels.outlines_mm.size(), 1U);
+  ASSERT_FALSE(labels.outline_mm.empty());
   draw_marks(outlined, face_on, run.view.page().unit, labels);
   std::vector<double> contrasts;
-  for (const Vec3& point : labels.outlines_mm.front()) {
+  for (const Vec3& point : labels.outline_mm) {
     const Vec2 at = face_on.pixel(point);
     contrasts.push_back(contrast(outlined, {at.x() - 8, at.y() - 8, 16, 16}));
   }

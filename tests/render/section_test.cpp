@@ -9,7 +9,7 @@
 #include <iostream>
 #include <numbers>
 
-#include "render/surface/layer_boundary.h"
+#include "render/surface/solid_field.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "tests/render/opened_run.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "reader_campaign.h"
-#include "render/plots/compare.h"
+#include "render/plots/plots.h"
 #include "seeds.h"
 #include "tests/support/temp_dir.h"
 

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "render/plots/compare.h"
+#include "render/plots/plots.h"
 #include "seeds.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
