@@ -116,8 +116,8 @@ std::string libraries_text() {
   return out;
 }
 
-/// The drivers are loaded when the program runs, so no build knows them.
-std::string opencl_text() {
+/// The drivers are loaded when the program runs, so no build knows them. The version is printed wherever it can be.
+std::string opencl_text() try {
   const Console console;
   const auto kernels = prepare_opencl("auto", console);
   std::string out;
@@ -125,15 +125,8 @@ std::string opencl_text() {
     out += (out.empty() ? "" : "; ") + device.name + " (" + device.platform_name + ", driver " + device.driver + ")";
   }
   return out.empty() ? "no device" : printable(out);
-}
-
-/// The version is printed wherever it can be.
-std::string opencl_text_or_why() {
-  try {
-    return opencl_text();
-  } catch (const std::exception& error) {
-    return "not available: " + printable(message_of(error));
-  }
+} catch (const std::exception& error) {
+  return "not available: " + printable(message_of(error));
 }
 
 }  // namespace
@@ -141,7 +134,7 @@ std::string opencl_text_or_why() {
 std::string version_text() {
   const std::string commit = kCommit[0] == '\0' ? "" : std::string("commit ") + kCommit + ", ";
   return "reamsim " REAMSIM_VERSION "\n" + commit + std::string(kBuildType) + " build by " + std::string(kCompiler) +
-         "\nlibraries: " + libraries_text() + "\nOpenCL: " + opencl_text_or_why() +
+         "\nlibraries: " + libraries_text() + "\nOpenCL: " + opencl_text() +
          "\nLicensed under the Apache License, Version 2.0. Copyright the reamsim authors.";
 }
 

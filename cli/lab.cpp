@@ -70,16 +70,16 @@ void fill(const MemoryFile& file, std::string_view text) {
   }
 }
 
-/// The answer of a command. Throws as call_lab().
-Json answer_of(const std::vector<std::string>& arguments, const std::string& job) {
+}  // namespace
+
+Json call_lab(const std::string& command, const std::vector<std::string>& paths, const Json& job) {
   constexpr int kWrongInput = 2;
   MemoryFile in("the statistics"), out("the statistics"), err("the messages of Python");
-  fill(in, job);
-  ChildCommand call{.arguments = python_with_package()};
-  call.arguments.insert(call.arguments.end(), arguments.begin(), arguments.end());
-  call.in = in.descriptor();
-  call.out = out.descriptor();
-  call.err = err.descriptor();
+  fill(in, job.dump());
+  ChildCommand call{
+      .arguments = python_with_package(), .in = in.descriptor(), .out = out.descriptor(), .err = err.descriptor()};
+  call.arguments.push_back(command);
+  call.arguments.insert(call.arguments.end(), paths.begin(), paths.end());
   pid_t child = 0;
   if (const int error = spawn(call, child); error != 0) {
     throw RunError(python() + " cannot be started: " + std::strerror(error) +
@@ -95,16 +95,8 @@ Json answer_of(const std::vector<std::string>& arguments, const std::string& job
   throw RunError(message);
 }
 
-}  // namespace
-
 void require_lab() {
-  answer_of({"check"}, "");
-}
-
-Json call_lab(const std::string& command, const std::vector<std::string>& paths, const Json& job) {
-  std::vector<std::string> arguments{command};
-  arguments.insert(arguments.end(), paths.begin(), paths.end());
-  return answer_of(arguments, job.dump());
+  call_lab("check", {}, Json::object());
 }
 
 void say_answer(const Json& answer, const Console& console) {

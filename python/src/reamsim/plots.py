@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import functools
 import io
-import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +37,7 @@ def _matplotlib() -> Any:
         import matplotlib
         import matplotlib.figure
         import matplotlib.colors
+        import matplotlib.ticker
     except ImportError:
         raise MissingPackage("matplotlib", "a plot", "python3-matplotlib") from None
     return matplotlib
@@ -129,8 +129,8 @@ def plot_depth_map(run: Run) -> Figure:
         if reamed.count():
             image = axes.imshow(reamed.T, origin="lower", extent=extent, cmap="viridis", vmin=0)
             figure.colorbar(image, ax=axes, label="Depth of removed bone (mm)", shrink=0.9)
-            step = _round_step(float(reamed.max()) / 8)
-            levels = numpy.arange(1, int(reamed.max() / step) + 1) * step
+            levels = matplotlib.ticker.MaxNLocator(8, steps=[1, 2, 5, 10]).tick_values(0, float(reamed.max()))
+            levels = levels[(levels > 0) & (levels <= reamed.max())]
             if (_inner(depth) > levels[:1]).any():
                 lines = axes.contour(depth_map.centers_mm(0), depth_map.centers_mm(1), _inner(depth).T,
                                      levels=levels, colors="#202020", linewidths=0.6)
@@ -148,12 +148,6 @@ def _inner(depth: numpy.ndarray, cells: int = 2) -> numpy.ndarray:
     sides = range(2 * cells + 1)
     whole = numpy.logical_and.reduce([reamed[i:i + depth.shape[0], j:j + depth.shape[1]] for i in sides for j in sides])
     return numpy.where(whole, depth, numpy.nan)
-
-
-def _round_step(step: float) -> float:
-    """The next of 1, 2, 5 times a power of ten."""
-    power = 10.0 ** math.floor(math.log10(step)) if step > 0 else 1.0
-    return next(power * factor for factor in (1, 2, 5, 10) if power * factor >= step * (1 - 1e-9))
 
 
 def bands(runs: Iterable[Run], column: str = "axial_force_n", over: str = "depth",

@@ -13,6 +13,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -127,22 +128,27 @@ def call(arguments: Sequence[str], *, show_output: bool = False) -> str:
         InputError, RunError, Interrupted: by the exit status.
         ProgramNotFound: there is no program.
     """
-    program = find_program()
-    try:
-        child = subprocess.Popen([program, *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                 stderr=subprocess.PIPE, text=True, encoding="utf-8", errors="backslashreplace")
-    except OSError as error:
-        raise ProgramNotFound(f"{program}: cannot be started ({error.strerror}); set REAMSIM_PROGRAM to the program "
-                              "reamsim") from error
-    with child:
+    program, out = find_program(), []
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="backslashreplace") as errors:  # a full pipe would stop it
         try:
-            out, err = _communicate(child, show_output)
-        except KeyboardInterrupt:
-            child.send_signal(signal.SIGINT)  # a notebook interrupts the kernel alone
-            out, err = child.communicate()
-            if child.returncode == 0:
-                raise
-    lines = err.splitlines()
+            child = subprocess.Popen([program, *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors,
+                                     text=True, encoding="utf-8", errors="backslashreplace")
+        except OSError as error:
+            raise ProgramNotFound(f"{program}: cannot be started ({error.strerror}); set REAMSIM_PROGRAM to the program "
+                                  "reamsim") from error
+        with child:
+            try:
+                for line in child.stdout or ():
+                    out.append(line)
+                    if show_output:
+                        print(line, end="", flush=True)
+            except KeyboardInterrupt:
+                child.send_signal(signal.SIGINT)  # a notebook interrupts the kernel alone
+                child.communicate()
+                if child.returncode == 0:
+                    raise
+        errors.seek(0)
+        lines = errors.read().splitlines()
     error = None
     if child.returncode != 0:
         error = _error([line for line in lines if not line.startswith(_WARNING)], child.returncode)
@@ -154,7 +160,7 @@ def call(arguments: Sequence[str], *, show_output: bool = False) -> str:
         raise error from warning
     if error is not None:
         raise error
-    return out
+    return "".join(out)
 
 
 def _warn(texts: Sequence[str]) -> None:
@@ -166,24 +172,6 @@ def _warn(texts: Sequence[str]) -> None:
         frame, level = frame.f_back, level + 1
     for text in texts:
         warnings.warn(text, ReamsimWarning, stacklevel=level)
-
-
-def _communicate(child: subprocess.Popen[str], show_output: bool) -> tuple[str, str]:
-    if not show_output:
-        return child.communicate()
-    import threading  # standard error is read meanwhile, or a full pipe would stop the program
-
-    assert child.stdout is not None and child.stderr is not None
-    errors: list[str] = []
-    reader = threading.Thread(target=lambda: errors.extend(child.stderr), daemon=True)  # type: ignore[arg-type]
-    reader.start()
-    lines = []
-    for line in child.stdout:
-        print(line, end="", flush=True)
-        lines.append(line)
-    child.wait()
-    reader.join()
-    return "".join(lines), "".join(errors)
 
 
 def _error(lines: list[str], status: int) -> ProgramError:

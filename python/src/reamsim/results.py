@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy
 import yaml
 
+from . import plots
 from .errors import ResultsError
 from .grid import DepthMap, Grid, read_depth_map, read_vdb, read_vti
 from .scenario_text import load_yaml
@@ -134,15 +135,11 @@ class Run:
 
     def plot_forces(self, over: str = "time") -> Figure:
         """Axial force, spin torque and removed volume over time or depth; see `reamsim.plots.plot_forces`."""
-        from .plots import plot_forces
-
-        return plot_forces(self, over)
+        return plots.plot_forces(self, over)
 
     def plot_depth_map(self) -> Figure:
         """The depth map with contour lines; see `reamsim.plots.plot_depth_map`."""
-        from .plots import plot_depth_map
-
-        return plot_depth_map(self)
+        return plots.plot_depth_map(self)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -4,9 +4,8 @@
 // What the page edits, and what follows from it. Views listen for changes.
 import { Vector3 } from "../shared/scene.js";
 import { contactOf, faceNormal, warningsOf } from "./checks.js";
-import { liveMask } from "./mask.js";
 import { Reamer, frameOf, frameOfLandmarks } from "./reamer.js";
-import { Field, add, minus, positionsOf, reduced, rounded, same, surfaceOf, unit, volumeOf } from "./volume.js";
+import { Field, add, liveMask, minus, positionsOf, reduced, rounded, same, surfaceOf, unit, volumeOf } from "./volume.js";
 
 // Colours and short names of what both slices and 3D view draw; after Okabe and Ito, which colour-blind readers tell apart.
 export const colors = {
