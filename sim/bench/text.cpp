@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <fmt/args.h>
 #include <fmt/core.h>
 #include <algorithm>
 #include <optional>
@@ -26,21 +27,43 @@ std::string table_text(const std::string& title, const Lines& cells) {
   return out + "\n";
 }
 
-/// A column of a table: its head, and the cell of a row.
+Label label(const Json& row) {
+  return {row["engine"], row["variant"]};
+}
+
+/// A column of a table: its head, and how a cell shows the values of some keys of a row. Without keys: the program.
 struct Column {
-  std::string head;
-  std::function<std::string(const Json&)> cell;
+  const char* head;
+  const char* format;
+  std::vector<const char*> keys;
+  double scale = 1;
 };
+
+std::string cell_of(const Json& row, const Column& column) {
+  if (column.keys.empty()) return name_of(label(row));
+  fmt::dynamic_format_arg_store<fmt::format_context> values;
+  for (const char* key : column.keys) {
+    if (row[key].is_null()) return "–";
+    if (row[key].is_number()) {
+      values.push_back(column.scale * row[key].get<double>());
+    } else {
+      values.push_back(row[key].get<std::string>());
+    }
+  }
+  return fmt::vformat(column.format, values);
+}
 
 std::string table_text(const std::string& title, const Json& rows, const std::vector<Column>& columns) {
   Lines cells(1);
   for (const Column& column : columns) cells[0].push_back(column.head);
   for (const Json& row : rows) {
     cells.emplace_back();
-    for (const Column& column : columns) cells.back().push_back(column.cell(row));
+    for (const Column& column : columns) cells.back().push_back(cell_of(row, column));
   }
   return table_text(title, cells);
 }
+
+const Column kProgram{"engine", "", {}}, kRange{"min – max", "{:.3f} – {:.3f}", {"min_ms", "max_ms"}};
 
 std::string cube(int side) {
   return std::to_string(side) + "³";
@@ -48,10 +71,6 @@ std::string cube(int side) {
 
 std::string number(std::optional<double> value, int decimals) {
   return value ? fmt::format("{:.{}f}", *value, decimals) : "–";
-}
-
-std::string percent(double fraction, int decimals) {
-  return fmt::format("{:.{}f} %", 100 * fraction, decimals);
 }
 
 /// "measured (paper)" in the paper's unit.
@@ -62,40 +81,6 @@ std::string beside(std::optional<double> measured, std::optional<double> paper) 
 /// The value of a row's key; none where it is null.
 std::optional<double> value(const Json& row, const char* key) {
   return row[key].is_null() ? std::nullopt : std::optional(row[key].get<double>());
-}
-
-Label label(const Json& row) {
-  return {row["engine"], row["variant"]};
-}
-
-Column program_column(const char* head = "engine") {
-  return {head, [](const Json& row) { return name_of(label(row)); }};
-}
-
-Column word_column(const char* head, const char* key) {
-  return {head, [key](const Json& row) { return row[key].get<std::string>(); }};
-}
-
-Column cube_column(const char* key) {
-  return {key, [key](const Json& row) { return cube(row[key]); }};
-}
-
-Column number_column(const char* head, const char* key, int decimals) {
-  return {head, [=](const Json& row) { return number(value(row, key), decimals); }};
-}
-
-Column percent_column(const char* head, const char* key, int decimals) {
-  return {head, [=](const Json& row) { return percent(row[key], decimals); }};
-}
-
-Column range_column(const char* least = "min_ms", const char* most = "max_ms", int decimals = 3) {
-  return {"min – max", [=](const Json& row) {
-            return number(value(row, least), decimals) + " – " + number(value(row, most), decimals);
-          }};
-}
-
-Column voxel_column() {
-  return {"voxel mm", [](const Json& row) { return fmt::format("{:g}", row["voxel_mm"].get<double>()); }};
 }
 
 /// The programs of the results, in their order.
@@ -139,9 +124,15 @@ std::string cases_table(const Json& report) {
       "with "
       "the rows of forces.csv, by window of 64; contacts: voxels that lose bone",
       report["results"],
-      {program_column(), cube_column("voxmap"), cube_column("shell"), word_column("case", "case"),
-       number_column("contacts", "contacts", 0), number_column("median ms", "median_ms", 3), range_column(),
-       number_column("kernel ms", "kernel_ms", 3), number_column("published direct / this", "ratio_to_direct", 2)});
+      {kProgram,
+       {"voxmap", "{}³", {"voxmap"}},
+       {"shell", "{}³", {"shell"}},
+       {"case", "{}", {"case"}},
+       {"contacts", "{:.0f}", {"contacts"}},
+       {"median ms", "{:.3f}", {"median_ms"}},
+       kRange,
+       {"kernel ms", "{:.3f}", {"kernel_ms"}},
+       {"published direct / this", "{:.2f}", {"ratio_to_direct"}}});
 }
 
 std::string phases_table(const Json& report) {
@@ -161,10 +152,13 @@ std::string phases_table(const Json& report) {
     if (row["voxmap"] == phases.back()["voxmap"] && row["shell"] == phases.back()["shell"]) rows.push_back(row);
   }
   return table_text("Phases (Table 2)", rows,
-                    {program_column("both at the largest, severe, µs"), number_column("OBB–OBB", "obb_us", 2),
-                     number_column("VOI", "voi_us", 2), number_column("to device", "upload_us", 1),
-                     number_column("kernels", "kernel_us", 1), number_column("rest, read-back", "read_us", 1),
-                     number_column("total", "total_us", 1)});
+                    {{"both at the largest, severe, µs", "", {}},
+                     {"OBB–OBB", "{:.2f}", {"obb_us"}},
+                     {"VOI", "{:.2f}", {"voi_us"}},
+                     {"to device", "{:.1f}", {"upload_us"}},
+                     {"kernels", "{:.1f}", {"kernel_us"}},
+                     {"rest, read-back", "{:.1f}", {"read_us"}},
+                     {"total", "{:.1f}", {"total_us"}}});
 }
 
 std::optional<double> paper_mb(const double (&table)[5][2], int side, const std::string& engine) {
@@ -193,47 +187,54 @@ std::string memory_table(const Json& report) {
 }
 
 std::string voi_table(const Json& report) {
-  const auto saved = [](const Json& row) { return percent(1 - *value(row, "with_ms") / *value(row, "without_ms"), 0); };
-  return table_text("VOI (Fig. 8; the paper saves almost 50 % in glenoid reaming)", report["voi"],
-                    {percent_column("VOI / tool's box", "fraction", 0),
-                     program_column(),
-                     number_column("contacts", "contacts", 0),
-                     number_column("with VOI ms", "with_ms", 3),
-                     number_column("without ms", "without_ms", 3),
-                     {"saved", saved}});
+  Json rows = report["voi"];
+  for (Json& row : rows) row["saved"] = 1 - row["with_ms"].get<double>() / row["without_ms"].get<double>();
+  return table_text("VOI (Fig. 8; the paper saves almost 50 % in glenoid reaming)", rows,
+                    {{"VOI / tool's box", "{:.0f} %", {"fraction"}, 100},
+                     kProgram,
+                     {"contacts", "{:.0f}", {"contacts"}},
+                     {"with VOI ms", "{:.3f}", {"with_ms"}},
+                     {"without ms", "{:.3f}", {"without_ms"}},
+                     {"saved", "{:.0f} %", {"saved"}, 100}});
 }
 
 std::string batches_table(const Json& report) {
   return table_text("Frames enqueued together", report["batches"],
-                    {program_column(), word_column("case", "case"), number_column("frames at once", "batch", 0),
-                     number_column("ms per frame", "median_ms", 3), range_column()});
+                    {kProgram,
+                     {"case", "{}", {"case"}},
+                     {"frames at once", "{}", {"batch"}},
+                     {"ms per frame", "{:.3f}", {"median_ms"}},
+                     kRange});
 }
 
 std::string scatter_table(const Json& report) {
-  return table_text(
-      "Effect of races: one severe frame repeated (± standard deviation)", report["scatter"],
-      {program_column(), cube_column("voxmap"), number_column("points", "points", 0),
-       number_column("in voxels", "voxels", 0), number_column("counted", "contacts_median", 0),
-       range_column("contacts_min", "contacts_max", 0), percent_column("contacts ±", "contacts_spread", 3),
-       percent_column("force ±", "force_spread", 3), percent_column("component ±", "component_spread", 3)});
+  return table_text("Effect of races: one severe frame repeated (± standard deviation)", report["scatter"],
+                    {kProgram,
+                     {"voxmap", "{}³", {"voxmap"}},
+                     {"points", "{:.0f}", {"points"}},
+                     {"in voxels", "{:.0f}", {"voxels"}},
+                     {"counted", "{:.0f}", {"contacts_median"}},
+                     {"min – max", "{:.0f} – {:.0f}", {"contacts_min", "contacts_max"}},
+                     {"contacts ±", "{:.3f} %", {"contacts_spread"}, 100},
+                     {"force ±", "{:.3f} %", {"force_spread"}, 100},
+                     {"component ±", "{:.3f} %", {"component_spread"}, 100}});
 }
 
 std::string spheres_table(const Json& report) {
-  const auto error = [](const Json& row) { return fmt::format("{:+.5f} %", 100 * row["volume_error"].get<double>()); };
   return table_text(
       "A sphere of 29 mm radius plunged 4 mm at 0.2 mm/s and 1 kHz, timed at four depths. exact: at each 256 whole "
       "frames with the rows of forces.csv, by window of 64; others: 16 frames from the pose to the sums",
       report["spheres"],
-      {word_column("engine", "engine"),
-       word_column("erosion", "erosion"),
-       voxel_column(),
-       number_column("ms per frame", "median_ms", 4),
-       range_column(),
-       number_column("times real time", "times_real_time", 1),
-       number_column("kernels ms", "kernel_ms", 4),
-       number_column("one core ms", "one_core_ms", 4),
-       number_column("removed mm³", "removed_mm3", 1),
-       {"volume error", error}});
+      {{"engine", "{}", {"engine"}},
+       {"erosion", "{}", {"erosion"}},
+       {"voxel mm", "{:g}", {"voxel_mm"}},
+       {"ms per frame", "{:.4f}", {"median_ms"}},
+       kRange,
+       {"times real time", "{:.1f}", {"times_real_time"}},
+       {"kernels ms", "{:.4f}", {"kernel_ms"}},
+       {"one core ms", "{:.4f}", {"one_core_ms"}},
+       {"removed mm³", "{:.1f}", {"removed_mm3"}},
+       {"volume error", "{:+.5f} %", {"volume_error"}, 100}});
 }
 
 /// How far the kernels of `exact` are from what the device does at most.
@@ -253,15 +254,18 @@ std::string limits_table(const Json& report) {
                         {"memory_ms", memory_ms},
                         {"fraction", std::max(arithmetic_ms, memory_ms) / row["kernel_ms"].get<double>()}});
   }
-  return table_text(
-      fmt::format("exact against this device: {:.0f}·10⁹ operations/s (fused multiply-adds, two each), "
-                  "{:.1f} GB/s (copy); {:.0f} operations and {:.2f} bytes per voxel and frame",
-                  gops, gb_s, kExactOperations, kExactBytes),
-      rows,
-      {voxel_column(), number_column("voxels per frame", "voxels", 0), number_column("10⁶ operations", "operations", 2),
-       number_column("at the peak ms", "arithmetic_ms", 4), number_column("kB", "kb", 1),
-       number_column("at the peak ms", "memory_ms", 5), number_column("kernels ms", "kernel_ms", 4),
-       percent_column("fraction of the limit", "fraction", 1)});
+  return table_text(fmt::format("exact against this device: {:.0f}·10⁹ operations/s (fused multiply-adds, two each), "
+                                "{:.1f} GB/s (copy); {:.0f} operations and {:.2f} bytes per voxel and frame",
+                                gops, gb_s, kExactOperations, kExactBytes),
+                    rows,
+                    {{"voxel mm", "{:g}", {"voxel_mm"}},
+                     {"voxels per frame", "{:.0f}", {"voxels"}},
+                     {"10⁶ operations", "{:.2f}", {"operations"}},
+                     {"at the peak ms", "{:.4f}", {"arithmetic_ms"}},
+                     {"kB", "{:.1f}", {"kb"}},
+                     {"at the peak ms", "{:.5f}", {"memory_ms"}},
+                     {"kernels ms", "{:.4f}", {"kernel_ms"}},
+                     {"fraction of the limit", "{:.1f} %", {"fraction"}, 100}});
 }
 
 std::string head(const Json& report) {

@@ -150,9 +150,7 @@ class LayerMeans {
 };
 
 /// About two buckets per pixel of a printed figure when there are most of them.
-constexpr std::size_t kMaxBuckets = 4096;
-/// Rows that wait in a bucket before it is reduced.
-constexpr std::size_t kWaiting = 256;
+constexpr std::int64_t kMaxBuckets = 4096;
 
 constexpr double (*kQuantities[])(const ForceRow&) = {
     [](const ForceRow& row) { return row.axial_force_n; },
@@ -170,68 +168,42 @@ constexpr double (*kQuantities[])(const ForceRow&) = {
 
 void RowDecimator::add(const ForceRow& row) {
   last_ = row;
-  if (bucket_rows_ > 1) {
-    add_to_bucket(row);
-    return;
-  }
   rows_.push_back(row);
-  if (rows_.size() > most_rows_) start_buckets();
+  numbers_.push_back(count_++);
+  if (rows_.size() <= limit_) return;
+  reduce();
+  limit_ = rows_.size() + most_rows_;
 }
 
 std::vector<ForceRow> RowDecimator::finish() {
-  for (Bucket& bucket : buckets_) {
-    reduce(bucket);
-    rows_.insert(rows_.end(), bucket.begin(), bucket.end());
-    bucket = {};
-  }
+  if (bucket_rows_ > 1) reduce();
   if (!rows_.empty() && rows_.back().frame != last_.frame) rows_.push_back(last_);
   return std::move(rows_);
 }
 
-void RowDecimator::start_buckets() {
-  const Bucket all = std::exchange(rows_, {});
-  bucket_rows_ = 2;
-  while (all.size() > kMaxBuckets / 2 * static_cast<std::size_t>(bucket_rows_)) bucket_rows_ *= 2;
-  for (const ForceRow& row : all) add_to_bucket(row);
-}
-
-void RowDecimator::add_to_bucket(const ForceRow& row) {
-  if (buckets_.empty() || in_last_ == bucket_rows_) {
-    if (!buckets_.empty()) reduce(buckets_.back());
-    if (buckets_.size() == kMaxBuckets) merge_pairs();
-    buckets_.emplace_back();
-    in_last_ = 0;
+void RowDecimator::reduce() {
+  const std::int64_t buckets = bucket_rows_ == 1 ? kMaxBuckets / 2 : kMaxBuckets;
+  bucket_rows_ = std::max<std::int64_t>(bucket_rows_, 2);
+  while (count_ > buckets * bucket_rows_) bucket_rows_ *= 2;
+  std::vector<bool> chosen(rows_.size(), false);
+  for (std::size_t begin = 0, end = 0; begin < rows_.size(); begin = end) {
+    while (end < rows_.size() && numbers_[end] / bucket_rows_ == numbers_[begin] / bucket_rows_) ++end;
+    chosen[begin] = true;
+    const std::span<const ForceRow> bucket(&rows_[begin], end - begin);
+    for (const auto quantity : kQuantities) {
+      const auto [least, most] = std::ranges::minmax_element(bucket, {}, quantity);
+      chosen[begin + static_cast<std::size_t>(least - bucket.begin())] = true;
+      chosen[begin + static_cast<std::size_t>(most - bucket.begin())] = true;
+    }
   }
-  Bucket& bucket = buckets_.back();
-  bucket.push_back(row);
-  ++in_last_;
-  if (bucket.size() > kWaiting + keep_.size()) reduce(bucket);
-}
-
-void RowDecimator::merge_pairs() {
-  for (std::size_t i = 0; i < kMaxBuckets; i += 2) {
-    Bucket pair = std::move(buckets_[i]);
-    pair.insert(pair.end(), buckets_[i + 1].begin(), buckets_[i + 1].end());
-    reduce(pair);
-    buckets_[i / 2] = std::move(pair);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (!chosen[i] && !std::ranges::binary_search(keep_, rows_[i].frame)) continue;
+    rows_[kept] = rows_[i];
+    numbers_[kept++] = numbers_[i];
   }
-  buckets_.resize(kMaxBuckets / 2);
-  bucket_rows_ *= 2;
-}
-
-void RowDecimator::reduce(Bucket& bucket) const {
-  std::vector<bool> chosen(bucket.size(), false);
-  chosen[0] = true;
-  for (const auto quantity : kQuantities) {
-    const auto [least, most] = std::ranges::minmax_element(bucket, {}, quantity);
-    chosen[static_cast<std::size_t>(least - bucket.begin())] = true;
-    chosen[static_cast<std::size_t>(most - bucket.begin())] = true;
-  }
-  Bucket out;
-  for (std::size_t i = 0; i < bucket.size(); ++i) {
-    if (chosen[i] || std::ranges::binary_search(keep_, bucket[i].frame)) out.push_back(bucket[i]);
-  }
-  bucket = std::move(out);
+  rows_.resize(kept);
+  numbers_.resize(kept);
 }
 
 const ForceRow& ForceLog::at(std::int64_t frame, const std::string& path) const {

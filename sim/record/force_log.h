@@ -57,7 +57,8 @@ struct LogOptions {
 class RowDecimator {
  public:
   /// `keep`: frames, ascending.
-  RowDecimator(std::vector<std::int64_t> keep, std::size_t most_rows) : keep_(std::move(keep)), most_rows_(most_rows) {}
+  RowDecimator(std::vector<std::int64_t> keep, std::size_t most_rows)
+      : keep_(std::move(keep)), most_rows_(most_rows), limit_(most_rows) {}
 
   void add(const ForceRow& row);
   std::vector<ForceRow> finish();
@@ -65,20 +66,15 @@ class RowDecimator {
   [[nodiscard]] std::int64_t bucket_rows() const { return bucket_rows_; }
 
  private:
-  using Bucket = std::vector<ForceRow>;
-
-  void start_buckets();
-  void add_to_bucket(const ForceRow& row);
-  void merge_pairs();
-  /// Removes rows that are neither first, extreme nor kept.
-  void reduce(Bucket& bucket) const;
+  /// Removes rows that are neither first of their bucket, extreme nor kept. Buckets grow as the log does; what is an
+  /// extreme of a bucket is one of its half, so it does not matter when this is called.
+  void reduce();
 
   std::vector<std::int64_t> keep_;
-  std::size_t most_rows_;
-  Bucket rows_;  ///< all rows, or none once there are buckets
-  std::vector<Bucket> buckets_;
-  std::int64_t bucket_rows_ = 1;
-  std::int64_t in_last_ = 0;  ///< rows that the last bucket has received
+  std::size_t most_rows_, limit_;  ///< more rows are reduced
+  std::vector<ForceRow> rows_;
+  std::vector<std::int64_t> numbers_;  ///< of these rows in the log
+  std::int64_t count_ = 0, bucket_rows_ = 1;
   ForceRow last_;
 };
 
