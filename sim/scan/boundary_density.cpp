@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/boundary_density.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +11,7 @@
 
 #include "sim/base/parallel.h"
 #include "sim/base/statistics.h"
-#include "sim/scan/morphology.h"
+#include "sim/scan/segment.h"
 
 namespace reamsim::ct {
 
@@ -333,13 +331,6 @@ bool has_face_outside(const Mask& bone, const Lattice& lattice, const Vec3i& vox
   return false;
 }
 
-AlignedImage part_of(const AlignedImage& image, const IndexBox& box) {
-  AlignedImage out{{box.size, image.lattice.spacing_mm, image.lattice.center_mm(box.start)}, {}};
-  out.value.reserve(static_cast<std::size_t>(box.voxels()));
-  out.lattice.for_each([&](const Vec3i& voxel, std::size_t) { out.value.push_back(image.at(voxel + box.start)); });
-  return out;
-}
-
 /// As correct_boundary(), for a whole image.
 BoundaryDensity correct(AlignedImage& hu, const Mask& mask, const Vec3& psf_mm, int reach_voxels) {
   constexpr int kByRay = 2;  // layers outside whose values are estimated; further layers are means of neighbours
@@ -375,11 +366,10 @@ BoundaryDensity correct(AlignedImage& hu, const Mask& mask, const Vec3& psf_mm, 
 BoundaryDensity correct_boundary(AlignedImage& hu, const BoneField& bone, const Vec3& psf_mm, int reach_voxels) {
   // The field extends up to two voxels beyond the kept bone where a cut passes; erosion needs another point spread.
   const Vec3i room = spread_in_voxels(hu.lattice, psf_mm) + Vec3i::Constant(reach_voxels + 3);
-  IndexBox box;
-  box.start = (bone.min - room).cwiseMax(0);
-  box.size = (bone.max + room + Vec3i::Ones()).cwiseMin(hu.lattice.dims) - box.start;
-  AlignedImage part = part_of(hu, box);
-  const BoundaryDensity out = correct(part, positive_voxels(part_of(bone.field, box)), psf_mm, reach_voxels);
+  const IndexBox box = box_around(bone.min, bone.max, room, hu.lattice);
+  AlignedImage part{hu.lattice.part(box), part_of(hu.value, hu.lattice, box)};
+  const AlignedImage field{part.lattice, part_of(bone.field.value, hu.lattice, box)};
+  const BoundaryDensity out = correct(part, positive_voxels(field), psf_mm, reach_voxels);
   part.lattice.for_each(
       [&](const Vec3i& voxel, std::size_t at) { hu.value[hu.lattice.index(voxel + box.start)] = part.value[at]; });
   return out;

@@ -1,13 +1,11 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/label_check.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 
-#include "sim/scan/morphology.h"
+#include "sim/scan/segment.h"
 
 namespace reamsim::ct {
 
@@ -21,32 +19,14 @@ constexpr double kWorthWarning_mm3 = 20;
 /// A piece that is smaller than this part of the label is a speck.
 constexpr double kSpeck = 0.002;
 
-/// The part of an image around a mask.
-struct Surroundings {
-  Lattice lattice;
-  Vec3i start = Vec3i::Zero();
-};
-
 /// The box of the mask with a margin in which a closing acts.
-Surroundings around(const Mask& mask, const Lattice& lattice) {
-  Vec3i first = lattice.dims, last = Vec3i::Constant(-1);
+IndexBox around(const Mask& mask, const Lattice& lattice) {
+  Piece whole;
   lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
-    if (!mask[at]) return;
-    first = first.cwiseMin(voxel);
-    last = last.cwiseMax(voxel);
+    if (mask[at]) whole.add(voxel);
   });
   const Vec3i margin = (kClosing_mm * lattice.spacing_mm.cwiseInverse()).array().ceil().cast<int>() + 2;
-  first = (first - margin).cwiseMax(0);
-  last = (last + margin).cwiseMin(lattice.dims - Vec3i::Ones());
-  return {
-      {.dims = last - first + Vec3i::Ones(), .spacing_mm = lattice.spacing_mm, .origin_mm = lattice.center_mm(first)},
-      first};
-}
-
-Mask part_of_mask(const Mask& mask, const Lattice& lattice, const Surroundings& part) {
-  Mask out(static_cast<std::size_t>(part.lattice.size()));
-  part.lattice.for_each([&](const Vec3i& voxel, std::size_t at) { out[at] = mask[lattice.index(voxel + part.start)]; });
-  return out;
+  return box_around(whole.min, whole.max, margin, lattice);
 }
 
 /// Bone without a label in the closing of the label: the parts of it in which a box of three voxels fits, because
@@ -54,14 +34,14 @@ Mask part_of_mask(const Mask& mask, const Lattice& lattice, const Surroundings& 
 class MissingBone {
  public:
   MissingBone(const LabelImages& labels, const AlignedImage& hu, const LabelMapSettings& map)
-      : label_(positive_voxels(labels.selected)), part_(around(label_, hu.lattice)) {
-    Mask closed = part_of_mask(label_, hu.lattice, part_);
+      : label_(positive_voxels(labels.selected)), box_(around(label_, hu.lattice)), part_(hu.lattice.part(box_)) {
+    Mask closed = part_of(label_, hu.lattice, box_);
     holes_ = closed;
-    fill_holes(holes_, part_.lattice);
-    close_mask(closed, part_.lattice, kClosing_mm);
+    fill_holes(holes_, part_);
+    close_mask(closed, part_, kClosing_mm);
     missing_.assign(closed.size(), 0);
-    part_.lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
-      const std::size_t in_image = hu.lattice.index(voxel + part_.start);
+    part_.for_each([&](const Vec3i& voxel, std::size_t at) {
+      const std::size_t in_image = hu.lattice.index(voxel + box_.start);
       const bool labelled = label_[in_image] || labels.other.value[in_image] > 0;
       const bool dense = static_cast<double>(hu.value[in_image]) >= map.refine_hu;
       missing_[at] = !labelled && dense && (closed[at] || holes_[at]);
@@ -74,12 +54,12 @@ class MissingBone {
     double all = 0;
     std::string places;
     for (const Piece& piece : pieces_.list) {
-      const double mm3 = static_cast<double>(piece.voxels) * part_.lattice.voxel_mm3();
+      const double mm3 = static_cast<double>(piece.voxels) * part_.voxel_mm3();
       if (mm3 < kWorthWarning_mm3) break;  // they are ordered by size
       all += mm3;
       constexpr std::size_t kMostText = 120;
       if (places.size() > kMostText) continue;
-      const Vec3 middle = 0.5 * (part_.lattice.center_mm(piece.min) + part_.lattice.center_mm(piece.max));
+      const Vec3 middle = 0.5 * (part_.center_mm(piece.min) + part_.center_mm(piece.max));
       places += (places.empty() ? "" : ", ") + fmt::format("{:.0f} mm3 at {}", mm3, point_text(middle));
     }
     return all == 0 ? "" : fmt::format("{:.0f} mm3 of bone ({}, LPS)", all, places);
@@ -88,32 +68,32 @@ class MissingBone {
   /// Adds them to the label, and the cavities that it encloses. Returns the volume, mm³.
   double fill(LabelImages& labels, const AlignedImage& hu) const {
     std::int64_t added = 0;
-    part_.lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
-      const std::size_t in_image = hu.lattice.index(voxel + part_.start);
+    part_.for_each([&](const Vec3i& voxel, std::size_t at) {
+      const std::size_t in_image = hu.lattice.index(voxel + box_.start);
       const bool enclosed = holes_[at] && labels.other.value[in_image] == 0;
       if (label_[in_image] || !(enclosed || is_worth(at))) return;
       labels.selected.value[in_image] = 1;
       ++added;
     });
-    return static_cast<double>(added) * part_.lattice.voxel_mm3();
+    return static_cast<double>(added) * part_.voxel_mm3();
   }
 
  private:
   [[nodiscard]] bool is_worth(std::size_t at) const {
     const std::uint32_t piece = pieces_.label[at];
-    return piece != 0 &&
-           static_cast<double>(pieces_.list[piece - 1].voxels) * part_.lattice.voxel_mm3() >= kWorthWarning_mm3;
+    return piece != 0 && static_cast<double>(pieces_.list[piece - 1].voxels) * part_.voxel_mm3() >= kWorthWarning_mm3;
   }
 
   void keep_thick_parts() {
     const Vec3i one = Vec3i::Ones();
-    const Mask thick = dilated(eroded(missing_, part_.lattice, one), part_.lattice, 2 * one);
+    const Mask thick = dilated(eroded(missing_, part_, one), part_, 2 * one);
     for (std::size_t at = 0; at < missing_.size(); ++at) missing_[at] = missing_[at] && thick[at];
-    pieces_ = connected_pieces(missing_, part_.lattice);
+    pieces_ = connected_pieces(missing_, part_);
   }
 
   Mask label_;
-  Surroundings part_;
+  IndexBox box_;  ///< the part of the image around the label
+  Lattice part_;
   Mask holes_;    ///< the label with its cavities
   Mask missing_;  ///< bone without a label
   Pieces pieces_;
@@ -156,6 +136,7 @@ void warn_of_pieces(const Mask& label, const Lattice& lattice, const std::string
 void check_label(LabelImages& labels, const AlignedImage& hu, const CtSettings& settings, Diagnostics& report) {
   const LabelMapSettings& map = *settings.label_map;
   const Mask label = positive_voxels(labels.selected);
+  if (std::ranges::count(label, 1) == 0) return;  // segment_by_label() refuses it
   warn_of_edge(label, hu.lattice, settings, report);
   warn_of_pieces(label, hu.lattice, map.path, report);
   const MissingBone missing(labels, hu, map);

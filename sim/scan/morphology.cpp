@@ -173,6 +173,12 @@ void gaussian_filter(AlignedImage& image, double sigma_voxels) {
   copy_back(*filter->GetOutput(), image.value);
 }
 
+IndexBox box_around(const Vec3i& first, const Vec3i& last, const Vec3i& margin, const Lattice& lattice) {
+  const Vec3i start = (first - margin).cwiseMax(0);
+  const Vec3i end = (last + margin + Vec3i::Ones()).cwiseMin(lattice.dims);
+  return {start, end - start};
+}
+
 Pieces connected_pieces(const Mask& mask, const Lattice& lattice) {
   Mask input = mask;
   const auto label = itk::ConnectedComponentImageFilter<MaskImage, LabelImage>::New();
@@ -184,15 +190,9 @@ Pieces connected_pieces(const Mask& mask, const Lattice& lattice) {
   const std::uint32_t* first = by_size->GetOutput()->GetBufferPointer();
   out.label.assign(first, first + input.size());
   out.list.resize(by_size->GetNumberOfObjects());
-  for (std::size_t n = 0; n < out.list.size(); ++n) {
-    out.list[n] = {static_cast<std::uint32_t>(n + 1), 0, lattice.dims, Vec3i::Constant(-1)};
-  }
+  for (std::size_t n = 0; n < out.list.size(); ++n) out.list[n].label = static_cast<std::uint32_t>(n + 1);
   lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
-    if (out.label[at] == 0) return;
-    Piece& piece = out.list[out.label[at] - 1];
-    ++piece.voxels;
-    piece.min = piece.min.cwiseMin(voxel);
-    piece.max = piece.max.cwiseMax(voxel);
+    if (out.label[at] != 0) out.list[out.label[at] - 1].add(voxel);
   });
   return out;
 }
