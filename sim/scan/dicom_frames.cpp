@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/dicom_frames.h"
-
 #include <fmt/core.h>
 #include <gdcmImageReader.h>
 #include <gdcmReader.h>
@@ -11,6 +9,7 @@
 #include <cstring>
 
 #include "sim/base/error.h"
+#include "sim/scan/dicom_files.h"
 #include "sim/scan/dicom_values.h"
 #include "sim/scan/image_io.h"
 

@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/dicom_header.h"
-
 #include <fmt/core.h>
 #include <gdcmReader.h>
 #include <algorithm>

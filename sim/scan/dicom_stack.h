@@ -10,7 +10,6 @@
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 #include "sim/scan/dicom_files.h"
-#include "sim/scan/dicom_header.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {

@@ -93,37 +93,18 @@ std::vector<std::string> of_space_axes(const std::vector<std::string>& units, co
 
 /// Millimetres in a length unit; 0 for an unknown one. The standard has no list of units.
 double mm_of_unit(const std::string& unit) {
-  static const std::map<std::string, double, std::less<>> kUnits{
-      {"", 1},
-      {"mm", 1},
-      {"millimeter", 1},
-      {"millimeters", 1},
-      {"millimetre", 1},
-      {"millimetres", 1},
-      {"cm", 10},
-      {"centimeter", 10},
-      {"centimeters", 10},
-      {"centimetre", 10},
-      {"centimetres", 10},
-      {"m", 1e3},
-      {"meter", 1e3},
-      {"meters", 1e3},
-      {"metre", 1e3},
-      {"metres", 1e3},
-      {"um", 1e-3},
-      {"micrometer", 1e-3},
-      {"micrometers", 1e-3},
-      {"micrometre", 1e-3},
-      {"micrometres", 1e-3},
-      {"micron", 1e-3},
-      {"microns", 1e-3},
-      {"\xC2\xB5m", 1e-3},
-      {"\xCE\xBCm", 1e-3},
-      {"in", 25.4},
-      {"inch", 25.4},
-      {"inches", 25.4}};  // µ is U+00B5 or the Greek letter U+03BC
-  const auto found = kUnits.find(lower_case(unit));
-  return found == kUnits.end() ? 0 : found->second;
+  static const std::vector<std::pair<double, std::vector<std::string>>> kUnits{
+      {1, {"", "mm", "millimeter", "millimeters", "millimetre", "millimetres"}},
+      {10, {"cm", "centimeter", "centimeters", "centimetre", "centimetres"}},
+      {1e3, {"m", "meter", "meters", "metre", "metres"}},
+      {1e-3, {"um", "micrometer", "micrometers", "micrometre", "micrometres", "micron", "microns"}},
+      {1e-3, {"\xC2\xB5m", "\xCE\xBCm"}},  // µ is U+00B5 or the Greek letter U+03BC
+      {25.4, {"in", "inch", "inches"}}};
+  const std::string name = lower_case(unit);
+  for (const auto& [mm, names] : kUnits) {
+    if (std::ranges::find(names, name) != names.end()) return mm;
+  }
+  return 0;
 }
 
 /// The units of the axes of the space. Axes with a direction have those of the space, others their own.

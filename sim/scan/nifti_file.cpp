@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/nifti_file.h"
-
 #include <zlib.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/scan/image_io.h"
 
 namespace reamsim::ct {
 
