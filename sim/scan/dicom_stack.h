@@ -132,7 +132,7 @@ void warn_of_missing_ends(const Stack& stack, const DicomSeries& series, Diagnos
 /// Warns of lossy compression, and of two volumes that are mixed.
 void warn_of_values(const Stack& stack, Diagnostics& report);
 
-// Segmentations (dicom_seg_planes.cpp).
+// Segmentations (slice_spacing.cpp).
 
 /// A mistake in a DICOM segmentation, with what to do about it.
 InputError bad_seg(const std::string& path, const std::string& key, const std::string& found);

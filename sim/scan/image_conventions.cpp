@@ -1,13 +1,17 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <fcntl.h>
 #include <itkNrrdImageIO.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -220,6 +224,32 @@ void check_encoding(const std::string& path, const std::string& key) {
   if (std::ranges::find(kKnown, encoding) != kKnown.end()) return;
   throw InputError({path}, key, "the voxels are encoded as " + printable(encoding) + ", which this program cannot read",
                    "save the file as raw or gzip (3D Slicer, or unu save -f nrrd -e gzip)");
+}
+
+QuietLibraries::QuietLibraries()
+    : cerr_(std::cerr.rdbuf(captured_.rdbuf())), cout_(std::cout.rdbuf(captured_.rdbuf())) {
+  std::fflush(stderr);
+  stderr_ = dup(STDERR_FILENO);
+  const int null_device = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (stderr_ >= 0 && null_device >= 0) dup2(null_device, STDERR_FILENO);
+  if (null_device >= 0) close(null_device);
+}
+
+QuietLibraries::~QuietLibraries() {
+  std::fflush(stderr);
+  if (stderr_ >= 0) {
+    dup2(stderr_, STDERR_FILENO);
+    close(stderr_);
+  }
+  std::cout.rdbuf(cout_);
+  std::cerr.rdbuf(cerr_);
+}
+
+bool QuietLibraries::reports_missing_voxels() const {
+  constexpr std::array<const char*, 3> kMessages{"data not read completely", "Uncompress failed",
+                                                 "Incomplete Pixel Data"};
+  const std::string output = captured_.str();
+  return std::ranges::any_of(kMessages, [&](const char* text) { return output.find(text) != std::string::npos; });
 }
 
 }  // namespace reamsim::ct
