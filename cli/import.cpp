@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "cli/command_line.h"
@@ -30,29 +29,6 @@
 namespace reamsim {
 
 namespace {
-
-/// How far `reamsim import` is, by the usual times of its stages.
-class ImportProgress {
- public:
-  /// Takes the fraction of the expected time that has passed, and the stage that begins: "" at the end.
-  using Sink = std::function<void(double, const std::string&)>;
-
-  ImportProgress(const BoneSettings& settings, Sink sink);
-  /// A stage that this bone does not have is passed over.
-  void begin(BoneStage stage);
-  void finish();
-
- private:
-  struct Part {
-    BoneStage stage;
-    const char* name;
-    double seconds;
-  };
-
-  std::vector<Part> parts_;
-  double total_s_ = 0;
-  Sink sink_;
-};
 
 /// The usual time of a stage, s, at voxels of v mm: fixed + per_area/v² + per_volume/v³.
 ///
@@ -102,26 +78,26 @@ std::span<const StageTime> times_of(BoneSource source) {
   return kPhantom;
 }
 
-ImportProgress::ImportProgress(const BoneSettings& settings, Sink sink) : sink_(std::move(sink)) {
+/// Shows on `bar` how far `reamsim import` is, by the usual times of its stages. A stage that this bone does not have
+/// is passed over.
+StageSink progress_on(Progress& bar, const BoneSettings& settings) {
+  struct Part {
+    StageTime time;
+    double before_s;
+  };
   const double area = std::pow(settings.voxel_mm, -2), volume = std::pow(settings.voxel_mm, -3);
+  std::vector<Part> parts;
+  double total_s = 0;
   for (const StageTime& usual : times_of(settings.source)) {
     if (usual.stage == BoneStage::filter && settings.ct.filter == CtFilter::none) continue;
-    const StageTime& time = usual.stage == BoneStage::anatomy && settings.glenoid.near_mm ? kFace : usual;
-    parts_.push_back({time.stage, time.name, time.fixed_s + time.per_area_s * area + time.per_volume_s * volume});
-    total_s_ += parts_.back().seconds;
+    parts.push_back({usual.stage == BoneStage::anatomy && settings.glenoid.near_mm ? kFace : usual, total_s});
+    const StageTime& time = parts.back().time;
+    total_s += time.fixed_s + time.per_area_s * area + time.per_volume_s * volume;
   }
-}
-
-void ImportProgress::begin(BoneStage stage) {
-  double before_s = 0;
-  for (const Part& part : parts_) {
-    if (part.stage == stage) return sink_(before_s / total_s_, part.name);
-    before_s += part.seconds;
-  }
-}
-
-void ImportProgress::finish() {
-  sink_(1, "");
+  return [&bar, parts, total_s](BoneStage stage) {
+    const auto part = std::ranges::find(parts, stage, [](const Part& p) { return p.time.stage; });
+    if (part != parts.end()) bar.begin_part(part->before_s / total_s, part->time.name);
+  };
 }
 
 namespace fs = std::filesystem;
@@ -175,17 +151,16 @@ void import_command(const ImportOptions& options, const Console& console) {
     return StopOutcome{};
   });
   Progress bar(console, "import", "");
-  ImportProgress progress(settings,
-                          [&](double fraction, const std::string& stage) { bar.begin_part(fraction, stage); });
+  const StageSink stages = progress_on(bar, settings);
   Diagnostics report;
   const PrintOnError warnings_of_error(report, console);
-  const Bone bone = load_checked(scenario, report, [&](BoneStage stage) { progress.begin(stage); });
-  progress.begin(BoneStage::write);
+  const Bone bone = load_checked(scenario, report, stages);
+  stages(BoneStage::write);
   Metadata metadata{{"source", fs::path(options.input).filename().string()}, {"sha256", sha256_of(options.input)}};
   const Metadata anatomy = metadata_of({bone.glenoid, bone.landmarks, bone.side});
   metadata.insert(metadata.end(), anatomy.begin(), anatomy.end());
   write_bone_vdb(options.output, bone, {}, metadata);
-  progress.finish();
+  bar.begin_part(1, "");
   bar.finish();
   for (const auto& note : report.notes) console.say(note);
   report.notes.clear();

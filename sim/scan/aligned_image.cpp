@@ -6,10 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
-
-#include "sim/bone/voxmap/sparse_bricks.h"
 
 namespace reamsim::ct {
 
@@ -18,8 +15,6 @@ namespace {
 constexpr double kAlignedTolerance_voxels = 0.02;
 /// The box around an oblique image has at most 27 times its voxels unless spacing or axes are absurd.
 constexpr double kMaxGrowth = 100;
-/// A voxel of which a smaller fraction lies in the crop is not added.
-constexpr double kRounding_voxels = 1e-6;
 
 /// For each image axis the closest LPS axis. If two are equal, the image is oblique.
 std::array<int, 3> dominant_axes(const Mat3& step_mm) {
@@ -30,24 +25,6 @@ std::array<int, 3> dominant_axes(const Mat3& step_mm) {
 
 bool is_permutation(const std::array<int, 3>& axes) {
   return axes[0] != axes[1] && axes[1] != axes[2] && axes[0] != axes[2];
-}
-
-double trilinear(const Scan& scan, const Vec3& index, float outside) {
-  const Vec3i& dims = scan.geometry.dims;
-  Vec3i low;
-  Vec3 fraction;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double last = dims[axis] - 1;
-    // The outermost half voxel belongs to the image and has the value of the outermost voxel.
-    if (index[axis] < -0.5 || index[axis] > last + 0.5) return outside;
-    const double inside = std::clamp(index[axis], 0.0, last);
-    low[axis] = std::min(static_cast<int>(inside), std::max(dims[axis] - 2, 0));
-    fraction[axis] = inside - low[axis];
-  }
-  double sum = 0;
-  for_each_trilinear_weight(
-      fraction, [&](const Vec3i& step, double weight) { sum += weight * scan.value[index_in(dims, low + step)]; });
-  return sum;
 }
 
 Aabb cropped(Aabb box, const Crop& crop) {
@@ -97,18 +74,35 @@ AlignedImage resample_oblique(const Scan& scan, const Crop& crop, float outside)
   const Aabb box = cropped(scan.geometry.bounds_mm(), crop);
   const Vec3 cells = (box.max - box.min).cwiseQuotient(lattice.spacing_mm);
   if (cells.prod() > kMaxGrowth * static_cast<double>(scan.value.size())) throw std::length_error("oblique lattice");
-  lattice.dims = (cells.array() - kRounding_voxels).ceil().cast<int>().cwiseMax(1);
+  lattice.dims = (cells.array() - kRounding).ceil().cast<int>().cwiseMax(1);
   lattice.origin_mm = box.min + 0.5 * lattice.spacing_mm;
   out.value.resize(static_cast<std::size_t>(lattice.size()));
   const Mat3 index_from_mm = scan.geometry.step_mm.inverse();
+  const Vec3 last = (scan.geometry.dims - Vec3i::Ones()).cast<double>();
   lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
     const Vec3 index = index_from_mm * (lattice.center_mm(voxel) - scan.geometry.origin_mm);
-    out.value[at] = static_cast<float>(trilinear(scan, index, outside));
+    // The outermost half voxel belongs to the image and has the value of the outermost voxel.
+    const bool beyond = (index.array() < -0.5).any() || (index.array() > last.array() + 0.5).any();
+    out.value[at] = beyond ? outside : static_cast<float>(interpolated(scan.value, scan.geometry.dims, index));
   });
   return out;
 }
 
 }  // namespace
+
+double interpolated(const std::vector<float>& value, const Vec3i& dims, const Vec3& index) {
+  Vec3i low;
+  Vec3 fraction;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double inside = std::clamp(index[axis], 0.0, dims[axis] - 1.0);
+    low[axis] = std::min(static_cast<int>(inside), std::max(dims[axis] - 2, 0));
+    fraction[axis] = inside - low[axis];
+  }
+  double sum = 0;
+  for_each_trilinear_weight(
+      fraction, [&](const Vec3i& step, double weight) { sum += weight * double{value[index_in(dims, low + step)]}; });
+  return sum;
+}
 
 Aabb ScanGeometry::bounds_mm() const {
   const Aabb faces{Vec3::Constant(-0.5), dims.cast<double>() - Vec3::Constant(0.5)};
@@ -175,15 +169,6 @@ AlignedImage align_to_lps(const Scan& scan, const Crop& crop, float outside) {
 
 namespace {
 
-/// Tolerance of whole numbers; coordinates of real scans are rounded.
-constexpr double kRounding = 1e-6;
-constexpr double kMaxSamples = 16;  // of one voxel along one axis
-
-/// Position along an axis in image voxels: 0 is the lower face of voxel 0, 1 its upper face.
-double faces_from_mm(const Lattice& image, double mm, int axis) {
-  return (mm - image.origin_mm[axis]) / image.spacing_mm[axis] + 0.5;
-}
-
 AxisWeights average(double from, double to, int count) {
   const double low = std::clamp<double>(from, 0, count - 1);
   const double high = std::clamp<double>(to, low, count);
@@ -210,23 +195,6 @@ AxisWeights interpolate(double centre, int count) {
   return {low, {1 - fraction, fraction}};
 }
 
-}  // namespace
-
-VoxelGrid grid_around(const Lattice& image, const Vec3i& min, const Vec3i& max, double voxel_mm, int margin_voxels) {
-  const Vec3 corner = image.bounds_mm().min;
-  VoxelGrid grid;
-  grid.voxel_mm = voxel_mm;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double low = std::floor(min[axis] * image.spacing_mm[axis] / voxel_mm + kRounding) - margin_voxels;
-    const double high = std::ceil((max[axis] + 1) * image.spacing_mm[axis] / voxel_mm - kRounding) + margin_voxels;
-    const double bricks = std::ceil((high - low) / FillBricks::kSide);
-    if (bricks * FillBricks::kSide > std::numeric_limits<int>::max()) throw std::length_error("voxel grid");
-    grid.dims[axis] = static_cast<int>(bricks) * FillBricks::kSide;
-    grid.origin_mm[axis] = corner[axis] + low * voxel_mm;
-  }
-  return grid;
-}
-
 std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& grid, int axis) {
   std::vector<AxisWeights> out;
   out.reserve(static_cast<std::size_t>(grid.dims[axis]));
@@ -239,6 +207,8 @@ std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& gri
   }
   return out;
 }
+
+}  // namespace
 
 SliceResampler::SliceResampler(const AlignedImage& image, const VoxelGrid& grid) : image_(image), grid_(grid) {
   for (int axis = 0; axis < 3; ++axis) weights_[axis] = axis_weights(image.lattice, grid, axis);
@@ -307,47 +277,6 @@ NegatedField::NegatedField(const AlignedImage& image)
     const auto at = static_cast<std::size_t>(axis);
     step_[at] = image.lattice.dims[axis] > 1 ? stride_[at] : 0;
   }
-}
-
-InsideTest::InsideTest(const AlignedImage& field, const VoxelGrid& grid) : field_(field) {
-  const Lattice& image = field.lattice;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double length = grid.voxel_mm / image.spacing_mm[axis];
-    // Two samples per image voxel, up to a limit.
-    const double wanted = length > 1 + kRounding ? 2 * std::ceil(length - kRounding) : 1;
-    samples_[axis] = static_cast<int>(std::min(wanted, kMaxSamples));
-    for (int n = 0; n < grid.dims[axis] * samples_[axis]; ++n) {
-      const double mm = grid.origin_mm[axis] + grid.voxel_mm * (n + 0.5) / samples_[axis];
-      const double place = std::clamp(faces_from_mm(image, mm, axis) - 0.5, 0.0, image.dims[axis] - 1.0);
-      const int low = std::min(static_cast<int>(place), std::max(image.dims[axis] - 2, 0));
-      sample_[axis].push_back({low, static_cast<float>(place - low)});
-    }
-  }
-}
-
-bool InsideTest::inside(const Sample& x, const Sample& y, const Sample& z) const {
-  const Lattice& image = field_.lattice;
-  const std::size_t step_x = image.dims.x() > 1 ? 1 : 0;
-  const std::size_t step_y = image.dims.y() > 1 ? static_cast<std::size_t>(image.dims.x()) : 0;
-  const std::size_t step_z = image.dims.z() > 1 ? image.index({0, 0, 1}) : 0;
-  const float* corner = &field_.value[image.index({x.low, y.low, z.low})];
-  const auto along_x = [&](std::size_t at) { return corner[at] + x.fraction * (corner[at + step_x] - corner[at]); };
-  const auto along_y = [&](std::size_t at) {
-    const float low = along_x(at);
-    return low + y.fraction * (along_x(at + step_y) - low);
-  };
-  const float low = along_y(0);
-  return low + z.fraction * (along_y(step_z) - low) > 0;
-}
-
-bool InsideTest::operator()(const Vec3i& voxel) const {
-  const Vec3i samples(samples_[0], samples_[1], samples_[2]);
-  const Vec3i first = voxel.cwiseProduct(samples);
-  const auto sample = [this](const Vec3i& s, int axis) { return sample_[axis][static_cast<std::size_t>(s[axis])]; };
-  int hits = 0;
-  for_each_voxel(first, first + samples - Vec3i::Ones(),
-                 [&](const Vec3i& s) { hits += inside(sample(s, 0), sample(s, 1), sample(s, 2)); });
-  return 2 * hits >= samples.prod() && hits > 0;
 }
 
 }  // namespace reamsim::ct

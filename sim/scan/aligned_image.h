@@ -30,6 +30,8 @@ struct Lattice {
   }
   [[nodiscard]] Vec3 center_mm(const Vec3i& v) const { return origin_mm + spacing_mm.cwiseProduct(v.cast<double>()); }
   [[nodiscard]] double voxel_mm3() const { return spacing_mm.prod(); }
+  /// The lattice of the voxels in `box`.
+  [[nodiscard]] Lattice part(const IndexBox& box) const { return {box.size, spacing_mm, center_mm(box.start)}; }
   /// Outer faces of the outermost voxels.
   [[nodiscard]] Aabb bounds_mm() const {
     return {origin_mm - 0.5 * spacing_mm,
@@ -59,6 +61,18 @@ struct AlignedImage {
   [[nodiscard]] Vec3 gradient(const Vec3i& voxel) const;
 };
 
+/// Position along an axis in image voxels: 0 is the lower face of voxel 0, 1 its upper face.
+inline double faces_from_mm(const Lattice& image, double mm, int axis) {
+  return (mm - image.origin_mm[axis]) / image.spacing_mm[axis] + 0.5;
+}
+
+/// Tolerance of whole numbers of voxels; coordinates of real scans are rounded.
+inline constexpr double kRounding = 1e-6;
+
+/// The trilinear interpolation at an index between the voxels of an image. Beyond the image the value of its border
+/// holds.
+double interpolated(const std::vector<float>& value, const Vec3i& dims, const Vec3& index);
+
 /// A crop box in LPS mm; a missing corner leaves that side open.
 struct Crop {
   std::optional<Vec3> min_mm;
@@ -77,20 +91,13 @@ IndexBox voxels_in_crop(const ScanGeometry& geometry, const Crop& crop);
 /// Throws std::length_error for an absurdly large lattice.
 AlignedImage align_to_lps(const Scan& scan, const Crop& crop, float outside);
 
-/// An isotropic grid around a box of image voxels (`min` and `max` included), with a margin of `margin_voxels` and
-/// whole bricks of 8. Its planes start at the lower corner of the image, so that voxels of the image's size coincide
-/// with those of the image. Throws std::length_error when a dimension exceeds an int.
-VoxelGrid grid_around(const Lattice& image, const Vec3i& min, const Vec3i& max, double voxel_mm, int margin_voxels);
-
-/// The weights of image values for one voxel along one axis: weight[n] for value first + n. Their sum is 1.
+/// The weights of image values for one voxel along one axis: weight[n] for value first + n. Their sum is 1. They
+/// average over the voxel if it is at least as large as the spacing, otherwise they interpolate linearly at its centre
+/// (paper §3.2). Beyond the image the value of its border holds.
 struct AxisWeights {
   int first = 0;
   std::vector<double> weight;
 };
-
-/// The weights of all voxels of a grid along one axis: averages over the voxel if it is at least as large as the
-/// spacing, otherwise linear interpolation at its centre (paper §3.2). Beyond the image the value of its border holds.
-std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& grid, int axis);
 
 /// Resamples an image to a grid. It works by slices (constant k), so that a fine grid of a large bone needs no second
 /// large array. It is separable: each axis averages or interpolates by itself.
@@ -167,27 +174,6 @@ class NegatedField {
   Vec3i last_low_;  ///< index of the last value that has a successor
   std::array<std::size_t, 3> stride_{};
   std::array<std::size_t, 3> step_{};  ///< to the upper value; 0 along axes with one voxel
-};
-
-/// Tests whether at least half of a voxel of a grid lies where `field` > 0. The field is interpolated trilinearly at
-/// the centre of the voxel, or at several sample points along axes on which the voxel is larger than the spacing.
-class InsideTest {
- public:
-  InsideTest(const AlignedImage& field, const VoxelGrid& grid);
-
-  [[nodiscard]] bool operator()(const Vec3i& voxel) const;
-
- private:
-  struct Sample {
-    int low = 0;         ///< lower of the two image voxels along this axis
-    float fraction = 0;  ///< weight of the upper one
-  };
-
-  [[nodiscard]] bool inside(const Sample& x, const Sample& y, const Sample& z) const;
-
-  const AlignedImage& field_;
-  int samples_[3] = {1, 1, 1};     ///< per voxel
-  std::vector<Sample> sample_[3];  ///< of voxel n: samples_ from n·samples_
 };
 
 }  // namespace reamsim::ct

@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/boundary_density.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,23 +11,11 @@
 
 #include "sim/base/parallel.h"
 #include "sim/base/statistics.h"
-#include "sim/scan/morphology.h"
+#include "sim/scan/segment.h"
 
 namespace reamsim::ct {
 
 namespace {
-
-/// Normals of the boundary of a mask: the gradient of the mask after a Gaussian filter, which smooths the voxel steps.
-class BoundaryNormals {
- public:
-  BoundaryNormals(const Mask& bone, const Lattice& lattice);
-
-  /// Unit vector into the bone, LPS; zero where the mask is uniform.
-  [[nodiscard]] Vec3 inward(const Vec3i& voxel) const;
-
- private:
-  AlignedImage smooth_;
-};
 
 constexpr double kSigma = 1.2;  // of the Gaussian, in the longest side of a voxel
 constexpr double kReach = 3;    // standard deviations
@@ -58,6 +44,21 @@ void smooth_along(AlignedImage& image, int axis, double sigma_voxels) {
   }
 }
 
+/// A mask after a Gaussian filter, which smooths the voxel steps. Its gradient is normal to the boundary.
+AlignedImage smoothed(const Mask& bone, const Lattice& lattice) {
+  AlignedImage out{lattice, std::vector<float>(bone.begin(), bone.end())};
+  const double sigma_mm = kSigma * lattice.spacing_mm.maxCoeff();
+  for (int axis = 0; axis < 3; ++axis) smooth_along(out, axis, sigma_mm / lattice.spacing_mm[axis]);
+  return out;
+}
+
+/// Unit vector into the bone, LPS; zero where the mask is uniform.
+Vec3 inward_normal(const AlignedImage& smooth, const Vec3i& voxel) {
+  const Vec3 gradient = smooth.gradient(voxel);
+  const bool uniform = gradient.norm() * smooth.lattice.spacing_mm.maxCoeff() < kUniform;
+  return uniform ? Vec3(Vec3::Zero()) : gradient.normalized();
+}
+
 /// The mean of the known voxels among the 26 neighbours, in double precision and a fixed order; nullopt without any.
 std::optional<float> mean_of_known(const AlignedImage& image, const Mask& known, const Vec3i& voxel) {
   double sum = 0;
@@ -68,18 +69,6 @@ std::optional<float> mean_of_known(const AlignedImage& image, const Mask& known,
     ++count;
   });
   return count == 0 ? std::nullopt : std::optional(static_cast<float>(sum / count));
-}
-
-BoundaryNormals::BoundaryNormals(const Mask& bone, const Lattice& lattice)
-    : smooth_{lattice, std::vector<float>(bone.begin(), bone.end())} {
-  const double sigma_mm = kSigma * lattice.spacing_mm.maxCoeff();
-  for (int axis = 0; axis < 3; ++axis) smooth_along(smooth_, axis, sigma_mm / lattice.spacing_mm[axis]);
-}
-
-Vec3 BoundaryNormals::inward(const Vec3i& voxel) const {
-  const Vec3 gradient = smooth_.gradient(voxel);
-  const bool uniform = gradient.norm() * smooth_.lattice.spacing_mm.maxCoeff() < kUniform;
-  return uniform ? Vec3(Vec3::Zero()) : gradient.normalized();
 }
 
 /// Standard deviation of the noise among the voxels of a mask: from the median of the absolute second differences along
@@ -160,17 +149,17 @@ struct Estimate {
 
 class BoundaryEstimator {
  public:
-  BoundaryEstimator(const AlignedImage& hu, const Mask& bone, const Mask& trusted, const BoundaryNormals& normals,
+  BoundaryEstimator(const AlignedImage& hu, const Mask& bone, const Mask& trusted, const AlignedImage& smooth,
                     double noise_hu, const Vec3i& spread)
       : hu_(hu),
         bone_(bone),
         trusted_(trusted),
-        normals_(normals),
+        smooth_(smooth),
         tolerance_hu_(std::max(kDeviations * noise_hu, kRounding_hu)),
         search_(search_steps(hu.lattice, spread)) {}
 
   [[nodiscard]] Estimate operator()(const Vec3i& voxel) const {
-    const Vec3 normal = normals_.inward(voxel);
+    const Vec3 normal = inward_normal(smooth_, voxel);
     if (normal.isZero()) return {densest_around(voxel), false};
     const Ray ray = make_ray(voxel, normal);
     const std::optional<double> boundary = boundary_on(ray, voxel);
@@ -313,7 +302,7 @@ class BoundaryEstimator {
   const AlignedImage& hu_;
   const Mask& bone_;
   const Mask& trusted_;
-  const BoundaryNormals& normals_;
+  const AlignedImage& smooth_;
   double tolerance_hu_;
   double search_;  ///< steps along a ray
 };
@@ -333,23 +322,16 @@ bool has_face_outside(const Mask& bone, const Lattice& lattice, const Vec3i& vox
   return false;
 }
 
-AlignedImage part_of(const AlignedImage& image, const IndexBox& box) {
-  AlignedImage out{{box.size, image.lattice.spacing_mm, image.lattice.center_mm(box.start)}, {}};
-  out.value.reserve(static_cast<std::size_t>(box.voxels()));
-  out.lattice.for_each([&](const Vec3i& voxel, std::size_t) { out.value.push_back(image.at(voxel + box.start)); });
-  return out;
-}
-
 /// As correct_boundary(), for a whole image.
 BoundaryDensity correct(AlignedImage& hu, const Mask& mask, const Vec3& psf_mm, int reach_voxels) {
   constexpr int kByRay = 2;  // layers outside whose values are estimated; further layers are means of neighbours
   const Lattice& lattice = hu.lattice;
   const Vec3i spread = spread_in_voxels(lattice, psf_mm);
   const Mask trusted = eroded(mask, lattice, spread);
-  const BoundaryNormals normals(mask, lattice);
+  const AlignedImage smooth = smoothed(mask, lattice);
   BoundaryDensity out;
   out.noise_hu = noise_between(hu, trusted);
-  const BoundaryEstimator estimate(hu, mask, trusted, normals, out.noise_hu, spread);
+  const BoundaryEstimator estimate(hu, mask, trusted, smooth, out.noise_hu, spread);
 
   Mask known = dilated(mask, lattice, Vec3i::Constant(kByRay));
   std::vector<std::size_t> places;
@@ -375,11 +357,10 @@ BoundaryDensity correct(AlignedImage& hu, const Mask& mask, const Vec3& psf_mm, 
 BoundaryDensity correct_boundary(AlignedImage& hu, const BoneField& bone, const Vec3& psf_mm, int reach_voxels) {
   // The field extends up to two voxels beyond the kept bone where a cut passes; erosion needs another point spread.
   const Vec3i room = spread_in_voxels(hu.lattice, psf_mm) + Vec3i::Constant(reach_voxels + 3);
-  IndexBox box;
-  box.start = (bone.min - room).cwiseMax(0);
-  box.size = (bone.max + room + Vec3i::Ones()).cwiseMin(hu.lattice.dims) - box.start;
-  AlignedImage part = part_of(hu, box);
-  const BoundaryDensity out = correct(part, positive_voxels(part_of(bone.field, box)), psf_mm, reach_voxels);
+  const IndexBox box = box_around(bone.min, bone.max, room, hu.lattice);
+  AlignedImage part{hu.lattice.part(box), part_of(hu.value, hu.lattice, box)};
+  const AlignedImage field{part.lattice, part_of(bone.field.value, hu.lattice, box)};
+  const BoundaryDensity out = correct(part, positive_voxels(field), psf_mm, reach_voxels);
   part.lattice.for_each(
       [&](const Vec3i& voxel, std::size_t at) { hu.value[hu.lattice.index(voxel + box.start)] = part.value[at]; });
   return out;

@@ -14,12 +14,9 @@
 
 #include "sim/base/error.h"
 #include "sim/scan/aligned_image.h"
-#include "sim/scan/boundary_density.h"
 #include "sim/scan/label_map.h"
-#include "sim/scan/morphology.h"
 #include "sim/scan/scan.h"
 #include "sim/scan/segment.h"
-#include "sim/scan/voxelize.h"
 
 namespace reamsim {
 
@@ -316,7 +313,7 @@ Vec3 psf_of(const ct::ScanGeometry& scan, const CtSettings& settings) {
 
 /// Corrects the density at the boundary and resamples.
 FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const BoneSettings& settings, const Vec3& psf_mm,
-                       Diagnostics& report, Segmentation* segmentation, const StageSink& stages = {}) {
+                       Diagnostics& report, Segmentation* segmentation, const StageSink& stages) {
   begin_stage(stages, BoneStage::correct_density);
   const ct::BoundaryDensity boundary =
       ct::correct_boundary(hu, bone, psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm));
@@ -328,6 +325,8 @@ FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const Bon
   begin_stage(stages, BoneStage::voxels);
   return ct::voxelize(hu, bone, settings, report);
 }
+
+}  // namespace
 
 FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& given, Diagnostics& report,
                               Segmentation* segmentation, const StageSink& stages) {
@@ -344,13 +343,6 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
   note_trabecular(bone, ct_settings.threshold_hu, report);
   if (segmentation != nullptr) *segmentation = segmentation_of(hu, bone, settings);
   return voxels_of(std::move(hu), bone, settings, psf_of(source.geometry(), ct_settings), report, segmentation, stages);
-}
-
-}  // namespace
-
-FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Diagnostics& report,
-                              Segmentation* segmentation) {
-  return voxmap_from_scan(source, settings, report, segmentation, {});
 }
 
 FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Diagnostics& report, Segmentation* segmentation,
@@ -372,7 +364,7 @@ SegmentedScan segmented_scan(const BoneSettings& given, Diagnostics& report, std
       out.settings = settings.ct;
       ct::BoneField bone = segment(source, box, out.hu, out.settings, report);
       if (voxmap != nullptr) {
-        *voxmap = voxels_of(out.hu, bone, settings, psf_of(source.geometry(), settings.ct), report, nullptr);
+        *voxmap = voxels_of(out.hu, bone, settings, psf_of(source.geometry(), settings.ct), report, nullptr, {});
       }
       out.field = std::move(bone.field.value);
     } catch (const InputError& error) {

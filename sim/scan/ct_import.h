@@ -22,7 +22,7 @@ FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Diagnostics& report, S
 
 /// The same for an open scan; `settings.ct.path` is its name in messages.
 FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& settings, Diagnostics& report,
-                              Segmentation* segmentation = nullptr);
+                              Segmentation* segmentation = nullptr, const StageSink& stages = {});
 
 /// A scan as the segmentation sees it, before it is resampled: for looking at it.
 struct SegmentedScan {

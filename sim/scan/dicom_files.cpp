@@ -13,7 +13,6 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/isolation/read_in_child.h"
-#include "sim/scan/dicom_frames.h"
 #include "sim/scan/dicom_values.h"
 #include "sim/scan/image_io.h"
 

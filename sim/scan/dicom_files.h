@@ -3,6 +3,9 @@
 
 #pragma once
 
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -10,12 +13,89 @@
 
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
-#include "sim/scan/dicom_header.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 
 // DICOM files are read by child processes, because GDCM crashes on some damaged files.
+
+/// The directions of the rows and of the columns of a slice, unit vectors in LPS.
+using SliceAxes = Eigen::Matrix<double, 3, 2>;
+
+/// The header of a slice: of a DICOM file, or of a frame of a multi-frame file. Texts are printable ASCII without
+/// padding.
+struct DicomHeader {
+  std::string path;
+  std::string series_uid;
+  std::string instance_uid;  ///< with the number of the frame
+  std::string sop_class;
+  std::string description;
+  std::string kernel;    ///< convolution kernel of the reconstruction
+  std::string modality;  ///< "CT", "MR", ...
+  std::string photometric;
+  std::string pixel_type;     ///< "int16", ...
+  std::string position_text;  ///< the position as it is written, "x\y\z", for its rounding
+  std::string lossy;          ///< how the pixels were compressed with loss; empty: they were not
+  int series_number = 0;
+  int frames = 1;  ///< above 1: a multi-frame file
+  int frame = -1;  ///< index of a frame that says where it lies (functional groups); -1: the file is one slice
+  int columns = 0;
+  int rows = 0;
+  int images_in_acquisition = 0;  ///< 0: unknown
+  bool rescales = false;          ///< says how its values become HU
+  double slope = 1;               ///< of a frame
+  double intercept = 0;           ///< of a frame
+  double kvp = 0;                 ///< tube voltage, kV; 0: unknown
+  double slice_spacing_mm = 0;    ///< as the header says it, else the slice thickness; 0: unknown
+  std::optional<int> instance_number;
+  std::optional<Vec2> pixel_spacing_mm;  ///< of columns (along a row) and of rows
+  std::optional<Vec3> position_mm;       ///< of the first pixel, LPS
+  std::optional<SliceAxes> axes;
+  /// What may tell the volumes of a series apart, by keyword: "AcquisitionNumber".
+  std::map<std::string, std::string> tags;
+
+  [[nodiscard]] Vec3 normal() const { return axes->col(0).cross(axes->col(1)); }
+  [[nodiscard]] bool is_valid() const {
+    const auto is_finite = [](const auto& numbers) { return !numbers || numbers->allFinite(); };
+    return is_finite(pixel_spacing_mm) && is_finite(position_mm) && is_finite(axes);
+  }
+  /// The value of an element that may tell volumes apart; "" without it.
+  [[nodiscard]] std::string tag(const std::string& keyword) const {
+    const auto found = tags.find(keyword);
+    return found == tags.end() ? "" : found->second;
+  }
+
+  static auto fields(auto& h) {
+    return std::tie(h.path, h.series_uid, h.instance_uid, h.sop_class, h.description, h.kernel, h.modality,
+                    h.photometric, h.pixel_type, h.position_text, h.lossy, h.series_number, h.frames, h.frame,
+                    h.columns, h.rows, h.images_in_acquisition, h.rescales, h.slope, h.intercept, h.kvp,
+                    h.slice_spacing_mm, h.instance_number, h.pixel_spacing_mm, h.position_mm, h.axes, h.tags);
+  }
+};
+
+enum class DicomKind {
+  other,        ///< not a DICOM file
+  no_image,     ///< a DICOM file without an image: a report, a plan, a directory
+  damaged,      ///< a DICOM file whose header cannot be read
+  unsupported,  ///< in a transfer syntax that cannot be decoded
+  image
+};
+
+/// A DICOM file.
+struct DicomFile {
+  DicomKind kind = DicomKind::other;
+  std::string note;                 ///< the transfer syntax that cannot be decoded; the modality without an image
+  std::vector<DicomHeader> images;  ///< one, or its frames
+
+  [[nodiscard]] bool is_valid() const {
+    return kind >= DicomKind::other && kind <= DicomKind::image && (kind == DicomKind::image) != images.empty();
+  }
+
+  static auto fields(auto& self) { return std::tie(self.kind, self.note, self.images); }
+};
+
+/// Reads a file up to its pixels.
+DicomFile read_dicom_header(const std::string& path);
 
 /// Whether a file looks like DICOM: "DICM" after the preamble, or without one an element of the first groups.
 bool looks_like_dicom(const std::string& path);
@@ -51,21 +131,46 @@ struct SliceSource {
 std::vector<float> read_slices(const std::vector<SliceSource>& slices, const IndexBox& in_slice,
                                const std::string& key);
 
+/// The decoded pixels of a multi-frame DICOM file, for child processes.
+class DicomFrames {
+ public:
+  /// Throws InputError: truncated, damaged, not one integer per pixel.
+  DicomFrames(const std::string& path, const std::string& key);
+
+  /// Columns, rows, frames.
+  [[nodiscard]] const Vec3i& dims() const { return dims_; }
+  /// Writes the pixels of a frame in a box (whose third axis is not used), as slope·value + intercept.
+  void copy(int frame, const IndexBox& box, double slope, double intercept, float* out) const;
+
+ private:
+  void set_format(const std::string& path, const std::string& key, int samples, int bits, int stored, int high_bit,
+                  bool is_signed);
+  /// Takes pixels that are not compressed, of any kind of file. False: they are compressed.
+  bool take_plain(const std::string& path, const std::string& key);
+  void decode(const std::string& path, const std::string& key);
+  [[nodiscard]] double value_at(std::size_t pixel) const;
+
+  Vec3i dims_ = Vec3i::Zero();
+  int bytes_per_pixel_ = 2;
+  int shift_ = 0;  ///< of the lowest stored bit
+  std::uint32_t mask_ = 0;
+  std::uint32_t sign_ = 0;  ///< the sign bit after the shift; 0: unsigned
+  std::vector<char> raw_;
+};
+
 /// The regular files in a folder and its subfolders, sorted by path, or the file `path`. Links to folders are not
 /// followed.
 std::vector<std::string> files_below(const std::string& path);
 
 /// The images of a folder with one series UID, sorted by path.
 struct DicomSeries {
-  std::string uid;
-  std::string description;
-  std::string kernel;
-  std::string modality;
-  int number = 0;
   std::vector<DicomHeader> images;
   /// Pixel spacing and median slice spacing; 0 where unknown.
   Vec3 spacing_mm = Vec3::Zero();
 
+  [[nodiscard]] const DicomHeader& first() const { return images.front(); }
+  [[nodiscard]] const std::string& uid() const { return first().series_uid; }
+  [[nodiscard]] const std::string& modality() const { return first().modality; }
   /// Number of slices: frames count each.
   [[nodiscard]] int slices() const;
 };

@@ -19,8 +19,6 @@
 #include "sim/isolation/read_in_child.h"
 #include "sim/scan/aligned_image.h"
 #include "sim/scan/dicom_files.h"
-#include "sim/scan/dicom_frames.h"
-#include "sim/scan/dicom_header.h"
 #include "sim/scan/dicom_stack.h"
 #include "sim/scan/dicom_values.h"
 #include "sim/scan/image_io.h"

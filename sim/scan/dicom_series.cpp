@@ -53,22 +53,19 @@ double slice_distance(const std::vector<DicomHeader>& images) {
   return gap[gap.size() / 2];
 }
 
-DicomSeries series_from(const std::string& uid, std::vector<DicomHeader> images) {
-  const DicomHeader& first = images.front();
-  DicomSeries out{uid, first.description, first.kernel, first.modality, first.series_number, {}, Vec3::Zero()};
-  const Vec2 pixel = first.pixel_spacing_mm.value_or(Vec2::Zero());
-  out.spacing_mm = Vec3(pixel.x(), pixel.y(), slice_distance(images));
-  out.images = std::move(images);
-  return out;
+DicomSeries series_from(std::vector<DicomHeader> images) {
+  const Vec2 pixel = images.front().pixel_spacing_mm.value_or(Vec2::Zero());
+  const double distance = slice_distance(images);
+  return {std::move(images), Vec3(pixel.x(), pixel.y(), distance)};
 }
 
 std::string words_of(const DicomSeries& series) {
-  const DicomHeader& first = series.images.front();
+  const DicomHeader& first = series.first();
   const Vec3& s = series.spacing_mm;
-  std::string out = "UID " + series.uid + ", \"" + series.description + "\", " + series.modality + ", ";
+  std::string out = "UID " + series.uid() + ", \"" + first.description + "\", " + series.modality() + ", ";
   out += std::to_string(series.slices()) + (first.frames > 1 ? " frames" : " slices");
   out += fmt::format(" of {}x{}, {:.4g}x{:.4g}x{:.4g} mm", first.columns, first.rows, s.x(), s.y(), s.z());
-  if (!series.kernel.empty()) out += ", kernel " + series.kernel;
+  if (!first.kernel.empty()) out += ", kernel " + first.kernel;
   return out;
 }
 
@@ -85,7 +82,7 @@ bool is_better(const DicomSeries& a, const DicomSeries& b) {
 
 /// False for screenshots and renderings.
 bool may_be_a_volume(const DicomSeries& series) {
-  const DicomHeader& first = series.images.front();
+  const DicomHeader& first = series.first();
   return first.photometric.starts_with("MONOCHROME") && (first.position_mm || first.frames > 1);
 }
 
@@ -105,9 +102,9 @@ const DicomSeries& named_series(const std::vector<DicomSeries>& all, const std::
 }
 
 void check_modality(const DicomSeries& series, bool any_modality, const std::string& folder) {
-  if (any_modality || series.modality == "CT") return;
+  if (any_modality || series.modality() == "CT") return;
   throw InputError({folder}, kModalityKey,
-                   "the series is " + (series.modality.empty() ? "of unknown modality" : series.modality) +
+                   "the series is " + (series.modality().empty() ? "of unknown modality" : series.modality()) +
                        ", not CT: " + words_of(series),
                    "choose a CT series, or set bone.ct.modality: any if its values are HU");
 }
@@ -115,7 +112,7 @@ void check_modality(const DicomSeries& series, bool any_modality, const std::str
 std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, bool any_modality) {
   std::vector<const DicomSeries*> out;
   for (const DicomSeries& series : found.series) {
-    if (any_modality || series.modality == "CT") out.push_back(&series);
+    if (any_modality || series.modality() == "CT") out.push_back(&series);
   }
   const auto is_none = [](const DicomSeries* series) { return !may_be_a_volume(*series); };
   if (!std::ranges::all_of(out, is_none)) std::erase_if(out, is_none);
@@ -172,8 +169,9 @@ DicomFolder find_dicom_series(const std::string& folder, const std::string& key,
     report.warn(folder + ": damaged DICOM files skipped: " + std::to_string(out.damaged.size()) + ", the first is " +
                 out.damaged.front());
   }
-  for (auto& [uid, images] : by_uid) out.series.push_back(series_from(uid, std::move(images)));
-  std::ranges::stable_sort(out.series, {}, [](const DicomSeries& s) { return std::tie(s.number, s.uid); });
+  for (auto& [uid, images] : by_uid) out.series.push_back(series_from(std::move(images)));
+  std::ranges::stable_sort(out.series, {},
+                           [](const DicomSeries& s) { return std::tie(s.first().series_number, s.uid()); });
   if (out.series.empty() && !std::filesystem::is_directory(folder)) {
     throw InputError({folder}, key,
                      out.unread.empty() ? "a DICOM file without an image" : "the DICOM header is truncated or damaged",
@@ -241,7 +239,7 @@ const DicomSeries& choose_series(const DicomFolder& found, const SeriesChoice& c
         candidates.size() > 1 ? "; using the one with the most slices (" : "; using the only CT volume (";
     report.warn(folder + ": " + std::to_string(found.series.size()) + " DICOM series" + why +
                 std::to_string(best.slices()) + " slices); select another with bone.ct.series");
-    report.list("DICOM series, the one in use is " + best.uid + ": " + list_of(found.series));
+    report.list("DICOM series, the one in use is " + best.uid() + ": " + list_of(found.series));
   }
   return best;
 }

@@ -308,7 +308,7 @@ DicomStack stack_slices(const DicomSeries& series, const SeriesChoice& choice, c
   std::vector<Stack> groups = groups_of(slices, key);
   std::vector<Candidate> candidates = candidates_in(groups, report);
   if (candidates.empty()) refuse_one_slice(groups, folder, key);
-  const auto number = std::ranges::find(folder.series, series.uid, &DicomSeries::uid) - folder.series.begin() + 1;
+  const auto number = std::ranges::find(folder.series, series.uid(), &DicomSeries::uid) - folder.series.begin() + 1;
   const Candidate chosen = chosen_volume(std::move(candidates), groups, choice.volume, std::to_string(number), folder);
   std::rotate(groups.begin(), groups.begin() + static_cast<std::ptrdiff_t>(chosen.group),
               groups.begin() + static_cast<std::ptrdiff_t>(chosen.group) + 1);
@@ -326,12 +326,13 @@ class DicomScan : public ScanSource {
     const SeriesChoice chosen = parse_series_choice(choice.series, folder);
     const DicomFolder found = find_dicom_series(folder, key, report);
     const DicomSeries& series = choose_series(found, chosen, choice.any_modality, report);
-    if (series.modality != "CT") {
-      report.warn(folder + ": modality " + (series.modality.empty() ? "unknown" : series.modality) +
+    if (series.modality() != "CT") {
+      report.warn(folder + ": modality " + (series.modality().empty() ? "unknown" : series.modality()) +
                   ", not CT; thresholds and densities are wrong unless its values are HU");
     }
     stack_ = stack_slices(series, chosen, found, key, choice.resample, report);
-    name_ = series.description.empty() ? "" : " \"" + series.description + "\"";
+    const std::string& description = series.first().description;
+    name_ = description.empty() ? "" : " \"" + description + "\"";
     check_fits_in_memory(static_cast<double>(stack_.geometry.size()), sizeof(float), folder, key_);
   }
 

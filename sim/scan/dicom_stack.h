@@ -10,7 +10,6 @@
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 #include "sim/scan/dicom_files.h"
-#include "sim/scan/dicom_header.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {
@@ -133,7 +132,7 @@ void warn_of_missing_ends(const Stack& stack, const DicomSeries& series, Diagnos
 /// Warns of lossy compression, and of two volumes that are mixed.
 void warn_of_values(const Stack& stack, Diagnostics& report);
 
-// Segmentations (dicom_seg_planes.cpp).
+// Segmentations (slice_spacing.cpp).
 
 /// A mistake in a DICOM segmentation, with what to do about it.
 InputError bad_seg(const std::string& path, const std::string& key, const std::string& found);

@@ -35,14 +35,7 @@ struct SurfacePoint {
 
 double value_at(const AlignedImage& hu, const Vec3& point_mm) {
   const Vec3 place = (point_mm - hu.lattice.origin_mm).cwiseQuotient(hu.lattice.spacing_mm);
-  const Vec3 last = (hu.lattice.dims - Vec3i::Ones()).cast<double>();
-  const Vec3 inside = place.cwiseMax(0).cwiseMin(last);
-  const Vec3 base = inside.array().floor().min(last.array() - 1).max(0);
-  double out = 0;
-  for_each_trilinear_weight(inside - base, [&](const Vec3i& step, double weight) {
-    out += weight * double{hu.at((base.cast<int>() + step).cwiseMin(hu.lattice.dims - Vec3i::Ones()))};
-  });
-  return out;
+  return interpolated(hu.value, hu.lattice.dims, place);
 }
 
 /// The surface of all bone in a box of voxels; of every `step`-th voxel along each axis.
@@ -89,32 +82,40 @@ bool may_face(const Sphere& sphere, const Vec3& near_mm) {
   return away_mm >= kNearest_mm && away_mm <= kFarthest_mm;
 }
 
+/// Surface points vote for the cell of the centre of their sphere. Calls use(cell, votes) for the cells that have
+/// votes, with those of their neighbours.
+template <class CellOf, class Use>
+void vote(const std::vector<SurfacePoint>& surface, int radius_mm, const Vec3i& cells, const CellOf& cell_of,
+          const Use& use) {
+  std::vector<float> votes(static_cast<std::size_t>(cells.cast<std::int64_t>().prod()));
+  for (const SurfacePoint& p : surface) {
+    const Vec3i cell = cell_of(Vec3(p.place_mm - radius_mm * p.outward));
+    if ((cell.array() >= 1).all() && (cell.array() < cells.array() - 1).all()) votes[index_in(cells, cell)] += 1;
+  }
+  for_each_voxel(Vec3i::Ones(), cells - Vec3i::Constant(2), [&](const Vec3i& cell) {
+    if (votes[index_in(cells, cell)] == 0) return;
+    double sum = 0;
+    for_each_voxel(Vec3i::Constant(-1), Vec3i::Constant(1),
+                   [&](const Vec3i& d) { sum += double{votes[index_in(cells, cell + d)]}; });
+    use(cell, sum);
+  });
+}
+
 /// The centre and radius with the most votes for their area.
 Sphere most_votes(const std::vector<SurfacePoint>& surface, const Vec3& near_mm) {
-  constexpr int kHalf = static_cast<int>((kMostRadius_mm + kFarthest_mm) / kCell_mm) + 1, kSide = 2 * kHalf + 1;
-  const auto cells = static_cast<std::size_t>(kSide) * kSide * kSide;
-  const auto index = [&](const Vec3i& c) {
-    return static_cast<std::size_t>(c.x() + kHalf + kSide * (c.y() + kHalf + kSide * (c.z() + kHalf)));
-  };
-  std::vector<float> votes(cells);
+  constexpr int kHalf = static_cast<int>((kMostRadius_mm + kFarthest_mm) / kCell_mm) + 1;
+  const Vec3i middle = Vec3i::Constant(kHalf);
   Sphere best;
   double most = 0;
   for (int radius = kLeastRadius_mm; radius <= kMostRadius_mm; ++radius) {
-    std::fill(votes.begin(), votes.end(), 0.0F);
-    for (const SurfacePoint& p : surface) {
-      const Vec3 center = p.place_mm - radius * p.outward;
-      if (!may_face({center, double(radius)}, near_mm)) continue;
-      const Vec3i cell = ((center - near_mm) / kCell_mm).array().round().cast<int>();
-      if (cell.cwiseAbs().maxCoeff() < kHalf) votes[index(cell)] += 1;
-    }
-    for_each_voxel(Vec3i::Constant(1 - kHalf), Vec3i::Constant(kHalf - 1), [&](const Vec3i& cell) {
-      if (votes[index(cell)] == 0) return;
-      double sum = 0;
-      for_each_voxel(Vec3i::Constant(-1), Vec3i::Constant(1),
-                     [&](const Vec3i& d) { sum += double{votes[index(cell + d)]}; });
-      if (sum / radius <= most) return;
-      most = sum / radius;
-      best = {near_mm + kCell_mm * cell.cast<double>(), double(radius)};
+    const auto cell_of = [&](const Vec3& center) -> Vec3i {
+      if (!may_face({center, double(radius)}, near_mm)) return Vec3i::Zero();  // at the edge, where no vote counts
+      return middle + ((center - near_mm) / kCell_mm).array().round().cast<int>().matrix();
+    };
+    vote(surface, radius, 2 * middle + Vec3i::Ones(), cell_of, [&](const Vec3i& cell, double votes) {
+      if (votes / radius <= most) return;
+      most = votes / radius;
+      best = {near_mm + kCell_mm * (cell - middle).cast<double>(), double(radius)};
     });
   }
   return best;
@@ -215,28 +216,20 @@ std::vector<Sphere> sphere_peaks(const AlignedImage& hu, double threshold_hu) {
       surface_in(hu, threshold_hu, Vec3i::Ones(), hu.lattice.dims - Vec3i::Constant(2), step);
   const Aabb box = hu.lattice.bounds_mm();
   const Vec3i cells = ((box.max - box.min) / kVoteCell_mm).array().ceil().cast<int>();
-  const auto inside = [&](const Vec3i& c) { return (c.array() >= 1).all() && (c.array() < cells.array() - 1).all(); };
   struct Peak {
     double votes;
     Sphere sphere;
   };
   std::vector<Peak> peaks;
-  std::vector<float> votes(static_cast<std::size_t>(cells.cast<std::int64_t>().prod()));
+  const auto cell_of = [&](const Vec3& center) -> Vec3i {
+    return ((center - box.min) / kVoteCell_mm).array().floor().cast<int>();
+  };
   for (int radius = kLeastRadius_mm; radius <= kMostRadius_mm; radius += kRadiusStep_mm) {
-    std::fill(votes.begin(), votes.end(), 0.0F);
-    for (const SurfacePoint& p : surface) {
-      const Vec3i cell = ((p.place_mm - radius * p.outward - box.min) / kVoteCell_mm).array().floor().cast<int>();
-      if (inside(cell)) votes[index_in(cells, cell)] += 1;
-    }
     // A third of a sphere, of whose points half vote for a cell nearby.
     const double spacing_mm = step * std::cbrt(hu.lattice.voxel_mm3());
     const double whole = 4 * std::numbers::pi * radius * radius / (spacing_mm * spacing_mm);
     constexpr double kLeastVotes = 0.12;
-    for_each_voxel(Vec3i::Ones(), cells - Vec3i::Constant(2), [&](const Vec3i& cell) {
-      if (votes[index_in(cells, cell)] == 0) return;
-      double sum = 0;
-      for_each_voxel(Vec3i::Constant(-1), Vec3i::Constant(1),
-                     [&](const Vec3i& d) { sum += double{votes[index_in(cells, cell + d)]}; });
+    vote(surface, radius, cells, cell_of, [&](const Vec3i& cell, double sum) {
       if (sum < kLeastVotes * whole) return;
       const Vec3 center = box.min + kVoteCell_mm * (cell.cast<double>() + Vec3::Constant(0.5));
       peaks.push_back({sum / whole, {center, double(radius)}});

@@ -1,13 +1,17 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <fcntl.h>
 #include <itkNrrdImageIO.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -93,37 +97,18 @@ std::vector<std::string> of_space_axes(const std::vector<std::string>& units, co
 
 /// Millimetres in a length unit; 0 for an unknown one. The standard has no list of units.
 double mm_of_unit(const std::string& unit) {
-  static const std::map<std::string, double, std::less<>> kUnits{
-      {"", 1},
-      {"mm", 1},
-      {"millimeter", 1},
-      {"millimeters", 1},
-      {"millimetre", 1},
-      {"millimetres", 1},
-      {"cm", 10},
-      {"centimeter", 10},
-      {"centimeters", 10},
-      {"centimetre", 10},
-      {"centimetres", 10},
-      {"m", 1e3},
-      {"meter", 1e3},
-      {"meters", 1e3},
-      {"metre", 1e3},
-      {"metres", 1e3},
-      {"um", 1e-3},
-      {"micrometer", 1e-3},
-      {"micrometers", 1e-3},
-      {"micrometre", 1e-3},
-      {"micrometres", 1e-3},
-      {"micron", 1e-3},
-      {"microns", 1e-3},
-      {"\xC2\xB5m", 1e-3},
-      {"\xCE\xBCm", 1e-3},
-      {"in", 25.4},
-      {"inch", 25.4},
-      {"inches", 25.4}};  // µ is U+00B5 or the Greek letter U+03BC
-  const auto found = kUnits.find(lower_case(unit));
-  return found == kUnits.end() ? 0 : found->second;
+  static const std::vector<std::pair<double, std::vector<std::string>>> kUnits{
+      {1, {"", "mm", "millimeter", "millimeters", "millimetre", "millimetres"}},
+      {10, {"cm", "centimeter", "centimeters", "centimetre", "centimetres"}},
+      {1e3, {"m", "meter", "meters", "metre", "metres"}},
+      {1e-3, {"um", "micrometer", "micrometers", "micrometre", "micrometres", "micron", "microns"}},
+      {1e-3, {"\xC2\xB5m", "\xCE\xBCm"}},  // µ is U+00B5 or the Greek letter U+03BC
+      {25.4, {"in", "inch", "inches"}}};
+  const std::string name = lower_case(unit);
+  for (const auto& [mm, names] : kUnits) {
+    if (std::ranges::find(names, name) != names.end()) return mm;
+  }
+  return 0;
 }
 
 /// The units of the axes of the space. Axes with a direction have those of the space, others their own.
@@ -239,6 +224,32 @@ void check_encoding(const std::string& path, const std::string& key) {
   if (std::ranges::find(kKnown, encoding) != kKnown.end()) return;
   throw InputError({path}, key, "the voxels are encoded as " + printable(encoding) + ", which this program cannot read",
                    "save the file as raw or gzip (3D Slicer, or unu save -f nrrd -e gzip)");
+}
+
+QuietLibraries::QuietLibraries()
+    : cerr_(std::cerr.rdbuf(captured_.rdbuf())), cout_(std::cout.rdbuf(captured_.rdbuf())) {
+  std::fflush(stderr);
+  stderr_ = dup(STDERR_FILENO);
+  const int null_device = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (stderr_ >= 0 && null_device >= 0) dup2(null_device, STDERR_FILENO);
+  if (null_device >= 0) close(null_device);
+}
+
+QuietLibraries::~QuietLibraries() {
+  std::fflush(stderr);
+  if (stderr_ >= 0) {
+    dup2(stderr_, STDERR_FILENO);
+    close(stderr_);
+  }
+  std::cout.rdbuf(cout_);
+  std::cerr.rdbuf(cerr_);
+}
+
+bool QuietLibraries::reports_missing_voxels() const {
+  constexpr std::array<const char*, 3> kMessages{"data not read completely", "Uncompress failed",
+                                                 "Incomplete Pixel Data"};
+  const std::string output = captured_.str();
+  return std::ranges::any_of(kMessages, [&](const char* text) { return output.find(text) != std::string::npos; });
 }
 
 }  // namespace reamsim::ct

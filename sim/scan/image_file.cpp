@@ -15,7 +15,6 @@
 #include "sim/isolation/read_in_child.h"
 #include "sim/scan/dicom_files.h"
 #include "sim/scan/image_io.h"
-#include "sim/scan/nifti_file.h"
 
 namespace reamsim::ct {
 

@@ -48,8 +48,11 @@ typename itk::Image<Value, 3>::Pointer view(std::vector<Value>& values, const La
   return view(values, lattice.dims, lattice.spacing_mm);
 }
 
-void copy_back(const FloatImage& filtered, std::vector<float>& values) {
-  std::copy_n(filtered.GetBufferPointer(), values.size(), values.begin());
+template <class Filter>
+void apply(Filter& filter, AlignedImage& image) {
+  filter.SetInput(view(image.value, image.lattice));
+  filter.Update();
+  std::copy_n(filter.GetOutput()->GetBufferPointer(), image.value.size(), image.value.begin());
 }
 
 /// Gives every voxel the least (or the greatest) value within `radius` along one axis.
@@ -86,40 +89,26 @@ std::vector<std::uint32_t> label_background(Mask& background, const Vec3i& dims,
   return {first, first + background.size()};
 }
 
-/// One face of the image: its two axes, and its coordinate along the third.
-struct Face {
-  int u;
-  int v;
-  int across;
-  int level;
-
-  [[nodiscard]] Vec3i voxel(int i, int j) const {
-    Vec3i out;
-    out[u] = i;
-    out[v] = j;
-    out[across] = level;
-    return out;
-  }
-};
-
-/// Marks the components of the background that reach the rim of this face: they are open.
-void mark_open_parts(const std::vector<std::uint32_t>& part, const Lattice& lattice, const Face& face,
+/// Marks the components of the background that reach the rim of this face of the image: they are open.
+void mark_open_parts(const std::vector<std::uint32_t>& part, const Lattice& lattice, int across, int level,
                      std::vector<std::uint8_t>& open) {
-  const Vec3i dims(lattice.dims[face.u], lattice.dims[face.v], 1);
-  const auto part_at = [&](const Vec3i& v) { return part[lattice.index(face.voxel(v.x(), v.y()))]; };
-  Mask background;
-  for_each_voxel(dims, [&](const Vec3i& v) { background.push_back(part_at(v) != 0); });
+  IndexBox face{Vec3i::Zero(), lattice.dims};
+  face.start[across] = level;
+  face.size[across] = 1;
+  const std::vector<std::uint32_t> here = part_of(part, lattice, face);
+  Mask background(here.size());
+  std::ranges::transform(here, background.begin(), [](std::uint32_t component) { return component != 0; });
   std::uint32_t count = 0;
-  const std::vector<std::uint32_t> region = label_background(background, dims, count);
+  const std::vector<std::uint32_t> region = label_background(background, face.size, count);
   std::vector<std::uint8_t> reaches_rim(count + std::size_t{1}, 0);
-  for_each_voxel(dims, [&](const Vec3i& v) {
-    const bool rim = v.x() == 0 || v.y() == 0 || v.x() == dims.x() - 1 || v.y() == dims.y() - 1;
-    if (rim) reaches_rim[region[index_in(dims, v)]] = 1;
+  lattice.part(face).for_each([&](const Vec3i& v, std::size_t at) {
+    for (const int axis : {(across + 1) % 3, (across + 2) % 3}) {
+      if (v[axis] == 0 || v[axis] == face.size[axis] - 1) reaches_rim[region[at]] = 1;
+    }
   });
-  for_each_voxel(dims, [&](const Vec3i& v) {
-    const std::uint32_t at = region[index_in(dims, v)];
-    if (at != 0 && reaches_rim[at]) open[part_at(v)] = 1;
-  });
+  for (std::size_t at = 0; at < here.size(); ++at) {
+    if (region[at] != 0 && reaches_rim[region[at]]) open[here[at]] = 1;
+  }
 }
 
 }  // namespace
@@ -146,31 +135,31 @@ Mask dilated(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
 
 void median_filter(AlignedImage& image, int radius_voxels) {
   const auto filter = itk::MedianImageFilter<FloatImage, FloatImage>::New();
-  filter->SetInput(view(image.value, image.lattice));
   filter->SetRadius(static_cast<itk::SizeValueType>(radius_voxels));
-  filter->Update();
-  copy_back(*filter->GetOutput(), image.value);
+  apply(*filter, image);
 }
 
 void curvature_anisotropic_filter(AlignedImage& image, int iterations, double conductance) {
   // ITK's bound for three dimensions: smallest spacing / 2^(3+1).
   constexpr double kStableFraction = 1.0 / 16;
   const auto filter = itk::CurvatureAnisotropicDiffusionImageFilter<FloatImage, FloatImage>::New();
-  filter->SetInput(view(image.value, image.lattice));
   filter->SetNumberOfIterations(static_cast<unsigned>(iterations));
   filter->SetConductanceParameter(conductance);
   filter->SetTimeStep(kStableFraction * image.lattice.spacing_mm.minCoeff());
-  filter->Update();
-  copy_back(*filter->GetOutput(), image.value);
+  apply(*filter, image);
 }
 
 void gaussian_filter(AlignedImage& image, double sigma_voxels) {
   const auto filter = itk::DiscreteGaussianImageFilter<FloatImage, FloatImage>::New();
-  filter->SetInput(view(image.value, image.lattice));
   filter->SetUseImageSpacing(false);
   filter->SetVariance(sigma_voxels * sigma_voxels);
-  filter->Update();
-  copy_back(*filter->GetOutput(), image.value);
+  apply(*filter, image);
+}
+
+IndexBox box_around(const Vec3i& first, const Vec3i& last, const Vec3i& margin, const Lattice& lattice) {
+  const Vec3i start = (first - margin).cwiseMax(0);
+  const Vec3i end = (last + margin + Vec3i::Ones()).cwiseMin(lattice.dims);
+  return {start, end - start};
 }
 
 Pieces connected_pieces(const Mask& mask, const Lattice& lattice) {
@@ -184,15 +173,9 @@ Pieces connected_pieces(const Mask& mask, const Lattice& lattice) {
   const std::uint32_t* first = by_size->GetOutput()->GetBufferPointer();
   out.label.assign(first, first + input.size());
   out.list.resize(by_size->GetNumberOfObjects());
-  for (std::size_t n = 0; n < out.list.size(); ++n) {
-    out.list[n] = {static_cast<std::uint32_t>(n + 1), 0, lattice.dims, Vec3i::Constant(-1)};
-  }
+  for (std::size_t n = 0; n < out.list.size(); ++n) out.list[n].label = static_cast<std::uint32_t>(n + 1);
   lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
-    if (out.label[at] == 0) return;
-    Piece& piece = out.list[out.label[at] - 1];
-    ++piece.voxels;
-    piece.min = piece.min.cwiseMin(voxel);
-    piece.max = piece.max.cwiseMax(voxel);
+    if (out.label[at] != 0) out.list[out.label[at] - 1].add(voxel);
   });
   return out;
 }
@@ -222,9 +205,7 @@ std::int64_t fill_holes(Mask& mask, const Lattice& lattice) {
   const std::vector<std::uint32_t> part = label_background(background, d, count);
   std::vector<std::uint8_t> open(count + std::size_t{1}, 0);
   for (int across = 0; across < 3; ++across) {
-    const int u = (across + 1) % 3;
-    const int v = (across + 2) % 3;
-    for (const int level : {0, d[across] - 1}) mark_open_parts(part, lattice, {u, v, across, level}, open);
+    for (const int level : {0, d[across] - 1}) mark_open_parts(part, lattice, across, level, open);
   }
   std::int64_t filled = 0;
   for (std::size_t at = 0; at < mask.size(); ++at) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "sim/scan/aligned_image.h"
@@ -25,9 +26,27 @@ Mask dilated(const Mask& mask, const Lattice& lattice, const Vec3i& radius);
 struct Piece {
   std::uint32_t label = 0;  ///< in the label image: 1 for the largest piece, then by size
   std::int64_t voxels = 0;
-  Vec3i min = Vec3i::Zero();  ///< first and last voxel of its bounding box
-  Vec3i max = Vec3i::Zero();
+  Vec3i min = Vec3i::Constant(std::numeric_limits<int>::max());  ///< first and last voxel of its bounding box
+  Vec3i max = Vec3i::Constant(-1);
+
+  void add(const Vec3i& voxel) {
+    ++voxels;
+    min = min.cwiseMin(voxel);
+    max = max.cwiseMax(voxel);
+  }
 };
+
+/// The voxels from `first` to `last` with a margin, within the image.
+IndexBox box_around(const Vec3i& first, const Vec3i& last, const Vec3i& margin, const Lattice& lattice);
+
+/// The part of the values of an image in a box.
+template <class Value>
+std::vector<Value> part_of(const std::vector<Value>& values, const Lattice& lattice, const IndexBox& box) {
+  std::vector<Value> out;
+  out.reserve(static_cast<std::size_t>(box.voxels()));
+  for_each_voxel(box.size, [&](const Vec3i& voxel) { out.push_back(values[lattice.index(voxel + box.start)]); });
+  return out;
+}
 
 struct Pieces {
   std::vector<std::uint32_t> label;  ///< 0 outside

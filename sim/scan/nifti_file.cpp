@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/nifti_file.h"
-
 #include <zlib.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/scan/image_io.h"
 
 namespace reamsim::ct {
 
@@ -155,22 +154,6 @@ std::optional<NiftiHeader> parsed(const std::string& bytes) {
   return std::nullopt;
 }
 
-/// A type of values: its code, bytes and name.
-struct ValueType {
-  int code;
-  int bytes;
-  const char* name;
-};
-constexpr std::array kTypes{ValueType{2, 1, "uint8"},    ValueType{4, 2, "int16"},    ValueType{8, 4, "int32"},
-                            ValueType{16, 4, "float"},   ValueType{64, 8, "double"},  ValueType{256, 1, "int8"},
-                            ValueType{512, 2, "uint16"}, ValueType{768, 4, "uint32"}, ValueType{1024, 8, "int64"},
-                            ValueType{1280, 8, "uint64"}};
-
-const ValueType* value_type(int code) {
-  const auto* found = std::ranges::find(kTypes, code, &ValueType::code);
-  return found == kTypes.end() ? nullptr : found;
-}
-
 /// Converts stored numbers of type T.
 template <class T>
 void convert(const NiftiHeader& header, const std::byte* raw, std::int64_t count, float* out) {
@@ -184,29 +167,26 @@ void convert(const NiftiHeader& header, const std::byte* raw, std::int64_t count
   }
 }
 
-void convert(const NiftiHeader& header, const std::byte* raw, std::int64_t count, float* out) {
-  switch (header.datatype) {
-    case 2:
-      return convert<std::uint8_t>(header, raw, count, out);
-    case 4:
-      return convert<std::int16_t>(header, raw, count, out);
-    case 8:
-      return convert<std::int32_t>(header, raw, count, out);
-    case 16:
-      return convert<float>(header, raw, count, out);
-    case 64:
-      return convert<double>(header, raw, count, out);
-    case 256:
-      return convert<std::int8_t>(header, raw, count, out);
-    case 512:
-      return convert<std::uint16_t>(header, raw, count, out);
-    case 768:
-      return convert<std::uint32_t>(header, raw, count, out);
-    case 1024:
-      return convert<std::int64_t>(header, raw, count, out);
-    default:
-      return convert<std::uint64_t>(header, raw, count, out);
-  }
+/// A type of values.
+struct ValueType {
+  int code;
+  int bytes;
+  const char* name;
+  void (*convert)(const NiftiHeader&, const std::byte* raw, std::int64_t count, float* out);
+};
+template <class T>
+constexpr ValueType type_with(int code, const char* name) {
+  return {code, sizeof(T), name, convert<T>};
+}
+constexpr std::array kTypes{type_with<std::uint8_t>(2, "uint8"),     type_with<std::int16_t>(4, "int16"),
+                            type_with<std::int32_t>(8, "int32"),     type_with<float>(16, "float"),
+                            type_with<double>(64, "double"),         type_with<std::int8_t>(256, "int8"),
+                            type_with<std::uint16_t>(512, "uint16"), type_with<std::uint32_t>(768, "uint32"),
+                            type_with<std::int64_t>(1024, "int64"),  type_with<std::uint64_t>(1280, "uint64")};
+
+const ValueType* value_type(int code) {
+  const auto* found = std::ranges::find(kTypes, code, &ValueType::code);
+  return found == kTypes.end() ? nullptr : found;
 }
 
 /// Voxels along an axis, 1 for an axis that the header does not count.
@@ -268,7 +248,9 @@ bool is_complete(const NiftiHeader& header) {
 void read_nifti_voxels(const NiftiHeader& header, const IndexBox& box, int layer, const std::string& path,
                        const std::string& key, float* out) {
   const std::int64_t nx = size_of(header, 1), ny = size_of(header, 2), nz = size_of(header, 3);
-  const std::int64_t bytes = bytes_of_value(header), row = box.size.x();
+  const ValueType* type = value_type(header.datatype);
+  if (type == nullptr) throw cut_off(path, key);  // changed since facts_of() checked it
+  const std::int64_t bytes = type->bytes, row = box.size.x();
   PackedFile file(header.voxel_file);
   std::vector<std::byte> raw(static_cast<std::size_t>(row * bytes));
   for (int k = 0; k < box.size.z(); ++k) {
@@ -277,7 +259,7 @@ void read_nifti_voxels(const NiftiHeader& header, const IndexBox& box, int layer
       if (!file.seek(header.offset + voxel * bytes) || file.read(raw.data(), raw.size()) != raw.size()) {
         throw cut_off(path, key);
       }
-      convert(header, raw.data(), row, out);
+      type->convert(header, raw.data(), row, out);
       out += row;
     }
   }

@@ -9,7 +9,6 @@
 #include "sim/base/error.h"
 #include "sim/scan/image_io.h"
 #include "sim/scan/label_map.h"
-#include "sim/scan/nifti_file.h"
 
 namespace reamsim::ct {
 

@@ -3,16 +3,11 @@
 
 #include "sim/scan/segment.h"
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <unistd.h>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "sim/base/error.h"
-#include "sim/scan/label_check.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {
@@ -58,7 +53,7 @@ std::int64_t apply_cuts(Mask& mask, const Lattice& lattice, const CtSettings& se
 
 /// A closed and filled piece, on a box around it with a margin for the closing.
 struct SolidPiece {
-  Vec3i start = Vec3i::Zero();
+  IndexBox box;
   Lattice lattice;
   Mask mask;
   Piece piece;
@@ -66,7 +61,7 @@ struct SolidPiece {
   std::int64_t filled = 0;
 
   [[nodiscard]] bool contains(const Vec3i& voxel) const {
-    const Vec3i c = voxel - start;
+    const Vec3i c = voxel - box.start;
     return lattice.contains(c) && mask[lattice.index(c)];
   }
 };
@@ -75,13 +70,9 @@ SolidPiece solidify(const Pieces& pieces, const Piece& piece, const Lattice& lat
   SolidPiece out;
   out.piece = piece;
   const Vec3i room = (settings.closing_mm * lattice.spacing_mm.cwiseInverse()).array().ceil().cast<int>() + 2;
-  out.start = (piece.min - room).cwiseMax(0);
-  const Vec3i end = (piece.max + room + Vec3i::Ones()).cwiseMin(lattice.dims);
-  out.lattice = {end - out.start, lattice.spacing_mm, lattice.center_mm(out.start)};
-  out.mask.resize(static_cast<std::size_t>(out.lattice.size()));
-  out.lattice.for_each([&](const Vec3i& c, std::size_t at) {
-    out.mask[at] = pieces.label[lattice.index(c + out.start)] == piece.label;
-  });
+  out.box = box_around(piece.min, piece.max, room, lattice);
+  out.lattice = lattice.part(out.box);
+  for (const std::uint32_t label : part_of(pieces.label, lattice, out.box)) out.mask.push_back(label == piece.label);
   close_mask(out.mask, out.lattice, settings.closing_mm);
   apply_cuts(out.mask, out.lattice, settings);
   out.closed = count(out.mask) - piece.voxels;
@@ -179,15 +170,15 @@ void finish_facts(BoneField& bone, const Lattice& lattice, double threshold_hu) 
 
 /// Number of bone voxels, their bounds, and the trabecular ones among them.
 void measure(BoneField& bone, const Mask& mask, const AlignedImage& hu, double threshold_hu) {
-  bone.min = hu.lattice.dims;
-  bone.max = Vec3i::Constant(-1);
+  Piece whole;
   hu.lattice.for_each([&](const Vec3i& c, std::size_t at) {
     if (!mask[at]) return;
-    ++bone.voxels;
+    whole.add(c);
     if (static_cast<double>(hu.value[at]) < threshold_hu) ++bone.inside_below;
-    bone.min = bone.min.cwiseMin(c);
-    bone.max = bone.max.cwiseMax(c);
   });
+  bone.voxels = whole.voxels;
+  bone.min = whole.min;
+  bone.max = whole.max;
 }
 
 }  // namespace
@@ -221,7 +212,7 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
 
   Mask kept(hu.value.size(), 0);
   solid.lattice.for_each(
-      [&](const Vec3i& c, std::size_t at) { kept[lattice.index(c + solid.start)] = solid.mask[at]; });
+      [&](const Vec3i& c, std::size_t at) { kept[lattice.index(c + solid.box.start)] = solid.mask[at]; });
   BoneField bone;
   bone.facts = facts_of(pieces, solid, removed, settings, lattice);
   warn_of_second_piece(bone.facts, report);
@@ -256,3 +247,34 @@ BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtS
 }
 
 }  // namespace reamsim::ct
+
+namespace reamsim {
+
+namespace {
+
+std::string bone_of(const Segmentation& s) {
+  if (s.method == "label_map") {
+    return fmt::format("segmentation: label map, {:.0f} mm3 of bone, {:.1f} % below {:.0f} HU", s.bone_mm3,
+                       100 * s.below_threshold_fraction, s.threshold_hu);
+  }
+  return fmt::format(
+      "segmentation: threshold {:.0f} HU, {} pieces, kept {} (rank {} by size); {:.0f} mm3 of bone, {:.1f} % "
+      "below the threshold",
+      s.threshold_hu, s.pieces, s.by_seed ? "the one with the seed" : "the largest", s.kept_rank, s.bone_mm3,
+      100 * s.below_threshold_fraction);
+}
+
+std::string steps_of(const Segmentation& s) {
+  if (s.method == "label_map") return "";
+  return fmt::format("; discarded {:.0f} mm3, cut {:.0f} mm3, added by closing {:.0f} mm3, by filling {:.0f} mm3",
+                     s.dropped_mm3, s.cut_mm3, s.closed_mm3, s.filled_mm3);
+}
+
+}  // namespace
+
+std::string sentence_of(const Segmentation& s) {
+  return bone_of(s) + steps_of(s) +
+         fmt::format("; on {:.1f} % of its surface the density is a lower bound", 100 * s.lower_bound_fraction);
+}
+
+}  // namespace reamsim

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/aligned_image.h"
 #include "sim/scan/label_map.h"
 #include "sim/scan/morphology.h"
@@ -13,6 +14,8 @@
 #include "sim/scenario/scenario.h"
 
 namespace reamsim::ct {
+
+// The stages from an image on LPS axes to a voxmap. Private to sim/scan.
 
 /// Bone in an image, with a surface of subvoxel accuracy: `field` is above 0 in bone and 0 at the surface. Cuts are
 /// applied again after resampling, to be as accurate as the voxmap allows.
@@ -52,5 +55,49 @@ std::vector<float> signed_field(const AlignedImage& hu, double threshold_hu, con
 /// kept, a joint gap is not crossed, and voxels of the `other` labels are never added.
 void refine_to_isosurface(AlignedImage& field, const AlignedImage& other, const AlignedImage& hu, double threshold_hu,
                           double reach_mm, Diagnostics& report);
+
+/// Compares the wanted label with the scan, and warns, with volume and place, of
+/// - bone that has no label and that the label encloses or that lies in a hole or notch of it no wider than 10 mm:
+///   voxels of at least `refine_hu` in the closing of the label;
+/// - a label that ends at the edge of the scan;
+/// - pieces of the label beside the largest.
+/// With `fill` the first become bone, and cavities that the label encloses.
+void check_label(LabelImages& labels, const AlignedImage& hu, const CtSettings& settings, Diagnostics& report);
+
+struct BoundaryDensity {
+  std::int64_t boundary_voxels = 0;  ///< bone voxels with a face neighbour outside the bone
+  /// Of these, voxels whose density is a lower bound: no trusted voxel, or a plate.
+  std::int64_t unresolved_voxels = 0;
+  double noise_hu = 0;  ///< standard deviation between neighbouring trusted voxels
+
+  [[nodiscard]] double unresolved_fraction() const {
+    return boundary_voxels == 0 ? 0 : static_cast<double>(unresolved_voxels) / static_cast<double>(boundary_voxels);
+  }
+};
+
+/// Corrects the radiodensity of voxels at the boundary of the bone for partial volume, on the lattice of the scan and
+/// before any resampling.
+///
+/// A voxel is *trusted* if all voxels within the point spread around it are bone, so that its value is that of bone
+/// alone. Trusted values are extrapolated linearly along the outward normal (Aslam 2004, J. Comput. Phys. 193:349, §2:
+/// multidimensional extrapolation), with the smaller of two consecutive slopes (minmod). Each value is a mean over nine
+/// points across the normal. The result is limited to the largest value measured within two voxels below the boundary,
+/// so that a dense plate over soft bone does not overshoot. If a measured value exceeds the extrapolation by more than
+/// three standard deviations of the noise, or no trusted voxel lies below, the scan does not resolve the cortex: then
+/// the largest measured value is used, as a lower bound. A corrected value never exceeds a measured one.
+///
+/// Voxels outside the bone get values as well, `reach_voxels` deep, for interpolation and averaging at the boundary.
+/// @param hu           the scan, HU; corrected in place
+/// @param bone         on the lattice of `hu`; above 0 in bone, including adjacent bone that a cut removed
+/// @param psf_mm       full width of the scanner's point spread along each axis of LPS, mm; 0: the voxel spacing
+/// @param reach_voxels how far from the bone resampling reads, at least 2
+BoundaryDensity correct_boundary(AlignedImage& hu, const BoneField& bone, const Vec3& psf_mm, int reach_voxels);
+
+/// Distance from the bone at which resampling to voxels of `voxel_mm` reads values, image voxels.
+int resampling_reach(const Lattice& image, double voxel_mm);
+
+/// Resamples HU and bone to voxels of `settings.voxel_mm`, with a margin of air in whole bricks, and maps HU to grades.
+/// Throws InputError: too many voxels for this machine, or voxels so large that no bone remains.
+FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneSettings& settings, Diagnostics& report);
 
 }  // namespace reamsim::ct

@@ -1,27 +1,24 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/voxelize.h"
-
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/sample_voxels.h"
+#include "sim/bone/voxmap/sparse_bricks.h"
 #include "sim/scan/aligned_image.h"
 #include "sim/scan/scan.h"
+#include "sim/scan/segment.h"
 
 namespace reamsim::ct {
 
 namespace {
 
-/// Air around the bone, so that its surface is closed within the lattice.
-constexpr int kMarginVoxels = 4;
 /// The field can be above 0 up to the next image voxel outside the bone, and up to the second where a cut passes.
 constexpr int kFieldReach = 2;
 
@@ -39,17 +36,86 @@ struct HuStatistics {
   }
 };
 
+/// An isotropic grid around the bone, with a margin and whole bricks. Its planes start at the lower corner of the
+/// image, so that voxels of the image's size coincide with those of the image.
 VoxelGrid grid_of(const Lattice& image, const BoneField& bone, const BoneSettings& settings) {
   const std::string& path = settings.ct.path;
-  const Vec3i reach = Vec3i::Constant(kFieldReach);
-  try {
-    const VoxelGrid grid = grid_around(image, bone.min - reach, bone.max + reach, settings.voxel_mm, kMarginVoxels);
-    check_fits_in_memory(grid.dims.cast<double>().prod(), sizeof(std::uint8_t), path, "bone.voxel_mm");
-    return grid;
-  } catch (const std::length_error&) {
-    throw InputError({path}, "bone.voxel_mm", "too many voxels", "use larger voxels");
+  const double voxel_mm = settings.voxel_mm;
+  const Vec3 corner = image.bounds_mm().min;
+  VoxelGrid grid;
+  grid.voxel_mm = voxel_mm;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int first = bone.min[axis] - kFieldReach, end = bone.max[axis] + kFieldReach + 1;
+    const double low = std::floor(first * image.spacing_mm[axis] / voxel_mm + kRounding) - kMarginVoxels;
+    const double high = std::ceil(end * image.spacing_mm[axis] / voxel_mm - kRounding) + kMarginVoxels;
+    const double bricks = std::ceil((high - low) / FillBricks::kSide);
+    if (bricks * FillBricks::kSide > std::numeric_limits<int>::max()) {
+      throw InputError({path}, "bone.voxel_mm", "too many voxels", "use larger voxels");
+    }
+    grid.dims[axis] = static_cast<int>(bricks) * FillBricks::kSide;
+    grid.origin_mm[axis] = corner[axis] + low * voxel_mm;
   }
+  check_fits_in_memory(grid.dims.cast<double>().prod(), sizeof(std::uint8_t), path, "bone.voxel_mm");
+  return grid;
 }
+
+/// Tests whether at least half of a voxel of a grid lies where `field` > 0. The field is interpolated trilinearly at
+/// the centre of the voxel, or at several sample points along axes on which the voxel is larger than the spacing.
+class InsideTest {
+ public:
+  InsideTest(const AlignedImage& field, const VoxelGrid& grid) : field_(field) {
+    const Lattice& image = field.lattice;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double length = grid.voxel_mm / image.spacing_mm[axis];
+      // Two samples per image voxel, up to a limit.
+      const double wanted = length > 1 + kRounding ? 2 * std::ceil(length - kRounding) : 1;
+      samples_[axis] = static_cast<int>(std::min(wanted, kMaxSamples));
+      for (int n = 0; n < grid.dims[axis] * samples_[axis]; ++n) {
+        const double mm = grid.origin_mm[axis] + grid.voxel_mm * (n + 0.5) / samples_[axis];
+        const double place = std::clamp(faces_from_mm(image, mm, axis) - 0.5, 0.0, image.dims[axis] - 1.0);
+        const int low = std::min(static_cast<int>(place), std::max(image.dims[axis] - 2, 0));
+        sample_[axis].push_back({low, static_cast<float>(place - low)});
+      }
+    }
+  }
+
+  [[nodiscard]] bool operator()(const Vec3i& voxel) const {
+    const Vec3i samples(samples_[0], samples_[1], samples_[2]);
+    const Vec3i first = voxel.cwiseProduct(samples);
+    const auto sample = [this](const Vec3i& s, int axis) { return sample_[axis][static_cast<std::size_t>(s[axis])]; };
+    int hits = 0;
+    for_each_voxel(first, first + samples - Vec3i::Ones(),
+                   [&](const Vec3i& s) { hits += inside(sample(s, 0), sample(s, 1), sample(s, 2)); });
+    return 2 * hits >= samples.prod() && hits > 0;
+  }
+
+ private:
+  struct Sample {
+    int low = 0;         ///< lower of the two image voxels along this axis
+    float fraction = 0;  ///< weight of the upper one
+  };
+
+  [[nodiscard]] bool inside(const Sample& x, const Sample& y, const Sample& z) const {
+    const Lattice& image = field_.lattice;
+    const std::size_t step_x = image.dims.x() > 1 ? 1 : 0;
+    const std::size_t step_y = image.dims.y() > 1 ? static_cast<std::size_t>(image.dims.x()) : 0;
+    const std::size_t step_z = image.dims.z() > 1 ? image.index({0, 0, 1}) : 0;
+    const float* corner = &field_.value[image.index({x.low, y.low, z.low})];
+    const auto along_x = [&](std::size_t at) { return corner[at] + x.fraction * (corner[at + step_x] - corner[at]); };
+    const auto along_y = [&](std::size_t at) {
+      const float low = along_x(at);
+      return low + y.fraction * (along_x(at + step_y) - low);
+    };
+    const float low = along_y(0);
+    return low + z.fraction * (along_y(step_z) - low) > 0;
+  }
+
+  static constexpr double kMaxSamples = 16;  ///< of one voxel along one axis
+
+  const AlignedImage& field_;
+  int samples_[3] = {1, 1, 1};     ///< per voxel
+  std::vector<Sample> sample_[3];  ///< of voxel n: samples_ from n·samples_
+};
 
 /// Whether a point lies in the image and outside the cuts. Cuts do not apply to a label map.
 bool may_be_bone(const CtSettings& settings, const Aabb& image, const Vec3& point_mm) {
