@@ -16,7 +16,7 @@
 #include "cli/stop.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/isolation/reader_server.h"
+#include "sim/isolation/read_in_child.h"
 
 namespace {
 

@@ -13,7 +13,6 @@
 #include <thread>
 
 #include "sim/isolation/read_in_child.h"
-#include "sim/isolation/reader_server.h"
 
 namespace reamsim {
 

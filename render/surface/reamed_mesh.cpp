@@ -215,7 +215,7 @@ void write_chunks(const std::string& path, const std::string& json, const std::v
 ReamedMesh make_reamed_mesh(const std::string& path, const VoxelGrid& grid, double bone_mm3,
                             const UnreamedSurface& unreamed) {
   ReamedMesh out;
-  out.mesh = mesh_of_volume(*VdbFile(path).read("surface"), bone_mm3, grid.voxel_mm);
+  out.mesh = mesh_of_volume(*read_vdb_grid(path, "surface"), bone_mm3, grid.voxel_mm);
   out.normals = vertex_normals(out.mesh);
   add_reaming(out, grid, unreamed);
   return out;

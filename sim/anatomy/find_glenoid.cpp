@@ -295,10 +295,7 @@ FoundGlenoid find_glenoid(const BoneView& bone, const GlenoidSettings& settings,
   directions.normal = Vec3(face.bone_from_face.linear().col(2));
   directions.superior = superior;
   out.frame = *glenoid_frame(directions, side);
-  for (const Vec3& p : face.walk.rim_mm) {
-    if (std::abs(face.fit.outline.distance_mm(p.head<2>())) <= 2 * kRimInlier_mm)
-      out.rim_mm.push_back(face.old_frame * p);
-  }
+  for (const Vec3& p : face.rim_at_outline_mm()) out.rim_mm.push_back(face.old_frame * p);
   out.sentence = sentence_of(face, out.frame, place_of(probe, face).confidence, guessed);
   out.doubts = doubts_of(face, guessed);
   return out;

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/anatomy/fit_face.h"
+#include "sim/anatomy/find_glenoid.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -72,6 +73,22 @@ Vec2 corner_of(const Profile& profile) {
   return *std::ranges::max_element(profile, {}, [](const Vec2& p) { return p.sum(); });
 }
 
+/// Walks over the surface from the origin of a frame on it, whose +z points out of the bone, in `directions` equal
+/// steps of angle. A walk ends where the surface has fallen by 4 mm below its highest point or ends; the rim is its
+/// corner, where it has turned to fall by 45 degrees. A walk has no rim where the surface rises steeply, or extends
+/// beyond 35 mm. In the frame of the walk.
+std::vector<Vec3> walk_to_rim(const BoneProbe& probe, const Rigid& bone_from_face, int directions) {
+  std::vector<Vec3> out;
+  for (int k = 0; k < directions; ++k) {
+    const double angle = 2 * std::numbers::pi * k / directions;
+    const auto profile = profile_of(probe, bone_from_face, angle);
+    if (!profile) continue;
+    const Vec2 corner = corner_of(*profile);
+    if (corner.x() > 0) out.emplace_back(corner.x() * std::cos(angle), corner.x() * std::sin(angle), corner.y());
+  }
+  return out;
+}
+
 constexpr double kRest_mm = 0.01, kRest_rad = 1e-4;
 constexpr double kMargin_mm = 2.5;  // from the rim, where it is rounded; at most a quarter of the radius
 constexpr double kGrid_mm = 1;      // of the points of the face
@@ -81,12 +98,10 @@ constexpr double kMostConvexity_per_mm = 1.0 / 80;
 /// A residual of the sphere beyond this, with the part of the face that it fits, means more than one surface.
 constexpr double kOneSurface_mm = 0.55;
 
-/// Points of the face at a distance from the outline, in B.
-std::vector<Vec3> points_inside(const BoneProbe& probe, const FittedFace& face) {
+/// Points of the face at a distance from the outline, in B. `top_mm`: height of the rim.
+std::vector<Vec3> points_inside(const BoneProbe& probe, const FittedFace& face, double top_mm) {
   const PearOutline& outline = face.fit.outline;
   const double margin_mm = std::min(kMargin_mm, outline.radius_mm / 4), reach_mm = outline.height_mm / 2;
-  double top_mm = 0;
-  for (const Vec3& p : face.walk.rim_mm) top_mm = std::max(top_mm, p.z());
   constexpr double kAbove_mm = 2;
   const Vec3 down = -face.bone_from_face.linear().col(2);
   std::vector<Vec3> out;
@@ -105,11 +120,7 @@ std::vector<Vec3> points_inside(const BoneProbe& probe, const FittedFace& face) 
 
 /// The normal of the plane through the rim points that lie near the outline.
 std::optional<Vec3> rim_normal(const FittedFace& face) {
-  std::vector<Vec3> rim;
-  for (const Vec3& p : face.walk.rim_mm) {
-    if (std::abs(face.fit.outline.distance_mm(p.head<2>())) <= 2 * kRimInlier_mm) rim.push_back(p);
-  }
-  const auto plane = fit_plane(rim, Vec3::UnitZ());
+  const auto plane = fit_plane(face.rim_at_outline_mm(), Vec3::UnitZ());
   if (!plane) return std::nullopt;
   return Vec3(face.bone_from_face.linear() * plane->normal);
 }
@@ -130,17 +141,18 @@ std::optional<Vec3> normal_at(const Vec3& point_mm, const std::vector<Vec3>& poi
 /// Walks to the rim, fits, and moves the frame to the middle of the face; returns whether there is a face, and in
 /// `moved` how far the frame moved and turned.
 bool fit_step(const BoneProbe& probe, int directions, FittedFace& face, Vec2& moved) {
-  face.walk = walk_to_rim(probe, face.bone_from_face, directions);
+  face.directions = directions;
+  face.rim_mm = walk_to_rim(probe, face.bone_from_face, directions);
   std::vector<Vec2> places;
   double top_mm = 0;
-  for (const Vec3& p : face.walk.rim_mm) {
+  for (const Vec3& p : face.rim_mm) {
     places.push_back(p.head<2>());
     top_mm = std::max(top_mm, p.z());
   }
   const auto fit = fit_pear(places);
   if (!fit || fit->outline.height_mm > 2 * kMostHeight_mm) return false;
   face.fit = *fit;
-  const std::vector<Vec3> points = points_inside(probe, face);
+  const std::vector<Vec3> points = points_inside(probe, face, top_mm);
   const Vec3 outward = face.bone_from_face.linear().col(2);
   const auto surface =
       fit_face({.points_mm = points, .point_mm2 = kGrid_mm * kGrid_mm, .voxel_mm = probe.voxel_mm()}, outward);
@@ -254,18 +266,6 @@ PearOutline first_outline(const std::vector<Vec2>& points, bool reversed) {
 
 }  // namespace
 
-RimWalk walk_to_rim(const BoneProbe& probe, const Rigid& bone_from_face, int directions) {
-  RimWalk out{.rim_mm = {}, .directions = directions};
-  for (int k = 0; k < directions; ++k) {
-    const double angle = 2 * std::numbers::pi * k / directions;
-    const auto profile = profile_of(probe, bone_from_face, angle);
-    if (!profile) continue;
-    const Vec2 corner = corner_of(*profile);
-    if (corner.x() > 0) out.rim_mm.emplace_back(corner.x() * std::cos(angle), corner.x() * std::sin(angle), corner.y());
-  }
-  return out;
-}
-
 Rigid frame_at(const Vec3& origin_mm, const Vec3& outward) {
   Rigid out;
   const Vec3 x = outward.unitOrthogonal();
@@ -306,6 +306,14 @@ double face_score(const FittedFace& face) {
   return face.rim_fraction() - kRmsWeight * face.fit.rms_mm -
          (size_mm > kSlimmest * 2 * face.fit.outline.radius_mm ? kSlimPenalty : 0) -
          (face.normal == FaceNormal::rim ? kRoughPenalty : 0);
+}
+
+std::vector<Vec3> FittedFace::rim_at_outline_mm() const {
+  std::vector<Vec3> out;
+  std::ranges::copy_if(rim_mm, std::back_inserter(out), [&](const Vec3& p) {
+    return std::abs(fit.outline.distance_mm(p.head<2>())) <= 2 * kRimInlier_mm;
+  });
+  return out;
 }
 
 double PearOutline::distance_mm(const Vec2& point_mm) const {

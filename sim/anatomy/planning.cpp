@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/anatomy/planning.h"
+#include "sim/anatomy/run_metrics.h"
 
 #include <algorithm>
 #include <cmath>

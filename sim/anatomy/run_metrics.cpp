@@ -6,7 +6,6 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "sim/base/statistics.h"
 

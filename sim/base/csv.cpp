@@ -30,8 +30,9 @@ constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 30;
 /// Lines are limited, so that a binary file is not read into memory.
 constexpr std::size_t kMostLine = 1 << 16;
 
+constexpr std::string_view kBlank = " \t\r";
+
 std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
   const auto first = text.find_first_not_of(kBlank);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
@@ -76,28 +77,16 @@ void refuse_other_separator(std::string_view line, const SourceLocation& where) 
                    "save it with commas between columns and points in numbers, such as \"CSV UTF-8\"");
 }
 
-namespace {
-
-std::vector<std::string_view> cells_between_blanks(std::string_view line) {
-  constexpr std::string_view kBlank = " \t\r";
-  std::vector<std::string_view> cells;
-  for (std::size_t at = line.find_first_not_of(kBlank); at != std::string_view::npos;) {
-    const std::size_t end = std::min(line.find_first_of(kBlank, at), line.size());
-    cells.push_back(line.substr(at, end - at));
-    at = line.find_first_not_of(kBlank, end);
-  }
-  return cells;
-}
-
-}  // namespace
-
 std::vector<std::string_view> csv_cells(std::string_view line, char separator) {
-  if (separator == ' ') return cells_between_blanks(line);
+  const bool blanks = separator == ' ';
   std::vector<std::string_view> cells;
   for (;;) {
-    const std::size_t comma = line.find(separator);
+    if (blanks) line = trimmed(line);
+    if (blanks && line.empty()) return cells;
+    const std::size_t comma = blanks ? line.find_first_of(kBlank) : line.find(separator);
     std::string_view cell = trimmed(line.substr(0, comma));
-    if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
+    if (!blanks && cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
+      cell = cell.substr(1, cell.size() - 2);
     cells.push_back(cell);
     if (comma == std::string_view::npos) return cells;
     line.remove_prefix(comma + 1);
@@ -137,7 +126,7 @@ void CsvReader::read_header(const std::string& expected) {
   has_header_ = std::ranges::any_of(layout_.columns, by_name);
   do {
     before_ = {byte_, line_};
-    if (!next_line_or_comment()) throw InputError({path_, 0, 0}, "", "is empty", expected);
+    if (!next_line()) throw InputError({path_, 0, 0}, "", "is empty", expected);
     if (has_header_ && is_header(text_)) return find_columns(trimmed(text_).substr(1), expected);
   } while (layout_.comments && trimmed(text_).starts_with('#'));
   find_columns(text_, expected);
@@ -146,14 +135,10 @@ void CsvReader::read_header(const std::string& expected) {
 bool CsvReader::is_header(std::string_view comment) const {
   comment = trimmed(comment);
   if (!layout_.comments || !comment.starts_with('#')) return false;
-  const auto cells = cells_of(comment.substr(1));
+  const auto cells = csv_cells(comment.substr(1), layout_.separator);
   return std::ranges::all_of(layout_.columns, [&](const CsvColumn& column) {
     return column.number > 0 || column.may_be_missing || std::ranges::find(cells, column.name) != cells.end();
   });
-}
-
-std::vector<std::string_view> CsvReader::cells_of(std::string_view line) const {
-  return csv_cells(line, layout_.separator);
 }
 
 void CsvReader::open(const std::string& expected) {
@@ -170,7 +155,7 @@ void CsvReader::open(const std::string& expected) {
 
 void CsvReader::find_columns(std::string_view header, const std::string& expected) {
   if (layout_.separator == ',') refuse_other_separator(header, where());
-  const auto found = cells_of(header);
+  const auto found = csv_cells(header, layout_.separator);
   columns_ = found.size();
   std::vector<bool> used(columns_);
   for (CsvColumn& column : layout_.columns) {
@@ -203,14 +188,6 @@ void CsvReader::find_columns(std::string_view header, const std::string& expecte
 }
 
 bool CsvReader::next_line() {
-  if (std::exchange(pending_, false)) return true;
-  while (next_line_or_comment()) {
-    if (!layout_.comments || !trimmed(text_).starts_with('#')) return true;
-  }
-  return false;
-}
-
-bool CsvReader::next_line_or_comment() {
   std::array<char, kMostLine> buffer;
   do {
     in_.getline(buffer.data(), buffer.size());
@@ -249,8 +226,12 @@ double CsvReader::value_of(std::size_t column, std::string_view cell, std::strin
 }
 
 bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty) {
-  if (!next_line()) return false;
-  const auto cells = cells_of(text_);
+  if (!std::exchange(pending_, false)) {
+    do {
+      if (!next_line()) return false;
+    } while (layout_.comments && trimmed(text_).starts_with('#'));
+  }
+  const auto cells = csv_cells(text_, layout_.separator);
   if (cells.size() == 1 && layout_.separator == ',') refuse_other_separator(text_, where());
   if (cells.size() != columns_) {
     throw InputError(

@@ -69,10 +69,8 @@ class CsvReader {
   void find_columns(std::string_view header, const std::string& expected);
   /// Whether a comment is the header: it has all names.
   [[nodiscard]] bool is_header(std::string_view comment) const;
-  /// Reads the next line that is not blank, or a comment.
+  /// Reads the next line that is not blank; it may be a comment.
   bool next_line();
-  bool next_line_or_comment();
-  [[nodiscard]] std::vector<std::string_view> cells_of(std::string_view line) const;
   [[nodiscard]] double value_of(std::size_t column, std::string_view cell, std::string_view may_be_empty) const;
 
   std::string path_;

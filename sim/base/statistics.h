@@ -37,8 +37,7 @@ inline std::vector<double> gaussian(double sigma, int reach) {
 /// The same, scaled to the sum 1.
 inline std::vector<double> gaussian_weights(double sigma, int reach) {
   std::vector<double> out = gaussian(sigma, reach);
-  double sum = 0;
-  for (const double weight : out) sum += weight;
+  const double sum = std::accumulate(out.begin(), out.end(), 0.0);
   for (double& weight : out) weight /= sum;
   return out;
 }

@@ -317,9 +317,8 @@ void set_fill_at_surface(const openvdb::FloatTree& distance, const GradesByDepth
 /// surface of area A intersects about √3·A/b² bricks of side b.
 double bone_fraction(const BoneMesh& bone, double voxel_mm) {
   constexpr double kPassed = 2;
-  const double brick_mm = GradeBricks::kSide * voxel_mm;
   const double box_mm3 = bone.mesh.bounds().half().prod() * 8;
-  return std::min(1.0, (bone.outer_mm3 + kPassed * bone.mesh.area_mm2() * brick_mm) / box_mm3);
+  return std::min(1.0, (bone.outer_mm3 + kPassed * bone.mesh.area_mm2() * GradeBricks::kSide * voxel_mm) / box_mm3);
 }
 
 double relative_difference(double voxels_mm3, double mesh_mm3) {

@@ -13,13 +13,10 @@
 #include <ctime>
 #include <filesystem>
 #include <limits>
-#include <optional>
 #include <thread>
 
 #include "sim/base/error.h"
 #include "sim/base/process.h"
-#include "sim/isolation/child_result.h"
-#include "sim/isolation/reader_server.h"
 
 namespace reamsim {
 
@@ -60,95 +57,56 @@ double cpu_seconds_of(pid_t child) {
 /// `waits`: out of time on the clock, with time of the processor left.
 enum class Ending { by_itself, out_of_time, waits, stopped };
 
-class Watch {
- public:
-  Watch(pid_t child, const SharedMemory& memory, const ReadLimits& limits)
-      : child_(child), memory_(memory), seconds_(kSlowdown * limits.seconds) {}
-
-  Ending wait() {
-    while (!ended()) {
-      if (stop_requested()) return killed(Ending::stopped);
-      if (const auto end = time_is_over()) return killed(*end);
-    }
-    return Ending::by_itself;
-  }
-  [[nodiscard]] int status() const { return status_; }
-
- private:
-  Ending killed(Ending why) {
-    kill(child_, SIGKILL);
-    status_ = wait_for(child_);
-    return why;
-  }
-  /// Waits a moment: the longer the child has run, the longer.
-  bool ended() {
-    using std::chrono::microseconds;
-    const auto run = std::chrono::duration_cast<microseconds>(Clock::now() - begun_);
-    std::this_thread::sleep_for(std::clamp(run / 16, microseconds(20), microseconds(5'000)));
-    return waitpid(child_, &status_, WNOHANG) != 0;
-  }
-
-  /// Counts from the file that is being read.
-  std::optional<Ending> time_is_over() {
-    const double cpu = cpu_seconds_of(child_);
-    const auto now = Clock::now();
-    const std::uint64_t files = memory_.head().files_read;
-    if (files != files_) {
-      files_ = files;
-      cpu_before_ = cpu;
-      begun_ = now;
-    }
-    if (cpu - cpu_before_ > seconds_) return Ending::out_of_time;
-    if (now - begun_ > std::chrono::seconds(kClockPerCpu * seconds_)) return Ending::waits;
-    return std::nullopt;
-  }
-
-  pid_t child_;
-  const SharedMemory& memory_;
-  int seconds_;
-  int status_ = 0;
-  std::uint64_t files_ = 0;
-  double cpu_before_ = 0;
-  Clock::time_point begun_ = Clock::now();
+struct Ended {
+  Ending how;
+  int status;
 };
 
-ForeignFile current_file(const ForeignFile& file, const SharedMemory& memory) {
-  const char* path = memory.head().path;
-  const std::string current(path, strnlen(path, SharedMemory::Head::kPathBytes));
-  return {current.empty() ? file.path : current, file.key};
+/// Waits until the child has ended, or has to. Its time counts from the file that it is reading.
+Ended wait_or_kill(pid_t child, const SharedMemory& memory, int seconds) {
+  using std::chrono::microseconds;
+  const auto killed = [child](Ending why) {
+    kill(child, SIGKILL);
+    return Ended{why, wait_for(child)};
+  };
+  std::uint64_t files = 0;
+  double cpu_before = 0;
+  for (Clock::time_point begun = Clock::now();;) {
+    // A moment: the longer the child has run, the longer.
+    const auto run = std::chrono::duration_cast<microseconds>(Clock::now() - begun);
+    std::this_thread::sleep_for(std::clamp(run / 16, microseconds(20), microseconds(5'000)));
+    int status = 0;
+    if (waitpid(child, &status, WNOHANG) != 0) return {Ending::by_itself, status};
+    if (stop_requested()) return killed(Ending::stopped);
+    const double cpu = cpu_seconds_of(child);
+    const auto now = Clock::now();
+    if (memory.head().files_read != files) {
+      files = memory.head().files_read;
+      cpu_before = cpu;
+      begun = now;
+    }
+    if (cpu - cpu_before > seconds) return killed(Ending::out_of_time);
+    if (now - begun > std::chrono::seconds(kClockPerCpu * seconds)) return killed(Ending::waits);
+  }
 }
 
 [[noreturn]] void throw_died(const ForeignFile& file, const std::string& found) {
   throw InputError({file.path, 0, 0}, file.key, found, "the file is damaged: give a complete file, or export it again");
 }
 
-std::string crash_of(int status) {
-  if (!WIFSIGNALED(status)) return "the library that reads it failed";
-  return fmt::format("the library that reads it crashed (signal {})", WTERMSIG(status));
-}
-
 void throw_unless_done(const ForeignFile& file, const SharedMemory& memory, const ReadLimits& limits, int status) {
+  const ChildOutcome outcome = succeeded(status) ? memory.head().outcome : ChildOutcome::died;
   ResultReader reader(memory, file.path, file.key);
-  const auto too_much = [&](std::uint64_t bytes) {
-    throw InputError({file.path, 0, 0}, file.key, fmt::format("reading it needs more than {} MB", bytes / 1'000'000),
+  if (outcome == ChildOutcome::done) return;
+  if (outcome == ChildOutcome::wrong_input) throw_mistakes(reader);
+  if (outcome == ChildOutcome::failed) throw RunError(reader.text());
+  if (outcome == ChildOutcome::out_of_memory || outcome == ChildOutcome::result_too_large) {
+    const std::uint64_t most = outcome == ChildOutcome::out_of_memory ? limits.memory_bytes : memory.capacity();
+    throw InputError({file.path, 0, 0}, file.key, fmt::format("reading it needs more than {} MB", most / 1'000'000),
                      "the file is damaged, or too large for its contents: use a smaller one");
-  };
-  if (!succeeded(status)) throw_died(file, crash_of(status));
-  switch (memory.head().outcome) {
-    case ChildOutcome::done:
-      return;
-    case ChildOutcome::wrong_input:
-      throw_mistakes(reader);
-    case ChildOutcome::failed:
-      throw RunError(reader.text());
-    case ChildOutcome::out_of_memory:
-      return too_much(limits.memory_bytes);
-    case ChildOutcome::result_too_large:
-      return too_much(memory.capacity());
-    case ChildOutcome::died:
-      break;
   }
-  throw_died(file, crash_of(status));  // it exited without an error
+  throw_died(file, WIFSIGNALED(status) ? fmt::format("the library that reads it crashed (signal {})", WTERMSIG(status))
+                                       : "the library that reads it failed");
 }
 
 }  // namespace
@@ -177,10 +135,10 @@ std::uint64_t bytes_of_file(const std::string& path) {
 ChildResult run_child(std::unique_ptr<SharedMemory> memory, const ForeignFile& file, const ReadLimits& limits,
                       ChildFunction function) {
   const pid_t child = start_child({function, limits.memory_bytes, cpu_seconds(limits), memory->handle()});
-  Watch watch(child, *memory, limits);
-  const Ending ending = watch.wait();
+  const auto [ending, status] = wait_or_kill(child, *memory, kSlowdown * limits.seconds);
   if (ending == Ending::stopped) throw Interrupted();
-  const ForeignFile current = current_file(file, *memory);
+  const std::string last(memory->head().path, strnlen(memory->head().path, SharedMemory::Head::kPathBytes));
+  const ForeignFile current{last.empty() ? file.path : last, file.key};
   if (ending == Ending::out_of_time) {
     throw_died(current, fmt::format("reading it took more than {} s", limits.seconds));
   }
@@ -192,8 +150,8 @@ ChildResult run_child(std::unique_ptr<SharedMemory> memory, const ForeignFile& f
         "to a local disc");
   }
   // Ctrl-C in a terminal reaches the child too.
-  if (WIFSIGNALED(watch.status()) && WTERMSIG(watch.status()) == SIGINT) throw Interrupted();
-  throw_unless_done(current, *memory, limits, watch.status());
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) throw Interrupted();
+  throw_unless_done(current, *memory, limits, status);
   return {std::move(memory), file};
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/isolation/reader_server.h"
+#include "sim/isolation/read_in_child.h"
 
 #include <fcntl.h>
 #include <sched.h>
@@ -28,7 +28,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/process.h"
-#include "sim/isolation/child_result.h"
 
 namespace reamsim {
 
@@ -141,21 +140,16 @@ void enter_sandbox(const ChildStart& start) {
   restrict_system_calls();
 }
 
+/// Sends a value to the other side. Returns false when that has ended.
 template <PlainValue T>
 bool send_value(int socket, const T& value) {
-  ssize_t sent = 0;
-  while ((sent = send(socket, &value, sizeof value, MSG_NOSIGNAL)) < 0 && errno == EINTR) {
-  }
-  return sent == static_cast<ssize_t>(sizeof value);
+  return TEMP_FAILURE_RETRY(send(socket, &value, sizeof value, MSG_NOSIGNAL)) == ssize_t{sizeof value};
 }
 
-/// Receives what send_value() sent. Returns false when the other side has ended.
+/// Receives what send_value() sent.
 template <PlainValue T>
 bool receive_value(int socket, T& value) {
-  ssize_t received = 0;
-  while ((received = recv(socket, &value, sizeof value, 0)) < 0 && errno == EINTR) {
-  }
-  return received == static_cast<ssize_t>(sizeof value);
+  return TEMP_FAILURE_RETRY(recv(socket, &value, sizeof value, 0)) == ssize_t{sizeof value};
 }
 
 ChildOutcome write_result(ChildFunction function, ResultReader& arguments, ResultWriter& out) {
@@ -281,8 +275,7 @@ void stop_reader_server() {
   const pid_t process = owner == getpid() ? server_process.exchange(-1) : -1;
   if (process < 0) return;
   kill(process, SIGKILL);
-  while (waitpid(process, nullptr, 0) < 0 && errno == EINTR) {
-  }
+  wait_for(process);
 }
 
 pid_t start_child(const ChildStart& start) {

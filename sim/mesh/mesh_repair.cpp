@@ -168,11 +168,13 @@ constexpr double kOfShortestEdge = 0.1;
 constexpr double kRounding = 4 * std::numeric_limits<float>::epsilon();
 
 /// Vertices at edges that belong to one triangle, in order.
-std::set<std::int32_t> rim_vertices(const TriangleMesh& mesh) {
-  std::set<std::int32_t> out;
+std::vector<std::int32_t> rim_vertices(const TriangleMesh& mesh) {
+  std::vector<std::int32_t> out;
   for_each_edge(mesh.triangles, [&](std::span<const EdgeSide> sides) {
-    if (sides.size() == 1) out.insert({sides[0].low, sides[0].high});
+    if (sides.size() == 1) out.insert(out.end(), {sides[0].low, sides[0].high});
   });
+  std::ranges::sort(out);
+  out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }
 
@@ -253,7 +255,7 @@ void remove_unused(TriangleMesh& mesh) {
 }  // namespace
 
 std::string weld(TriangleMesh& mesh) {
-  const std::set<std::int32_t> rim = rim_vertices(mesh);
+  const std::vector<std::int32_t> rim = rim_vertices(mesh);
   const double tolerance_mm = rim.empty() ? 0 : tolerance_of(mesh);
   if (!std::isfinite(tolerance_mm) || tolerance_mm <= 0) return "";
   std::vector<std::int32_t> target(mesh.vertices.size());

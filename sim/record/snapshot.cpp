@@ -80,7 +80,7 @@ std::vector<std::int64_t> snapshot_frames(const std::string& dir) {
 
 void apply_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill) {
   const std::string path = snapshot_path(dir, frame);
-  const openvdb::FloatGrid::Ptr grid = VdbFile(path, VdbOrigin::kReamsim).read("fill");
+  const openvdb::FloatGrid::Ptr grid = read_vdb_grid(path, "fill", VdbOrigin::kReamsim);
   const Vec3i limit = 8 * fill.brick_dims();
   for (auto value = grid->cbeginValueOn(); value; ++value) {
     const openvdb::Coord c = value.getCoord();

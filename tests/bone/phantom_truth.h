@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/anatomy/fit_face.h"
+#include "sim/anatomy/find_glenoid.h"
 #include "sim/bone/glenoid_shape.h"
 #include "tests/bone/bone_fixture.h"
 

@@ -13,16 +13,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TriangleMesh joined(const std::vector<TriangleMesh>& parts) {
-  TriangleMesh out;
-  for (const TriangleMesh& part : parts) {
-    const auto before = static_cast<std::int32_t>(out.vertices.size());
-    out.vertices.insert(out.vertices.end(), part.vertices.begin(), part.vertices.end());
-    for (const auto& [a, b, c] : part.triangles) out.triangles.push_back({a + before, b + before, c + before});
-  }
-  return out;
-}
-
 std::vector<MeshPiece> pieces_of(TriangleMesh mesh) {
   return turn_outwards(mesh);
 }

@@ -16,16 +16,9 @@
 namespace reamsim::test {
 namespace {
 
-TriangleMesh both(TriangleMesh a, const TriangleMesh& b) {
-  const auto before = static_cast<std::int32_t>(a.vertices.size());
-  a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
-  for (const auto& [i, j, k] : b.triangles) a.triangles.push_back({i + before, j + before, k + before});
-  return a;
-}
-
 TEST(Winding, CountsTheSurfacesRoundAPoint) {
-  const TriangleMesh mesh = both(both(box_mesh({0, 0, 0}, {10, 10, 10}), box_mesh({5, 5, 5}, {15, 15, 15})),
-                                 inside_out(box_mesh({1, 1, 1}, {3, 3, 3})));
+  const TriangleMesh mesh = joined({box_mesh({0, 0, 0}, {10, 10, 10}), box_mesh({5, 5, 5}, {15, 15, 15}),
+                                    inside_out(box_mesh({1, 1, 1}, {3, 3, 3}))});
   for (int axis = 0; axis < 3; ++axis) {
     const LineCrossings lines(mesh, axis);
     EXPECT_EQ(lines.winding({4, 4, 4}), 1) << axis;

@@ -74,6 +74,16 @@ inline TriangleMesh sphere_mesh(const Vec3& center, double radius, int splits) {
 }
 
 /// The same surface with its triangles facing the other way.
+inline TriangleMesh joined(const std::vector<TriangleMesh>& parts) {
+  TriangleMesh out;
+  for (const TriangleMesh& part : parts) {
+    const auto before = static_cast<std::int32_t>(out.vertices.size());
+    out.vertices.insert(out.vertices.end(), part.vertices.begin(), part.vertices.end());
+    for (const auto& [a, b, c] : part.triangles) out.triangles.push_back({a + before, b + before, c + before});
+  }
+  return out;
+}
+
 inline TriangleMesh inside_out(TriangleMesh mesh) {
   for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   return mesh;

@@ -5,7 +5,7 @@
 // threads: a fork of a process with threads may inherit a lock that nobody releases, and a reader would wait forever.
 #include <gtest/gtest.h>
 
-#include "sim/isolation/reader_server.h"
+#include "sim/isolation/read_in_child.h"
 
 int main(int argc, char** argv) {
   reamsim::start_reader_server();

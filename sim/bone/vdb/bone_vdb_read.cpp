@@ -20,10 +20,6 @@ namespace reamsim {
 
 namespace {
 
-[[noreturn]] void fail_reading(const std::string& path, const std::string& found, const std::string& expected) {
-  throw InputError({path, 0, 0}, "", found, expected);
-}
-
 template <class T>
 std::optional<T> value_of(const openvdb::FloatGrid& grid, const char* name) {
   const auto entry = grid.getMetadata<openvdb::TypedMetadata<T>>(name);
@@ -37,25 +33,24 @@ std::string text_in(const openvdb::FloatGrid& grid, const char* name) {
 /// Edge length of a voxel, mm. Throws InputError unless voxels are cubes along the axes.
 double checked_voxel(const std::string& path, const openvdb::FloatGrid& grid) {
   const std::string expected = "expected cubic voxels along the axes (a uniform scale and a translation)";
-  if (!grid.transform().isLinear()) fail_reading(path, "a grid with a perspective transform", expected);
+  if (!grid.transform().isLinear()) refuse_file(path, "a grid with a perspective transform", expected);
   const openvdb::math::Mat4d matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
   const double voxel_mm = matrix(0, 0);
   if (!std::isfinite(voxel_mm) || voxel_mm <= 0)
-    fail_reading(path, "a grid that is mirrored, rotated or without size", expected);
+    refuse_file(path, "a grid that is mirrored, rotated or without size", expected);
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) {
       const double wanted = row == column ? voxel_mm : 0;
       if (std::abs(matrix(row, column) - wanted) <= 1e-6 * voxel_mm) continue;
-      fail_reading(path, row == column ? "a grid with non-cubic voxels" : "a grid that is rotated or sheared",
-                   expected);
+      refuse_file(path, row == column ? "a grid with non-cubic voxels" : "a grid that is rotated or sheared", expected);
     }
-    if (!std::isfinite(matrix(3, row))) fail_reading(path, "a grid without a finite position", expected);
+    if (!std::isfinite(matrix(3, row))) refuse_file(path, "a grid without a finite position", expected);
   }
   // As bone.voxel_mm, which the scenario of the results holds.
   if (voxel_mm < BoneSettings::kLeastVoxel_mm || voxel_mm > BoneSettings::kMostVoxel_mm) {
-    fail_reading(path, fmt::format("voxels of {:g} mm", voxel_mm),
-                 fmt::format("expected {:g} to {:g} mm: is the grid in another unit?", BoneSettings::kLeastVoxel_mm,
-                             BoneSettings::kMostVoxel_mm));
+    refuse_file(path, fmt::format("voxels of {:g} mm", voxel_mm),
+                fmt::format("expected {:g} to {:g} mm: is the grid in another unit?", BoneSettings::kLeastVoxel_mm,
+                            BoneSettings::kMostVoxel_mm));
   }
   return voxel_mm;
 }
@@ -87,7 +82,7 @@ double bone_fraction(const openvdb::FloatGrid& density, double voxels) {
 Placement checked_placement(const std::string& path, const openvdb::FloatGrid& density) {
   const double voxel_mm = checked_voxel(path, density);
   const openvdb::CoordBBox active = density.evalActiveVoxelBoundingBox();
-  if (active.empty()) fail_reading(path, "a grid \"density\" without active voxels", "expected bone");
+  if (active.empty()) refuse_file(path, "a grid \"density\" without active voxels", "expected bone");
   Eigen::Array3d dims;
   for (int axis = 0; axis < 3; ++axis) dims[axis] = 1.0 + active.max()[axis] - 1.0 * active.min()[axis];
   check_lattice(path, dims, voxel_mm, {.bone_fraction = bone_fraction(density, dims.prod())});
@@ -106,8 +101,8 @@ Placement checked_placement(const std::string& path, const openvdb::FloatGrid& d
   const openvdb::CoordBBox whole({0, 0, 0}, {lattice.dims.x() - 1, lattice.dims.y() - 1, lattice.dims.z() - 1});
   const bool same = std::abs(lattice.voxel_mm - voxel_mm) <= 1e-6 * voxel_mm && shift_mm <= 1e-3 * voxel_mm;
   if ((lattice.dims.array() < 1).any() || !whole.isInside(active) || !same) {
-    fail_reading(path, "a lattice in the metadata that contradicts the grid",
-                 "expected the metadata that reamsim wrote");
+    refuse_file(path, "a lattice in the metadata that contradicts the grid",
+                "expected the metadata that reamsim wrote");
   }
   return *written;
 }
@@ -117,7 +112,7 @@ double read_grades(const std::string& path, const openvdb::FloatGrid& density, c
                    FilledVoxmap& voxmap) {
   double densest = 0;
   for (auto value = density.cbeginValueOn(); value; ++value) {
-    if (!std::isfinite(*value)) fail_reading(path, "a density that is NaN or infinite", "expected g/cm^3");
+    if (!std::isfinite(*value)) refuse_file(path, "a density that is NaN or infinite", "expected g/cm^3");
     if (*value <= 0) continue;
     densest = std::max(densest, double{*value});
     const std::uint8_t grade =
@@ -140,8 +135,7 @@ void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const op
       if (grades[static_cast<std::size_t>(offset)] == 0) continue;
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
       const float value = read.getValue(first.offsetBy(voxel.x(), voxel.y(), voxel.z()));
-      if (!(value >= 0 && value <= 1))
-        fail_reading(path, "a fill outside 0 to 1", "expected the fraction that is bone");
+      if (!(value >= 0 && value <= 1)) refuse_file(path, "a fill outside 0 to 1", "expected the fraction that is bone");
       voxmap.fill.set(voxel, static_cast<std::uint16_t>(std::lround(double{value} * FillBricks::kWhole)));
     }
   });
@@ -229,11 +223,11 @@ StoredAnatomy anatomy_of(const std::string& path, const openvdb::FloatGrid& dens
 }
 
 StoredBone read_grids(const std::string& path) {
-  VdbFile file(path);
-  if (!file.has(vdb_keys::kDensity)) {
-    fail_reading(path, "no grid \"density\" (found: " + file.grid_names() + ")", "expected a FloatGrid in g/cm^3");
+  const VdbGrids file = read_vdb_file(path, {vdb_keys::kDensity, vdb_keys::kFill});
+  if (!file.grids.contains(vdb_keys::kDensity)) {
+    refuse_file(path, "no grid \"density\" (found: " + file.names + ")", "expected a FloatGrid in g/cm^3");
   }
-  const openvdb::FloatGrid::Ptr density = file.read(vdb_keys::kDensity);
+  const openvdb::FloatGrid::Ptr density = file.grids.at(vdb_keys::kDensity);
   const Placement placement = checked_placement(path, *density);
   StoredBone out;
   out.anatomy = anatomy_of(path, *density);
@@ -244,10 +238,10 @@ StoredBone read_grids(const std::string& path) {
   voxmap.mapping = mapping_of(*density);
   voxmap.layers = parse_stored_layers(text_in(*density, vdb_keys::kLayers));
   out.densest_g_cm3 = read_grades(path, *density, placement.first, voxmap);
-  if (file.has(vdb_keys::kFill)) {
-    const openvdb::FloatGrid::Ptr fill = file.read(vdb_keys::kFill);
+  if (const auto found = file.grids.find(vdb_keys::kFill); found != file.grids.end()) {
+    const openvdb::FloatGrid::Ptr fill = found->second;
     if (fill->transform() != density->transform()) {
-      fail_reading(path, "the grids \"fill\" and \"density\" have different transforms", "expected the same transform");
+      refuse_file(path, "the grids \"fill\" and \"density\" have different transforms", "expected the same transform");
     }
     read_fill(path, *fill, placement.first, voxmap);
   }
@@ -260,9 +254,9 @@ StoredBone read_stored_bone(const std::string& path) {
   try {
     return read_grids(path);
   } catch (const std::bad_alloc&) {
-    fail_reading(path, "the VDB does not fit into memory", "use a smaller grid");
+    refuse_file(path, "the VDB does not fit into memory", "use a smaller grid");
   } catch (const openvdb::Exception&) {
-    fail_reading(path, "a truncated or damaged VDB file", "expected a complete file");
+    refuse_file(path, "a truncated or damaged VDB file", "expected a complete file");
   }
 }
 

@@ -4,16 +4,14 @@
 #include <fmt/ranges.h>
 #include <openvdb/openvdb.h>
 #include <algorithm>
-#include <array>
 
 #include "sim/base/error.h"
 #include "sim/base/parallel.h"
 #include "sim/base/process.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/vdb/grids.h"
-#include "sim/bone/vdb/narrow_band.h"
 #include "sim/bone/vdb/vdb_archive.h"
-#include "sim/bone/voxmap/voxmap.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 
 namespace reamsim {
 
@@ -22,59 +20,28 @@ namespace {
 using Leaf = openvdb::FloatTree::LeafNodeType;
 static_assert(Leaf::DIM == FillBricks::kSide);
 
-constexpr int kPadded = FillBricks::kSide + 2;
-
 /// The occupancy (0…65535) of a brick and of a layer of one voxel around it.
-class PaddedBrick {
- public:
-  PaddedBrick(const BoneView& bone, const Vec3i& brick) {
-    for_each_voxel(Vec3i::Constant(-1), Vec3i::Ones(),
-                   [&](const Vec3i& step) { copy_from_neighbour(bone, brick, step); });
-  }
+using Occupancy = PaddedBrick<int>;
 
-  [[nodiscard]] bool empty() const { return empty_; }
-  [[nodiscard]] bool whole() const { return whole_; }
-  /// Weights 1-2-1 along each axis; their sum is 64.
-  [[nodiscard]] float smoothed(int x, int y, int z) const {
-    int sum = 0;
-    for (int dz = 0; dz < 3; ++dz) {
-      for (int dy = 0; dy < 3; ++dy) {
-        const int row = at(x, y + dy, z + dz) + 2 * at(x + 1, y + dy, z + dz) + at(x + 2, y + dy, z + dz);
-        sum += (dy == 1 ? 2 : 1) * (dz == 1 ? 2 : 1) * row;
-      }
+Occupancy occupancy_of(const BoneView& bone, const Vec3i& brick) {
+  return {bone.voxmap.grade, &bone.fill, brick, [](const auto& grades, const auto* fill, std::size_t at) -> int {
+            return grades[at] == 0 ? 0 : fill == nullptr ? FillBricks::kWhole : (*fill)[at];
+          }};
+}
+
+/// Weights 1-2-1 along each axis; their sum is 64.
+float smoothed(const Occupancy& occupancy, const Vec3i& voxel) {
+  constexpr std::size_t kRow = Occupancy::kPaddedSide, kLayer = kRow * kRow;
+  const std::size_t first = Occupancy::place(voxel - Vec3i::Ones());
+  int sum = 0;
+  for (std::size_t dz = 0; dz < 3; ++dz) {
+    for (std::size_t dy = 0; dy < 3; ++dy) {
+      const int* row = &occupancy.values()[first + kLayer * dz + kRow * dy];
+      sum += (dy == 1 ? 2 : 1) * (dz == 1 ? 2 : 1) * (row[0] + 2 * row[1] + row[2]);
     }
-    return static_cast<float>(sum) / (64.0F * FillBricks::kWhole);
   }
-
- private:
-  /// Copies a face, an edge or a corner of the neighbour `step` bricks away, or the brick itself.
-  void copy_from_neighbour(const BoneView& bone, const Vec3i& brick, const Vec3i& step) {
-    const Vec3i first = step.unaryExpr([](int s) { return s < 0 ? -1 : s * FillBricks::kSide; });
-    const Vec3i last = step.unaryExpr([](int s) { return s < 0 ? -1 : FillBricks::kSide + s - 1; });
-    const Vec3i coord = brick + step;
-    const bool inside = BrickLattice{bone.voxmap.grade.brick_dims()}.contains(coord);
-    const GradeBricks::Brick* grades = inside ? bone.voxmap.grade.brick(coord) : nullptr;
-    whole_ = whole_ && grades != nullptr;
-    if (grades == nullptr) return;
-    const FillBricks::Brick* fill = bone.fill.brick(coord);
-    for_each_voxel(first, last, [&](const Vec3i& v) {
-      const auto offset = static_cast<std::size_t>(BrickLattice::offset_of(v));
-      const int remaining = fill == nullptr ? FillBricks::kWhole : (*fill)[offset];
-      const int value = (*grades)[offset] == 0 ? 0 : remaining;
-      at(v.x() + 1, v.y() + 1, v.z() + 1) = value;
-      empty_ = empty_ && value == 0;
-      whole_ = whole_ && value == FillBricks::kWhole;
-    });
-  }
-  [[nodiscard]] const int& at(int x, int y, int z) const {
-    return values_[static_cast<std::size_t>(x + kPadded * (y + kPadded * z))];
-  }
-  int& at(int x, int y, int z) { return values_[static_cast<std::size_t>(x + kPadded * (y + kPadded * z))]; }
-
-  std::array<int, std::size_t{kPadded} * kPadded * kPadded> values_{};
-  bool empty_ = true;
-  bool whole_ = true;
-};
+  return static_cast<float>(sum) / (64.0F * FillBricks::kWhole);
+}
 
 openvdb::Coord coord_of(const Vec3i& voxel) {
   return {voxel.x(), voxel.y(), voxel.z()};
@@ -92,13 +59,12 @@ struct SmoothedBrick {
 };
 
 SmoothedBrick smoothed_brick(const BoneView& bone, const Vec3i& brick) {
-  const PaddedBrick padded(bone, brick);
-  if (padded.empty()) return {};
-  if (padded.whole()) return {1.0F, nullptr};
+  const Occupancy occupancy = occupancy_of(bone, brick);
+  if (occupancy.most() == 0) return {};
+  if (occupancy.least() == FillBricks::kWhole) return {1.0F, nullptr};
   auto leaf = std::make_unique<Leaf>(leaf_corner(brick), 0.0F, true);
-  for_each_voxel(Vec3i::Constant(FillBricks::kSide), [&](const Vec3i& v) {
-    leaf->setValueOnly(Leaf::coordToOffset(coord_of(v)), padded.smoothed(v.x(), v.y(), v.z()));
-  });
+  for_each_voxel(Vec3i::Constant(FillBricks::kSide),
+                 [&](const Vec3i& v) { leaf->setValueOnly(Leaf::coordToOffset(coord_of(v)), smoothed(occupancy, v)); });
   return {0, std::move(leaf)};
 }
 

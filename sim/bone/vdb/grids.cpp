@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "sim/base/parallel.h"
@@ -32,87 +34,61 @@ struct PlainLeaf {
   std::array<float, Leaf::NUM_VALUES> value;
 };
 
-enum class ValueKind : std::uint8_t { end, text, real, narrow_real, integer, long_integer, truth, integers, reals };
+/// The types of metadata that are handed back; those of other types are left out.
+using MetaTypes = std::tuple<std::string, double, openvdb::Vec3i, openvdb::Vec3d>;
+constexpr std::uint8_t kEndOfMetadata = std::tuple_size_v<MetaTypes>;
 
-/// Writes a value of metadata if it has type T.
-template <class T, class Put>
-bool put_if(const openvdb::Metadata& value, const Put& put) {
-  const auto* typed = dynamic_cast<const openvdb::TypedMetadata<T>*>(&value);
-  if (typed != nullptr) put(typed->value());
-  return typed != nullptr;
+void put_meta(ResultWriter& out, const std::string& value) {
+  out.put(value);
+}
+template <class T>
+void put_meta(ResultWriter& out, const openvdb::math::Vec3<T>& value) {
+  for (int axis = 0; axis < 3; ++axis) out.put(value[axis]);
+}
+void put_meta(ResultWriter& out, double value) {
+  out.put(value);
 }
 
-void put_value(ResultWriter& out, const std::string& name, const openvdb::Metadata& value) {
-  const auto head = [&](ValueKind kind) {
-    out.put(kind);
-    out.put(name);
-  };
-  const auto number = [&](ValueKind kind) {
-    return [&, kind](auto n) {
-      head(kind);
-      out.put(n);
-    };
-  };
-  const auto vector = [&](ValueKind kind) {
-    return [&, kind](const auto& v) {
-      head(kind);
-      for (int axis = 0; axis < 3; ++axis) out.put(v[axis]);
-    };
-  };
-  const auto text = [&](const std::string& t) {
-    head(ValueKind::text);
-    out.put(t);
-  };
-  (void)(put_if<std::string>(value, text) || put_if<double>(value, number(ValueKind::real)) ||
-         put_if<float>(value, number(ValueKind::narrow_real)) || put_if<int>(value, number(ValueKind::integer)) ||
-         put_if<openvdb::Int64>(value, number(ValueKind::long_integer)) ||
-         put_if<bool>(value, number(ValueKind::truth)) || put_if<openvdb::Vec3i>(value, vector(ValueKind::integers)) ||
-         put_if<openvdb::Vec3d>(value, vector(ValueKind::reals)));
+template <class T>
+T take_meta(ResultReader& in) {
+  if constexpr (requires(T vector) { vector.asPointer(); }) {
+    T out;
+    for (int axis = 0; axis < 3; ++axis) out[axis] = in.get<typename T::value_type>();
+    return out;
+  } else {
+    return in.take<T>();
+  }
 }
 
-template <class Vector>
-Vector take_vector(ResultReader& in) {
-  Vector out;
-  for (int axis = 0; axis < 3; ++axis) out[axis] = in.get<typename Vector::value_type>();
-  return out;
+/// Calls visit.operator()<type>(number of the type) for each of MetaTypes.
+template <class Visit>
+void for_each_meta_type(const Visit& visit) {
+  [&]<std::size_t... N>(std::index_sequence<N...>) {
+    (visit.template operator()<std::tuple_element_t<N, MetaTypes>>(static_cast<std::uint8_t>(N)), ...);
+  }
+  (std::make_index_sequence<std::tuple_size_v<MetaTypes>>());
 }
 
-void take_metadata(ResultReader& in, openvdb::FloatGrid& grid) {
-  while (true) {
-    const auto kind = in.get<ValueKind>();
-    if (kind == ValueKind::end) return;
+void put_metadata(ResultWriter& out, const openvdb::MetaMap& metadata) {
+  for (auto entry = metadata.beginMeta(); entry != metadata.endMeta(); ++entry) {
+    for_each_meta_type([&]<class T>(std::uint8_t number) {
+      const auto* typed = dynamic_cast<const openvdb::TypedMetadata<T>*>(entry->second.get());
+      if (typed == nullptr) return;
+      out.put(number);
+      out.put(std::string(entry->first));
+      put_meta(out, typed->value());
+    });
+  }
+  out.put(kEndOfMetadata);
+}
+
+void take_metadata(ResultReader& in, openvdb::MetaMap& metadata) {
+  for (auto found = in.get<std::uint8_t>(); found != kEndOfMetadata; found = in.get<std::uint8_t>()) {
+    if (found > kEndOfMetadata) in.fail();
     const std::string name = in.text();
-    const auto insert = [&](const auto& value) {
-      grid.insertMeta(name, openvdb::TypedMetadata<std::decay_t<decltype(value)>>(value));
-    };
-    switch (kind) {
-      case ValueKind::text:
-        insert(in.text());
-        break;
-      case ValueKind::real:
-        insert(in.get<double>());
-        break;
-      case ValueKind::narrow_real:
-        insert(in.get<float>());
-        break;
-      case ValueKind::integer:
-        insert(in.get<int>());
-        break;
-      case ValueKind::long_integer:
-        insert(in.get<openvdb::Int64>());
-        break;
-      case ValueKind::truth:
-        insert(in.get<unsigned char>() != 0);
-        break;
-      case ValueKind::integers:
-        insert(take_vector<openvdb::Vec3i>(in));
-        break;
-      case ValueKind::reals:
-        insert(take_vector<openvdb::Vec3d>(in));
-        break;
-      default:
-        in.fail();
-    }
+    for_each_meta_type([&]<class T>(std::uint8_t number) {
+      if (number == found) metadata.insertMeta(name, openvdb::TypedMetadata<T>(take_meta<T>(in)));
+    });
   }
 }
 
@@ -191,8 +167,7 @@ void add_leaves(ResultReader& in, Tree& tree) {
 
 void put_grid(ResultWriter& out, openvdb::FloatGrid& grid) {
   out.put(grid.getName());
-  for (auto value = grid.beginMeta(); value != grid.endMeta(); ++value) put_value(out, value->first, *value->second);
-  out.put(ValueKind::end);
+  put_metadata(out, grid);
   put_transform(out, grid.transform());
   out.put(grid.background());
   put_tiles(out, grid.tree());
@@ -237,10 +212,6 @@ SampledMesh sampled(const TriangleMesh& mesh, const DistanceSampling& sampling) 
   return out;
 }
 
-}  // namespace
-
-namespace {
-
 openvdb::FloatGrid::Ptr to_volume(const SampledMesh& mesh, const openvdb::math::Transform& transform,
                                   double outer_spacings, double inner_spacings, int flags) {
   openvdb::initialize();
@@ -250,21 +221,6 @@ openvdb::FloatGrid::Ptr to_volume(const SampledMesh& mesh, const openvdb::math::
   return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter, transform, static_cast<float>(outer_spacings),
                                                           static_cast<float>(inner_spacings), flags);
 }
-
-}  // namespace
-
-openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::math::Transform& transform,
-                                      double outer_spacings, double inner_spacings, bool exact) {
-  const int flags = exact ? openvdb::tools::DISABLE_RENORMALIZATION : 0;
-  return to_volume(mesh, transform, outer_spacings, inner_spacings, flags);
-}
-
-openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling) {
-  return mesh_distance(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0),
-                       sampling.outer_spacings, sampling.inner_spacings, sampling.exact);
-}
-
-namespace {
 
 /// Sets the sign of the distances in a brick of 8×8×8 samples; those beyond the band become constant.
 void sign_leaf(Leaf& leaf, const InsideTest& inside, float outer, float inner) {
@@ -277,6 +233,17 @@ void sign_leaf(Leaf& leaf, const InsideTest& inside, float outer, float inner) {
 }
 
 }  // namespace
+
+openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::math::Transform& transform,
+                                      double outer_spacings, double inner_spacings, bool exact) {
+  return to_volume(mesh, transform, outer_spacings, inner_spacings,
+                   exact ? openvdb::tools::DISABLE_RENORMALIZATION : 0);
+}
+
+openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling) {
+  return mesh_distance(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0),
+                       sampling.outer_spacings, sampling.inner_spacings, sampling.exact);
+}
 
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling, const Vec3i& dims,
                                       const InsideTest& inside) {

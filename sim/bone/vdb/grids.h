@@ -19,7 +19,7 @@ openvdb::FloatGrid::Ptr make_float_grid(float background);
 openvdb::BoolGrid::Ptr make_bool_grid(bool background);
 
 // Grids as plain arrays, which child processes hand back: values of leaves and tiles, the affine transform, and the
-// metadata that are numbers or texts.
+// metadata of the types that reamsim reads.
 
 /// Writes a grid, and empties its leaves on the way.
 void put_grid(ResultWriter& out, openvdb::FloatGrid& grid);
@@ -55,5 +55,15 @@ using InsideTest = std::function<bool(const Vec3i&)>;
 /// those beyond are outside.
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling, const Vec3i& dims,
                                       const InsideTest& inside);
+
+/// Half width of the band of a level set, voxels.
+inline constexpr float kHalfBandVoxels = 3;
+
+/// The level set of the surface where an occupancy is one half: signed distance in units of the transform, negative
+/// inside, active within kHalfBandVoxels of the surface. `occupancy`: leaves where it is not constant, tiles of 1
+/// inside, background 0. A voxel's distance is that of the closest point of the trilinear interpolation. On spheres of
+/// 5 to 40 mm in voxels of 0.5 mm, the largest error within a voxel of the surface is 0.14 voxels; of
+/// openvdb::tools::fogToSdf it is 0.41, in five to eight times the time.
+openvdb::FloatGrid::Ptr narrow_band(const openvdb::FloatGrid& occupancy);
 
 }  // namespace reamsim

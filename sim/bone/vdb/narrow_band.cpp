@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/bone/vdb/narrow_band.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -3,12 +3,11 @@
 
 #include "sim/bone/vdb/vdb_archive.h"
 
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <tbb/global_control.h>
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -35,10 +34,6 @@ constexpr std::size_t kKeySearchBytes = 1 << 16;
 constexpr std::size_t kTrailerBytes = 23;
 /// The first eight bytes of any VDB file.
 constexpr std::string_view kMagic("\x20\x42\x44\x56\0\0\0\0", 8);
-
-[[noreturn]] void fail(const std::string& path, const std::string& found, const std::string& expected) {
-  throw InputError({path, 0, 0}, "", found, expected);
-}
 
 /// Writes grid after grid to a stream whose state can be checked. OpenVDB's own File needs all grids at once, and
 /// ignores a full disk.
@@ -133,8 +128,8 @@ void check_version(const std::string& path, const std::string& start) {
   constexpr std::uint32_t kOldest = openvdb::OPENVDB_FILE_VERSION_ROOTNODE_MAP;
   constexpr std::uint32_t kNewest = openvdb::OPENVDB_FILE_VERSION;
   if (version >= kOldest && version <= kNewest) return;
-  fail(path, "a VDB of file version " + std::to_string(version),
-       "expected " + std::to_string(kOldest) + " to " + std::to_string(kNewest) + ", or the file is damaged");
+  refuse_file(path, "a VDB of file version " + std::to_string(version),
+              "expected " + std::to_string(kOldest) + " to " + std::to_string(kNewest) + ", or the file is damaged");
 }
 
 /// Throws InputError for a file that cannot be read, is not a VDB, or has a wrong checksum. Returns whether it has a
@@ -142,57 +137,23 @@ void check_version(const std::string& path, const std::string& start) {
 bool check_bytes(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) fail(path, "no such file", "expected a VDB file");
-  if (!fs::is_regular_file(status)) fail(path, "not a file", "expected a VDB file");
+  if (!fs::exists(status)) refuse_file(path, "no such file", "expected a VDB file");
+  if (!fs::is_regular_file(status)) refuse_file(path, "not a file", "expected a VDB file");
   const std::uintmax_t size = fs::file_size(path, error);
   std::ifstream in(path, std::ios::binary);
-  if (error || !in) fail(path, "cannot be read", "expected a readable VDB file");
-  if (size == 0) fail(path, "an empty file", "expected a VDB file");
+  if (error || !in) refuse_file(path, "cannot be read", "expected a readable VDB file");
+  if (size == 0) refuse_file(path, "an empty file", "expected a VDB file");
   const std::string start = read_file_start(path, kKeySearchBytes);
-  if (!start.starts_with(kMagic)) fail(path, "not a VDB file", "expected an OpenVDB file, as reamsim writes it");
+  if (!start.starts_with(kMagic)) refuse_file(path, "not a VDB file", "expected an OpenVDB file, as reamsim writes it");
   check_version(path, start);
   if (start.find(kTrailerKey) == std::string::npos) return false;
   const std::string damaged = "a truncated or damaged VDB file (its checksum does not match)";
-  if (size < kTrailerBytes) fail(path, damaged, "expected a complete file");
+  if (size < kTrailerBytes) refuse_file(path, damaged, "expected a complete file");
   const std::optional<uLong> sum = checksum(in, size - kTrailerBytes);
   std::string found(kTrailerBytes, '\0');
   in.read(found.data(), static_cast<std::streamsize>(found.size()));
-  if (!in || !sum || found != trailer(*sum)) fail(path, damaged, "expected a complete file");
+  if (!in || !sum || found != trailer(*sum)) refuse_file(path, damaged, "expected a complete file");
   return true;
-}
-
-ReadLimits limits_for(const std::string& path) {
-  constexpr std::uint64_t kMemoryPerFileByte = 200;  // about the compression of constant regions
-  const std::uint64_t bytes = bytes_of_file(path);
-  ReadLimits limits = ReadLimits().with(bytes, kMemoryPerFileByte * bytes);
-  limits.result_bytes = limits.memory_bytes;
-  return limits;
-}
-
-constexpr const char* kDamaged = "a truncated or damaged VDB file";
-
-/// Calls `read` with the opened file, in the child.
-template <class Read>
-void read_opened(const std::string& path, const Read& read) {
-  openvdb::initialize();
-  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-  try {
-    openvdb::io::File file(path);
-    file.open(/*delayLoad=*/false);
-    read(file);
-  } catch (const openvdb::Exception&) {
-    fail(path, kDamaged, "expected a complete file");
-  }
-}
-
-void put_names(ResultWriter& out, const std::string& path) {
-  read_opened(path, [&](openvdb::io::File& file) {
-    for (auto name = file.beginName(); name != file.endName(); ++name) {
-      out.put(true);
-      out.put(std::string(*name));
-    }
-  });
-  out.put(false);
 }
 
 /// A grid of a file, in the child.
@@ -201,17 +162,31 @@ openvdb::FloatGrid::Ptr read_grid(openvdb::io::File& file, const std::string& pa
   try {
     any = file.readGrid(name);
   } catch (const openvdb::Exception&) {
-    fail(path, "a truncated or damaged grid \"" + name + "\"", "expected a complete VDB file");
+    refuse_file(path, "a truncated or damaged grid \"" + name + "\"", "expected a complete VDB file");
   }
   const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(any);
   if (!grid) {
-    fail(path, "a grid \"" + name + "\" of type " + (any ? any->valueType() : "none"), "expected a FloatGrid");
+    refuse_file(path, "a grid \"" + name + "\" of type " + (any ? any->valueType() : "none"), "expected a FloatGrid");
   }
   return grid;
 }
 
-void put_named_grid(ResultWriter& out, const std::string& path, const std::string& name) {
-  read_opened(path, [&](openvdb::io::File& file) { put_grid(out, *read_grid(file, path, name)); });
+/// The names of all grids, and those of the wanted grids that the file has; in the child.
+void put_grids(ResultWriter& out, const std::string& path, const std::vector<std::string>& wanted) {
+  openvdb::initialize();
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  try {
+    openvdb::io::File file(path);
+    file.open(/*delayLoad=*/false);
+    std::vector<std::string> names;
+    for (auto name = file.beginName(); name != file.endName(); ++name) names.push_back(*name);
+    out.put(names);
+    for (const std::string& name : wanted) {
+      if (std::ranges::count(names, name) > 0) put_grid(out, *read_grid(file, path, name));
+    }
+  } catch (const openvdb::Exception&) {
+    refuse_file(path, "a truncated or damaged VDB file", "expected a complete file");
+  }
 }
 
 }  // namespace
@@ -236,24 +211,30 @@ void write_vdb_file(const std::string& path, const std::vector<GridMaker>& grids
   if (error) fail_to_write(path);
 }
 
-VdbFile::VdbFile(const std::string& path, VdbOrigin origin) : path_(path) {
+VdbGrids read_vdb_file(const std::string& path, const std::vector<std::string>& wanted, VdbOrigin origin) {
+  constexpr std::uint64_t kMemoryPerFileByte = 200;  // about the compression of constant regions
   openvdb::initialize();
   if (!check_bytes(path) && origin == VdbOrigin::kReamsim) {
-    fail(path, "a truncated or damaged VDB file (its checksum is missing)", "expected a complete file of reamsim's");
+    refuse_file(path, "a truncated or damaged VDB file (its checksum is missing)",
+                "expected a complete file of reamsim's");
   }
-  ChildResult result = read_in_child<put_names>({path, ""}, limits_for(path), path);
-  while (result.reader().get<unsigned char>() != 0) names_.push_back(result.reader().text());
+  const std::uint64_t bytes = bytes_of_file(path);
+  ReadLimits limits = ReadLimits().with(bytes, kMemoryPerFileByte * bytes);
+  limits.result_bytes = wanted.size() * limits.memory_bytes;
+  ChildResult result = read_in_child<put_grids>({path, ""}, limits, path, wanted);
+  const std::vector<std::string> names = result.reader().texts();
+  VdbGrids out{.names = names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), .grids = {}};
+  for (const std::string& name : wanted) {
+    if (std::ranges::count(names, name) > 0) out.grids[name] = take_grid(result.reader());
+  }
+  return out;
 }
 
-std::string VdbFile::grid_names() const {
-  std::string out;
-  for (const std::string& name : names_) out += (out.empty() ? "" : ", ") + name;
-  return out.empty() ? "none" : out;
-}
-
-openvdb::FloatGrid::Ptr VdbFile::read(const std::string& grid) const {
-  ChildResult result = read_in_child<put_named_grid>({path_, ""}, limits_for(path_), path_, grid);
-  return take_grid(result.reader());
+openvdb::FloatGrid::Ptr read_vdb_grid(const std::string& path, const std::string& name, VdbOrigin origin) {
+  const VdbGrids file = read_vdb_file(path, {name}, origin);
+  if (file.grids.empty())
+    refuse_file(path, "no grid \"" + name + "\" (found: " + file.names + ")", "expected a FloatGrid");
+  return file.grids.begin()->second;
 }
 
 }  // namespace reamsim

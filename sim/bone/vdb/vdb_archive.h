@@ -5,8 +5,8 @@
 
 #include <openvdb/openvdb.h>
 
-#include <algorithm>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -30,21 +30,19 @@ bool is_vdb_of_reamsim(const std::string& path);
 /// Which programs may have written a file.
 enum class VdbOrigin { kAnyProgram, kReamsim };
 
-/// A VDB file opened for reading. Throws InputError: no such file, a folder, not a VDB, truncated, damaged; with
-/// VdbOrigin::kReamsim also without checksum.
-class VdbFile {
- public:
-  explicit VdbFile(const std::string& path, VdbOrigin origin = VdbOrigin::kAnyProgram);
-
-  [[nodiscard]] bool has(const std::string& grid) const { return std::ranges::count(names_, grid) > 0; }
-  /// Names of all grids, for messages.
-  [[nodiscard]] std::string grid_names() const;
-  /// Throws InputError when the grid is damaged or not a FloatGrid.
-  [[nodiscard]] openvdb::FloatGrid::Ptr read(const std::string& grid) const;
-
- private:
-  std::string path_;
-  std::vector<std::string> names_;
+/// What was read of a VDB file.
+struct VdbGrids {
+  std::string names;  ///< of all grids, for messages
+  std::map<std::string, openvdb::FloatGrid::Ptr> grids;
 };
+
+/// Reads those of the `wanted` grids that a file has. Throws InputError: no such file, a folder, not a VDB, truncated,
+/// damaged, a grid that is not a FloatGrid; with VdbOrigin::kReamsim also without checksum.
+VdbGrids read_vdb_file(const std::string& path, const std::vector<std::string>& wanted,
+                       VdbOrigin origin = VdbOrigin::kAnyProgram);
+
+/// Reads one grid. Throws as read_vdb_file(), and where it is missing.
+openvdb::FloatGrid::Ptr read_vdb_grid(const std::string& path, const std::string& name,
+                                      VdbOrigin origin = VdbOrigin::kAnyProgram);
 
 }  // namespace reamsim

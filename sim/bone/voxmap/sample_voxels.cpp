@@ -12,8 +12,6 @@ namespace reamsim {
 
 namespace {
 
-constexpr int kSide = BrickLattice::kSide;
-constexpr int kPaddedSide = kSide + 2;
 /// Rows of bricks that are sampled before they are stored: enough work for many threads, little memory.
 constexpr int kRowsAtOnce = 256;
 constexpr std::size_t kBricksAtOnce = 16;
@@ -46,66 +44,47 @@ struct ChangedBrick {
   std::vector<ChangedVoxel> voxels;
 };
 
-std::size_t padded_index(const Vec3i& v) {
-  const int index = v.x() + kPaddedSide * (v.y() + kPaddedSide * v.z());
-  return static_cast<std::size_t>(index);
-}
-
-/// Which voxels of a brick, and of a layer of one voxel around it, are bone. Outside the lattice there is air.
-class PaddedBone {
+/// Which voxels of a brick lie at the surface: the 3×3×3 voxels around them are neither all bone nor all air.
+class SurfaceOfBrick {
  public:
-  PaddedBone(const GradeBricks& grades, const Vec3i& brick) {
-    const BrickLattice lattice{grades.brick_dims()};
-    for_each_voxel(Vec3i::Constant(-1), Vec3i::Ones(), [&](const Vec3i& step) {
-      const Vec3i coord = brick + step;
-      const GradeBricks::Brick* from = lattice.contains(coord) ? grades.brick(coord) : nullptr;
-      if (from != nullptr) copy_from_neighbour(*from, step);
-    });
-    mixed_ = bone_voxels_ < bone_.size() && bone_voxels_ > 0;
-    if (!mixed_) return;
-    any_ = all_ = bone_;
-    for (int axis = 0; axis < 3; ++axis) include_neighbours(padded_index(Vec3i::Unit(axis)));
+  SurfaceOfBrick(const GradeBricks& grades, const Vec3i& brick)
+      : bone_(grades, nullptr, brick,
+              [](const auto& stored, const auto*, std::size_t at) -> std::uint8_t { return stored[at] != 0 ? 1 : 0; }) {
+    any_ = all_ = bone_.values();
+    if (mixed()) {
+      for (int axis = 0; axis < 3; ++axis)
+        include_neighbours(Padded::place(Vec3i::Unit(axis)) - Padded::place(Vec3i::Zero()));
+    }
   }
 
-  [[nodiscard]] bool mixed() const { return mixed_; }
-  /// Whether the 3×3×3 voxels around a voxel of the brick are neither all bone nor all air.
-  [[nodiscard]] bool at_surface(const Vec3i& voxel) const {
-    const std::size_t at = padded_index(voxel + Vec3i::Ones());
+  [[nodiscard]] bool mixed() const { return bone_.least() != bone_.most(); }
+  [[nodiscard]] bool contains(const Vec3i& voxel) const {
+    const std::size_t at = Padded::place(voxel);
     return any_[at] != 0 && all_[at] == 0;
   }
 
  private:
-  using Marks = std::array<std::uint8_t, std::size_t{kPaddedSide} * kPaddedSide * kPaddedSide>;
+  using Padded = PaddedBrick<std::uint8_t>;
 
-  void copy_from_neighbour(const GradeBricks::Brick& from, const Vec3i& step) {
-    const Vec3i low = step.unaryExpr([](int s) { return s < 0 ? kSide - 1 : 0; });
-    const Vec3i high = step.unaryExpr([](int s) { return s > 0 ? 0 : kSide - 1; });
-    for_each_voxel(low, high, [&](const Vec3i& voxel) {
-      const bool bone = from[static_cast<std::size_t>(BrickLattice::offset_of(voxel))] != 0;
-      bone_[padded_index(voxel + kSide * step + Vec3i::Ones())] = bone ? 1 : 0;
-      bone_voxels_ += bone ? 1 : 0;
-    });
-  }
   /// Combines each voxel with its two neighbours along one axis. The values on the border are not used.
   void include_neighbours(std::size_t stride) {
-    const Marks any = any_, all = all_;
+    const Padded::Values any = any_, all = all_;
     for (std::size_t i = stride; i + stride < any.size(); ++i) {
       any_[i] = any[i - stride] | any[i] | any[i + stride];
       all_[i] = all[i - stride] & all[i] & all[i + stride];
     }
   }
 
-  Marks bone_{}, any_{}, all_{};
-  std::size_t bone_voxels_ = 0;
-  bool mixed_ = false;
+  Padded bone_;
+  Padded::Values any_, all_;
 };
 
 ChangedBrick sample_surface_of(const SurfaceSampler& sample, const Voxmap& voxmap, const Vec3i& coord) {
   ChangedBrick out{coord, {}};
-  const PaddedBone bone(voxmap.grade, coord);
-  if (!bone.mixed()) return out;
+  const SurfaceOfBrick surface(voxmap.grade, coord);
+  if (!surface.mixed()) return out;
   for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
-    if (!bone.at_surface(BrickLattice::voxel_at(Vec3i::Zero(), offset))) continue;
+    if (!surface.contains(BrickLattice::voxel_at(Vec3i::Zero(), offset))) continue;
     const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
     if (!voxmap.grid.contains(voxel)) continue;
     const std::uint8_t grade = voxmap.grade.get(voxel);

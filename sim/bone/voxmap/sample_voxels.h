@@ -3,7 +3,10 @@
 
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <functional>
+#include <limits>
 
 #include "sim/bone/voxmap/voxmap.h"
 
@@ -16,6 +19,51 @@ using BrickSampler = std::function<bool(const Vec3i& brick_coord, GradeBricks::B
 /// The grades of a lattice of `dims` voxels, sampled brick by brick in parallel. The result does not depend on the
 /// threads.
 GradeBricks sample_bricks(const Vec3i& dims, const BrickSampler& sample);
+
+/// A number for each voxel of a brick, and of a layer of one voxel around it: 0 in bricks of air and outside the
+/// lattice.
+template <class T>
+class PaddedBrick {
+ public:
+  /// value(grades, fill or nullptr, offset): of a voxel of a stored brick. `fill`: may be a null pointer.
+  template <class Value>
+  PaddedBrick(const GradeBricks& bricks, const FillBricks* fill, const Vec3i& brick, const Value& value) {
+    constexpr int kSide = BrickLattice::kSide;
+    for_each_voxel(Vec3i::Constant(-1), Vec3i::Ones(), [&](const Vec3i& step) {
+      const Vec3i coord = brick + step;
+      const auto* grades = bricks.lattice().contains(coord) ? bricks.brick(coord) : nullptr;
+      if (grades == nullptr) {
+        least_ = 0;
+        return;
+      }
+      const auto* fills = fill == nullptr ? nullptr : fill->brick(coord);
+      const Vec3i low = step.unaryExpr([](int s) { return s < 0 ? kSide - 1 : 0; });
+      const Vec3i high = step.unaryExpr([](int s) { return s > 0 ? 0 : kSide - 1; });
+      for_each_voxel(low, high, [&](const Vec3i& voxel) {
+        const T found = value(*grades, fills, static_cast<std::size_t>(BrickLattice::offset_of(voxel)));
+        values_[place(voxel + kSide * step)] = found;
+        least_ = std::min(least_, found);
+        most_ = std::max(most_, found);
+      });
+    });
+  }
+
+  static constexpr int kPaddedSide = BrickLattice::kSide + 2;
+  using Values = std::array<T, std::size_t{kPaddedSide} * kPaddedSide * kPaddedSide>;
+
+  /// The index of a voxel, −1…8 along each axis.
+  static std::size_t place(const Vec3i& v) {
+    return static_cast<std::size_t>(v.x() + 1 + kPaddedSide * (v.y() + 1 + kPaddedSide * (v.z() + 1)));
+  }
+  [[nodiscard]] const Values& values() const { return values_; }
+  [[nodiscard]] T least() const { return least_; }
+  [[nodiscard]] T most() const { return most_; }
+
+ private:
+  Values values_{};
+  T least_ = std::numeric_limits<T>::max();
+  T most_ = 0;
+};
 
 /// A voxel at the surface of a bone, as the source of the bone describes it.
 struct SurfaceVoxel {
