@@ -25,52 +25,6 @@ static_assert(sizeof(VisitCounts) == 16);
 
 namespace {
 
-/// The bricks that the tool's surface can intersect in a visit; see kernels/list_bricks.cl.
-class ListBricks {
- public:
-  /// `slack_mm`: largest distance of the clipping surface from the profile.
-  ListBricks(const cl::Device& device, const DeviceBricks& bone, const DeviceBatch& batch, const Profile& profile,
-             double slack_mm, std::size_t work_group)
-      : device_(device),
-        slack_mm_(static_cast<float>(slack_mm)),
-        listed_(device, std::max<std::size_t>(1, bone.layout.bricks), "the list of bricks in reach"),
-        counts_(device, 1, "the counts of a visit"),
-        kernel_(device, device.build("list_bricks.cl", embedded::kernel_list_bricks), "list_bricks", work_group) {
-    constexpr cl_uint kAfterVisit = 4;  // number of the first argument that list() does not set
-    const DistanceTable table = brick_distances(profile, bone.grid.voxel_mm, slack_mm);
-    grid_ = cl::upload(device, std::array{coarse_grid(table)}, "the tool's distances");
-    distances_ = cl::upload(device, table.mm, "the tool's distances");
-    kernel_.set_from(kAfterVisit, batch.args(), grid_, distances_, bone.occupancy, bone.slot_of_brick, bone.dims,
-                     listed_, counts_);
-  }
-
-  /// Lists the bricks of a visit, and returns their number.
-  std::size_t list(const BrickBatchPlan& visit, VisitCounts counts) {
-    if (visit.superbricks.empty()) return 0;
-    counts_.write(device_, &counts, 1, 0, false);
-    const Vec3i first = visit.superbricks.first, size = visit.superbricks.size();
-    kernel_.set_from(cl::SlotKernel::kAfterSlot, cl_int4{{first.x(), first.y(), first.z(), 0}},
-                     cl_int4{{size.x(), size.y(), size.z(), 0}}, visit.shift_mm + slack_mm_);
-    kernel_.run(visit.first, static_cast<std::size_t>(size.cast<std::int64_t>().prod()));
-    counts_.read(device_, &counts, 1);
-    return counts.listed;
-  }
-  /// Run time of the lists since the last call, s.
-  double take_seconds() { return kernel_.take_total_s(); }
-
-  [[nodiscard]] const cl::Buffer<cl_uint>& listed() const { return listed_; }
-  [[nodiscard]] const cl::Buffer<VisitCounts>& counts() const { return counts_; }
-
- private:
-  const cl::Device& device_;
-  float slack_mm_;
-  cl::Buffer<CoarseGrid> grid_;
-  cl::Buffer<float> distances_;
-  cl::Buffer<cl_uint> listed_;
-  cl::Buffer<VisitCounts> counts_;
-  cl::SlotKernel kernel_;
-};
-
 /// On a CPU the items of a group run one after another, each with some 60 KB on the stack.
 constexpr std::size_t kMostItemsOnStack = 16;
 
@@ -78,61 +32,21 @@ std::size_t group_size(const KernelOptions& options) {
   return options.shape == KernelShape::cpu ? std::min(options.work_group, kMostItemsOnStack) : options.work_group;
 }
 
-/// `exact` over the bricks in reach; see kernels/cut_exact.cl.
-class CutExact {
- public:
-  /// `teeth`: the surface that clips instead of the profile; nullptr for the envelope.
-  CutExact(const cl::Device& device, const DeviceBricks& bone, const DeviceBatch& batch, const ListBricks& list,
-           const OutlineTable& outline, const EnergyTable& table, const KernelOptions& options,
-           const DeviceTeeth* teeth)
-      : device_(device),
-        // On a CPU a work-item takes bricks until none is left.
-        items_(options.shape == KernelShape::cpu ? device.info().compute_units * group_size(options)
-                                                 : cut_items(device.info(), options)),
-        energy_(
-            cl::upload(device, std::vector<float>(table.energy_mj.begin(), table.energy_mj.end()), "the energy table")),
-        windows_(device, RS_VISIT_SUBSTEPS, "the windows of a visit"),
-        motions_(device, RS_VISIT_SUBSTEPS, "the windows of a visit"),
-        outline_(device, outline),
-        kernel_(device,
-                device.build("cut_exact.cl", embedded::kernel_cut_exact,
-                             cut_defines(bone.layout, options.shape) + (teeth != nullptr ? " -DRS_DISTANCE_GRID" : "")),
-                "cut_exact", group_size(options)) {
-    constexpr cl_uint kAfterPlan = 6;  // number of the first argument that enqueue() does not set
-    const std::vector<cl_mem> pools = bone.pool_arguments();
-    const auto set_constant = [&](const auto&... teeth_arguments) {
-      kernel_.set_from(kAfterPlan, batch.args(), windows_, motions_, list.listed(), list.counts(), bone.lattice_of_slot,
-                       bone.occupancy, bone.dims, batch.sums(), energy_, outline_.arguments(), pools,
-                       teeth_arguments...);
-    };
-    teeth != nullptr ? set_constant(teeth->arguments()) : set_constant();
-  }
+/// Work-items of a cut; on a CPU each takes bricks until none is left.
+std::size_t items_of(const cl::DeviceInfo& info, const KernelOptions& options) {
+  return options.shape == KernelShape::cpu ? info.compute_units * group_size(options) : cut_items(info, options);
+}
 
-  /// The largest number of records of removed voxels in a visit: the 64 voxels of a block can be removed in as many
-  /// substeps.
-  [[nodiscard]] static std::size_t max_records(std::size_t listed, int substeps) {
-    return listed * 8 * static_cast<std::size_t>(std::min(substeps, 64));
-  }
-  /// Enqueues a visit of the listed bricks. `fill` needs room for a page per brick, `removed` for every record.
-  void enqueue(const BrickBatchPlan& plan, const FillPages& fill, const cl::Buffer<RemovedBlock>& removed) {
-    windows_.write(device_, plan.windows.data(), plan.windows.size(), 0, false);
-    if (!plan.motions.empty()) motions_.write(device_, plan.motions.data(), plan.motions.size(), 0, false);
-    kernel_.set_from(cl::SlotKernel::kAfterSlot, static_cast<cl_uint>(plan.windows.size()), fill.page_of_slot,
-                     fill.slot_of_page, fill.fills, removed);
-    kernel_.run(plan.first, items_);
-  }
-  /// Run time of the visits since the last call, s.
-  double take_seconds() { return kernel_.take_total_s(); }
+cl::Program cut_program(const cl::Device& device, const BrickLayout& layout, const KernelOptions& options, bool teeth) {
+  const std::string defines = cut_defines(layout, options.shape) + (teeth ? " -DRS_DISTANCE_GRID" : "");
+  return device.build("cut_exact.cl", embedded::kernel_cut_exact, defines);
+}
 
- private:
-  const cl::Device& device_;
-  std::size_t items_;
-  cl::Buffer<float> energy_;
-  cl::Buffer<SubstepWindow> windows_;
-  cl::Buffer<MotionWindow> motions_;
-  DeviceOutline outline_;
-  cl::SlotKernel kernel_;
-};
+/// The largest number of records of removed voxels in a visit: the 64 voxels of a block can be removed in as many
+/// substeps.
+std::size_t max_records(std::size_t listed, int substeps) {
+  return listed * 8 * static_cast<std::size_t>(std::min(substeps, 64));
+}
 
 /// The largest number of records of removed voxels in a visit; where more are possible it has fewer substeps.
 constexpr std::size_t kMaxRecords = 8'000'000;
@@ -147,13 +61,16 @@ std::optional<DeviceTeeth> make_teeth(const cl::Device& device, const Tool& tool
                      device_bricks_bytes(bone, FillStore::pages));
 }
 
+/// `exact` over the bricks in reach of the tool's surface; see kernels/list_bricks.cl and kernels/cut_exact.cl.
 class ExactEngine final : public Engine {
  public:
   ExactEngine(const cl::Device& device, const Scenario& scenario, const BoneView& bone, const Tool& tool)
       : device_(device),
+        options_(choose_options(device.info(), scenario.engine.tuning)),
         grid_(bone.voxmap.grid),
         extent_(bone_extent(bone.voxmap)),
-        outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)),
+        outline_(make_outline_table(tool.profile, grid_.voxel_mm)),
+        slack_mm_(tool.clip_slack_mm() + outline_.bulge_mm),
         tool_box_(tool.clip_bounds().expanded(outline_.bulge_mm)),
         bricks_(
             make_device_bricks(device_, bone, FillStore::pages, sizeof(cl_int) * bone.voxmap.grade.stored_bricks())),
@@ -161,11 +78,33 @@ class ExactEngine final : public Engine {
         batch_(device_, kNoList),
         teeth_(make_teeth(device_, tool, bone, outline_.bulge_mm)),
         teeth_bytes_(tool.teeth ? tool.teeth->bytes() : 0),
-        list_(device_, bricks_, batch_, tool.profile, tool.clip_slack_mm() + outline_.bulge_mm,
-              choose_options(device.info(), scenario.engine.tuning).work_group),
-        cut_(device_, bricks_, batch_, list_, outline_, make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm),
-             choose_options(device.info(), scenario.engine.tuning), teeth_ ? &*teeth_ : nullptr),
-        records_(device_, 1, "the list of removed voxels") {}
+        listed_(device_, std::max<std::size_t>(1, bricks_.layout.bricks), "the list of bricks in reach"),
+        counts_(device_, 1, "the counts of a visit"),
+        list_(device_, device_.build("list_bricks.cl", embedded::kernel_list_bricks), "list_bricks",
+              options_.work_group),
+        windows_(device_, RS_VISIT_SUBSTEPS, "the windows of a visit"),
+        motion_windows_(device_, RS_VISIT_SUBSTEPS, "the windows of a visit"),
+        device_outline_(device_, outline_),
+        cut_(device_, cut_program(device_, bricks_.layout, options_, teeth_.has_value()), "cut_exact",
+             group_size(options_), items_of(device.info(), options_)),
+        records_(device_, 1, "the list of removed voxels") {
+    // The numbers of the first arguments that a visit does not set.
+    constexpr cl_uint kListConstants = 4, kCutConstants = 6;
+    const DistanceTable table = brick_distances(tool.profile, grid_.voxel_mm, slack_mm_);
+    coarse_ = cl::upload(device_, std::array{coarse_grid(table)}, "the tool's distances");
+    distances_ = cl::upload(device_, table.mm, "the tool's distances");
+    list_.set_from(kListConstants, batch_.args(), coarse_, distances_, bricks_.occupancy, bricks_.slot_of_brick,
+                   bricks_.dims, listed_, counts_);
+    const EnergyTable energy = make_energy_table(scenario.cutting, grid_.voxel_mm);
+    energy_ =
+        cl::upload(device_, std::vector<float>(energy.energy_mj.begin(), energy.energy_mj.end()), "the energy table");
+    const auto set_cut = [&](const auto&... teeth) {
+      cut_.set_from(kCutConstants, batch_.args(), windows_, motion_windows_, listed_, counts_, bricks_.lattice_of_slot,
+                    bricks_.occupancy, bricks_.dims, batch_.sums(), energy_, device_outline_.arguments(),
+                    bricks_.pool_arguments(), teeth...);
+    };
+    teeth_ ? set_cut(teeth_->arguments()) : set_cut();
+  }
 
   /// Stores the arguments. collect() lists and cuts the bricks of several substeps at once.
   void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override {
@@ -183,7 +122,7 @@ class ExactEngine final : public Engine {
     for (int first = 0; first < batch_.used();) {
       const BrickBatchPlan plan = visit(first);
       const double per_substep = 1.0 / (plan.end - plan.first);
-      const StageTimes times{list_.take_seconds() * per_substep, cut_.take_seconds() * per_substep};
+      const StageTimes times{list_.take_total_s() * per_substep, cut_.take_total_s() * per_substep};
       std::fill(out.times.begin() + plan.first, out.times.begin() + plan.end, times);
       first = plan.end;
     }
@@ -200,7 +139,7 @@ class ExactEngine final : public Engine {
   }
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override {
-    return bricks_.bytes() + fill_.bytes() + records_.bytes() + DeviceBatch::bytes(kNoList) + list_.listed().bytes() +
+    return bricks_.bytes() + fill_.bytes() + records_.bytes() + DeviceBatch::bytes(kNoList) + listed_.bytes() +
            teeth_bytes_;
   }
   /// Without a shell; the tool's structure is the distance grid of resolved cutting edges.
@@ -209,43 +148,73 @@ class ExactEngine final : public Engine {
   }
 
  private:
+  [[nodiscard]] BrickBatchPlan plan(int first, int most) const {
+    return plan_brick_batch(batch_.args_used(), motions_, first, most, tool_box_, extent_);
+  }
+
+  /// Lists the bricks in reach in a visit, and returns their number.
+  std::size_t list_bricks(const BrickBatchPlan& visit, VisitCounts counts) {
+    if (visit.superbricks.empty()) return 0;
+    counts_.write(device_, &counts, 1, 0, false);
+    const Vec3i first = visit.superbricks.first, size = visit.superbricks.size();
+    list_.set_from(cl::SlotKernel::kAfterSlot, cl_int4{{first.x(), first.y(), first.z(), 0}},
+                   cl_int4{{size.x(), size.y(), size.z(), 0}}, visit.shift_mm + static_cast<float>(slack_mm_));
+    list_.run(visit.first, static_cast<std::size_t>(size.cast<std::int64_t>().prod()));
+    counts_.read(device_, &counts, 1);
+    return counts.listed;
+  }
+
   /// Cuts the bricks in reach in as many substeps from `first` on as one visit can have. Returns the visit.
   BrickBatchPlan visit(int first) {
-    BrickBatchPlan plan = plan_brick_batch(batch_.args_used(), motions_, first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
+    BrickBatchPlan visit = plan(first, RS_VISIT_SUBSTEPS);
     VisitCounts counts{.listed = 0, .pages = static_cast<rs_u32>(fill_.used), .removed = 0, .taken = 0};
-    std::size_t listed = list_.list(plan, counts);
-    while (CutExact::max_records(listed, plan.end - first) > kMaxRecords && plan.end - first > 1) {
-      plan = plan_brick_batch(batch_.args_used(), motions_, first, (plan.end - first) / 2, tool_box_, extent_);
-      listed = list_.list(plan, counts);
+    std::size_t listed = list_bricks(visit, counts);
+    while (max_records(listed, visit.end - first) > kMaxRecords && visit.end - first > 1) {
+      visit = plan(first, (visit.end - first) / 2);
+      listed = list_bricks(visit, counts);
     }
-    if (listed == 0) return plan;
+    if (listed == 0) return visit;
     reserve_pages(device_, fill_.used + listed, grid_.voxel_mm, fill_);
-    const std::size_t records = CutExact::max_records(listed, plan.end - first);
+    const std::size_t records = max_records(listed, visit.end - first);
     if (records > records_.count()) records_ = {device_, records, "the list of removed voxels"};
-    cut_.enqueue(plan, fill_, records_);
-    list_.counts().read(device_, &counts, 1);
+    windows_.write(device_, visit.windows.data(), visit.windows.size(), 0, false);
+    if (!visit.motions.empty()) motion_windows_.write(device_, visit.motions.data(), visit.motions.size(), 0, false);
+    cut_.set_from(cl::SlotKernel::kAfterSlot, static_cast<cl_uint>(visit.windows.size()), fill_.page_of_slot,
+                  fill_.slot_of_page, fill_.fills, records_);
+    cut_.run(visit.first);
+    counts_.read(device_, &counts, 1);
     fill_.used = counts.pages;
     std::vector<RemovedBlock> blocks(counts.removed);
     if (!blocks.empty()) records_.read(device_, blocks.data(), blocks.size());
     for (const RemovedBlock& block : blocks) {
       append_removed(block, grid_, batch_.args_of(static_cast<int>(block.detail >> 3)).frame, removed_);
     }
-    return plan;
+    return visit;
   }
 
   cl::Device device_;
+  KernelOptions options_;
   VoxelGrid grid_;
   VoxelBox extent_;
   OutlineTable outline_;
+  double slack_mm_;  ///< largest distance of the clipping surface from the profile
   Aabb tool_box_;
   DeviceBricks bricks_;
   FillPages fill_;
   DeviceBatch batch_;
   MotionsOfSlots motions_;
-  std::optional<DeviceTeeth> teeth_;
+  std::optional<DeviceTeeth> teeth_;  ///< the surface that clips instead of the profile
   std::size_t teeth_bytes_;
-  ListBricks list_;
-  CutExact cut_;
+  cl::Buffer<CoarseGrid> coarse_;
+  cl::Buffer<float> distances_;
+  cl::Buffer<cl_uint> listed_;
+  cl::Buffer<VisitCounts> counts_;
+  cl::SlotKernel list_;
+  cl::Buffer<float> energy_;
+  cl::Buffer<SubstepWindow> windows_;
+  cl::Buffer<MotionWindow> motion_windows_;
+  DeviceOutline device_outline_;
+  cl::SlotKernel cut_;
   cl::Buffer<RemovedBlock> records_;
   RemovedFrames removed_;
 };
@@ -259,7 +228,7 @@ std::unique_ptr<Engine> make_exact_engine(const cl::Device& device, const Scenar
 
 std::size_t exact_engine_bytes(const BoneView& bone, const Tool& tool, const ExactForecast& forecast) {
   const std::size_t stored = bone.voxmap.grade.stored_bricks();
-  const std::size_t records = std::min(kMaxRecords, CutExact::max_records(forecast.listed, RS_VISIT_SUBSTEPS));
+  const std::size_t records = std::min(kMaxRecords, max_records(forecast.listed, RS_VISIT_SUBSTEPS));
   return device_bricks_bytes(bone, FillStore::pages) + sizeof(cl_uint) * stored +
          fill_pages_bytes(stored, forecast.partial + forecast.listed) + sizeof(RemovedBlock) * records +
          DeviceBatch::bytes(kNoList) + (tool.teeth ? tool.teeth->bytes() : 0);
