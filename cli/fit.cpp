@@ -14,7 +14,7 @@
 #include "sim/record/force_log.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/result_json.h"
-#include "sim/scenario/find_key.h"
+#include "sim/scenario/key_tree.h"
 #include "sim/scenario/presets.h"
 #include "sim/study/reforce.h"
 

@@ -262,13 +262,13 @@ void check_plunge(const LoadedBone& loaded, const PlungeSettings& plunge, const 
 /// Takes the landmarks of the markups, and says which.
 void read_landmarks(InitOptions& options, const Console& console) {
   if (options.markups.empty()) return;
-  FoundLandmarks found =
+  const Landmarks found =
       find_landmarks(options.markups, options.points, from_name<BodySide>(options.side).value_or(BodySide::unknown));
   if (found.center && !options.near_mm.empty()) {
     throw InputError({}, "--near", "given beside the centre of the glenoid in the markups", "leave one of them out");
   }
   if (found.center) options.near_mm.assign(found.center->begin(), found.center->end());
-  apply_landmarks(found, options.landmarks);
+  options.landmarks = found.glenoid;
   for (const std::string& line : found.found) console.say("markups: " + line);
 }
 

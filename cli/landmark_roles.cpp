@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 #include <string_view>
@@ -26,38 +27,15 @@ constexpr std::array<std::string_view, 5> kRoleNames{"center", "superior", "trig
 constexpr const char* kRoles = "center, superior, trigonum, inferior_angle or rim";
 constexpr std::size_t kLeastRimPoints = 6;
 
-/// Labels of a role as words in alphabetical order, without those of kIgnoredWords.
-struct Spelling {
-  std::string_view words;
-  Role role;
-};
-constexpr std::array kSpellings{
-    Spelling{"center glenoid", Role::center},
-    Spelling{"center", Role::center},
-    Spelling{"gc", Role::center},
-    Spelling{"glenoid", Role::center},
-    Spelling{"glenoid midpoint", Role::center},
-    Spelling{"glenoid middle", Role::center},
-    Spelling{"superior", Role::superior},
-    Spelling{"glenoid superior", Role::superior},
-    Spelling{"pole superior", Role::superior},
-    Spelling{"glenoid pole superior", Role::superior},
-    Spelling{"rim superior", Role::superior},
-    Spelling{"glenoid rim superior", Role::superior},
-    Spelling{"supraglenoid tubercle", Role::superior},
-    Spelling{"glenoid sup", Role::superior},
-    Spelling{"sup", Role::superior},
-    Spelling{"spinae trigonum", Role::trigonum},
-    Spelling{"trigonum", Role::trigonum},
-    Spelling{"ts", Role::trigonum},
-    Spelling{"root spine", Role::trigonum},
-    Spelling{"angle inferior", Role::inferior_angle},
-    Spelling{"angulus inferior", Role::inferior_angle},
-    Spelling{"ai", Role::inferior_angle},
-    Spelling{"ia", Role::inferior_angle},
-    Spelling{"rim", Role::rim},
-    Spelling{"glenoid rim", Role::rim},
-};
+/// Labels by role, as words in alphabetical order without those of kIgnoredWords.
+const std::array<std::vector<std::string_view>, kRoleNames.size()> kLabels{{
+    {"center glenoid", "center", "gc", "glenoid", "glenoid midpoint", "glenoid middle"},
+    {"superior", "glenoid superior", "pole superior", "glenoid pole superior", "rim superior", "glenoid rim superior",
+     "supraglenoid tubercle", "glenoid sup", "sup"},
+    {"spinae trigonum", "trigonum", "ts", "root spine"},
+    {"angle inferior", "angulus inferior", "ai", "ia"},
+    {"rim", "glenoid rim"},
+}};
 constexpr std::array<std::string_view, 13> kIgnoredWords{
     "the", "of", "point", "landmark", "lm", "mm", "fossa", "left", "right", "scapulae", "scapula", "scapular", "my"};
 
@@ -82,8 +60,10 @@ std::optional<Role> role_of(std::string_view label) {
     if (std::ranges::find(kIgnoredWords, word) == kIgnoredWords.end()) words.insert(word == "centre" ? "center" : word);
   }
   const std::string joined = fmt::format("{}", fmt::join(words, " "));
-  const auto found = std::ranges::find(kSpellings, joined, &Spelling::words);
-  return found == kSpellings.end() ? std::nullopt : std::optional(found->role);
+  for (std::size_t role = 0; role < kLabels.size(); ++role) {
+    if (std::ranges::find(kLabels[role], joined) != kLabels[role].end()) return static_cast<Role>(role);
+  }
+  return std::nullopt;
 }
 
 bool is_of_side(std::string_view label, BodySide side) {
@@ -97,6 +77,7 @@ struct Candidate {
   MarkupsPoint point;
   std::string file;
   std::string frame;
+  bool used = false;
 };
 
 std::string text_of(const Candidate& candidate) {
@@ -115,17 +96,19 @@ std::vector<Candidate> points_of(const std::vector<std::string>& files) {
   std::vector<Candidate> out;
   for (const std::string& file : files) {
     const Markups markups = read_markups(file);
-    for (const Markup& markup : markups.markups) {
-      for (const MarkupsPoint& point : markup.points) out.push_back({point, file, markups.frame});
-    }
+    for (const MarkupsPoint& point : markups.points()) out.push_back({point, file, markups.frame});
   }
   return out;
+}
+
+std::string name_of(Role role) {
+  return std::string(kRoleNames[static_cast<std::size_t>(role)]);
 }
 
 /// Points by their roles.
 class Assignment {
  public:
-  Assignment(std::vector<Candidate> all, BodySide side) : all_(std::move(all)), used_(all_.size()), side_(side) {}
+  explicit Assignment(std::vector<Candidate> all) : all_(std::move(all)) {}
 
   /// `text`: "ROLE=LABEL".
   void give(const std::string& text) {
@@ -135,22 +118,22 @@ class Assignment {
       throw InputError({}, "--point", "found " + shown_text(text),
                        std::string("expected ROLE=LABEL, ROLE one of ") + kRoles);
     const std::string label = text.substr(equals + 1);
-    std::vector<std::size_t> found;
-    for (std::size_t i = 0; i < all_.size(); ++i) {
-      if (all_[i].point.label == label) found.push_back(i);
+    const auto has_label = [&](const Candidate& candidate) { return candidate.point.label == label; };
+    const auto count = std::ranges::count_if(all_, has_label);
+    if (count != 1) {
+      throw InputError({}, "--point", (count == 0 ? "no point " : "several points ") + shown_text(label),
+                       "the markups have " + labels_of(all_));
     }
-    if (found.size() == 1) return add(static_cast<Role>(role - kRoleNames.begin()), found.front());
-    throw InputError({}, "--point",
-                     found.empty() ? "no point " + shown_text(label) : "several points " + shown_text(label),
-                     "the markups have " + labels_of(all_));
+    add(static_cast<Role>(role - kRoleNames.begin()), *std::ranges::find_if(all_, has_label));
   }
 
   /// Roles that are not given are found by labels.
-  void find() {
-    const std::map<Role, std::vector<std::size_t>> given = chosen_;
-    for (std::size_t i = 0; i < all_.size(); ++i) {
-      const std::optional<Role> role = role_of(all_[i].point.label);
-      if (!used_[i] && role && !given.contains(*role) && is_of_side(all_[i].point.label, side_)) add(*role, i);
+  void find(BodySide side) {
+    const std::map<Role, std::vector<const Candidate*>> given = chosen_;
+    for (Candidate& candidate : all_) {
+      const std::optional<Role> role = role_of(candidate.point.label);
+      if (candidate.used || !role || given.contains(*role)) continue;
+      if (is_of_side(candidate.point.label, side)) add(*role, candidate);
     }
   }
 
@@ -159,36 +142,30 @@ class Assignment {
     if (found == chosen_.end()) return std::nullopt;
     if (found->second.size() > 1) {
       std::string both;
-      for (const std::size_t i : found->second) both += (both.empty() ? "" : " and ") + text_of(all_[i]);
-      const std::string name(kRoleNames[static_cast<std::size_t>(role)]);
-      throw InputError({}, "--markups", "several points may be the " + name + ": " + both,
-                       "give --point " + name + "=LABEL, --side, or labels that differ");
+      for (const Candidate* candidate : found->second) both += (both.empty() ? "" : " and ") + text_of(*candidate);
+      throw InputError({}, "--markups", "several points may be the " + name_of(role) + ": " + both,
+                       "give --point " + name_of(role) + "=LABEL, --side, or labels that differ");
     }
-    return placed(found->second.front());
+    return placed(*found->second.front());
   }
 
   [[nodiscard]] std::vector<Vec3> points(Role role) const {
     std::vector<Vec3> out;
     const auto found = chosen_.find(role);
     if (found == chosen_.end()) return out;
-    for (const std::size_t i : found->second) out.push_back(placed(i));
+    for (const Candidate* candidate : found->second) out.push_back(placed(*candidate));
     return out;
   }
 
   [[nodiscard]] std::vector<std::string> said() const {
     std::vector<std::string> out;
     for (const auto& [role, points] : chosen_) {
-      const std::string name(kRoleNames[static_cast<std::size_t>(role)]);
-      if (role == Role::rim && points.size() > 1) {
-        out.push_back(fmt::format("{}: {} points, the first {}", name, points.size(), text_of(all_[points.front()])));
-      } else {
-        out.push_back(name + ": " + text_of(all_[points.front()]));
-      }
+      const bool several = role == Role::rim && points.size() > 1;
+      out.push_back(name_of(role) + ": " + (several ? fmt::format("{} points, the first ", points.size()) : "") +
+                    text_of(*points.front()));
     }
     std::vector<Candidate> rest;
-    for (std::size_t i = 0; i < all_.size(); ++i) {
-      if (!used_[i]) rest.push_back(all_[i]);
-    }
+    std::ranges::copy_if(all_, std::back_inserter(rest), [](const Candidate& candidate) { return !candidate.used; });
     if (!rest.empty()) out.push_back("not used: " + labels_of(rest) + "; --point ROLE=LABEL uses one as " + kRoles);
     return out;
   }
@@ -197,22 +174,19 @@ class Assignment {
   [[nodiscard]] const std::vector<Candidate>& all() const { return all_; }
 
  private:
-  void add(Role role, std::size_t i) {
-    chosen_[role].push_back(i);
-    used_[i] = true;
+  void add(Role role, Candidate& candidate) {
+    chosen_[role].push_back(&candidate);
+    candidate.used = true;
   }
 
-  [[nodiscard]] Vec3 placed(std::size_t i) const {
-    const Candidate& candidate = all_[i];
+  static Vec3 placed(const Candidate& candidate) {
     if (candidate.point.placed) return candidate.point.position_mm;
     throw InputError({shown_path(candidate.file), 0, 0}, "",
                      "the point " + shown_text(candidate.point.label) + " is not placed yet", "place it in 3D Slicer");
   }
 
   std::vector<Candidate> all_;
-  std::vector<bool> used_;
-  BodySide side_;
-  std::map<Role, std::vector<std::size_t>> chosen_;
+  std::map<Role, std::vector<const Candidate*>> chosen_;
 };
 
 /// Points of a rim in order round their middle, as seen along the normal of their plane.
@@ -232,53 +206,44 @@ std::vector<Vec3> ordered_round(std::vector<Vec3> rim) {
 
 }  // namespace
 
-FoundLandmarks find_landmarks(const std::vector<std::string>& files, const std::vector<std::string>& given,
-                              BodySide side) {
-  Assignment roles(points_of(files), side);
+Landmarks find_landmarks(const std::vector<std::string>& files, const std::vector<std::string>& given, BodySide side) {
+  Assignment roles(points_of(files));
   for (const std::string& text : given) roles.give(text);
-  roles.find();
+  roles.find(side);
   if (roles.empty()) {
     throw InputError({}, "--markups", "no label was understood: the files have " + labels_of(roles.all()),
                      std::string("give --point ROLE=LABEL, ROLE one of ") + kRoles);
   }
-  FoundLandmarks out;
-  out.center = roles.point(Role::center);
-  out.superior = roles.point(Role::superior);
-  out.trigonum = roles.point(Role::trigonum);
-  out.inferior_angle = roles.point(Role::inferior_angle);
-  out.rim = ordered_round(roles.points(Role::rim));
-  out.found = roles.said();
-  return out;
-}
-
-void apply_landmarks(FoundLandmarks& landmarks, GlenoidSettings& glenoid) {
+  const std::optional<Vec3> center = roles.point(Role::center), superior = roles.point(Role::superior),
+                            trigonum = roles.point(Role::trigonum), angle = roles.point(Role::inferior_angle);
+  const std::vector<Vec3> rim = ordered_round(roles.points(Role::rim));
+  Landmarks out{.center = center, .glenoid = {}, .found = roles.said()};
   const auto unused = [&](const std::string& role, const std::string& why) {
-    landmarks.found.push_back(role + " is not used: " + why);
+    out.found.push_back(role + " is not used: " + why);
   };
-  const bool all = landmarks.center && landmarks.trigonum && landmarks.inferior_angle;
-  if (all) {
-    glenoid.landmarks = LandmarkSettings{.glenoid_center_mm = *landmarks.center,
-                                         .trigonum_spinae_mm = *landmarks.trigonum,
-                                         .inferior_angle_mm = *landmarks.inferior_angle};
-    if (landmarks.superior) unused("superior", "the landmarks give the superior direction");
+  if (center && trigonum && angle) {
+    out.glenoid.landmarks =
+        LandmarkSettings{.glenoid_center_mm = *center, .trigonum_spinae_mm = *trigonum, .inferior_angle_mm = *angle};
+    if (superior) unused("superior", "the landmarks give the superior direction");
   } else {
     const std::string why = "the scapular frame needs center, trigonum and inferior_angle";
-    if (landmarks.trigonum) unused("trigonum", why);
-    if (landmarks.inferior_angle) unused("inferior_angle", why);
-    if (landmarks.superior && landmarks.center) {
-      const Vec3 direction = *landmarks.superior - *landmarks.center;
+    if (trigonum) unused("trigonum", why);
+    if (angle) unused("inferior_angle", why);
+    if (superior && center) {
+      const Vec3 direction = *superior - *center;
       if (direction.norm() < 1)
         throw InputError({}, "--markups", "superior lies within 1 mm of center", "move one of them");
-      glenoid.superior = direction.normalized();
-    } else if (landmarks.superior) {
+      out.glenoid.superior = direction.normalized();
+    } else if (superior) {
       unused("superior", "its direction needs center");
     }
   }
-  if (landmarks.rim.size() >= kLeastRimPoints) {
-    glenoid.rim_mm = landmarks.rim;
-  } else if (!landmarks.rim.empty()) {
-    unused("rim", fmt::format("it has {} points, and at least {} are needed", landmarks.rim.size(), kLeastRimPoints));
+  if (rim.size() >= kLeastRimPoints) {
+    out.glenoid.rim_mm = rim;
+  } else if (!rim.empty()) {
+    unused("rim", fmt::format("it has {} points, and at least {} are needed", rim.size(), kLeastRimPoints));
   }
+  return out;
 }
 
 }  // namespace reamsim

@@ -15,24 +15,16 @@
 namespace reamsim {
 
 /// Landmarks of a scapula for a first scenario, LPS, mm.
-struct FoundLandmarks {
+struct Landmarks {
   std::optional<Vec3> center;
-  std::optional<Vec3> superior;  ///< a point superior of the centre, on the face or its rim
-  std::optional<Vec3> trigonum;
-  std::optional<Vec3> inferior_angle;
-  std::vector<Vec3> rim;           ///< in order round the face
-  std::vector<std::string> found;  ///< for the user: which point was understood as what, and which were not
+  GlenoidSettings glenoid;         ///< landmarks where all three are there, else the superior direction; and the rim
+  std::vector<std::string> found;  ///< for the user: which point was understood as what, and which were not used
 };
 
 /// The landmarks of markups files, by their labels: "Glenoid centre", "TS", "rim-3", in any case, with the number that
 /// Slicer adds. `given`: "ROLE=LABEL", which come first. Labels that name the other side of the body are left out.
 /// Throws InputError: a file that cannot be read, a role or a label that does not exist, two points for one role, no
-/// point that is understood.
-FoundLandmarks find_landmarks(const std::vector<std::string>& files, const std::vector<std::string>& given,
-                              BodySide side);
-
-/// Sets what the landmarks say of the glenoid beside near_mm: landmarks where all three are there, else the superior
-/// direction; and the rim. Adds what is not used to `landmarks.found`.
-void apply_landmarks(FoundLandmarks& landmarks, GlenoidSettings& glenoid);
+/// point that is understood, a superior point at the centre.
+Landmarks find_landmarks(const std::vector<std::string>& files, const std::vector<std::string>& given, BodySide side);
 
 }  // namespace reamsim

@@ -12,7 +12,6 @@
 #include "cli/commands.h"
 #include "cli/lab.h"
 #include "cli/sweep.h"
-#include "cli/sweep_workers.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/study/study_folder.h"

@@ -20,7 +20,6 @@
 #include "cli/environment.h"
 #include "cli/outputs.h"
 #include "cli/sweep.h"
-#include "cli/sweep_workers.h"
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/base/text.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cli/sweep_workers.h"
+#include "cli/sweep.h"
 
 #include <poll.h>
 #include <signal.h>

@@ -121,6 +121,26 @@ void describe_csv(KeyVisitor& v, CsvMotionSettings& csv) {
   v.key("spin_rpm", csv.spin_rpm, "Spindle speed if the file has no such column", kSpin);
 }
 
+// So that either end may be at its limit.
+constexpr Range kBegin = between(-1000, 999);
+constexpr Range kEnd = between(-999, 1000);
+constexpr Range kDiameter = between(0, 1000);
+
+void describe_envelope(KeyVisitor& v, ClearanceEnvelopeSettings& envelope) {
+  v.key("path", envelope.path, "STL, OBJ or PLY in the bone frame; it need not be closed",
+        {.required = true, .text = TextKind::input_file});
+  v.key("scale", envelope.scale, "File units to mm", kFileUnit);
+}
+
+void describe_holder_part(KeyVisitor& v, HolderPartSettings& part) {
+  v.key("name", part.name, "Name in messages and results; without it holder and its number");
+  v.key("from_z_mm", part.from_z_mm, "Begin on the spin axis, in the tool frame; +z leads to the drive",
+        {.required = true, .range = kBegin});
+  v.key("to_z_mm", part.to_z_mm, "End, more than from_z_mm", {.required = true, .range = kEnd});
+  v.key("diameter_mm", part.diameter_mm, "Diameter at from_z_mm", {.required = true, .range = between(0.01, 1000)});
+  v.key("end_diameter_mm", part.end_diameter_mm, "Diameter at to_z_mm, of a cone; 0: diameter_mm", kDiameter);
+}
+
 }  // namespace
 
 void describe_tool(KeyVisitor& v, ToolSettings& tool) {
@@ -154,6 +174,13 @@ void describe_motion(KeyVisitor& v, MotionSettings& motion) {
   v.section("compliance", motion.compliance, describe_compliance,
             "Springs between the planned pose and the tool, which the force of the bone deflects; not for push. Needs "
             "erosion exact");
+}
+
+void describe_clearance(KeyVisitor& v, ClearanceSettings& clearance) {
+  v.key("least_mm", clearance.least_mm, "Least clearance of tool.holder from bone and envelope; less is warned of",
+        between(0, 1000));
+  v.section("envelope", clearance.envelope, describe_envelope,
+            "Surface of soft tissue, from which tool.holder is kept clear as well");
 }
 
 }  // namespace reamsim

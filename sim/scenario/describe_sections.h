@@ -15,20 +15,15 @@ constexpr Range kFileUnit = between(1e-6, 1e6);
 /// Range of radiodensities.
 constexpr Range kHu = between(-2000, 10000);
 
-// The parts of describe_scenario(), one per top-level section; describe_ct() and describe_density() belong to
-// describe_bone(), describe_implant() to describe_metrics().
+// The parts of describe_scenario(), one per top-level section; describe_density() belongs to describe_bone().
 
-void describe_ct(KeyVisitor& v, CtSettings& ct);
-void describe_density(KeyVisitor& v, DensitySettings& density);
 void describe_bone(KeyVisitor& v, BoneSettings& bone);
+void describe_density(KeyVisitor& v, DensitySettings& density);
 void describe_tool(KeyVisitor& v, ToolSettings& tool);
-void describe_holder_part(KeyVisitor& v, HolderPartSettings& part);
 void describe_clearance(KeyVisitor& v, ClearanceSettings& clearance);
 void describe_motion(KeyVisitor& v, MotionSettings& motion);
 void describe_engine(KeyVisitor& v, EngineSettings& engine);
 void describe_cutting(KeyVisitor& v, CuttingSettings& cutting);
-void describe_implant(KeyVisitor& v, ImplantSettings& implant);
-void describe_metrics(KeyVisitor& v, MetricSettings& metrics);
 void describe_render(KeyVisitor& v, RenderSettings& render);
 void describe_output(KeyVisitor& v, OutputSettings& output);
 

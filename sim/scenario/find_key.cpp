@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scenario/find_key.h"
+#include "sim/scenario/key_tree.h"
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <numeric>
 #include <optional>
 #include <ranges>
 
 #include "sim/base/text.h"
-#include "sim/scenario/parse_steps.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
@@ -89,8 +89,10 @@ const KeyNode* elsewhere(const KeyNode& section, std::string_view name) {
   return nullptr;
 }
 
-std::string_view name_of_key(const KeyNode& key) {
-  return key.info.name;
+std::vector<std::string_view> names_of_keys(const KeyNode& section) {
+  std::vector<std::string_view> out;
+  for (const KeyNode& key : section.children) out.push_back(key.info.name);
+  return out;
 }
 
 /// Whether a step is an index that a list may have.
@@ -107,18 +109,15 @@ std::string suggest_key(const KeyNode& section, const std::string& unknown) {
       if (differs_in_unit_only(key, unknown)) return "did you mean " + display(key) + "?";
     }
     if (const KeyNode* key = elsewhere(key_tree(), unknown)) return "did you mean " + key->path + "?";
-    if (const KeyNode* key = nearest(section.children, unknown, name_of_key))
-      return "did you mean " + display(*key) + "?";
+    const auto name = [](const KeyNode& key) { return key.info.name; };
+    if (const KeyNode* key = nearest(section.children, unknown, name)) return "did you mean " + display(*key) + "?";
   }
-  std::vector<std::string_view> names;
-  for (const auto& key : section.children) names.push_back(key.info.name);
-  return "expected one of " + join_or(names);
+  return "expected one of " + join_or(names_of_keys(section));
 }
 
 std::string suggest_word(const std::vector<std::string_view>& words, const std::string& unknown) {
   if (unknown.size() <= kLongestKey) {
-    const auto same = [](std::string_view word) { return word; };
-    if (const auto* word = nearest(words, unknown, same)) return "did you mean " + std::string(*word) + "?";
+    if (const auto* word = nearest(words, unknown, std::identity())) return "did you mean " + std::string(*word) + "?";
   }
   return "expected " + join_or(words);
 }
@@ -144,47 +143,13 @@ const KeyNode& find_key(const std::string& path, const SourceLocation& where) {
   }
   const bool is_list = at->info.kind == KeyKind::list;
   if (at->info.kind == KeyKind::section || is_list) {
-    std::vector<std::string_view> names;
-    for (const KeyNode& key : at->children) names.push_back(key.info.name);
+    const std::vector<std::string_view> names = names_of_keys(*at);
     const std::string remedy = is_list && !in_list
                                    ? "name a key of an entry, as in " + so_far + ".0." + std::string(names[0])
                                    : "name one of its keys: " + join_or(names);
     throw InputError(where, so_far, is_list && !in_list ? "is a list" : "is a section", remedy);
   }
   return *at;
-}
-
-namespace {
-
-class UnknownKeys {
- public:
-  UnknownKeys(const std::string& file, MistakeList& mistakes) : file_(file), mistakes_(mistakes) {}
-
-  void find(const YamlNode& node, const KeyNode& section, const std::string& path) const {
-    for (const auto& entry : node.entries) {
-      const std::string entry_path = path + (path.empty() ? "" : ".") + shown_key(entry.key);
-      const KeyNode* key = section.find(entry.key);
-      if (key == nullptr) {
-        mistakes_.add(InputError(entry.mark.in(file_), entry_path, "unknown key", suggest_key(section, entry.key)));
-        continue;
-      }
-      if (key->info.kind == KeyKind::section) find(*entry.value, *key, entry_path);
-      if (key->info.kind != KeyKind::list) continue;
-      for (std::size_t i = 0; i < entry.value->items.size(); ++i) {
-        find(*entry.value->items[i], *key, entry_path + "." + std::to_string(i));
-      }
-    }
-  }
-
- private:
-  const std::string& file_;
-  MistakeList& mistakes_;
-};
-
-}  // namespace
-
-void reject_unknown_keys(const YamlNode& document, const std::string& file, MistakeList& mistakes) {
-  UnknownKeys(file, mistakes).find(document, key_tree(), "");
 }
 
 }  // namespace reamsim

@@ -15,7 +15,7 @@ namespace reamsim {
 namespace {
 
 /// Units as they end a name, longest first.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 15> kUnits{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 16> kUnits{{
     {"_g_cm3_per_hu", "g/cm³ per HU"},
     {"_g_cm3_per_s", "g/cm³ per s"},
     {"_n_s_mm", "N·s/mm"},
@@ -31,14 +31,14 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 15> kUnits{{
     {"_hz", "Hz"},
     {"_px", "px"},
     {"_s", "s"},
+    {"_n", "N"},
 }};
-constexpr std::pair<std::string_view, std::string_view> kNewton{"_n", "N"};
 
 std::pair<std::string_view, std::string_view> unit_suffix(std::string_view name) {
   for (const auto& unit : kUnits) {
     if (name.ends_with(unit.first)) return unit;
   }
-  return name.ends_with(kNewton.first) ? kNewton : std::pair<std::string_view, std::string_view>{};
+  return {};
 }
 
 /// Lists every key of a default scenario.
@@ -169,8 +169,10 @@ std::string value_text(const KeyInfo& info, const ValuePointer& value,
 
 std::string expectation(const KeyInfo& info) {
   const std::string range = range_text(info.range);
-  const std::string_view unit = unit_of(info.name);
-  const std::string tail = (range.empty() ? "" : ", " + range) + (unit.empty() ? "" : " (" + std::string(unit) + ")");
+  const std::string each = range.empty() ? "" : ", each " + range;
+  const std::string_view unit_name = unit_of(info.name);
+  const std::string unit = unit_name.empty() ? "" : " (" + std::string(unit_name) + ")";
+  const std::string tail = (range.empty() ? "" : ", " + range) + unit;
   switch (info.kind) {
     case KeyKind::section:
       return "a section of keys";
@@ -187,14 +189,11 @@ std::string expectation(const KeyInfo& info) {
     case KeyKind::names:
       return "a name or a whole number, or a list of them";
     case KeyKind::vector:
-      if (info.nonzero) return "3 numbers [x, y, z], not all zero, each " + range;
-      return "3 numbers [x, y, z]" + (range.empty() ? "" : ", each " + range) +
-             (unit.empty() ? "" : " (" + std::string(unit) + ")") +
+      return std::string("3 numbers [x, y, z]") + (info.nonzero ? ", not all zero" : "") + each + unit +
              (info.point ? ", or {markups: FILE, point: LABEL}" : "");
     case KeyKind::points:
       return "a list of " + std::to_string(info.least_points) + " or more points [[x, y, z], ...]" +
-             (range.empty() ? "" : ", each number " + range) + (unit.empty() ? "" : " (" + std::string(unit) + ")") +
-             (info.point ? ", or {markups: FILE}" : "");
+             (range.empty() ? "" : ", each number " + range) + unit + (info.point ? ", or {markups: FILE}" : "");
     case KeyKind::quaternion:
       return "4 numbers [w, x, y, z] of length 1";
     case KeyKind::text:

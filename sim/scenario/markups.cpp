@@ -4,22 +4,15 @@
 #include "sim/scenario/markups.h"
 
 #include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <optional>
-#include <utility>
+#include <iterator>
 
 #include "sim/base/error.h"
-#include "sim/base/file.h"
-#include "sim/scenario/markups_formats.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
 
 namespace {
 
-constexpr std::uintmax_t kMostMarkupsBytes = 16u << 20;
-constexpr std::size_t kMostMarkupsPoints = 100'000;
 constexpr std::size_t kMostLabelsShown = 20;
 
 std::string folded_label(std::string_view text) {
@@ -33,20 +26,6 @@ std::string folded_label(std::string_view text) {
   return out;
 }
 
-[[noreturn]] void refuse_markups(const std::string& path, const std::string& found, const std::string& expected) {
-  throw InputError({shown_path(path), 0, 0}, "", found, expected);
-}
-
-std::string markups_text(const std::string& path) {
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (!error && bytes > kMostMarkupsBytes) refuse_markups(path, "is larger than 16 MB", kExpectedMarkups);
-  if (!error && bytes == 0) refuse_markups(path, "is empty", kExpectedMarkups);
-  std::string text = read_file(path, kExpectedMarkups);
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-  return text;
-}
-
 }  // namespace
 
 std::string shown_labels(const std::vector<MarkupsPoint>& points) {
@@ -56,6 +35,10 @@ std::string shown_labels(const std::vector<MarkupsPoint>& points) {
   }
   if (points.size() > kMostLabelsShown) out += " and " + std::to_string(points.size() - kMostLabelsShown) + " more";
   return out;
+}
+
+void Markups::fail(const std::string& found, const std::string& expected) const {
+  throw InputError({shown_path(path), 0, 0}, "", found, expected);
 }
 
 std::vector<MarkupsPoint> Markups::points() const {
@@ -72,8 +55,8 @@ std::string has_labels(const std::vector<MarkupsPoint>& points) {
 
 Vec3 placed_position(const Markups& markups, const MarkupsPoint& point) {
   if (!point.placed) {
-    refuse_markups(markups.path, "the point " + shown_text(point.label) + " has no position: it is not placed yet",
-                   "place it in 3D Slicer and save the file again");
+    markups.fail("the point " + shown_text(point.label) + " has no position: it is not placed yet",
+                 "place it in 3D Slicer and save the file again");
   }
   return point.position_mm;
 }
@@ -86,10 +69,10 @@ Vec3 Markups::position_mm(std::string_view label) const {
   const auto find = [&](const auto& same) { std::ranges::copy_if(all, std::back_inserter(found), same); };
   find([&](const MarkupsPoint& point) { return point.label == label; });
   if (found.empty()) find([&](const MarkupsPoint& point) { return folded_label(point.label) == folded_label(label); });
-  if (found.empty()) refuse_markups(path, "has no point " + shown_text(label), has_labels(all));
+  if (found.empty()) fail("has no point " + shown_text(label), has_labels(all));
   if (found.size() > 1) {
-    refuse_markups(path, "has " + std::to_string(found.size()) + " points with the label " + shown_text(label),
-                   "give each a label of its own in 3D Slicer; found " + shown_labels(all));
+    fail("has " + std::to_string(found.size()) + " points with the label " + shown_text(label),
+         "give each a label of its own in 3D Slicer; found " + shown_labels(all));
   }
   return placed_position(*this, found.front());
 }
@@ -97,9 +80,8 @@ Vec3 Markups::position_mm(std::string_view label) const {
 Vec3 Markups::only_position_mm() const {
   const std::vector<MarkupsPoint> all = points();
   if (all.size() == 1) return placed_position(*this, all.front());
-  if (all.empty()) refuse_markups(path, "has no points", "place a point in 3D Slicer and save the file again");
-  refuse_markups(path, "has " + std::to_string(all.size()) + " points",
-                 "name one: point: LABEL, one of " + shown_labels(all));
+  if (all.empty()) fail("has no points", "place a point in 3D Slicer and save the file again");
+  fail("has " + std::to_string(all.size()) + " points", "name one: point: LABEL, one of " + shown_labels(all));
 }
 
 std::vector<Vec3> Markups::positions_mm() const {
@@ -108,24 +90,11 @@ std::vector<Vec3> Markups::positions_mm() const {
     for (const Markup& markup : markups) {
       names += (names.empty() ? "" : ", ") + shown_text(markup.name) + " with " + std::to_string(markup.points.size());
     }
-    refuse_markups(path, "has " + std::to_string(markups.size()) + " markups: " + names + " points",
-                   "expected a file of one markup, or the labels of the points: point: [LABEL, LABEL, ...]");
+    fail("has " + std::to_string(markups.size()) + " markups: " + names + " points",
+         "expected a file of one markup, or the labels of the points: point: [LABEL, LABEL, ...]");
   }
   std::vector<Vec3> out;
   for (const MarkupsPoint& point : points()) out.push_back(placed_position(*this, point));
-  return out;
-}
-
-Markups read_markups(const std::string& path) {
-  const std::string text = markups_text(path);
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string::npos) refuse_markups(path, "is empty", kExpectedMarkups);
-  const bool json = text[first] == '{' || text[first] == '[';
-  Markups out = json ? parse_markups_json(text, path) : parse_fcsv(text, path);
-  std::size_t points = 0;
-  for (const Markup& markup : out.markups) points += markup.points.size();
-  if (points > kMostMarkupsPoints)
-    refuse_markups(path, "has " + std::to_string(points) + " points", "at most 100,000 are possible");
   return out;
 }
 

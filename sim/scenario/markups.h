@@ -40,6 +40,8 @@ struct Markups {
   /// The positions of the only markup, in its order. Throws InputError where there are several, or a point is not
   /// placed.
   [[nodiscard]] std::vector<Vec3> positions_mm() const;
+  /// Throws InputError with the file.
+  [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
 };
 
 /// Reads an .fcsv of any version of 3D Slicer or an .mrk.json; its content says which. RAS becomes LPS, other units

@@ -36,61 +36,50 @@ bool is_text(const YamlNode& node, std::string_view text) {
   return node.kind == YamlNode::Kind::scalar && node.text == text;
 }
 
-class Migration {
- public:
-  Migration(std::string file, std::vector<std::string>& notes) : file_(std::move(file)), notes_(notes) {}
-
-  /// `node`, a section of that path, with its keys changed, and those below it.
-  YamlNodePtr changed(const YamlNodePtr& node, const std::string& path) const {
-    if (node->kind != YamlNode::Kind::map) return node;
-    auto copy = std::make_shared<YamlNode>(*node);
-    for (const KeyChange& change : kChanges) {
-      if (change.section == path) apply(change, *copy);
-    }
-    for (YamlEntry& entry : copy->entries) {
-      const std::string below = path.empty() ? entry.key : path + "." + entry.key;
-      const bool concerned =
-          std::ranges::any_of(kChanges, [&](const KeyChange& change) { return change.section.starts_with(below); });
-      if (concerned) entry.value = changed(entry.value, below);
-    }
-    return copy;
+void apply(const KeyChange& change, const std::string& file, YamlNode& section, std::vector<std::string>& notes) {
+  const auto entry = std::ranges::find(section.entries, change.old_name, &YamlEntry::key);
+  if (entry == section.entries.end()) return;
+  const std::string path = std::string(change.section) + ".", new_name(change.new_name);
+  const SourceLocation where = entry->mark.in(file);
+  const auto note = [&](const std::string& text) {
+    notes.emplace_back(InputError(where, path + entry->key, text, "").what());
+  };
+  if (new_name.empty()) {
+    note("ignored, because it changes no result: remove it");
+    section.entries.erase(entry);
+    return;
   }
-
- private:
-  void apply(const KeyChange& change, YamlNode& section) const {
-    const auto entry = std::ranges::find(section.entries, change.old_name, &YamlEntry::key);
-    if (entry == section.entries.end()) return;
-    const std::string path = std::string(change.section) + ".";
-    if (change.new_name.empty()) {
-      notes_.push_back(note(*entry, path, "ignored, because it changes no result: remove it"));
-      section.entries.erase(entry);
-      return;
-    }
-    const std::string new_name(change.new_name);
-    if (section.find(new_name) != nullptr) {
-      throw InputError(entry->mark.in(file_), path + entry->key, "given together with " + new_name,
-                       "expected " + new_name + " only");
-    }
-    // Version 1 had no name of its own for the engine of exact erosion.
-    const bool any_sparse = new_name == "type" && is_text(*entry->value, "bricked");
-    notes_.push_back(
-        note(*entry, path, "outdated since format version 2: write " + path + new_name + (any_sparse ? ": auto" : "")));
-    if (any_sparse) entry->value = with_text(*entry->value, "auto");
-    entry->key = new_name;
+  if (section.find(new_name) != nullptr) {
+    throw InputError(where, path + entry->key, "given together with " + new_name, "expected " + new_name + " only");
   }
+  // Version 1 had no name of its own for the engine of exact erosion.
+  const bool any_sparse = new_name == "type" && is_text(*entry->value, "bricked");
+  note("outdated since format version 2: write " + path + new_name + (any_sparse ? ": auto" : ""));
+  if (any_sparse) entry->value = with_text(*entry->value, "auto");
+  entry->key = new_name;
+}
 
-  [[nodiscard]] std::string note(const YamlEntry& entry, const std::string& path, const std::string& text) const {
-    return InputError(entry.mark.in(file_), path + entry.key, text, "").what();
+/// `node`, a section of that path, with its keys changed, and those below it.
+YamlNodePtr changed_section(const YamlNodePtr& node, const std::string& path, const std::string& file,
+                            std::vector<std::string>& notes) {
+  if (node->kind != YamlNode::Kind::map) return node;
+  auto copy = std::make_shared<YamlNode>(*node);
+  for (const KeyChange& change : kChanges) {
+    if (change.section == path) apply(change, file, *copy, notes);
   }
-
-  std::string file_;
-  std::vector<std::string>& notes_;
-};
+  for (YamlEntry& entry : copy->entries) {
+    const std::string below = path.empty() ? entry.key : path + "." + entry.key;
+    const bool concerned =
+        std::ranges::any_of(kChanges, [&](const KeyChange& change) { return change.section.starts_with(below); });
+    if (concerned) entry.value = changed_section(entry.value, below, file, notes);
+  }
+  return copy;
+}
 
 }  // namespace
 
 YamlNodePtr migrate(const YamlNodePtr& document, const std::string& file, std::vector<std::string>& notes) {
-  const YamlNodePtr changed = Migration(file, notes).changed(document, "");
+  const YamlNodePtr changed = changed_section(document, "", file, notes);
   const YamlEntry* version = changed->find("version");
   if (version == nullptr || !is_text(*version->value, "1")) return changed;
   auto copy = std::make_shared<YamlNode>(*changed);

@@ -99,6 +99,7 @@ struct TransformSettings {
   std::vector<Vec3> rotation{};      ///< the rows of R; empty with the quaternion; without both R is the identity
 
   [[nodiscard]] Rigid rigid() const;
+  [[nodiscard]] Mat3 rotation_matrix() const;  ///< of three rows
 };
 
 /// Recorded poses. A column is the name in the header, or its number from 1.

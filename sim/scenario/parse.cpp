@@ -4,6 +4,7 @@
 #include "sim/scenario/parse.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <filesystem>
@@ -17,7 +18,6 @@
 #include "sim/scenario/passes.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/presets.h"
-#include "sim/scenario/reader.h"
 #include "sim/scenario/show.h"
 #include "sim/scenario/yaml_tree.h"
 
@@ -45,16 +45,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::shared_ptr<YamlNode> text_of(const std::string& text) {
+YamlNodePtr text_node(const std::string& text, const YamlMark& mark, bool quoted) {
   auto node = std::make_shared<YamlNode>();
   node->kind = YamlNode::Kind::scalar;
+  node->mark = mark;
   node->text = text;
-  node->quoted = true;
+  node->quoted = quoted;
   return node;
 }
 
 /// A section of one key.
-std::shared_ptr<YamlNode> section_of(const std::string& key, YamlNodePtr value) {
+YamlNodePtr section_of(const std::string& key, YamlNodePtr value) {
   auto node = std::make_shared<YamlNode>();
   node->kind = YamlNode::Kind::map;
   node->entries.push_back({key, {}, std::move(value)});
@@ -75,18 +76,14 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
     Scenario scenario;
     const YamlNodePtr document = read_document(path, overrides, scenario.notes);
     const std::string file = shown_path(path);
-    MistakeList mistakes;
-    reject_unknown_keys(*document, file, mistakes);
     const fs::path absolute = fs::absolute(path).lexically_normal();
     require_recordable(absolute.string(), {file, 0, 0}, "");
-    ScenarioReader reader(document, file, absolute.parent_path().string(), mistakes);
-    describe_scenario(reader, scenario);
-    scenario.markups = reader.markups();
-    apply_preset(reader.locations(), scenario.cutting);
-    check_rules(scenario, reader.locations(), mistakes);
+    MistakeList mistakes;
+    read_keys(document, file, absolute.parent_path().string(), describe_scenario, scenario, mistakes);
+    apply_preset(scenario.keys, scenario.cutting);
+    check_rules(scenario, scenario.keys, mistakes);
     mistakes.throw_if_any();
     scenario.file = absolute.string();
-    scenario.keys = reader.locations();
     if (scenario.name.empty()) scenario.name = absolute.stem().string();
     return scenario;
   } catch (const std::bad_alloc&) {
@@ -118,28 +115,25 @@ bool resolves_cutting_edges(const YamlNode& document) {
 }  // namespace
 
 ResultSettings parse_result_settings(const std::string& path, const std::vector<std::string>& overrides) {
-  std::vector<std::string> unused_notes;
-  const YamlNodePtr document = read_document(path, overrides, unused_notes);
-  const std::string file = shown_path(path);
+  Scenario out;
+  const YamlNodePtr document = read_document(path, overrides, out.notes);
   MistakeList mistakes;
-  reject_unknown_keys(*document, file, mistakes);
-  ScenarioReader reader(document, file, "", mistakes);
-  ResultSettings out;
-  reader.section("render", out.render, describe_render);
-  reader.section("cutting", out.cutting, describe_cutting);
-  reader.section("output", out.output, describe_output);
+  const auto describe = [](KeyVisitor& v, Scenario& scenario) {
+    v.section("render", scenario.render, describe_render);
+    v.section("cutting", scenario.cutting, describe_cutting);
+    v.section("output", scenario.output, describe_output);
+  };
+  read_keys(document, shown_path(path), "", describe, out, mistakes);
   mistakes.throw_if_any();
-  check_cameras(out.render, reader.locations());
-  if (resolves_cutting_edges(*document)) out.tool_spin = ToolSpin::resolved;
-  return out;
+  check_cameras(out, out.keys);
+  if (resolves_cutting_edges(*document)) out.tool.spin = ToolSpin::resolved;
+  return {out.render, out.cutting, out.output, out.tool.spin};
 }
 
 BoneSettings parse_bone_settings(const std::string& source, const std::string& path,
                                  const std::vector<std::string>& overrides) {
-  const std::string file = shown_path(path);
-  YamlNodePtr document = section_of(
-      "bone",
-      section_of(source, section_of("path", text_of(recorded_path(fs::absolute(path).lexically_normal().string())))));
+  const std::string recorded = recorded_path(fs::absolute(path).lexically_normal().string());
+  YamlNodePtr document = section_of("bone", section_of(source, section_of("path", text_node(recorded, {}, true))));
   document = apply_override(document, "bone.source=" + source);
   for (const auto& assignment : overrides) {
     document = apply_override(document, assignment);
@@ -148,11 +142,10 @@ BoneSettings parse_bone_settings(const std::string& source, const std::string& p
     }
   }
   MistakeList mistakes;
-  reject_unknown_keys(*document, file, mistakes);
-  ScenarioReader reader(document, file, fs::current_path().string(), mistakes);
   Scenario scenario;
-  reader.section("bone", scenario.bone, describe_bone);
-  check_rules(scenario, reader.locations(), mistakes);
+  const auto describe = [](KeyVisitor& v, Scenario& read) { v.section("bone", read.bone, describe_bone); };
+  read_keys(document, shown_path(path), fs::current_path().string(), describe, scenario, mistakes);
+  check_rules(scenario, scenario.keys, mistakes);
   mistakes.throw_if_any();
   return scenario.bone;
 }
@@ -203,14 +196,6 @@ YamlNodePtr marked(const YamlNode& node, const YamlMark& mark) {
   return copy;
 }
 
-YamlNodePtr text_node(const std::string& text, const YamlMark& mark) {
-  auto node = std::make_shared<YamlNode>();
-  node->kind = YamlNode::Kind::scalar;
-  node->text = text;
-  node->mark = mark;
-  return node;
-}
-
 YamlNodePtr parse_value(const std::string& text, const YamlMark& mark) {
   try {
     const YamlNodePtr node = parse_yaml(text, *mark.override_text);
@@ -222,8 +207,7 @@ YamlNodePtr parse_value(const std::string& text, const YamlMark& mark) {
     // Not YAML, so it is meant literally: a device's name may hold ": " or a bracket.
     if (text.starts_with('[') || text.starts_with('{') || text.starts_with('"')) throw;
   }
-  const std::size_t first = text.find_first_not_of(" \t\n"), last = text.find_last_not_of(" \t\n");
-  return text_node(first == std::string::npos ? "" : text.substr(first, last - first + 1), mark);
+  return text_node(std::string(without_blanks(text, " \t\n")), mark, false);
 }
 
 Override take_apart(const std::string& assignment) {
@@ -232,14 +216,9 @@ Override take_apart(const std::string& assignment) {
   out.mark.override_text = std::make_shared<const std::string>(shown_assignment);
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos) out.fail("found no \"=\"", "expected --set key.path=value");
-  std::string rest = assignment.substr(0, equals);
-  for (;;) {
-    const std::size_t dot = rest.find('.');
-    out.path.push_back(rest.substr(0, dot));
-    if (out.path.back().empty()) out.fail("found an empty key", "expected --set key.path=value");
-    if (dot == std::string::npos) break;
-    rest = rest.substr(dot + 1);
-  }
+  out.path = split(assignment.substr(0, equals), '.');
+  if (std::ranges::find(out.path, "") != out.path.end())
+    out.fail("found an empty key", "expected --set key.path=value");
   if (out.path.size() > static_cast<std::size_t>(YamlLimits::kMaxDepth)) {
     out.fail("found " + std::to_string(out.path.size()) + " levels of keys", "expected a key of the scenario");
   }
@@ -298,6 +277,97 @@ YamlNodePtr assign(const YamlNodePtr& node, const Override& change, std::size_t 
 
 YamlNodePtr apply_override(const YamlNodePtr& document, const std::string& assignment) {
   return assign(document, take_apart(assignment), 0);
+}
+
+namespace {
+
+constexpr std::array kPowerLawKeys{"specific_energy_j_mm3", "reference_density_g_cm3", "density_exponent"};
+
+bool sets(const std::string& override, const std::string& key) {
+  return override.starts_with(key + "=") || override.starts_with(key + ".");
+}
+
+/// Throws InputError for a key that the law does not have.
+void require_law_keys(const std::vector<std::string>& overrides) {
+  for (const std::string& override : overrides) {
+    if (override.starts_with("cutting.") || override.starts_with("bone.density.")) continue;
+    throw InputError({}, "--set", "found " + shown_text(override),
+                     "expected cutting.KEY=VALUE or bone.density.KEY=VALUE; to change anything else, run the scenario "
+                     "again");
+  }
+}
+
+/// The overrides, after those that remove what a preset or a table in them replaces: the file of a run has every
+/// default filled in, and its keys would take precedence.
+std::vector<std::string> replacing_law(const std::vector<std::string>& overrides) {
+  std::vector<std::string> out;
+  const auto any_sets = [&](const std::string& key) {
+    return std::ranges::any_of(overrides, [&](const std::string& text) { return sets(text, key); });
+  };
+  const bool preset = any_sets("cutting.preset"), table = any_sets("cutting.specific_energy_table");
+  if (preset || table) {
+    for (const char* key : kPowerLawKeys) out.push_back(std::string("cutting.") + key + "=null");
+    out.push_back(table ? "cutting.preset=null" : "cutting.specific_energy_table=null");
+  }
+  out.insert(out.end(), overrides.begin(), overrides.end());
+  return out;
+}
+
+/// The block of a section in YAML of block style: the line `head`, and the more indented lines after it. Empty where
+/// there is none.
+struct Block {
+  std::size_t begin = 0, end = 0;
+};
+Block block_of(const std::string& text, const std::string& head) {
+  std::size_t begin = text.starts_with(head + "\n") ? 0 : text.find("\n" + head + "\n");
+  if (begin == std::string::npos) return {};
+  begin += text.starts_with(head + "\n") ? 0 : 1;
+  const std::size_t indent = head.find_first_not_of(' ');
+  std::size_t end = text.find('\n', begin) + 1;
+  while (end < text.size() && text.find_first_not_of(' ', end) - end > indent) end = text.find('\n', end) + 1;
+  return {begin, end};
+}
+
+void replace_block(const std::string& head, const std::string& from, std::string& text) {
+  const Block ours = block_of(text, head), theirs = block_of(from, head);
+  if (ours.end > 0 && theirs.end > 0)
+    text.replace(ours.begin, ours.end - ours.begin, from, theirs.begin, theirs.end - theirs.begin);
+}
+
+/// The part of `bone` that the law depends on. The other keys name files, which are not required here.
+void describe_source_and_density(KeyVisitor& v, BoneSettings& bone) {
+  v.key("source", bone.source, "Source of the bone", {.required = true});
+  v.section("density", bone.density, describe_density, "Relation from HU to density");
+}
+
+}  // namespace
+
+LawSettings parse_law_settings(const std::string& path, const std::vector<std::string>& overrides) {
+  require_law_keys(overrides);
+  Scenario scenario;
+  const YamlNodePtr document = read_document(path, replacing_law(overrides), scenario.notes);
+  MistakeList mistakes;
+  const auto describe = [](KeyVisitor& v, Scenario& read) {
+    v.section("cutting", read.cutting, describe_cutting);
+    v.section("output", read.output, describe_output);
+    v.section("engine", read.engine, describe_engine);
+    v.section("bone", read.bone, describe_source_and_density);
+  };
+  read_keys(document, shown_path(path), "", describe, scenario, mistakes);
+  apply_preset(scenario.keys, scenario.cutting);
+  Scenario checked = scenario;
+  checked.bone.source = BoneSource::vdb;  // the rules of the other sources need keys that are not read here
+  check_rules(checked, scenario.keys, mistakes);
+  mistakes.throw_if_any();
+  LawSettings out{.cutting = scenario.cutting,
+                  .density = scenario.bone.density,
+                  .bone_source = name_of(scenario.bone.source),
+                  .yaml = read_scenario_text(path, YamlLimits::kMaxBytes),
+                  .force_basis = scenario.output.force_basis};
+  const std::string changed = to_yaml(scenario);
+  replace_block("cutting:", changed, out.yaml);
+  replace_block("  density:", changed, out.yaml);
+  return out;
 }
 
 }  // namespace reamsim

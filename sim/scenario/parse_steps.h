@@ -13,7 +13,7 @@
 
 namespace reamsim {
 
-// The steps of parse_scenario() before and after the reader, in their order. Each has a file of its own.
+// The steps of parse_scenario() before and after read_keys().
 
 /// The file's document, with overrides, in the present version of the format. `notes`: see migrate(). Throws
 /// InputError.
@@ -30,37 +30,40 @@ YamlNodePtr apply_override(const YamlNodePtr& document, const std::string& assig
 /// more. Adds a note for each ("FILE:LINE:COLUMN: KEY: ..."). Throws InputError where a key is given under both names.
 YamlNodePtr migrate(const YamlNodePtr& document, const std::string& file, std::vector<std::string>& notes);
 
-/// Lists every key of the document that key_tree() does not have, with the key that was probably meant. Leaves sections
-/// that do not hold keys to the reader.
-void reject_unknown_keys(const YamlNode& document, const std::string& file, MistakeList& mistakes);
+/// Reads the keys that `describe` visits into `scenario`, with their places and the files of markups; lists unknown
+/// keys of the document. Checks each key by itself (type, range, choice, where it applies); check_rules() checks keys
+/// against each other. Expands paths and makes them absolute. `folder`: base of relative paths. `file`: name in
+/// messages.
+///
+/// Lists each mistake and continues with the default value. Does not report consequences of a mistake: keys that depend
+/// on a wrong or missing choice, missing keys beside an unknown key (probably a typing error), and the contents of a
+/// section that is not one.
+void read_keys(const YamlNodePtr& document, const std::string& file, const std::string& folder,
+               void (*describe)(KeyVisitor&, Scenario&), Scenario& scenario, MistakeList& mistakes);
 
 /// The rules that concern more than one key. Lists a mistake for each broken rule, at the key to change; skips rules of
 /// keys that have a mistake already.
 void check_rules(const Scenario& scenario, const KeyLocations& locations, MistakeList& mistakes);
 
-/// The rules of user cameras: names that files can have, each once; a direction of view, and an up across it.
-/// Throws InputError.
-void check_cameras(const RenderSettings& render, const KeyLocations& locations);
+// Rules of one section each. They throw InputError at the key to change.
 
-/// The rules of metrics.implant: a footprint that its back covers, directions that span its frame, pegs with a length.
-/// Throws InputError.
-void check_implant(const ImplantSettings& implant, const KeyLocations& locations);
-
-/// The rules of bone.glenoid.rim_mm: the size of a joint face, not on a line, in order around it. Throws InputError.
-void check_rim(const std::vector<Vec3>& rim_mm, const KeyLocations& locations);
+/// Names that files can have, each once; a direction of view, and an up across it.
+void check_cameras(const Scenario& scenario, const KeyLocations& locations);
+/// A footprint that its back covers, directions that span its frame, pegs with a length.
+void check_implant(const Scenario& scenario, const KeyLocations& locations);
+/// The size of a joint face, not on a line, in order around it.
+void check_rim(const Scenario& scenario, const KeyLocations& locations);
+/// What the balance of forces in every frame needs.
+void check_push(const Scenario& scenario, const KeyLocations& locations);
+void check_compliance(const Scenario& scenario, const KeyLocations& locations);
+/// As many columns as there are components, rotations that are some, and one frame of the poses.
+void check_csv(const Scenario& scenario, const KeyLocations& locations);
 
 /// Points of markups are in the frame of the bone: lists a mistake for each key that has another frame.
 void check_markups_frames(const Scenario& scenario, const KeyLocations& locations, MistakeList& mistakes);
 
-/// The rules of motion.push: what the balance of forces in every frame needs. Throws InputError.
-void check_push(const Scenario& scenario, const KeyLocations& locations);
-
-/// The rules of motion.csv: as many columns as there are components, rotations that are some, and one frame of the
-/// poses. Throws InputError.
-void check_csv(const Scenario& scenario, const KeyLocations& locations);
-
-/// The rules of motion.compliance: likewise. Throws InputError.
-void check_compliance(const Scenario& scenario, const KeyLocations& locations);
+/// Whether two directions are so close that a direction across one of them is noise.
+bool are_parallel(const Vec3& a, const Vec3& b);
 
 /// Throws InputError unless a frame of motion.push at its fastest feed is one substep (engine.max_step_voxels), so that
 /// the balance of the frame is that of its cut. `scenario` has the edge length of the voxels, which a VDB tells.

@@ -71,4 +71,28 @@ void apply_walch_defaults(PhantomSettings& phantom) {
   if (phantom.walch == Walch::a2) phantom.medialization_mm = 6;
 }
 
+void apply_format_defaults(CsvMotionSettings& csv) {
+  if (csv.format != PoseFormat::tum) return;
+  csv.separator = Separator::space;
+  csv.time_column = "1";
+  csv.position_columns = {"2", "3", "4"};
+  csv.position_unit = LengthUnit::m;
+  csv.quaternion_columns = {"5", "6", "7", "8"};
+  csv.quaternion_order = QuaternionOrder::xyzw;
+}
+
+Mat3 TransformSettings::rotation_matrix() const {
+  Mat3 out;
+  for (Eigen::Index i = 0; i < 3; ++i) out.row(i) = rotation[static_cast<std::size_t>(i)].transpose();
+  return out;
+}
+
+Rigid TransformSettings::rigid() const {
+  Rigid out = Rigid::Identity();
+  if (quaternion) out.linear() = quaternion->toRotationMatrix();
+  if (!rotation.empty()) out.linear() = Quat(rotation_matrix()).normalized().toRotationMatrix();
+  out.translation() = translation_mm;
+  return out;
+}
+
 }  // namespace reamsim

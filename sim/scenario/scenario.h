@@ -24,6 +24,8 @@ struct DensitySettings {  ///< HU to density; see DensityMapping
   double ash_slope_g_cm3_per_hu = 0.0007;
   double ash_offset_g_cm3 = -0.009;
   double ash_fraction = 0.6;
+
+  friend bool operator==(const DensitySettings&, const DensitySettings&) = default;
 };
 
 struct LandmarkSettings {
@@ -192,6 +194,8 @@ struct SizeEffectSettings {
   double least_mm = 0.001;
   double most_mm = 0.5;
   int cutting_edges = 1;
+
+  friend bool operator==(const SizeEffectSettings&, const SizeEffectSettings&) = default;
 };
 
 /// Force per length of cutting edge in contact.
@@ -287,7 +291,6 @@ struct RenderSettings {
   int width_px = 1920;
   int height_px = 1080;
   int every_frames = 0;  ///< 0 = ten pictures over the run, and a film of 150
-  /// The first names the files without a suffix.
   /// The first names the files without a suffix.
   std::vector<CameraView> cameras{CameraView::oblique, CameraView::glenoid, CameraView::section};
   std::vector<UserCamera> user_cameras;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "sim/scenario/key_tree.h"
@@ -184,35 +185,27 @@ std::string scenario_json_schema() {
 
 namespace {
 
-std::string type_text(const KeyNode& key) {
-  switch (key.info.kind) {
-    case KeyKind::section:
-      return "section";
-    case KeyKind::list:
-      return "list of sections";
-    case KeyKind::number:
-      return "number";
-    case KeyKind::integer:
-      return "whole number";
-    case KeyKind::flag:
-      return "true or false";
-    case KeyKind::choices:
-      return "list of words";
-    case KeyKind::names:
-      return "name or whole number, or a list of them";
-    case KeyKind::vector:
-      return key.info.point ? "3 numbers, or a point of [markups](inputs.md#points-of-3d-slicer)" : "3 numbers";
-    case KeyKind::points:
-      return std::string("list of points, 3 numbers each") +
-             (key.info.point ? ", or [markups](inputs.md#points-of-3d-slicer)" : "");
-    case KeyKind::quaternion:
-      return "4 numbers";
-    case KeyKind::text:
-      break;
-  }
-  if (!key.info.choices.empty()) return "word";
-  if (key.info.text == TextKind::word) return "text";
-  return key.info.text == TextKind::output_folder ? "folder" : "path";
+/// In the order of KeyKind.
+constexpr std::array kKindNames{"number",
+                                "whole number",
+                                "true or false",
+                                "text",
+                                "name or whole number, or a list of them",
+                                "3 numbers",
+                                "list of points, 3 numbers each",
+                                "4 numbers",
+                                "list of words",
+                                "section",
+                                "list of sections"};
+
+std::string type_text(const KeyInfo& info) {
+  const std::string name = kKindNames[static_cast<std::size_t>(info.kind)];
+  const std::string markups = "[markups](inputs.md#points-of-3d-slicer)";
+  if (info.point) return name + (info.kind == KeyKind::vector ? ", or a point of " : ", or ") + markups;
+  if (info.kind != KeyKind::text) return name;
+  if (!info.choices.empty()) return "word";
+  if (info.text == TextKind::word) return name;
+  return info.text == TextKind::output_folder ? "folder" : "path";
 }
 
 std::string values_text(const KeyNode& key) {
@@ -246,8 +239,8 @@ std::string doc_text(const KeyNode& key, const KeyNode& section) {
 void add_rows(std::string& out, const KeyNode& section) {
   for (const auto& key : section.children) {
     const std::string_view unit = unit_of(key.info.name);
-    out += "| `" + key.path + "` | " + type_text(key) + " | " + std::string(unit) + " | " + default_text(key) + " | " +
-           values_text(key) + " | " + doc_text(key, section) + " |\n";
+    out += "| `" + key.path + "` | " + type_text(key.info) + " | " + std::string(unit) + " | " + default_text(key) +
+           " | " + values_text(key) + " | " + doc_text(key, section) + " |\n";
     add_rows(out, key);
   }
 }
@@ -263,7 +256,7 @@ std::string scenario_key_table() {
   std::string out = kHead;
   for (const auto& key : root.children) {
     if (!key.children.empty()) continue;
-    out += "| `" + key.path + "` | " + type_text(key) + " |  | " + default_text(key) + " | " + values_text(key) +
+    out += "| `" + key.path + "` | " + type_text(key.info) + " |  | " + default_text(key) + " | " + values_text(key) +
            " | " + doc_text(key, root) + " |\n";
   }
   for (const auto& section : root.children) {

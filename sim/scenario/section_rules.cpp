@@ -1,60 +1,70 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scenario/parse_steps.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include "sim/base/geometry.h"
+#include "sim/scenario/parse_steps.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
+
+bool are_parallel(const Vec3& a, const Vec3& b) {
+  constexpr double kLeastSine = 0.01;  // below this angle (about half a degree) a direction across another one is noise
+  return a.normalized().cross(b.normalized()).norm() < kLeastSine;
+}
 
 namespace {
 
 /// A mistake where the balance of forces cannot be tried with these settings. `section`: what needs it.
 void check_balance(const Scenario& s, const KeyLocations& at, const std::string& section) {
   const auto fail = [&](const std::string& key, const std::string& found, const std::string& expected) {
-    throw InputError(at.of(key), key, found, "expected " + expected + ", because " + section + " is given");
+    at.fail(key, "found " + found, expected + ", because " + section + " is given");
   };
-  if (s.cutting.erosion != ErosionMode::exact) fail("cutting.erosion", "found " + name_of(s.cutting.erosion), "exact");
-  if (s.motion.push && s.tool.spin != ToolSpin::envelope)
-    fail("tool.spin", "found " + name_of(s.tool.spin), "envelope");
-  if (s.output.force_basis) fail("output.force_basis", "found true", "false");
+  if (s.cutting.erosion != ErosionMode::exact) fail("cutting.erosion", name_of(s.cutting.erosion), "exact");
+  if (s.motion.push && s.tool.spin != ToolSpin::envelope) fail("tool.spin", name_of(s.tool.spin), "envelope");
+  if (s.output.force_basis) fail("output.force_basis", "true", "false");
   if (!s.tool.holder.empty()) {
-    fail("tool.holder", "found a list of " + std::to_string(s.tool.holder.size()),
+    fail("tool.holder", "a list of " + std::to_string(s.tool.holder.size()),
          "none: the clearance of a holder needs a prescribed path");
   }
 }
 
 }  // namespace
 
-void check_push_step(const Scenario& scenario, const KeyLocations& locations) {
-  if (!scenario.motion.push) return;
-  const double max_feed_mm_s = scenario.motion.push->max_feed_mm_s, rate_hz = scenario.motion.frame_rate_hz;
-  const double most_mm = scenario.engine.max_step_voxels * scenario.bone.voxel_mm;
+void check_push_step(const Scenario& s, const KeyLocations& at) {
+  if (!s.motion.push) return;
+  const double max_feed_mm_s = s.motion.push->max_feed_mm_s, rate_hz = s.motion.frame_rate_hz;
+  const double most_mm = s.engine.max_step_voxels * s.bone.voxel_mm;
   if (max_feed_mm_s / rate_hz <= most_mm) return;
-  const std::string key = "motion.push.max_feed_mm_s";
-  throw InputError(locations.of(key), key, "found " + number_text(max_feed_mm_s),
-                   "expected at most " + number_text(most_mm * rate_hz) +
-                       ": a frame of it is longer than engine.max_step_voxels; raise frame_rate_hz or lower it");
+  at.fail("motion.push.max_feed_mm_s", "found " + number_text(max_feed_mm_s),
+          "at most " + number_text(most_mm * rate_hz) +
+              ": a frame of it is longer than engine.max_step_voxels; raise frame_rate_hz or lower it");
 }
 
-void check_push(const Scenario& scenario, const KeyLocations& locations) {
-  if (!scenario.motion.push) return;
-  const PushSettings& push = *scenario.motion.push;
-  check_balance(scenario, locations, "motion.push");
-  const auto fail = [&](const std::string& name, const std::string& found, const std::string& expected) {
-    const std::string key = "motion.push." + name;
-    throw InputError(locations.of(key), key, found, "expected " + expected);
-  };
-  if (!push.profile.empty() && locations.given("motion.push.thrust_n"))
-    fail("profile", "found beside thrust_n", "one of both");
+void check_push(const Scenario& s, const KeyLocations& at) {
+  if (!s.motion.push) return;
+  check_balance(s, at, "motion.push");
+  if (!s.motion.push->profile.empty() && at.given("motion.push.thrust_n"))
+    at.fail("motion.push.profile", "found beside thrust_n", "one of both");
   // The voxels of a VDB are known when it has been read: sim/scene.
-  if (scenario.bone.source != BoneSource::vdb) check_push_step(scenario, locations);
+  if (s.bone.source != BoneSource::vdb) check_push_step(s, at);
+}
+
+void check_compliance(const Scenario& s, const KeyLocations& at) {
+  if (!s.motion.compliance) return;
+  const std::string section = "motion.compliance";
+  if (s.motion.push) {
+    at.fail(section, "found beside motion.push",
+            "one of both: a push has a balance of forces of its own, with mass and damping");
+  }
+  check_balance(s, at, section);
+  if (s.motion.compliance->stiffness_n_mm.minCoeff() < ComplianceSettings::kRigid_n_mm) return;
+  at.fail(section + ".stiffness_n_mm", "found 1e6, which is rigid, in all directions",
+          "less in one direction at least; remove motion.compliance for a rigid tool");
 }
 
 namespace {
@@ -75,106 +85,120 @@ std::string other_frame(const Scenario& s, const std::string& key) {
 
 }  // namespace
 
-void check_markups_frames(const Scenario& scenario, const KeyLocations& locations, MistakeList& mistakes) {
-  for (const MarkupsSource& source : scenario.markups) {
-    const std::string frame = other_frame(scenario, source.key);
+void check_markups_frames(const Scenario& s, const KeyLocations& at, MistakeList& mistakes) {
+  for (const MarkupsSource& source : s.markups) {
+    const std::string frame = other_frame(s, source.key);
     if (frame.empty()) continue;
-    mistakes.add(InputError(locations.of(source.key), source.key,
-                            "found a point of markups, which is in the frame of the bone, and " + frame,
-                            "expected frame: bone, or 3 numbers"));
+    mistakes.attempt([&] {
+      at.fail(source.key, "found a point of markups, which is in the frame of the bone, and " + frame,
+              "frame: bone, or 3 numbers");
+    });
   }
 }
 
-void check_compliance(const Scenario& scenario, const KeyLocations& locations) {
-  if (!scenario.motion.compliance) return;
-  const std::string section = "motion.compliance";
-  if (scenario.motion.push) {
-    throw InputError(locations.of(section), section, "found beside motion.push",
-                     "expected one of both: a push has a balance of forces of its own, with mass and damping");
+void check_implant(const Scenario& s, const KeyLocations& at) {
+  if (!s.metrics.implant) return;
+  const ImplantSettings& implant = *s.metrics.implant;
+  const auto fail = [&](const std::string& name, const std::string& found, const std::string& expected) {
+    at.fail("metrics.implant." + name, found, expected);
+  };
+  const bool sized = implant.width_mm > 0 || implant.height_mm > 0;
+  if (sized && implant.diameter_mm > 0)
+    fail("diameter_mm", "found diameter_mm beside width_mm or height_mm", "either the one or the others");
+  if (sized && implant.width_mm == 0) fail("width_mm", "missing", "width_mm and height_mm together");
+  if (sized && implant.height_mm == 0) fail("height_mm", "missing", "width_mm and height_mm together");
+  if (implant.footprint == FootprintShape::pear && implant.height_mm < implant.width_mm)
+    fail("height_mm", "found " + number_text(implant.height_mm), "at least width_mm, because footprint is pear");
+  const auto require_covered = [&](const std::string& name, double size_mm) {
+    if (implant.backside_radius_mm > 0 && size_mm > 2 * implant.backside_radius_mm)
+      fail(name, "found " + number_text(size_mm), "no more than twice backside_radius_mm");
+  };
+  require_covered("diameter_mm", implant.diameter_mm);
+  require_covered("width_mm", implant.width_mm);
+  require_covered("height_mm", implant.height_mm);
+  if (implant.frame != ImplantFrame::bone && implant.axis.z() <= 0)
+    fail("axis", "found an axis with z ≤ 0", "a direction out of the bone, z > 0");
+  if (implant.superior && are_parallel(implant.axis, *implant.superior))
+    fail("superior", "found a direction along axis", "a direction across it");
+  if (implant.augment && implant.augment->direction.head<2>().norm() == 0)
+    fail("augment.direction", "found x = y = 0", "a direction across the axis of the implant");
+  constexpr double kLeastPeg_mm = 0.1;  // a shorter one is a point
+  for (std::size_t i = 0; i < implant.pegs.size(); ++i) {
+    if ((implant.pegs[i].to_mm - implant.pegs[i].from_mm).norm() >= kLeastPeg_mm) continue;
+    fail("pegs." + std::to_string(i) + ".to_mm", "found a point closer than 0.1 mm to from_mm", "the other end");
   }
-  check_balance(scenario, locations, section);
-  const Vec3& stiffness = scenario.motion.compliance->stiffness_n_mm;
-  if (stiffness.minCoeff() < ComplianceSettings::kRigid_n_mm) return;
-  throw InputError(locations.of(section + ".stiffness_n_mm"), section + ".stiffness_n_mm",
-                   "found 1e6, which is rigid, in all directions",
-                   "expected less in one direction at least; remove motion.compliance for a rigid tool");
 }
 
 namespace {
 
-const std::string kImplant = "metrics.implant";
+// How far R·Rᵀ may be from the identity: matrices are written with few digits. A row of length 1.001 is within it.
+constexpr double kRotationTolerance = 2.1e-3;
 
-// Below this angle (about half a degree) a direction across another one is noise.
-constexpr double kLeastCrossing = 0.01;
-// A shorter peg is a point.
-constexpr double kLeastPeg_mm = 0.1;
-
-/// Throws InputErrors of one implant.
-class ImplantRules {
- public:
-  ImplantRules(const ImplantSettings& implant, const KeyLocations& locations) : implant_(implant), at_(locations) {}
-
-  void check_footprint() const {
-    const bool sized = implant_.width_mm > 0 || implant_.height_mm > 0;
-    if (sized && implant_.diameter_mm > 0) {
-      fail("diameter_mm", "found diameter_mm beside width_mm or height_mm", "either the one or the others");
-    }
-    if (sized && implant_.width_mm == 0) fail("width_mm", "missing", "width_mm and height_mm together");
-    if (sized && implant_.height_mm == 0) fail("height_mm", "missing", "width_mm and height_mm together");
-    if (implant_.footprint == FootprintShape::pear && implant_.height_mm < implant_.width_mm) {
-      fail("height_mm", "found " + number_text(implant_.height_mm), "at least width_mm, because footprint is pear");
-    }
-    if (implant_.backside_radius_mm == 0) return;
-    check_covered("diameter_mm", implant_.diameter_mm);
-    check_covered("width_mm", implant_.width_mm);
-    check_covered("height_mm", implant_.height_mm);
-  }
-
-  void check_pose() const {
-    const bool outward = implant_.frame == ImplantFrame::bone || implant_.axis.z() > 0;
-    if (!outward) fail("axis", "found an axis with z ≤ 0", "a direction out of the bone, z > 0");
-    if (!implant_.superior) return;
-    const double sine = implant_.axis.normalized().cross(implant_.superior->normalized()).norm();
-    if (sine < kLeastCrossing) fail("superior", "found a direction along axis", "a direction across it");
-  }
-
-  void check_augment() const {
-    if (implant_.augment && implant_.augment->direction.head<2>().norm() == 0) {
-      fail("augment.direction", "found x = y = 0", "a direction across the axis of the implant");
-    }
-  }
-
-  void check_pegs() const {
-    for (std::size_t i = 0; i < implant_.pegs.size(); ++i) {
-      const PegSettings& peg = implant_.pegs[i];
-      if ((peg.to_mm - peg.from_mm).norm() >= kLeastPeg_mm) continue;
-      fail("pegs." + std::to_string(i) + ".to_mm", "found a point closer than 0.1 mm to from_mm", "the other end");
-    }
-  }
-
- private:
-  [[noreturn]] void fail(const std::string& name, const std::string& found, const std::string& expected) const {
-    const std::string key = kImplant + "." + name;
-    throw InputError(at_.of(key), key, found, "expected " + expected);
-  }
-
-  void check_covered(const std::string& name, double size_mm) const {
-    if (size_mm <= 2 * implant_.backside_radius_mm) return;
-    fail(name, "found " + number_text(size_mm), "no more than twice backside_radius_mm");
-  }
-
-  const ImplantSettings& implant_;
-  const KeyLocations& at_;
-};
+void check_transform(const std::string& key, const TransformSettings& transform, const KeyLocations& locations) {
+  if (transform.rotation.empty()) return;
+  const auto fail = [&](const std::string& found) {
+    locations.fail(key + ".rotation", found, "the three rows of a rotation matrix");
+  };
+  if (transform.rotation.size() != 3) fail("found " + std::to_string(transform.rotation.size()) + " rows");
+  const Mat3 matrix = transform.rotation_matrix();
+  const double error = (matrix * matrix.transpose() - Mat3::Identity()).cwiseAbs().maxCoeff();
+  if (error > kRotationTolerance) fail("found rows that are not perpendicular or not of length 1");
+  if (matrix.determinant() < 0) fail("found a reflection: its determinant is -1");
+}
 
 }  // namespace
 
-void check_implant(const ImplantSettings& implant, const KeyLocations& locations) {
-  const ImplantRules rules(implant, locations);
-  rules.check_footprint();
-  rules.check_pose();
-  rules.check_augment();
-  rules.check_pegs();
+void check_csv(const Scenario& scenario, const KeyLocations& locations) {
+  if (!scenario.motion.csv) return;
+  const CsvMotionSettings& csv = *scenario.motion.csv;
+  const std::string section = "motion.csv.";
+  const auto fail = [&](const std::string& name, const std::string& found, const std::string& expected) {
+    locations.fail(section + name, found, expected);
+  };
+  const auto require_columns = [&](const std::string& name, const std::vector<std::string>& columns,
+                                   std::size_t count) {
+    if (columns.size() != count) {
+      fail(name, "found a list of " + std::to_string(columns.size()), std::to_string(count) + " names or numbers");
+    }
+    for (const std::string& column : columns) {
+      if (column == "0") fail(name, "found column 0", "numbers from 1");
+    }
+  };
+  require_columns("time_column", {csv.time_column}, 1);
+  require_columns("position_columns", csv.position_columns, 3);
+  require_columns("quaternion_columns", csv.quaternion_columns, 4);
+  require_columns("spin_column", {csv.spin_column}, 1);
+  if (csv.separator == Separator::comma && csv.decimal == DecimalMark::comma)
+    fail("decimal", "found comma, which separates the columns", "another separator, or decimal: point");
+  if (csv.bone_from_tracker) check_transform(section + "bone_from_tracker", *csv.bone_from_tracker, locations);
+  if (csv.marker_from_tool) check_transform(section + "marker_from_tool", *csv.marker_from_tool, locations);
+  if (csv.bone_from_tracker && scenario.motion.frame != PoseFrame::bone)
+    fail("bone_from_tracker", "found beside motion.frame: glenoid", "motion.frame: bone, the frame that it leads to");
+}
+
+void check_cameras(const Scenario& s, const KeyLocations& at) {
+  const std::vector<UserCamera>& cameras = s.render.user_cameras;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const UserCamera& camera = cameras[i];
+    const auto fail = [&](const char* name, const std::string& found, const std::string& expected) {
+      at.fail("render.user_cameras." + std::to_string(i) + "." + name, "found " + found, expected);
+    };
+    const bool names_a_file =
+        !camera.name.empty() && camera.name.size() <= 40 && std::ranges::all_of(camera.name, [](char c) {
+          return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+        });
+    if (!names_a_file) fail("name", shown_text(camera.name), "up to 40 lower-case letters, digits, _ and -");
+    if (from_name<CameraView>(camera.name)) fail("name", "a camera name that is used twice", "another name");
+    const auto first = std::ranges::find(cameras, camera.name, &UserCamera::name);
+    if (&*first != &camera) fail("name", camera.name + " twice", "another name");
+    if (!camera.target_mm) continue;  // known only when the bone is
+    const Vec3 view = *camera.target_mm - camera.position_mm;
+    constexpr double kLeastView_mm = 0.1;  // a camera closer to its target sees nothing of a bone
+    if (view.norm() < kLeastView_mm)
+      fail("position_mm", "target_mm", "a place at least " + number_text(kLeastView_mm) + " mm from it");
+    if (camera.up && are_parallel(view, *camera.up))
+      fail("up", "the direction from position_mm to target_mm", "a direction across it");
+  }
 }
 
 namespace {
@@ -225,11 +249,11 @@ std::size_t first_out_of_order(const std::vector<Vec3>& rim_mm, const RimSpread&
 
 }  // namespace
 
-void check_rim(const std::vector<Vec3>& rim_mm, const KeyLocations& locations) {
+void check_rim(const Scenario& s, const KeyLocations& at) {
+  const std::vector<Vec3>& rim_mm = s.bone.glenoid.rim_mm;
   if (rim_mm.empty()) return;
-  const std::string key = "bone.glenoid.rim_mm";
   const auto fail = [&](const std::string& found, const std::string& expected) {
-    throw InputError(locations.of(key), key, "found " + found, "expected " + expected);
+    at.fail("bone.glenoid.rim_mm", "found " + found, expected);
   };
   double length_mm = 0;
   for (const Vec3& a : rim_mm) {
@@ -240,12 +264,10 @@ void check_rim(const std::vector<Vec3>& rim_mm, const KeyLocations& locations) {
          "points in mm around a face of " + number_text(kLeastRim_mm) + " to " + number_text(kMostRim_mm) + " mm");
   }
   const RimSpread spread = spread_of(rim_mm);
-  if (spread.deviations_mm[1] < kLeastWidth * spread.deviations_mm[2]) {
+  if (spread.deviations_mm[1] < kLeastWidth * spread.deviations_mm[2])
     fail("points on one line", "points around the face that span a plane");
-  }
-  if (const std::size_t point = first_out_of_order(rim_mm, spread); point != 0) {
+  if (const std::size_t point = first_out_of_order(rim_mm, spread); point != 0)
     fail("point " + std::to_string(point) + " out of order", "the points in order around the face, each once");
-  }
 }
 
 }  // namespace reamsim

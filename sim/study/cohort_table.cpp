@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "sim/base/csv.h"
-#include "sim/scenario/find_key.h"
+#include "sim/scenario/key_tree.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
 
@@ -46,19 +46,17 @@ std::string plain_text(const YamlNode& node) {
 
 }  // namespace
 
-KeyValue KeyValues::of_node(const std::string& key, const YamlNode& node, const SourceLocation& where) const {
+KeyValue value_of_cell(const std::string& key, const std::string& cell, const std::string& folder,
+                       const SourceLocation& where) {
   const KeyNode& known = find_key(key, where);
-  if (!names_input(known) || node.kind != YamlNode::Kind::scalar) return {plain_text(node), flow_text(node)};
-  const std::string path = resolve_path(node.text, known.info.text, folder_, where, key);
-  return {node.text, json_string(recorded_path(path))};
+  if (cell.empty() || !names_input(known)) return {cell, cell};
+  return {cell, json_string(recorded_path(resolve_path(cell, known.info.text, folder, where, key)))};
 }
 
-KeyValue KeyValues::of_cell(const std::string& key, const std::string& cell, const SourceLocation& where) const {
-  const KeyNode& known = find_key(key, where);
-  if (cell.empty()) return {};
-  if (!names_input(known)) return {cell, cell};
-  const std::string path = resolve_path(cell, known.info.text, folder_, where, key);
-  return {cell, json_string(recorded_path(path))};
+KeyValue value_of_node(const std::string& key, const YamlNode& node, const std::string& folder,
+                       const SourceLocation& where) {
+  const bool is_path = names_input(find_key(key, where)) && !node.text.empty();
+  return is_path ? value_of_cell(key, node.text, folder, where) : KeyValue{plain_text(node), flow_text(node)};
 }
 
 namespace {
@@ -118,15 +116,10 @@ class CsvLines {
   int number_ = 1;
 };
 
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == std::string::npos ? "" : text.substr(first, last - first + 1);
-}
-
 class TableReader {
  public:
-  TableReader(const std::string& path, const KeyValues& values, MistakeList& mistakes)
-      : file_(shown_path(path)), values_(values), mistakes_(mistakes) {}
+  TableReader(const std::string& path, const std::string& folder, MistakeList& mistakes)
+      : file_(shown_path(path)), folder_(folder), mistakes_(mistakes) {}
 
   CohortTable read(std::string text) {
     if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
@@ -150,19 +143,19 @@ class TableReader {
 
  private:
   static bool is_blank(const CsvLine& line) {
-    return std::ranges::all_of(line.cells, [](const std::string& cell) { return trimmed(cell).empty(); });
+    return std::ranges::all_of(line.cells, [](const std::string& cell) { return without_blanks(cell).empty(); });
   }
 
   void check_header(const CsvLine& header) {
     if (header.cells.size() == 1) refuse_other_separator(header.cells[0], {file_, header.number, 0});
     for (const std::string& cell : header.cells) {
-      const std::string name = trimmed(cell);
+      const std::string name(without_blanks(cell));
       const SourceLocation where{file_, header.number, 0};
       if (name.empty()) throw InputError(where, "", "a column without a name", "name a key of the scenario, or label");
       if (std::ranges::count(header.cells, cell) > 1) throw InputError(where, name, "a column given twice", "keep one");
       if (name == kLabel) continue;
       // Also finds unknown keys, once instead of in each row.
-      static_cast<void>(values_.of_cell(name, "", where));
+      find_key(name, where);
       table_.keys.push_back(name);
     }
     if (table_.keys.empty()) {
@@ -181,13 +174,13 @@ class TableReader {
     std::vector<KeyValue> level;
     std::vector<Mistake> of_row;
     for (std::size_t i = 0; i < line.cells.size(); ++i) {
-      const std::string name = trimmed(header.cells[i]);
+      const std::string name(without_blanks(header.cells[i]));
       if (name == kLabel) {
-        table_.labels.push_back(trimmed(line.cells[i]));
+        table_.labels.emplace_back(without_blanks(line.cells[i]));
       } else {
-        const std::string cell = trimmed(line.cells[i]);
+        const std::string cell(without_blanks(line.cells[i]));
         try {
-          level.push_back(values_.of_cell(name, cell, where));
+          level.push_back(value_of_cell(name, cell, folder_, where));
         } catch (const InputError& error) {
           of_row.insert(of_row.end(), error.mistakes().begin(), error.mistakes().end());
           level.push_back({.shown = cell, .applied = ""});
@@ -200,15 +193,15 @@ class TableReader {
   }
 
   std::string file_;
-  const KeyValues& values_;
+  const std::string& folder_;
   MistakeList& mistakes_;
   CohortTable table_;
 };
 
 }  // namespace
 
-CohortTable read_cohort_table(const std::string& path, const KeyValues& values, MistakeList& mistakes) {
-  return TableReader(path, values, mistakes).read(read_scenario_text(path, kMostTableBytes));
+CohortTable read_cohort_table(const std::string& path, const std::string& folder, MistakeList& mistakes) {
+  return TableReader(path, folder, mistakes).read(read_scenario_text(path, kMostTableBytes));
 }
 
 }  // namespace reamsim

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <tuple>
 
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
@@ -84,13 +83,6 @@ DensityMapping mapping_of(const DensitySettings& density) {
   return {density.ash_slope_g_cm3_per_hu, density.ash_offset_g_cm3, density.ash_fraction};
 }
 
-bool same_calibration(const DensitySettings& a, const DensitySettings& b) {
-  const auto values = [](const DensitySettings& d) {
-    return std::array{d.ash_slope_g_cm3_per_hu, d.ash_offset_g_cm3, d.ash_fraction};
-  };
-  return values(a) == values(b);
-}
-
 double voxel_of(const std::string& dir) {
   const std::string path = dir + "/summary.json";
   const auto json = parse_result_json(read_file(path, "the summary of a run"));
@@ -107,20 +99,12 @@ double voxel_of(const std::string& dir) {
   throw InputError({}, "--set", key + " is part of the force basis" + why, "run the scenario again with it");
 }
 
-bool same_size_effect(const CuttingSettings& a, const CuttingSettings& b) {
-  const auto values = [](const SizeEffectSettings& s) {
-    return std::tuple(s.exponent, s.reference_mm, s.cutting_edges, s.least_mm, s.most_mm);
-  };
-  const auto &was = a.size_effect, &is = b.size_effect;
-  return was.has_value() == is.has_value() && (!was || values(*was) == values(*is));
-}
-
 /// Throws InputError where the basis does not hold for `is`.
 void require_linear(const CuttingSettings& was, const CuttingSettings& is) {
   if (was.law != is.law) fail_for("cutting.law", "");
   if (was.erosion != is.erosion) fail_for("cutting.erosion", "");
   if (was.speed_floor_mm_s != is.speed_floor_mm_s) fail_for("cutting.speed_floor_mm_s", "");
-  if (!same_size_effect(was, is)) fail_for("cutting.size_effect", ", and forces are not linear in it");
+  if (was.size_effect != is.size_effect) fail_for("cutting.size_effect", ", and forces are not linear in it");
   if (is.edge_force && !was.edge_force) {
     throw InputError({}, "--set", "cutting.edge_force: the run had no edge force, so that its basis has no part for it",
                      "run the scenario again with it");
@@ -143,7 +127,7 @@ BasisRun open_basis_run(const std::string& dir) {
 LawSettings changed_law(const BasisRun& run, const std::vector<std::string>& overrides) {
   LawSettings law = parse_law_settings(run.dir + "/scenario.yaml", overrides);
   require_linear(run.law.cutting, law.cutting);
-  if (!same_calibration(run.law.density, law.density) && law.bone_source != "ct") {
+  if (run.law.density != law.density && law.bone_source != "ct") {
     throw InputError({}, "--set", "bone.density: the bone is a " + law.bone_source + ", whose densities are given",
                      "change the relation from HU to density of a run on a CT only");
   }
@@ -151,7 +135,7 @@ LawSettings changed_law(const BasisRun& run, const std::vector<std::string>& ove
 }
 
 std::optional<Recalibration> recalibration(const BasisRun& run, const LawSettings& law) {
-  if (same_calibration(run.law.density, law.density)) return std::nullopt;
+  if (run.law.density == law.density) return std::nullopt;
   return Recalibration{mapping_of(run.law.density), mapping_of(law.density)};
 }
 

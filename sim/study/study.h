@@ -83,26 +83,20 @@ Study read_study(const std::string& path);
 /// assets/study.schema.json with the keys that a scenario has now.
 std::string study_json_schema(const std::string& schema);
 
-/// Makes the values of scenario keys from what a study or its table has.
-class KeyValues {
- public:
-  /// `folder`: of the study file, the base of relative paths in it.
-  explicit KeyValues(std::string folder) : folder_(std::move(folder)) {}
+/// The value of a scenario key that a study has; `folder`: of the study file, the base of relative paths. Throws
+/// InputError: unknown key, or a text that names no input file.
+KeyValue value_of_node(const std::string& key, const YamlNode& node, const std::string& folder,
+                       const SourceLocation& where);
 
-  /// The value of `key` that `node` holds. Throws InputError: unknown key, or a text that names no input file.
-  [[nodiscard]] KeyValue of_node(const std::string& key, const YamlNode& node, const SourceLocation& where) const;
-  /// The value of `key` as the cell of a table has it; an empty one leaves the value of the base scenario.
-  [[nodiscard]] KeyValue of_cell(const std::string& key, const std::string& cell, const SourceLocation& where) const;
-
- private:
-  std::string folder_;
-};
+/// The same as the cell of a table has it; an empty one leaves the value of the base scenario.
+KeyValue value_of_cell(const std::string& key, const std::string& cell, const std::string& folder,
+                       const SourceLocation& where);
 
 /// Reads a CSV file whose columns are scenario keys, and one row per patient. An empty cell leaves the value of the
 /// base scenario; a column `label` names the rows and is no key. Cells follow RFC 4180. A row
 /// with a cell that names no input file (it does not exist, is a folder, has a variable that is not set) stays, with
 /// its mistakes, so that the other rows run; values of other keys are checked with the scenario of their run.
 /// `mistakes` gets those of the table itself, with line and key: rows of another length, unknown keys.
-CohortTable read_cohort_table(const std::string& path, const KeyValues& values, MistakeList& mistakes);
+CohortTable read_cohort_table(const std::string& path, const std::string& folder, MistakeList& mistakes);
 
 }  // namespace reamsim

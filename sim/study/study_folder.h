@@ -54,13 +54,8 @@ class StudyFolder {
   KeptFiles keep_;
 };
 
-class Checksums {
- public:
-  const std::string& of(const std::string& path);
-
- private:
-  std::map<std::string, std::string> known_;
-};
+/// SHA-256 of files by path, each computed once.
+using Checksums = std::map<std::string, std::string>;
 
 /// The name of a run's folder in a study: 16 hex digits of the SHA-256 of the version of the program and the resolved
 /// scenario, in which the checksums of input files stand for their paths. The name of the scenario does not count; of

@@ -12,7 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/scenario/find_key.h"
+#include "sim/scenario/key_tree.h"
 #include "sim/scenario/markups_keys.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/parse_steps.h"

@@ -10,7 +10,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/scenario/find_key.h"
+#include "sim/scenario/key_tree.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/shipped.h"
 #include "sim/scenario/show.h"
@@ -35,7 +35,7 @@ const std::vector<std::string_view> kKept{"summary", "forces", "pictures", "vdb"
 class StudyReader {
  public:
   StudyReader(const std::string& path, MistakeList& mistakes)
-      : file_(shown_path(path)), values_(fs::absolute(path).parent_path().string()), mistakes_(mistakes) {
+      : file_(shown_path(path)), folder_(fs::absolute(path).parent_path().string()), mistakes_(mistakes) {
     study_.file = fs::absolute(path).lexically_normal().string();
     study_.name = fs::path(study_.file).stem().string();
   }
@@ -98,7 +98,7 @@ class StudyReader {
     if (node.kind != YamlNode::Kind::map) reject(node, "set", "expected \"key: value\" lines");
     for (const YamlEntry& entry : node.entries) {
       mistakes_.attempt([&] {
-        const KeyValue value = values_.of_node(entry.key, *entry.value, entry.mark.in(file_));
+        const KeyValue value = value_of_node(entry.key, *entry.value, folder_, entry.mark.in(file_));
         study_.set.push_back(entry.key + "=" + value.applied);
         once(entry.key, entry.mark.in(file_));
       });
@@ -154,7 +154,7 @@ class StudyReader {
     once(entry.key, entry.mark.in(file_));
     std::vector<KeyValue> out;
     for (const YamlNodePtr& item : entry.value->items) {
-      out.push_back(values_.of_node(entry.key, *item, item->mark.in(file_)));
+      out.push_back(value_of_node(entry.key, *item, folder_, item->mark.in(file_)));
     }
     return out;
   }
@@ -163,7 +163,7 @@ class StudyReader {
     if (node.kind != YamlNode::Kind::scalar) reject(node, "table", "expected the path of a CSV file");
     const std::string folder = fs::path(study_.file).parent_path().string();
     const std::string path = resolve_path(node.text, TextKind::input_file, folder, node.mark.in(file_), "table");
-    CohortTable table = read_cohort_table(path, values_, mistakes_);
+    CohortTable table = read_cohort_table(path, folder_, mistakes_);
     for (const std::string& key : table.keys) once(key, node.mark.in(file_));
     study_.table = std::move(table);
   }
@@ -308,7 +308,7 @@ class StudyReader {
   }
 
   std::string file_;
-  KeyValues values_;
+  std::string folder_;
   MistakeList& mistakes_;
   Study study_;
   std::set<std::string> given_;

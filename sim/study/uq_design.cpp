@@ -11,7 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/scenario/find_key.h"
+#include "sim/scenario/key_tree.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
 #include "sim/study/study_plan.h"
