@@ -56,16 +56,6 @@ void put_headers(ResultWriter& out, const std::vector<std::string>& files, const
   }
 }
 
-/// Reads the headers of all files but the `damaged` ones.
-std::vector<DicomFile> read_headers_but(const std::set<std::string>& damaged, const std::vector<std::string>& files,
-                                        const std::string& folder, const std::string& key) {
-  const std::vector<std::string> unread(damaged.begin(), damaged.end());
-  ChildResult result = read_in_child<put_headers>({folder, key}, limits_for_headers(files), files, unread);
-  std::vector<DicomFile> out(files.size());
-  for (DicomFile& file : out) result.reader().read(file);
-  return out;
-}
-
 itk::GDCMImageIO::Pointer open_slice(const std::string& path, const std::string& key) {
   auto io = itk::GDCMImageIO::New();
   const QuietLibraries quiet;
@@ -174,14 +164,19 @@ ScanGeometry geometry_of_frame(const DicomHeader& header, const std::string& key
 
 std::vector<DicomFile> read_dicom_headers(const std::vector<std::string>& files, const std::string& folder,
                                           const std::string& key) {
-  std::set<std::string> damaged;
+  std::vector<std::string> damaged;
   while (true) {
     try {
-      return read_headers_but(damaged, files, folder, key);
+      ChildResult result = read_in_child<put_headers>({folder, key}, limits_for_headers(files), files, damaged);
+      std::vector<DicomFile> out(files.size());
+      for (DicomFile& file : out) result.reader().read(file);
+      return out;
     } catch (const InputError& error) {
       // A header is at most DicomKind::damaged, so an error names the file on which the child died.
       const std::string& path = error.mistakes().front().where.file;
-      if (damaged.size() >= kMostCrashes || !damaged.insert(path).second || !std::ranges::count(files, path)) throw;
+      const bool retried = std::ranges::count(damaged, path) > 0;
+      if (damaged.size() >= kMostCrashes || retried || !std::ranges::count(files, path)) throw;
+      damaged.push_back(path);
     }
   }
 }

@@ -110,14 +110,8 @@ bool can_read(itk::ImageIOBase& io, const std::string& path) {
   }
 }
 
-/// One of the values of a voxel.
-struct Layer {
-  int index = 0;
-  int count = 1;
-};
-
 template <typename Value>
-void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const IndexBox& box, const Layer& layer,
+void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const IndexBox& box, int layers, int layer,
                  float* out) {
   const auto start = [&](unsigned axis) { return axis < held.GetImageDimension() ? held.GetIndex(axis) : 0; };
   const std::int64_t row = static_cast<std::int64_t>(held.GetSize(0));
@@ -128,7 +122,7 @@ void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const Ind
           (box.start.x() - start(0)) + row * ((box.start.y() + j - start(1)) + rows * (box.start.z() + k - start(2)));
       for (int i = 0; i < box.size.x(); ++i) {
         Value value;
-        const std::int64_t number = (first + i) * layer.count + layer.index;
+        const std::int64_t number = (first + i) * layers + layer;
         std::memcpy(&value, raw + number * static_cast<std::int64_t>(sizeof(Value)), sizeof(Value));
         *out++ = static_cast<float>(value);
       }
@@ -139,10 +133,10 @@ void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const Ind
 /// Copies with the first of `Values` that is the type of the components.
 template <typename... Values>
 void copy_as_float(const itk::ImageIOBase& io, const std::byte* raw, const itk::ImageIORegion& held,
-                   const IndexBox& box, const Layer& layer, float* out) {
+                   const IndexBox& box, int layer, float* out) {
   const auto copy_if = [&]<typename Value>(Value) {
     if (io.GetComponentType() != itk::ImageIOBase::MapPixelType<Value>::CType) return false;
-    copy_region<Value>(raw, held, box, layer, out);
+    copy_region<Value>(raw, held, box, static_cast<int>(io.GetNumberOfComponents()), layer, out);
     return true;
   };
   if (!(copy_if(Values{}) || ...)) throw std::invalid_argument("pixel type");  // geometry_of() has checked it
@@ -368,9 +362,8 @@ void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std
     io.SetIORegion(held);
     io.Read(raw.get());
     if (quiet.reports_missing_voxels()) throw std::length_error("voxels");
-    const Layer wanted{layer, static_cast<int>(io.GetNumberOfComponents())};
     copy_as_float<unsigned char, signed char, unsigned short, short, unsigned, int, unsigned long, long,
-                  unsigned long long, long long, float, double>(io, raw.get(), held, box, wanted, out);
+                  unsigned long long, long long, float, double>(io, raw.get(), held, box, layer, out);
   } catch (const std::bad_alloc&) {
     throw InputError({path}, key, "the voxels exceed the memory of this machine", "use a smaller image, or a crop");
   } catch (const std::exception&) {

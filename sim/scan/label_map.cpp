@@ -21,30 +21,12 @@ constexpr const char* kLabelPathKey = "bone.ct.label_map.path";
 constexpr double kCutOff_mm2 = 5;
 constexpr std::size_t kMaxValues = 20;
 
-/// The wanted labels of one layer, and all labels that occur in it.
-class LayerClasses {
- public:
-  LayerClasses(const std::vector<LabelValue>& labels, int layer) {
-    for (const LabelValue& label : labels) {
-      if (label.layer == layer) wanted_.insert(static_cast<float>(label.value));
-    }
-  }
+/// The values of the wanted labels of one layer.
+using Wanted = std::set<float>;
 
-  [[nodiscard]] bool any() const { return !wanted_.empty(); }
-  [[nodiscard]] bool is_wanted(float value) const { return value != 0 && wanted_.contains(value); }
-
-  void add(float value) {
-    if (value == last_) return;
-    last_ = value;
-    if (value != 0) seen_.insert(value);
-  }
-  [[nodiscard]] const std::set<float>& seen() const { return seen_; }
-
- private:
-  std::set<float> wanted_;
-  std::set<float> seen_;
-  float last_ = 0;
-};
+bool is_wanted(const Wanted& wanted, float value) {
+  return value != 0 && wanted.contains(value);
+}
 
 /// The voxels of `labels` that can overlap the image; empty without an overlap.
 IndexBox overlap_with(const ScanGeometry& labels, const ScanGeometry& image) {
@@ -83,7 +65,7 @@ struct CutOff {
 };
 
 /// Adds the contact on one face of the map.
-void add_end(const ScanGeometry& labels, const Scan& part, const IndexBox& box, const LayerClasses& classes, int axis,
+void add_end(const ScanGeometry& labels, const Scan& part, const IndexBox& box, const Wanted& wanted, int axis,
              bool upper, const AlignedImage& hu, double threshold_hu, CutOff& cut) {
   const int level = upper ? labels.dims[axis] - 1 : 0;
   if (level < box.start[axis] || level >= box.start[axis] + box.size[axis]) return;
@@ -92,7 +74,7 @@ void add_end(const ScanGeometry& labels, const Scan& part, const IndexBox& box, 
   Vec3i first = Vec3i::Zero(), last = size - Vec3i::Ones();
   first[axis] = last[axis] = level - box.start[axis];
   for_each_voxel(first, last, [&](const Vec3i& c) {
-    if (!classes.is_wanted(part.value[index_in(size, c)])) return;
+    if (!is_wanted(wanted, part.value[index_in(size, c)])) return;
     Vec3 beyond = (c + box.start).cast<double>();
     beyond[axis] += upper ? 1 : -1;
     const Vec3i voxel = hu.lattice.voxel_of(labels.point_mm(beyond));
@@ -129,15 +111,18 @@ class LabelReader {
         source_(open_labels(map_.path, kLabelPathKey, report)) {}
 
   LabelImages read() {
-    const std::vector<LabelValue> labels = wanted();
+    const std::vector<LabelValue> labels = wanted_labels();
     const IndexBox box = overlap_with(source_->geometry(), part_);
     if (box.empty()) throw no_overlap(map_.path, source_->geometry(), image_, part_);
     const std::size_t voxels = static_cast<std::size_t>(part_.size());
     selected_.assign(voxels, 0);
     other_.assign(voxels, 0);
     for (int layer = 0; layer < source_->layers(); ++layer) {
-      LayerClasses classes(labels, layer);
-      if (classes.any()) add_layer(box, layer, classes);
+      Wanted wanted;
+      for (const LabelValue& label : labels) {
+        if (label.layer == layer) wanted.insert(static_cast<float>(label.value));
+      }
+      if (!wanted.empty()) add_layer(box, layer, wanted);
     }
     if (inside_ == 0) throw no_overlap(map_.path, source_->geometry(), image_, part_);
     if (wanted_voxels_ == 0) fail_without_label();
@@ -147,7 +132,7 @@ class LabelReader {
   }
 
  private:
-  [[nodiscard]] std::vector<LabelValue> wanted() const {
+  [[nodiscard]] std::vector<LabelValue> wanted_labels() const {
     report_.note("label map " + map_.path + ": " + source_->description() + shape());
     return find_labels(map_.label, source_->segments(), source_->layers(), map_.path);
   }
@@ -161,27 +146,28 @@ class LabelReader {
     return out + box_text(g.bounds_mm());
   }
 
-  void add_layer(const IndexBox& box, int layer, LayerClasses& classes) {
+  void add_layer(const IndexBox& box, int layer, const Wanted& wanted) {
     const Scan labels = source_->read_layer(box, layer);
     check_whole(labels, box);
     const NearestVoxel nearest(source_->geometry(), part_);
+    float last = 0;
     for_each_voxel(part_.dims, [&](const Vec3i& voxel) {
       const Vec3i c = nearest(voxel) - box.start;
       if ((c.array() < 0).any() || (c.array() >= box.size.array()).any()) return;
       ++inside_;
       const float value = labels.value[index_in(box.size, c)];
-      classes.add(value);
-      if (classes.is_wanted(value)) {
+      if (value != last && value != 0) seen_.insert(value);
+      last = value;
+      if (is_wanted(wanted, value)) {
         selected_[index_in(part_.dims, voxel)] = 1;
         ++wanted_voxels_;
       } else if (value != 0) {
         other_[index_in(part_.dims, voxel)] = 1;
       }
     });
-    seen_.insert(classes.seen().begin(), classes.seen().end());
     for (int axis = 0; axis < 3; ++axis) {
       for (const bool upper : {false, true}) {
-        add_end(source_->geometry(), labels, box, classes, axis, upper, hu_, settings_.threshold_hu, cut_);
+        add_end(source_->geometry(), labels, box, wanted, axis, upper, hu_, settings_.threshold_hu, cut_);
       }
     }
   }

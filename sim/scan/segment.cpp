@@ -28,14 +28,14 @@ Mask above_threshold(const AlignedImage& hu, const CtSettings& settings, Diagnos
   const std::int64_t voxels = count(mask);
   if (voxels == 0) {
     const float highest = *std::max_element(hu.value.begin(), hu.value.end());
-    throw InputError({settings.path}, "bone.ct.threshold_hu",
-                     "no bone in the crop: the maximum of " + std::to_string(mask.size()) + " voxels has " +
-                         fmt::format("{:.0f}", highest) + " HU, the threshold is " +
-                         fmt::format("{:.0f}", settings.threshold_hu) + " HU",
-                     "lower the threshold or move the crop; it spans " + box_text(hu.lattice.bounds_mm()));
+    throw InputError(
+        {settings.path}, "bone.ct.threshold_hu",
+        fmt::format("no bone in the crop: the maximum of {} voxels has {:.0f} HU, the threshold is {:.0f} HU",
+                    mask.size(), highest, settings.threshold_hu),
+        "lower the threshold or move the crop; it spans " + box_text(hu.lattice.bounds_mm()));
   }
-  report.note("threshold " + fmt::format("{:.0f}", settings.threshold_hu) + " HU: " + std::to_string(voxels) + " of " +
-              std::to_string(mask.size()) + " voxels at or above");
+  report.note(
+      fmt::format("threshold {:.0f} HU: {} of {} voxels at or above", settings.threshold_hu, voxels, mask.size()));
   return mask;
 }
 
@@ -104,9 +104,8 @@ SolidPiece choose_piece(const Pieces& pieces, const AlignedImage& hu, const CtSe
   }
   const float there = hu.value[lattice.index(seed)];
   throw InputError({settings.path}, "bone.ct.seed_mm",
-                   point_text(*settings.seed_mm) + " lies outside bone: " + fmt::format("{:.0f}", there) +
-                       " HU there, and no piece above " + fmt::format("{:.0f}", settings.threshold_hu) +
-                       " HU encloses it",
+                   fmt::format("{} lies outside bone: {:.0f} HU there, and no piece above {:.0f} HU encloses it",
+                               point_text(*settings.seed_mm), there, settings.threshold_hu),
                    "give a point inside the bone to be kept, LPS, mm");
 }
 
@@ -123,11 +122,10 @@ Mask with_cut_margin(const Mask& kept, const Mask& before_cuts, const Mask& afte
 void note_pieces(const Pieces& pieces, const SolidPiece& solid, const CtSettings& settings, const Lattice& lattice,
                  Diagnostics& report) {
   const double kept_mm3 = static_cast<double>(count(solid.mask)) * lattice.voxel_mm3();
-  report.note(std::to_string(pieces.list.size()) + " connected pieces; kept the " +
-              (settings.seed_mm ? "one with the seed" : "largest") + ", " + fmt::format("{:.0f}", kept_mm3) +
-              " mm3 when closed (" + std::to_string(solid.closed) + " voxels added by " +
-              fmt::format("{:.1f}", settings.closing_mm) + " mm) and filled (" + std::to_string(solid.filled) +
-              " voxels)");
+  report.note(fmt::format(
+      "{} connected pieces; kept the {}, {:.0f} mm3 when closed ({} voxels added by {:.1f} mm) and filled ({} voxels)",
+      pieces.list.size(), settings.seed_mm ? "one with the seed" : "largest", kept_mm3, solid.closed,
+      settings.closing_mm, solid.filled));
 }
 
 Segmentation facts_of(const Pieces& pieces, const SolidPiece& solid, std::int64_t cut, const CtSettings& settings,
@@ -199,8 +197,8 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
   Mask after_cuts = dense;
   const std::int64_t removed = apply_cuts(after_cuts, lattice, settings);
   if (removed > 0) {
-    report.note("cuts removed " + std::to_string(removed) + " voxels above the threshold, " +
-                fmt::format("{:.0f}", static_cast<double>(removed) * lattice.voxel_mm3()) + " mm3");
+    report.note(fmt::format("cuts removed {} voxels above the threshold, {:.0f} mm3", removed,
+                            static_cast<double>(removed) * lattice.voxel_mm3()));
   }
   const Pieces pieces = connected_pieces(after_cuts, lattice);
   if (pieces.list.empty()) {
@@ -240,8 +238,8 @@ BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtS
   }
   bone.facts.method = "label_map";
   finish_facts(bone, hu.lattice, settings.threshold_hu);
-  report.note("label " + words_of_labels(map.label) + ": " + std::to_string(bone.voxels) + " voxels, " +
-              fmt::format("{:.0f}", static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3()) + " mm3");
+  report.note(fmt::format("label {}: {} voxels, {:.0f} mm3", words_of_labels(map.label), bone.voxels,
+                          static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3()));
   bone.field = std::move(selected);
   return bone;
 }
