@@ -28,15 +28,6 @@ struct VerifyOptions {
   bool json = false;
 };
 
-/// The figures that failed, one per line.
-void print_failures(const verify::Findings& findings, const Console& console) {
-  for (const verify::CaseFindings& found : findings.cases) {
-    for (const verify::Check& check : found.checks) {
-      if (!check.passed()) console.warn(found.title + ": " + check.quantity + " exceeds its tolerance");
-    }
-  }
-}
-
 /// Runs the suite and writes the report. Returns what was found, and where the report is.
 std::pair<verify::Findings, std::string> verify_into_folder(const VerifyOptions& options, const Console& console) {
   const auto kernels = prepare_opencl(options.device, console);
@@ -60,28 +51,28 @@ std::pair<verify::Findings, std::string> verify_into_folder(const VerifyOptions&
   return {std::move(findings), folder.final_path() + "/verification.md"};
 }
 
-/// Throws RunError where a figure exceeds its tolerance.
-void conclude(const verify::Findings& findings, const std::string& report, const Console& console) {
-  if (findings.passed()) return;
-  print_failures(findings, console);
-  throw RunError(std::to_string(findings.failed_checks()) + " figures exceed their tolerance; see " + report);
-}
-
+/// Prints verification.json or a line per case. Then throws RunError where a figure exceeds its tolerance.
 void verify_command(const VerifyOptions& options, const Console& console) {
-  const auto [findings, report] = verify_into_folder(options, console);
-  for (const verify::CaseFindings& found : findings.cases) {
-    console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
-  }
-  console.say("report: " + report);
-  conclude(findings, report, console);
-}
-
-/// Prints verification.json, also where a figure exceeds its tolerance.
-void verify_command_with_json(const VerifyOptions& options, const Console& console) {
   std::pair<verify::Findings, std::string> done;
-  run_with_json(console, [&](const Console& silent) { done = verify_into_folder(options, silent); });
-  std::fputs(verification_json(done.first).c_str(), stdout);
-  conclude(done.first, done.second, console);
+  const auto& [findings, report] = done;
+  const auto run = [&](const Console& shown) { done = verify_into_folder(options, shown); };
+  if (options.json) {
+    run_with_json(console, run);
+    std::fputs(verification_json(findings).c_str(), stdout);
+  } else {
+    run(console);
+    for (const verify::CaseFindings& found : findings.cases) {
+      console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
+    }
+    console.say("report: " + report);
+  }
+  if (findings.passed()) return;
+  for (const verify::CaseFindings& found : findings.cases) {
+    for (const verify::Check& check : found.checks) {
+      if (!check.passed()) console.warn(found.title + ": " + check.quantity + " exceeds its tolerance");
+    }
+  }
+  throw RunError(std::to_string(findings.failed_checks()) + " figures exceed their tolerance; see " + report);
 }
 
 }  // namespace
@@ -98,9 +89,7 @@ void add_verify_command(CLI::App& app, Console& console) {
       ->type_name("NAME");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->add_flag("--json", options->json, "Print the verification.json of the report");
-  command->callback([options, &console] {
-    options->json ? verify_command_with_json(*options, console) : verify_command(*options, console);
-  });
+  command->callback([options, &console] { verify_command(*options, console); });
 }
 
 }  // namespace reamsim

@@ -237,30 +237,6 @@ Json exact_row(const FilledVoxmap& bone, const Tool& tool, const Plan& plan, con
                     exact);
 }
 
-}  // namespace
-
-void measure_spheres(const Plan& plan, const BenchControl& control,
-                     const std::function<void(const std::string&)>& begin, Json& report) {
-  const bool exact = std::ranges::count(plan.engines, "exact") > 0;
-  if (exact && !plan.sphere_voxels_mm.empty()) report["peaks"] = measure_peaks(cl::choose_device(plan.device));
-  for (const double voxel_mm : plan.sphere_voxels_mm) {
-    const FilledVoxmap bone = block(voxel_mm);
-    const Tool tool = cap(voxel_mm);
-    const BenchSetup setup{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
-    for (const std::string& engine : plan.engines) {
-      begin("plunged sphere, " + engine + fmt::format(", voxels of {:g} mm", voxel_mm));
-      const SizePair size{bone.grid.dims.x(), tool.shell.resolution};
-      measure_or_skip(case_row({engine, "deterministic"}, size, "sphere"), report, [&] {
-        report["spheres"].push_back(engine == "exact"
-                                        ? exact_row(bone, tool, plan, control)
-                                        : plunge(*make_engine_program(engine, plan.device, setup), voxel_mm, control));
-      });
-    }
-  }
-}
-
-namespace {
-
 constexpr int kWindowsOfCase = 3;     // the first of them untimed
 constexpr int kWindowsOfPlunge = 16;  // 1024 frames
 constexpr double kCaseFeedMmS = 1;    // as the other engines' substeps (scene.h)
@@ -284,6 +260,26 @@ std::vector<Motion> motions_of(const std::string& contact, double voxel_mm) {
 }
 
 }  // namespace
+
+void measure_spheres(const Plan& plan, const BenchControl& control,
+                     const std::function<void(const std::string&)>& begin, Json& report) {
+  const bool exact = std::ranges::count(plan.engines, "exact") > 0;
+  if (exact && !plan.sphere_voxels_mm.empty()) report["peaks"] = measure_peaks(cl::choose_device(plan.device));
+  for (const double voxel_mm : plan.sphere_voxels_mm) {
+    const FilledVoxmap bone = block(voxel_mm);
+    const Tool tool = cap(voxel_mm);
+    const BenchSetup setup{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
+    for (const std::string& engine : plan.engines) {
+      begin("plunged sphere, " + engine + fmt::format(", voxels of {:g} mm", voxel_mm));
+      const SizePair size{bone.grid.dims.x(), tool.shell.resolution};
+      measure_or_skip(case_row({engine, "deterministic"}, size, "sphere"), report, [&] {
+        report["spheres"].push_back(engine == "exact"
+                                        ? exact_row(bone, tool, plan, control)
+                                        : plunge(*make_engine_program(engine, plan.device, setup), voxel_mm, control));
+      });
+    }
+  }
+}
 
 void measure_exact_case(const ProgramSet& set, const std::string& contact) {
   if (std::ranges::count(set.plan.engines, "exact") == 0) return;

@@ -18,36 +18,11 @@
 
 namespace reamsim {
 
-using Json = nlohmann::ordered_json;
-
-std::optional<Manifest> read_manifest(const std::string& dir) {
-  constexpr std::size_t kMostBytes = 64'000'000;  // a million pictures
-  const std::string text = read_file_start(dir + "/" + kManifestName, kMostBytes);
-  const Json json = parse_result_json(text);
-  if (!json.is_object() || !json.contains("kind") || !json["kind"].is_string()) return std::nullopt;
-  if (!json.contains("files") || !json["files"].is_array()) return std::nullopt;
-  if (json.contains("complete") && !json["complete"].is_boolean()) return std::nullopt;
-  Manifest out{.kind = json["kind"], .files = {}, .complete = json.value("complete", true)};
-  for (const Json& file : json["files"]) {
-    if (!file.is_string()) return std::nullopt;
-    out.files.insert(file.get<std::string>());
-  }
-  return out;
-}
-
-void write_manifest(const std::string& dir, const Manifest& manifest, bool durable) {
-  Json json;
-  json["program"] = "reamsim " REAMSIM_VERSION;
-  json["kind"] = manifest.kind;
-  json["complete"] = manifest.complete;
-  json["files"] = manifest.files;
-  const auto write = durable ? replace_file : write_file;
-  write(dir + "/" + kManifestName, json.dump(2) + "\n");
-}
-
 namespace {
 
 namespace fs = std::filesystem;
+
+using Json = nlohmann::ordered_json;
 
 class Sha256 {
  public:
@@ -80,33 +55,6 @@ std::string file_sum(const fs::path& path) {
   if (!in.eof()) throw InputError({path.string(), 0, 0}, "", "cannot be read", "check that it exists and is readable");
   return sum.hex();
 }
-
-}  // namespace
-
-std::string sha256_of(const std::string& path) {
-  if (!fs::is_directory(path)) return file_sum(path);
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(path, fs::directory_options::skip_permission_denied)) {
-    if (entry.is_regular_file()) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  Sha256 sum;
-  for (const auto& file : files) {
-    const std::string line = file.lexically_relative(path).string() + " " + file_sum(file) + "\n";
-    sum.add(line.data(), line.size());
-  }
-  return sum.hex();
-}
-
-std::string sha256_of_text(const std::string& text) {
-  Sha256 sum;
-  sum.add(text.data(), text.size());
-  return sum.hex();
-}
-
-namespace {
-
-namespace fs = std::filesystem;
 
 /// What results of a kind are called in a manifest, and the names of their files, relative to the results folder; a
 /// finished folder has at least one of `marks`.
@@ -204,6 +152,52 @@ bool walk(const std::string& dir, const std::string& below, const OwnEntries& ow
 }
 
 }  // namespace
+
+std::string sha256_of(const std::string& path) {
+  if (!fs::is_directory(path)) return file_sum(path);
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(path, fs::directory_options::skip_permission_denied)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  Sha256 sum;
+  for (const auto& file : files) {
+    const std::string line = file.lexically_relative(path).string() + " " + file_sum(file) + "\n";
+    sum.add(line.data(), line.size());
+  }
+  return sum.hex();
+}
+
+std::string sha256_of_text(const std::string& text) {
+  Sha256 sum;
+  sum.add(text.data(), text.size());
+  return sum.hex();
+}
+
+std::optional<Manifest> read_manifest(const std::string& dir) {
+  constexpr std::size_t kMostBytes = 64'000'000;  // a million pictures
+  const std::string text = read_file_start(dir + "/" + kManifestName, kMostBytes);
+  const Json json = parse_result_json(text);
+  if (!json.is_object() || !json.contains("kind") || !json["kind"].is_string()) return std::nullopt;
+  if (!json.contains("files") || !json["files"].is_array()) return std::nullopt;
+  if (json.contains("complete") && !json["complete"].is_boolean()) return std::nullopt;
+  Manifest out{.kind = json["kind"], .files = {}, .complete = json.value("complete", true)};
+  for (const Json& file : json["files"]) {
+    if (!file.is_string()) return std::nullopt;
+    out.files.insert(file.get<std::string>());
+  }
+  return out;
+}
+
+void write_manifest(const std::string& dir, const Manifest& manifest, bool durable) {
+  Json json;
+  json["program"] = "reamsim " REAMSIM_VERSION;
+  json["kind"] = manifest.kind;
+  json["complete"] = manifest.complete;
+  json["files"] = manifest.files;
+  const auto write = durable ? replace_file : write_file;
+  write(dir + "/" + kManifestName, json.dump(2) + "\n");
+}
 
 std::optional<std::string> foreign_entry(const std::string& dir, ResultKind kind) {
   std::optional<std::string> found;

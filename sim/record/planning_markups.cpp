@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/record/planning_markups.h"
-
 #include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "sim/record/summary.h"
 #include "sim/scenario/passes.h"
 
 namespace reamsim {

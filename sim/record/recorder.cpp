@@ -45,6 +45,8 @@ std::string header_of(std::uintmax_t rows) {
   return out + text;
 }
 
+constexpr const char* kTimingColumns = "frame,broad_phase_ms,detect_ms,cut_ms";
+
 [[noreturn]] void fail_as_damaged(const std::string& path, const std::string& found) {
   throw InputError({path, 0, 0}, "", found, "expected the force basis of a run with output.force_basis: true");
 }
@@ -116,12 +118,6 @@ std::vector<BasisRow> read_force_basis(const std::string& path) {
   }
   return out;
 }
-
-namespace {
-
-constexpr const char* kTimingColumns = "frame,broad_phase_ms,detect_ms,cut_ms";
-
-}  // namespace
 
 Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis, PoseFeedback feedback)
     : dir_(dir),

@@ -13,7 +13,6 @@
 #include "sim/base/stopwatch.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/record/manifest.h"
-#include "sim/record/planning_markups.h"
 #include "sim/record/result_json.h"
 #include "sim/record/snapshot.h"
 #include "sim/scenario/parse.h"
@@ -208,7 +207,7 @@ void write_results(const std::string& dir, const SimulationInput& scene, const R
   write_bone_vdb(dir + "/reamed.vdb", scene.bone, recorder.removed_frames(), provenance(scene, facts));
   if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone);
   write_depth_map(dir + "/depth_map.csv", facts.depth_map);
-  write_file(dir + "/" + kPlanningName, planning_markups(scene, facts.metrics, recorder.totals().deepest_pose));
+  write_file(dir + "/planning.mrk.json", planning_markups(scene, facts.metrics, recorder.totals().deepest_pose));
   if (recorder.totals().push) write_push_events(dir, *recorder.totals().push);
 }
 

@@ -57,6 +57,11 @@ bool is_result_of(const std::string& dir, const Scenario& scenario);
 void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
                    const RunFacts& facts);
 
+/// The markups of a run for 3D Slicer, in LPS, mm (its schema 1.0.3): the plane of the face before and after reaming,
+/// the axis of the reamer, entry and deepest point, pegs, landmarks and rim, as far as the run has them. `deepest`: the
+/// pose of the tool at the greatest depth, in B.
+std::string planning_markups(const SimulationInput& scene, const BoneMetrics& metrics, const ToolPose& deepest);
+
 /// The object `metrics` of summary.json; missing values are null.
 nlohmann::ordered_json metrics_json(const BoneMetrics& metrics);
 /// Its object `clearance`.
