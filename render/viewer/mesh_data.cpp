@@ -6,7 +6,6 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "sim/bone/voxmap/density.h"
@@ -15,6 +14,7 @@ namespace reamsim {
 namespace {
 
 constexpr std::size_t kVertexBytes = BoneSurface::kStride * sizeof(float);  // of a vertex
+constexpr int kNormalSteps = 254, kAttributeSteps = 255;
 
 std::size_t vertex_count(const BoneSurface& surface) {
   return surface.vertices.size() / BoneSurface::kStride;
@@ -35,11 +35,6 @@ void simplify(const BoneSurface& surface, const std::vector<std::uint32_t>& indi
   out.insert(out.end(), kept.begin(), kept.end());
 }
 
-/// 0…255 for 0…1.
-std::uint8_t byte_of(float fraction) {
-  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(fraction, 0.0F, 1.0F)));
-}
-
 /// Maps 0, −1, 1, −2 … to 0, 1, 2, 3 …
 std::uint16_t zigzag(std::uint16_t difference) {
   return static_cast<std::uint16_t>((difference << 1) ^ (difference & 0x8000 ? 0xFFFF : 0));
@@ -53,33 +48,6 @@ std::vector<double> components(const BoneSurface& surface, std::size_t component
     out.push_back(surface.vertices[i]);
   }
   return out;
-}
-
-/// Normal and attributes of a vertex except depth, quantized.
-std::array<std::uint8_t, 6> attribute_bytes(const float* vertex) {
-  std::array<std::uint8_t, 6> out{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    out[axis] =
-        static_cast<std::uint8_t>(std::lround(127 * std::clamp(vertex[BoneSurface::kNormal + axis], -1.0F, 1.0F)));
-  }
-  out[3] = byte_of(vertex[BoneSurface::kReamed]);
-  out[4] = byte_of(vertex[BoneSurface::kDensity] / static_cast<float>(DensityMapping::kMaxDensity_g_cm3));
-  out[5] = byte_of(vertex[BoneSurface::kAccessibility]);
-  return out;
-}
-
-void append_attributes(const BoneSurface& surface, std::vector<std::uint8_t>& out) {
-  const std::size_t count = vertex_count(surface);
-  const std::size_t from = out.size();
-  std::array<std::uint8_t, 6> before{};
-  out.resize(from + before.size() * count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto now = attribute_bytes(surface.vertices.data() + i * BoneSurface::kStride);
-    for (std::size_t part = 0; part < now.size(); ++part) {
-      out[from + part * count + i] = static_cast<std::uint8_t>(now[part] - before[part]);
-    }
-    before = now;
-  }
 }
 
 void append_indices(const std::vector<std::uint32_t>& indices, std::vector<std::uint8_t>& out) {
@@ -120,15 +88,16 @@ BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget) {
 }
 
 bool counts_as_reamed(const float* vertex) {
-  return byte_of(vertex[BoneSurface::kReamed]) > 0;
+  return std::lround(kAttributeSteps * std::clamp(double{vertex[BoneSurface::kReamed]}, 0.0, 1.0)) > 0;
 }
 
-void append_numbers16(std::span<const double> values, double low, double size, std::vector<std::uint8_t>& out) {
+void append_numbers16(std::span<const double> values, double low, double size, std::vector<std::uint8_t>& out,
+                      int steps) {
   std::vector<std::uint8_t> high;
   std::uint16_t before = 0;
   for (const double value : values) {
     const double fraction = (value - low) / std::max(size, 1e-6);
-    const auto now = static_cast<std::uint16_t>(std::lround(65535 * std::clamp(fraction, 0.0, 1.0)));
+    const auto now = static_cast<std::uint16_t>(std::lround(steps * std::clamp(fraction, 0.0, 1.0)));
     const std::uint16_t code = zigzag(static_cast<std::uint16_t>(now - before));
     before = now;
     out.push_back(static_cast<std::uint8_t>(code & 255));
@@ -139,11 +108,17 @@ void append_numbers16(std::span<const double> values, double low, double size, s
 
 std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
   std::vector<std::uint8_t> out;
-  for (int axis = 0; axis < 3; ++axis) {
-    append_numbers16(components(surface, static_cast<std::size_t>(axis)), box.min()[axis], box.sizes()[axis], out);
+  const auto append = [&](std::size_t component, double low, double size, int steps) {
+    append_numbers16(components(surface, component), low, size, out, steps);
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    append(axis, box.min()[static_cast<int>(axis)], box.sizes()[static_cast<int>(axis)], kSteps16);
   }
-  append_numbers16(components(surface, BoneSurface::kDepth), 0, depth_max_mm, out);
-  append_attributes(surface, out);
+  append(BoneSurface::kDepth, 0, depth_max_mm, kSteps16);
+  for (std::size_t axis = 0; axis < 3; ++axis) append(BoneSurface::kNormal + axis, -1, 2, kNormalSteps);
+  append(BoneSurface::kReamed, 0, 1, kAttributeSteps);
+  append(BoneSurface::kDensity, 0, DensityMapping::kMaxDensity_g_cm3, kAttributeSteps);
+  append(BoneSurface::kAccessibility, 0, 1, kAttributeSteps);
   append_indices(surface.indices, out);
   return out;
 }

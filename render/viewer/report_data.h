@@ -77,19 +77,20 @@ struct MeshBudget {
 /// use.
 BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget);
 
-/// A surface as bytes for the page, little-endian:
-/// x, y, z of the vertices (0…65535 over `box`) and depth (over 0…`depth_max_mm`), 16 bits each, as zigzag differences
-/// to the previous vertex, for each first all low bytes, then all high bytes; then, as 8-bit differences to the
-/// previous vertex, x, y, z of the normal (−127…127), reamed, density (0…255 over 0…2 g/cm³) and ambient accessibility
-/// (0…255 over 0…1); then the triangle indices, each as its distance below the first vertex not yet used, as
+/// A surface as bytes for the page: as of append_numbers16() x, y, z of the vertices over `box`, depth over
+/// 0…`depth_max_mm`, x, y, z of the normal (−1…1, 254 steps), reamed, density (0…2 g/cm³) and ambient accessibility
+/// (255 steps each); then the triangle indices, each as its distance below the first vertex not yet used, as
 /// variable-length numbers with 7 bits per byte, low bits first.
 std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm);
 
 /// Whether mesh_bytes() writes a vertex as reamed.
 bool counts_as_reamed(const float* vertex);
 
-/// Appends `values` as 16-bit numbers, 0…65535 from `low` to `low` + `size`, in the code of mesh_bytes().
-void append_numbers16(std::span<const double> values, double low, double size, std::vector<std::uint8_t>& out);
+inline constexpr int kSteps16 = 65535;
+/// Appends `values` as numbers 0…`steps` from `low` to `low` + `size`, 16 bits each, as zigzag differences to the one
+/// before: first all low bytes, then all high bytes.
+void append_numbers16(std::span<const double> values, double low, double size, std::vector<std::uint8_t>& out,
+                      int steps = kSteps16);
 
 /// A surface for the page's JSON: `vertices`, `triangles`, and mesh_bytes() compressed as `bytes`.
 nlohmann::ordered_json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm);

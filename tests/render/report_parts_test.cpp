@@ -244,7 +244,7 @@ struct Unpacked {
   Unpacked(const Bytes& bytes, std::size_t vertices, std::size_t corners, const Eigen::AlignedBox3f& box)
       : places(vertices), depth(vertices), attributes(vertices) {
     for (std::size_t i = 0; i < vertices; ++i) places[i] = box.min();
-    for (std::size_t part = 0; part < 4; ++part) {
+    for (std::size_t part = 0; part < 10; ++part) {
       std::uint16_t value = 0;
       for (std::size_t i = 0; i < vertices; ++i) {
         const int code = bytes[2 * part * vertices + i] | bytes[(2 * part + 1) * vertices + i] << 8;
@@ -252,16 +252,10 @@ struct Unpacked {
         const auto fraction = static_cast<float>(value) / 65535;
         if (part < 3) places[i][static_cast<int>(part)] += box.sizes()[static_cast<int>(part)] * fraction;
         if (part == 3) depth[i] = fraction;
+        if (part > 3) attributes[i][part - 4] = value - (part < 7 ? 127 : 0);
       }
     }
-    for (std::size_t part = 0; part < 6; ++part) {
-      std::uint8_t value = 0;
-      for (std::size_t i = 0; i < vertices; ++i) {
-        value = static_cast<std::uint8_t>(value + bytes[(8 + part) * vertices + i]);
-        attributes[i][part] = value;
-      }
-    }
-    std::size_t at = 14 * vertices;
+    std::size_t at = 20 * vertices;
     std::uint32_t next = 0;
     for (std::size_t i = 0; i < corners; ++i) {
       std::uint32_t below = 0;
@@ -276,7 +270,7 @@ struct Unpacked {
   }
   std::vector<Eigen::Vector3f> places;
   std::vector<float> depth;  // of the greatest
-  std::vector<std::array<std::uint8_t, 6>> attributes;
+  std::vector<std::array<int, 6>> attributes;
   std::vector<std::uint32_t> indices;
   std::size_t rest = 0;
 };
@@ -294,7 +288,7 @@ TEST(MeshData, BytesReadBackWithinTheirSteps) {
     EXPECT_LE((back.places[i] - Eigen::Map<const Eigen::Vector3f>(v)).cwiseAbs().maxCoeff(),
               0.51F * 40 / 65535 + 1e-5F);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      EXPECT_NEAR(static_cast<std::int8_t>(back.attributes[i][axis]), 127 * v[3 + axis], 0.51);
+      EXPECT_NEAR(back.attributes[i][axis], 127 * v[3 + axis], 0.51);
     }
     EXPECT_NEAR(back.depth[i], v[6] / 2, 1e-5);
     EXPECT_NEAR(back.attributes[i][3], 255 * v[7], 0.51);

@@ -169,23 +169,18 @@ class Run {
     this.row = row;
     this.slider.value = row;
     const text = `${fixedText(this.plot.time_s[row], 3)} s`;
-    sayValue("time", text, `${text}, tool depth ${this.depthText(row)}, axial force ${fixedText(this.plot.axial_force_n[row], 1)} newton`);
-    readings.forEach((reading, i) => this.showReading(reading, this.cells[i]));
+    const texts = readings.map((reading) => this.textOf(reading, row));
+    sayValue("time", text, `${text}, tool depth ${texts[0].join("")}, axial force ${texts[1][0]} newton`);
+    this.cells.forEach((cells, i) => cells.forEach((cell, k) => { cell.textContent = texts[i][k]; }));
     this.plots.moveTo(row);
     this.showPicture();
     this.onMove(row, this.plot.time_s[row], this.plot.removed_mm3[row] > 0);
   }
 
-  depthText(row) {
-    return this.plot.depth_mm[row] < 0 ? "lifted" : `${fixedText(this.plot.depth_mm[row], 2)} mm`;
-  }
-
-  // A retracted reamer has no depth.
-  showReading([, column, digits, unit], [value, unitCell]) {
-    const number = this.plot[column][this.row];
-    const lifted = column === "depth_mm" && number < 0;
-    value.textContent = lifted ? "lifted" : fixedText(number, digits);
-    unitCell.textContent = lifted ? "" : ` ${unit}`;
+  // Number and unit of a reading. A retracted reamer has no depth.
+  textOf([, column, digits, unit], row) {
+    const number = this.plot[column][row];
+    return column === "depth_mm" && number < 0 ? ["lifted", ""] : [fixedText(number, digits), ` ${unit}`];
   }
 
   // The picture nearest in time.

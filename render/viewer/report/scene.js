@@ -65,12 +65,10 @@ class Reaming {
   }
 
   neighbours(time) {
+    const { times, states } = this;
     if (time === undefined) return [undefined, undefined, 0];
-    const last = this.times.length - 1;
-    if (time <= this.times[0]) return [this.states[0], this.states[0], 0];
-    const next = this.times.findIndex((t) => t > time);
-    if (next < 0) return [this.states[last], this.states[last], 0];
-    return [this.states[next - 1], this.states[next], (time - this.times[next - 1]) / (this.times[next] - this.times[next - 1])];
+    const next = times.findIndex((t) => t > time), after = next < 0 ? times.length - 1 : next, before = next > 0 ? next - 1 : after;
+    return [states[before], states[after], before === after ? 0 : (time - times[before]) / (times[after] - times[before])];
   }
 
   // Normals of the lifted vertices: the mean of their triangles by area.

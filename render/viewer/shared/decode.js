@@ -27,15 +27,6 @@ function numbers16(bytes, plane, count) {
   return out;
 }
 
-function positions(bytes, count, [low, high]) {
-  const out = new Float32Array(3 * count);
-  for (let axis = 0; axis < 3; ++axis) {
-    const step = (high[axis] - low[axis]) / 65535;
-    numbers16(bytes, axis, count).forEach((place, i) => { out[3 * i + axis] = low[axis] + step * place; });
-  }
-  return out;
-}
-
 // Poses of the tool: position in mm, quaternion and spin angle in radians, one each for every row of the curves.
 export function posesOf(packed) {
   const bytes = unpacked(packed.bytes);
@@ -54,15 +45,11 @@ export function liftsOf(reaming) {
   return reaming.time_s.map((_, state) => Float32Array.from(numbers16(bytes, state, reaming.vertices), (n) => step * n));
 }
 
-// `parts` planes of delta-encoded bytes, decoded and interleaved.
-function interleaved(bytes, from, count, parts, Type) {
-  const out = new Type(parts * count);
-  for (let part = 0; part < parts; ++part) {
-    let value = 0;
-    for (let i = 0; i < count; ++i) {
-      value = (value + bytes[from + part * count + i]) & 255;
-      out[parts * i + part] = value;
-    }
+// Three planes of numbers from the `first` on, interleaved.
+function interleaved(bytes, first, count, Type, valueOf) {
+  const out = new Type(3 * count);
+  for (let part = 0; part < 3; ++part) {
+    numbers16(bytes, first + part, count).forEach((n, i) => { out[3 * i + part] = valueOf(n, part); });
   }
   return out;
 }
@@ -85,14 +72,14 @@ function corners(bytes, from, count) {
 }
 
 // A mesh: positions in mm, depths, normals, attributes (reamed, density, ambient accessibility), triangle indices.
-export function meshOf(packed, box) {
+export function meshOf(packed, [low, high]) {
   const bytes = unpacked(packed.bytes);
   const count = packed.vertices;
   return {
-    positions: positions(bytes, count, box),
+    positions: interleaved(bytes, 0, count, Float32Array, (n, axis) => low[axis] + ((high[axis] - low[axis]) / 65535) * n),
     depths: numbers16(bytes, 3, count),
-    normals: interleaved(bytes, 8 * count, count, 3, Int8Array),
-    attributes: interleaved(bytes, 11 * count, count, 3, Uint8Array),
-    indices: corners(bytes, 14 * count, 3 * packed.triangles),
+    normals: interleaved(bytes, 4, count, Int8Array, (n) => n - 127),
+    attributes: interleaved(bytes, 7, count, Uint8Array, (n) => n),
+    indices: corners(bytes, 20 * count, 3 * packed.triangles),
   };
 }
