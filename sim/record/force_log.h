@@ -14,7 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/record/results.h"
 #include "sim/record/run_totals.h"
-#include "sim/tool/pose_sequence.h"
+#include "sim/tool/motion.h"
 
 namespace reamsim {
 

@@ -7,7 +7,7 @@
 
 #include "sim/anatomy/run_metrics.h"
 #include "sim/scene/scene.h"
-#include "sim/tool/pose_sequence.h"
+#include "sim/tool/motion.h"
 
 namespace reamsim {
 
