@@ -147,8 +147,10 @@ void note_plans(SimulationInput& scene, double load_s, MistakeList& mistakes, Di
 
 void warn_of_settings(const SimulationInput& scene, Diagnostics& report) {
   const auto still = [](const Motion& motion) {
-    const auto& poses = motion.poses;
-    return std::none_of(poses.begin(), poses.end(), [](const ToolPose& p) { return p.spin_rpm != 0; });
+    for (std::size_t k = 0; k < motion.poses.size(); ++k) {
+      if (motion.poses[k].spin_rpm != 0) return false;
+    }
+    return true;
   };
   if (still(scene.motion) || std::ranges::any_of(scene.later_passes, still, &Pass::motion)) {
     report.warn("spindle speed is zero: forces are those of a non-rotating tool");

@@ -39,8 +39,9 @@ ToolPose as_logged(ToolPose pose) {
 /// The poses of a motion, which are known before the run.
 void add_planned_path(const SimulationInput& scene, RunPath& path) {
   const auto add = [&](const Motion& motion) {
-    std::int64_t frame = motion.first_frame;
-    for (const ToolPose& pose : motion.poses) path.add(as_logged(pose), frame++, motion.pass);
+    for (std::int64_t frame = motion.first_frame; frame <= motion.last_frame(); ++frame) {
+      path.add(as_logged(motion.pose_of(frame)), frame, motion.pass);
+    }
   };
   add(scene.motion);
   for (const Pass& pass : scene.later_passes) add(pass.motion);

@@ -212,7 +212,7 @@ double Simulation::frame_s() const {
 std::vector<Pose> Simulation::planned_poses() const {
   return guarded([&] {
     std::vector<Pose> out;
-    for (const ToolPose& pose : core_->scene.motion.poses) out.push_back(pose_of(pose));
+    for (const ToolPose& pose : core_->scene.motion.poses.all()) out.push_back(pose_of(pose));
     return out;
   });
 }

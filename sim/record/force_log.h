@@ -12,6 +12,7 @@
 
 #include "sim/record/results.h"
 #include "sim/record/run_totals.h"
+#include "sim/tool/motion.h"
 
 namespace reamsim {
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "sim/base/file.h"
-#include "sim/tool/pose_sequence.h"
+#include "sim/tool/motion.h"
 
 namespace reamsim {
 

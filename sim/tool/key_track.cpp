@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "sim/base/error.h"
@@ -18,20 +17,8 @@ namespace {
 /// A quaternion whose norm deviates by more was not merely rounded.
 constexpr double kUnitTolerance = 1e-3;
 constexpr double kMinNorm = 1e-9;
-/// With a larger x component of the axis, y is the reference direction.
-constexpr double kNearlyParallel = 0.9;
 
 }  // namespace
-
-Quat orientation_from_axis(const Vec3& tool_z) {
-  const Vec3 z = tool_z.normalized();
-  const Vec3 reference = std::abs(z.x()) < kNearlyParallel ? Vec3::UnitX() : Vec3::UnitY();
-  Mat3 axes;
-  axes.col(0) = (reference - reference.dot(z) * z).normalized();
-  axes.col(1) = z.cross(axes.col(0));
-  axes.col(2) = z;
-  return Quat(axes).normalized();
-}
 
 Quat normalized_or_warn(const Quat& q, const std::string& where, Diagnostics& report) {
   const double norm = q.norm();
@@ -86,8 +73,6 @@ std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyfram
 
 namespace {
 
-constexpr double kRadPerSPerRpm = 2 * std::numbers::pi / 60;
-
 class StoredTrack final : public KeyTrack {
  public:
   explicit StoredTrack(std::vector<KeyPose> keys) : keys_(std::move(keys)) {}
@@ -108,19 +93,11 @@ std::size_t segment_at(const std::vector<KeyPose>& keys, double time_s) {
   return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(after - 1, 0, std::ssize(keys) - 2));
 }
 
-double spin_rad(double from_rpm, double to_rpm, double duration_s) {
-  return 0.5 * (from_rpm + to_rpm) * kRadPerSPerRpm * duration_s;
-}
-
 TrackIntegrator::TrackIntegrator(std::optional<Rigid> bone_from_poses, double start_s, std::optional<KeyPose> before)
     : bone_from_poses_(std::move(bone_from_poses)), start_s_(start_s), before_(std::move(before)) {}
 
 KeyPose TrackIntegrator::next(KeyPose key) {
-  if (bone_from_poses_) {
-    const Quat rotation(bone_from_poses_->linear());
-    key.pose.position_mm = *bone_from_poses_ * key.pose.position_mm;
-    key.pose.orientation = (rotation * key.pose.orientation).normalized();
-  }
+  if (bone_from_poses_) move_pose(*bone_from_poses_, key.pose);
   key.time_s -= start_s_;
   if (before_) {
     key.pose.spin_angle_rad = before_->pose.spin_angle_rad +

@@ -19,10 +19,6 @@ struct KeyPose {
   ToolPose pose;  ///< the spin angle is not used
 };
 
-/// The frame T with +z along `tool_z` (any length > 0): x of T is the projection of the x axis, or of the y axis where
-/// x is nearly parallel to `tool_z`.
-Quat orientation_from_axis(const Vec3& tool_z);
-
 /// Approach, feed, dwell and retract as key poses, starting at time 0. Throws InputError where approach and depth are
 /// 0.
 std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge);
@@ -34,6 +30,12 @@ std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyfram
 /// `q` normalized. Warns when |q| differs from 1 by more than 10⁻³. Throws InputError when |q| is 0 or not finite.
 /// Messages begin with `where`.
 Quat normalized_or_warn(const Quat& q, const std::string& where, Diagnostics& report);
+
+/// Takes a pose to the frame of `to`.
+inline void move_pose(const Rigid& to, ToolPose& pose) {
+  pose.position_mm = to * pose.position_mm;
+  pose.orientation = (Quat(to.linear()) * pose.orientation).normalized();
+}
 
 /// Two successive key poses.
 struct KeySegment {
@@ -67,15 +69,22 @@ class TrackIntegrator {
   std::optional<KeyPose> before_;
 };
 
-/// Spin angle at a linearly changing spindle speed, rad.
-double spin_rad(double from_rpm, double to_rpm, double duration_s);
-
 /// A track in memory, of at least two poses that next() of an integrator has returned.
 std::unique_ptr<const KeyTrack> store_track(std::vector<KeyPose> keys);
 
+/// The rows of a recorded CSV as the settings describe them: by default a header line and rows of
+/// `time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz` and optionally `spin_rpm` (otherwise settings.spin_rpm), in any order of
+/// columns; other columns are ignored with a note. A byte-order mark, CRLF, blank lines, comments (#) and blanks around
+/// fields are tolerated. The poses are those of the tool in the frame of motion.frame: units, registration and
+/// calibration of the settings are applied. With a max_gap_s rows without a pose are skipped. Throws InputError with
+/// file and line: no such file, empty, missing or repeated column, wrong number of fields, not a finite number,
+/// position beyond a kilometre, zero quaternion, times that do not increase or have a gap of more than max_gap_s, fewer
+/// than two or more than ten million rows.
+std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostics& report);
+
 /// The track of a recorded CSV. A file of up to 100,000 rows is read into memory, and so is one that can be read only
-/// once, such as a pipe. For a longer one the track holds an index, and reads blocks of rows again; see read_pose_csv()
-/// for what is thrown. Notes another start than time 0.
+/// once, such as a pipe. For a longer one the track holds an index, and reads blocks of rows again; throws as
+/// read_pose_csv(). Notes another start than time 0.
 std::unique_ptr<const KeyTrack> open_csv_track(const CsvMotionSettings& settings,
                                                const std::optional<Rigid>& bone_from_poses, Diagnostics& report);
 

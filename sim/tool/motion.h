@@ -4,14 +4,122 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <initializer_list>
 #include <iterator>
+#include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/geometry.h"
 #include "sim/scenario/scenario.h"
-#include "sim/tool/pose_sequence.h"
 
 namespace reamsim {
+
+/// The pose of the tool: frame T in B without the spin, and the spin about −z of T.
+struct ToolPose {
+  Vec3 position_mm = Vec3::Zero();
+  Quat orientation = Quat::Identity();
+  double spin_angle_rad = 0;  ///< accumulated, positive clockwise seen from the drive
+  double spin_rpm = 0;
+
+  [[nodiscard]] Rigid bone_from_tool() const {
+    Rigid out = Rigid::Identity();
+    out.linear() = orientation.toRotationMatrix();
+    out.translation() = position_mm;
+    return out;
+  }
+};
+
+/// The pose at fraction `t` (0…1) between `a` and `b`: orientation spherically, all else linearly.
+ToolPose interpolate(const ToolPose& a, const ToolPose& b, double t);
+
+/// Computes pose `k` of a motion. Any thread may call it. Throws RunError when a file that holds the poses cannot be
+/// read any more.
+using PoseSource = std::function<ToolPose(std::size_t k)>;
+
+/// The poses of a motion, one per frame, computed when asked for. Immutable; copies share the source, and any thread
+/// may read.
+class PoseSequence {
+ public:
+  PoseSequence() = default;
+  PoseSequence(std::vector<ToolPose> poses);  // implicit
+  PoseSequence(std::initializer_list<ToolPose> poses) : PoseSequence(std::vector(poses)) {}
+  PoseSequence(std::size_t size, PoseSource source) : source_(std::move(source)), size_(size) {}
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  ToolPose operator[](std::size_t k) const { return source_(first_ + k); }
+  [[nodiscard]] ToolPose front() const { return (*this)[0]; }
+  [[nodiscard]] ToolPose back() const { return (*this)[size_ - 1]; }
+
+  /// `count` poses from `first` on, which becomes pose 0.
+  [[nodiscard]] PoseSequence part(std::size_t first, std::size_t count) const;
+  /// All poses in memory.
+  [[nodiscard]] std::vector<ToolPose> all() const;
+
+ private:
+  PoseSource source_;
+  std::size_t first_ = 0;
+  std::size_t size_ = 0;
+};
+
+/// The thrust of a hand over time.
+class ThrustProfile {
+ public:
+  explicit ThrustProfile(double thrust_n) : times_s_{0}, thrusts_n_{thrust_n} {}
+  /// Reads a CSV with the columns time_s (ascending) and thrust_n (0 or more). Throws InputError with file and line.
+  explicit ThrustProfile(const std::string& path);
+
+  /// Linear between the rows, constant before the first and after the last.
+  [[nodiscard]] double at(double time_s) const;
+
+ private:
+  std::vector<double> times_s_, thrusts_n_;
+};
+
+/// A tool that advances less under thrust stands still, mm/s; after this time it has stalled.
+inline constexpr double kStill_mm_s = 1e-3, kStall_s = 0.1;
+
+/// A push along a line, in B. How far the tool is at a time is known only when the bone has answered.
+class PushPlan {
+ public:
+  /// `bone_from_poses`: nullopt where the settings are in B. The depth counts from entry_mm: `from: contact` must have
+  /// been resolved. Throws InputError for a profile that cannot be read.
+  PushPlan(const PushSettings& settings, double frame_rate_hz, const std::optional<Rigid>& bone_from_poses);
+
+  /// The pose after `travel_mm` along the line, at a time from the start.
+  [[nodiscard]] ToolPose pose(double travel_mm, double time_s) const;
+  [[nodiscard]] double thrust_n(double time_s) const { return thrust_.at(time_s); }
+  [[nodiscard]] const PushSettings& settings() const { return settings_; }
+  /// The push ends after this frame in any case.
+  [[nodiscard]] std::int64_t last_frame() const { return last_frame_; }
+  /// And at this travel.
+  [[nodiscard]] double last_travel_mm() const { return last_travel_mm_; }
+  [[nodiscard]] const Vec3& axis() const { return axis_; }
+
+ private:
+  PushSettings settings_;
+  ThrustProfile thrust_;
+  Vec3 start_mm_;
+  Vec3 axis_;
+  Quat orientation_;
+  std::int64_t last_frame_;
+  double last_travel_mm_;
+};
+
+/// The poses of a push that meets no resistance, for forecasts, which only need the way.
+PoseSequence unresisted_poses(std::shared_ptr<const PushPlan> plan, double frame_rate_hz);
+
+/// The frame T with +z along `tool_z` (any length > 0): x of T is the projection of the x axis, or of the y axis where
+/// x is nearly parallel to `tool_z`.
+Quat orientation_from_axis(const Vec3& tool_z);
+
+/// Spin angle at a linearly changing spindle speed, rad.
+double spin_rad(double from_rpm, double to_rpm, double duration_s);
 
 /// The path of a tool at the frame rate: poses[k] is the pose of frame `first_frame` + k, at time frame/frame_rate_hz.
 struct Motion {

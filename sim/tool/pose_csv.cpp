@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/tool/pose_csv.h"
+#include "sim/tool/key_track.h"
 
 #include <algorithm>
 #include <array>
@@ -13,9 +13,8 @@
 #include <string_view>
 #include <utility>
 
-#include "sim/base/error.h"
+#include "sim/base/csv.h"
 #include "sim/base/text.h"
-#include "sim/tool/key_track.h"
 
 namespace reamsim {
 
@@ -60,10 +59,6 @@ class RowWarnings {
  private:
   std::size_t count_ = 0;
 };
-
-}  // namespace
-
-namespace {
 
 CsvColumn column_of(const std::string& text, bool may_be_missing = false) {
   const std::optional<std::uint64_t> number = whole_number(text);
@@ -138,59 +133,80 @@ double seconds(double value, TimeUnit unit) {
   return value;
 }
 
-}  // namespace
+/// Recorded poses, row by row (read_pose_csv()).
+class PoseCsv {
+ public:
+  using Place = CsvReader::Place;
 
-PoseCsv::PoseCsv(const CsvMotionSettings& settings, Diagnostics& report)
-    : settings_(settings),
-      rows_(settings.path, layout_of(settings), is_plain(settings) ? kPoseColumns : kDescribedColumns) {
-  if (settings.bone_from_tracker) bone_from_tracker_ = settings.bone_from_tracker->rigid();
-  if (settings.marker_from_tool) marker_from_tool_ = settings.marker_from_tool->rigid();
-  std::string ignored;
-  for (const std::string& name : rows_.skipped()) ignored += (ignored.empty() ? "\"" : ", \"") + printable(name) + '"';
-  if (!ignored.empty()) report.note(rows_.where().text() + ": ignored columns: " + ignored.substr(0, 200));
-}
-
-bool PoseCsv::has_pose() const {
-  const auto missing = std::count_if(row_.begin() + kX, row_.begin() + kSpin, [](double v) { return std::isnan(v); });
-  if (missing > 0 && missing < kSpin - kX) {
-    throw InputError(rows_.where(), "", "a part of the pose is missing", "give all of it, or leave all of it empty");
+  PoseCsv(const CsvMotionSettings& settings, Diagnostics& report)
+      : settings_(settings),
+        rows_(settings.path, layout_of(settings), is_plain(settings) ? kPoseColumns : kDescribedColumns) {
+    if (settings.bone_from_tracker) bone_from_tracker_ = settings.bone_from_tracker->rigid();
+    if (settings.marker_from_tool) marker_from_tool_ = settings.marker_from_tool->rigid();
+    std::string ignored;
+    for (const std::string& name : rows_.skipped())
+      ignored += (ignored.empty() ? "\"" : ", \"") + printable(name) + '"';
+    if (!ignored.empty()) report.note(rows_.where().text() + ": ignored columns: " + ignored.substr(0, 200));
   }
-  if (std::isnan(row_[kTime])) throw InputError(rows_.where(), "", "the time is missing", "each row needs one");
-  return missing == 0;
-}
 
-KeyPose PoseCsv::pose_of_row(Diagnostics& row_report) const {
-  const SourceLocation where = rows_.where();
-  const Vec3 position_mm = mm_per(settings_.position_unit) * Vec3(row_[kX], row_[kY], row_[kZ]);
-  for (const Column c : {kX, kY, kZ}) check_range(where, kNames[c], position_mm[c - kX], kFarthest_mm, "mm");
-  const double spin_rpm = std::isnan(row_[kSpin]) ? settings_.spin_rpm : row_[kSpin];
-  check_range(where, kOptionalNames[0], spin_rpm, kFastest_rpm, "rpm");
-  const Quat q(row_[kQw], row_[kQx], row_[kQy], row_[kQz]);
-  KeyPose out{seconds(row_[kTime], settings_.time_unit),
-              {position_mm, normalized_or_warn(q, where.text(), row_report), 0, spin_rpm}};
-  ToolPose& pose = out.pose;
-  if (marker_from_tool_) {
-    pose.position_mm += pose.orientation * marker_from_tool_->translation();
-    pose.orientation = (pose.orientation * Quat(marker_from_tool_->linear())).normalized();
-  }
-  if (bone_from_tracker_) {
-    pose.position_mm = *bone_from_tracker_ * pose.position_mm;
-    pose.orientation = (Quat(bone_from_tracker_->linear()) * pose.orientation).normalized();
-  }
-  return out;
-}
-
-bool PoseCsv::next(KeyPose& pose, Diagnostics& row_report) {
-  while (rows_.next(row_)) {
-    if (has_pose()) {
-      pose = pose_of_row(row_report);
-      return true;
+  /// Reads the next row; false at the end. `row_report` gets a warning about a quaternion that is no rotation.
+  bool next(KeyPose& pose, Diagnostics& row_report) {
+    while (rows_.next(row_)) {
+      if (has_pose()) {
+        pose = pose_of_row(row_report);
+        return true;
+      }
+      ++skipped_rows_;
     }
-    ++skipped_rows_;
+    return false;
   }
-  return false;
-}
 
+  [[nodiscard]] Place place() const { return rows_.place(); }
+  /// Goes on at a place that place() has returned. Only where the file is a regular one.
+  void seek(const Place& place) { rows_.seek(place); }
+  [[nodiscard]] SourceLocation where() const { return rows_.where(); }
+  /// Rows without a pose that next() has skipped.
+  [[nodiscard]] std::size_t skipped_rows() const { return skipped_rows_; }
+  [[nodiscard]] double max_gap_s() const { return settings_.max_gap_s; }
+
+ private:
+  [[nodiscard]] bool has_pose() const {
+    const auto missing = std::count_if(row_.begin() + kX, row_.begin() + kSpin, [](double v) { return std::isnan(v); });
+    if (missing > 0 && missing < kSpin - kX) {
+      throw InputError(rows_.where(), "", "a part of the pose is missing", "give all of it, or leave all of it empty");
+    }
+    if (std::isnan(row_[kTime])) throw InputError(rows_.where(), "", "the time is missing", "each row needs one");
+    return missing == 0;
+  }
+
+  [[nodiscard]] KeyPose pose_of_row(Diagnostics& row_report) const {
+    const SourceLocation where = rows_.where();
+    const Vec3 position_mm = mm_per(settings_.position_unit) * Vec3(row_[kX], row_[kY], row_[kZ]);
+    for (const Column c : {kX, kY, kZ}) check_range(where, kNames[c], position_mm[c - kX], kFarthest_mm, "mm");
+    const double spin_rpm = std::isnan(row_[kSpin]) ? settings_.spin_rpm : row_[kSpin];
+    check_range(where, kOptionalNames[0], spin_rpm, kFastest_rpm, "rpm");
+    const Quat q(row_[kQw], row_[kQx], row_[kQy], row_[kQz]);
+    KeyPose out{seconds(row_[kTime], settings_.time_unit),
+                {position_mm, normalized_or_warn(q, where.text(), row_report), 0, spin_rpm}};
+    ToolPose& pose = out.pose;
+    if (marker_from_tool_) {
+      pose.position_mm += pose.orientation * marker_from_tool_->translation();
+      pose.orientation = (pose.orientation * Quat(marker_from_tool_->linear())).normalized();
+    }
+    if (bone_from_tracker_) move_pose(*bone_from_tracker_, pose);
+    return out;
+  }
+
+  CsvMotionSettings settings_;
+  CsvReader rows_;
+  std::vector<double> row_;
+  std::size_t skipped_rows_ = 0;
+  std::optional<Rigid> bone_from_tracker_, marker_from_tool_;
+};
+
+/// Reads all rows, and calls visit(pose, place before its row). Besides the mistakes of rows, throws InputError where
+/// times do not increase or have a gap of more than max_gap_s, and for fewer than two or more than ten million rows.
+/// Times need not be equidistant.
 void scan_pose_csv(PoseCsv& csv, const std::string& path, Diagnostics& report,
                    const std::function<void(const KeyPose&, const PoseCsv::Place&)>& visit) {
   Diagnostics row_report;
@@ -222,6 +238,8 @@ void scan_pose_csv(PoseCsv& csv, const std::string& path, Diagnostics& report,
   if (csv.skipped_rows() > 0)
     report.note(path + ": " + std::to_string(csv.skipped_rows()) + " rows without a pose were skipped");
 }
+
+}  // namespace
 
 std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostics& report) {
   PoseCsv csv(settings, report);

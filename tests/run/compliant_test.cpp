@@ -95,7 +95,7 @@ TEST(Compliance, InterruptedAndContinuedIsTheSame) {
 TEST(Compliance, StandsWithinContactAtRest) {
   // Fed, then held: the spring presses the tool on until its force is nearly zero, without chatter.
   SimulationInput scene = scene_of({{400, 400, 400}, 2}, "auto", 1000);
-  std::vector<ToolPose> poses(scene.motion.poses.begin(), scene.motion.poses.end());
+  std::vector<ToolPose> poses = scene.motion.poses.all();
   const std::size_t fed = poses.size();
   for (int k = 0; k < 600; ++k) {
     poses.push_back(poses.back());

@@ -81,7 +81,7 @@ TEST(Keyframes, OrientationGoesAlongTheGreatCircle) {
   const Vec3 middle = m.poses[50].orientation * Vec3::UnitZ();
   EXPECT_NEAR((middle - Vec3(0, 1, 1).normalized()).norm(), 0, 1e-12);
   EXPECT_NEAR((m.poses[30].orientation * Vec3::UnitZ()).dot(Vec3::UnitZ()), std::cos(0.3 * kPi / 2), 1e-12);
-  for (const ToolPose& pose : m.poses)
+  for (const ToolPose& pose : m.poses.all())
     EXPECT_NEAR((pose.orientation * Vec3::UnitX() - Vec3::UnitX()).norm(), 0, 1e-12)
         << "no twist about the tool's axis";
 }
@@ -181,7 +181,7 @@ TEST(Plunge, TimingAndDepth) {
   EXPECT_NEAR(z(2500), 24, 1e-12);
   EXPECT_NEAR(z(2750), 29, 1e-12);
   EXPECT_NEAR(z(3000), 34, 1e-12);
-  for (const ToolPose& pose : m.poses) {
+  for (const ToolPose& pose : m.poses.all()) {
     EXPECT_NEAR(pose.orientation.angularDistance(Quat::Identity()), 0, 1e-12) << "+z of T against the way it goes";
     EXPECT_EQ(pose.spin_rpm, 250);
   }
@@ -207,7 +207,7 @@ TEST(Plunge, PhasesTooShortToChangeTheTimeAreLeftOut) {
     p.retract_mm = tiny;
     p.depth_mm = 1;
     const Motion m = build(plunge(p));
-    for (const ToolPose& pose : m.poses) {
+    for (const ToolPose& pose : m.poses.all()) {
       ASSERT_TRUE(pose.position_mm.allFinite() && pose.orientation.coeffs().allFinite()) << tiny;
       ASSERT_TRUE(std::isfinite(pose.spin_angle_rad) && std::isfinite(pose.spin_rpm)) << tiny;
     }
