@@ -5,7 +5,6 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <iterator>
 
@@ -15,6 +14,7 @@
 #include "sim/bone/mesh_source.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/shipped.h"
+#include "sim/scenario/show.h"
 
 namespace reamsim {
 
@@ -246,12 +246,11 @@ std::optional<double> scale_of(std::optional<double> of_option, const std::vecto
   const auto set = value_set(assignments, "bone.mesh.scale");
   if (!set) return of_option;
   if (of_option) throw InputError({}, "--scale", "given beside --set bone.mesh.scale=...", "give one of them");
-  double out = 0;
-  const char* const end = set->data() + set->size();
-  if (std::from_chars(set->data(), end, out).ptr != end || !(out > 0)) {
+  const auto scale = parse_number(*set);
+  if (!scale || !(*scale > 0)) {
     throw InputError({}, "--set bone.mesh.scale", "found " + printable(*set), "expected a number above 0");
   }
-  return out;
+  return scale;
 }
 
 namespace {

@@ -62,16 +62,6 @@ std::vector<FacePlace> places_at_heads(const BoneSettings& settings, Diagnostics
   return out;
 }
 
-/// Places on the whole surface of the bone.
-std::vector<FacePlace> places_on_surface(const BoneSettings& settings, Diagnostics& report) {
-  return search_faces(load_bone(settings, report).view());
-}
-
-/// In LPS a left glenoid faces +x.
-bool is_of_other_side(const FacePlace& place, BodySide side) {
-  return side != BodySide::unknown && (place.normal.x() > 0) != (side == BodySide::left);
-}
-
 /// `of_bone` gets what is said of the bone.
 std::vector<FacePlace> places_of(const BoneSettings& settings, Diagnostics& of_bone, Diagnostics& report) {
   std::vector<FacePlace> out;
@@ -81,7 +71,7 @@ std::vector<FacePlace> places_of(const BoneSettings& settings, Diagnostics& of_b
       report.note("no head of a humerus with a joint in the scan: the whole surface of the bone is searched");
     }
   }
-  if (out.empty()) out = places_on_surface(settings, of_bone);
+  if (out.empty()) out = search_faces(load_bone(settings, of_bone).view());
   std::ranges::stable_sort(out, {}, [](const FacePlace& place) { return -place.confidence; });
   return out;
 }
@@ -97,8 +87,10 @@ std::vector<FacePlace> places_of(const BoneSettings& settings, Diagnostics& of_b
 Vec3 only_face(const BoneSettings& settings, Diagnostics& of_bone, Diagnostics& report) {
   std::vector<FacePlace> places = places_of(settings, of_bone, report);
   if (settings.source == BoneSource::ct) {
-    const auto of_other_side = [&](const FacePlace& place) { return is_of_other_side(place, settings.side); };
-    const std::size_t others = std::erase_if(places, of_other_side);
+    const std::size_t others = std::erase_if(places, [&](const FacePlace& place) {
+      const bool faces_left = place.normal.x() > 0;  // as a left glenoid does in LPS
+      return settings.side != BodySide::unknown && faces_left != (settings.side == BodySide::left);
+    });
     if (others > 0 && places.empty()) {
       refuse(settings, "the search found a glenoid of the other side only: check --side");
     }
@@ -119,13 +111,6 @@ Vec3 only_face(const BoneSettings& settings, Diagnostics& of_bone, Diagnostics& 
   return best.center_mm;
 }
 
-/// The scan may have been read more than once.
-void add_warnings_once(const Diagnostics& from, Diagnostics& to) {
-  for (const std::string& warning : from.warnings) {
-    if (std::ranges::find(to.warnings, warning) == to.warnings.end()) to.warn(warning);
-  }
-}
-
 /// A point on the face of the glenoid of a bone, for bone.glenoid.near_mm, without any hint: in a CT next to the heads
 /// of 16 to 32 mm radius (joints_in_scan()), else by a search of the whole surface (search_faces()). `given`: a mesh
 /// or a CT without a glenoid; a known side of a CT excludes the other. Notes what was found, and its confidence. Throws
@@ -137,7 +122,9 @@ Vec3 locate_glenoid(const BoneSettings& given, Diagnostics& report) {
   try {
     return only_face(settings, of_bone, report);
   } catch (const InputError&) {
-    add_warnings_once(of_bone, report);
+    for (const std::string& warning : of_bone.warnings) {  // once: the scan may have been read more often
+      if (std::ranges::find(report.warnings, warning) == report.warnings.end()) report.warn(warning);
+    }
     throw;
   }
 }

@@ -159,8 +159,8 @@ RunMessages failures_of(const SweepRuns& sweep, const StudyFolder& folder) {
 /// Says where results of another plan explain runs that are missing.
 void warn_of_other_plan(const SweepRuns& sweep, const StudyFolder& folder, const Console& console) {
   if (count_runs(folder, sweep.runs).missing == 0) return;
-  const OtherRuns others = find_other_runs(sweep.study, sweep.plan, sweep.runs, folder);
-  if (others.count > 0) console.warn(sentence_of(others, folder.path() + "/runs"));
+  const std::string others = text_of_other_runs(sweep.study, sweep.plan, sweep.runs, folder);
+  if (!others.empty()) console.warn(others);
 }
 
 void status_command(const StudyOptions& options, const Console& console) {
@@ -315,10 +315,6 @@ class StudyRun {
   int wrong_ = 0;  ///< of the failures: those by wrong input
 };
 
-void run_command(const StudyOptions& options, const Console& console) {
-  StudyRun(options, console).run();
-}
-
 }  // namespace
 
 SweepRuns simulate_study(const SweepOptions& options, int jobs, const Console& console) {
@@ -340,7 +336,9 @@ void add_sweep_command(CLI::App& app, Console& console) {
   const auto [plan, plan_options] =
       add("plan", "Validate every run and estimate time, memory and disk; write nothing", plan_command);
   add_jobs(*plan, plan_options->jobs);
-  const auto [run, run_options] = add("run", "Simulate the runs that are not done yet, then collect them", run_command);
+  const auto [run, run_options] =
+      add("run", "Simulate the runs that are not done yet, then collect them",
+          [](const StudyOptions& options, const Console& to) { StudyRun(options, to).run(); });
   add_jobs(*run, run_options->jobs);
   run->add_option("--shard", run_options->shard, "Simulate part i of n only, and collect nothing")->type_name("i/n");
   run->add_flag("--quiet", console.quiet, "Print only warnings and errors");

@@ -86,12 +86,12 @@ RunTable without_forces(RunTable table) {
   for (std::size_t i = 0; i < table.results.size(); ++i) {
     if (!depends_on_law(table.results[i])) kept.push_back(i);
   }
-  for (CollectedRun& run : table.runs) {
-    for (std::size_t i = 0; i < kept.size(); ++i) run.numbers[i] = run.numbers[kept[i]];
-    run.numbers.resize(kept.size());
-  }
-  for (std::size_t i = 0; i < kept.size(); ++i) table.results[i] = table.results[kept[i]];
-  table.results.resize(kept.size());
+  const auto keep = [&](auto& values) {
+    for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+    values.resize(kept.size());
+  };
+  for (CollectedRun& run : table.runs) keep(run.numbers);
+  keep(table.results);
   return table;
 }
 
@@ -135,8 +135,6 @@ void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const C
 }
 
 namespace {
-
-namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const std::string& dir, const std::string& found) {
   throw InputError({shown_path(dir), 0, 0}, "output folder", found, "choose another with -o");

@@ -74,37 +74,32 @@ Submission submission_of(const SubmitOptions& options) {
           .time_limit = options.time_limit};
 }
 
-void create_folder_of(const std::string& path) {
-  std::error_code error;
-  fs::create_directories(fs::path(path).parent_path(), error);
-  if (error) fail_to_write(path);
-}
-
 void write_submission(const std::string& path, const SubmissionFile& file) {
   std::error_code error;
   write_file(path, file.text);
+  if (!file.executable) return;
   using fs::perms;
-  if (file.executable) {
-    fs::permissions(path, perms::owner_exec | perms::group_exec | perms::others_exec, fs::perm_options::add, error);
-    if (error) fail_to_write(path);
-  }
+  fs::permissions(path, perms::owner_exec | perms::group_exec | perms::others_exec, fs::perm_options::add, error);
+  if (error) fail_to_write(path);
 }
 
 void submit_command(const SubmitOptions& options, const Console& console) {
   const Submission submission = submission_of(options);
-  const std::vector<SubmissionFile> files = submission_files(options.system(), submission);
+  const SubmissionScripts scripts = submission_scripts(options.system(), submission);
   const auto path_of = [&](const SubmissionFile& file) { return options.to + "/" + file.path; };
-  for (const SubmissionFile& file : files) {
-    create_folder_of(path_of(file));
+  for (const SubmissionFile& file : scripts.files) {
+    std::error_code error;
+    fs::create_directories(fs::path(path_of(file)).parent_path(), error);
+    if (error) fail_to_write(path_of(file));
     require_replaceable_file(path_of(file), "--to", options.overwrite, is_submission, {submission.study});
   }
-  for (const SubmissionFile& file : files) {
+  for (const SubmissionFile& file : scripts.files) {
     write_submission(path_of(file), file);
     console.say("wrote " + path_of(file));
   }
   console.say("start with:");
   console.say("  cd " + shell_word(options.to));
-  for (const std::string& line : start_commands(options.system(), submission)) console.say("  " + line);
+  for (const std::string& line : scripts.start) console.say("  " + line);
 }
 
 }  // namespace

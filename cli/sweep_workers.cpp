@@ -1,23 +1,42 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cli/sweep.h"
-
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
+#include <iostream>
+#include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
 
+#include "cli/environment.h"
+#include "cli/outputs.h"
 #include "cli/stop.h"
+#include "cli/sweep.h"
 #include "sim/base/error.h"
 #include "sim/base/process.h"
+#include "sim/base/stopwatch.h"
+#include "sim/base/text.h"
+#include "sim/record/output_folder.h"
+#include "sim/run/cost_estimate.h"
+#include "sim/run/simulation.h"
+#include "sim/scenario/passes.h"
+#include "sim/scene/clearance.h"
+#include "sim/scene/contact_forecast.h"
+#include "sim/study/study_folder.h"
 
 namespace reamsim {
 
@@ -135,50 +154,41 @@ class Work {
  public:
   Work(std::vector<std::vector<std::string>> commands, const SweepRuns& sweep, const std::vector<std::size_t>& runs,
        const std::function<void(const WorkerAnswer&)>& answered)
-      : commands_(std::move(commands)), sweep_(sweep), parts_(runs, commands_.size()), answered_(answered) {
-    workers_.resize(commands_.size());
-  }
+      : commands_(std::move(commands)),
+        sweep_(sweep),
+        parts_(runs, commands_.size()),
+        answered_(answered),
+        workers_(commands_.size()) {}
 
   bool run() {
     for (std::size_t i = 0; i < workers_.size(); ++i) begin_next(i);
     const StopGrace until_saved;
     while (wait_for_answers()) {
-      if (!stopping_ && stop_requested()) stop();
+      if (stopping_ || !stop_requested()) continue;
+      stopping_ = true;
+      for (const auto& worker : workers_) {
+        if (worker) worker->stop();
+      }
     }
     return !stopping_;
   }
 
  private:
-  void stop() {
-    stopping_ = true;
-    for (const auto& worker : workers_) {
-      if (worker) worker->stop();
-    }
-  }
-
   void begin_next(std::size_t i) {
     const auto run = stopping_ ? std::nullopt : parts_.next(i);
-    if (!run) {
-      workers_[i].reset();
-      return;
-    }
+    if (!run) return workers_[i].reset();
     if (!workers_[i]) workers_[i] = std::make_unique<Worker>(commands_[i]);
     workers_[i]->begin(*run, sweep_.runs[*run].id);
   }
 
   /// Handles what workers say for a moment. Returns false once none is left.
   bool wait_for_answers() {
-    std::vector<pollfd> polled;
-    std::vector<std::size_t> places;
-    for (std::size_t i = 0; i < workers_.size(); ++i) {
-      if (!workers_[i]) continue;
-      polled.push_back({workers_[i]->answers(), POLLIN, 0});
-      places.push_back(i);
-    }
-    if (polled.empty()) return false;
+    std::vector<pollfd> polled;  // poll() skips those without a worker
+    for (const auto& worker : workers_) polled.push_back({worker ? worker->answers() : -1, POLLIN, 0});
+    if (std::ranges::none_of(workers_, [](const auto& worker) { return worker != nullptr; })) return false;
     if (poll(polled.data(), polled.size(), kPoll_ms) <= 0) return true;
-    for (std::size_t p = 0; p < polled.size(); ++p) {
-      if (polled[p].revents != 0) hear(places[p]);
+    for (std::size_t i = 0; i < polled.size(); ++i) {
+      if (polled[i].revents != 0) hear(i);
     }
     return true;
   }
@@ -201,9 +211,7 @@ class Work {
     using Outcome = WorkerAnswer::Outcome;
     const bool asked_to = stopping_ || stop_requested();
     answered_({.run = *run, .outcome = asked_to ? Outcome::interrupted : Outcome::failed, .text = cause});
-    if (!asked_to && ++deaths_ >= kMostDeaths) {
-      throw RunError("workers end before they finish a run: " + cause);
-    }
+    if (!asked_to && ++deaths_ >= kMostDeaths) throw RunError("workers end before they finish a run: " + cause);
     begin_next(i);
   }
 
@@ -216,29 +224,176 @@ class Work {
   int deaths_ = 0;
 };
 
-/// Workers share the processors: PoCL of each uses its part only, and does not pin its threads to the first ones.
-void divide_processors(int jobs) {
-  const long processors = std::max(1L, sysconf(_SC_NPROCESSORS_ONLN));
-  setenv("POCL_AFFINITY", "0", 1);
-  setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(std::max(1L, processors / jobs)).c_str(), 0);
-}
-
 }  // namespace
 
 bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
              const std::string& dir, int jobs, const std::function<void(const WorkerAnswer&)>& answered) {
   if (runs.empty()) return true;
   jobs = std::min(jobs, static_cast<int>(runs.size()));
-  if (jobs > 1) divide_processors(jobs);
+  if (jobs > 1) {
+    // Workers share the processors: PoCL of each uses its part only, and does not pin its threads to the first ones.
+    const long processors = std::max(1L, sysconf(_SC_NPROCESSORS_ONLN));
+    setenv("POCL_AFFINITY", "0", 1);
+    setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(std::max(1L, processors / jobs)).c_str(), 0);
+  }
   std::vector<std::vector<std::string>> commands;
   for (int i = 0; i < jobs; ++i) {
     std::vector<std::string> command{"/proc/self/exe", "sweep", "worker", options.file};
     if (!dir.empty()) command.insert(command.end(), {"-o", dir});
     for (const std::string& text : options.overrides) command.insert(command.end(), {"--set", text});
-    command.insert(command.end(), {"--part", std::to_string(i) + "/" + std::to_string(jobs)});
+    command.insert(command.end(), {"--part", std::to_string(i), std::to_string(jobs)});
     commands.push_back(std::move(command));
   }
   return Work(std::move(commands), sweep, runs, answered).run();
+}
+
+namespace {
+
+constexpr double kEstimateTiming_s = 0.1;
+
+/// Validates runs as `reamsim check` does, and estimates their cost. Of runs with the same bone, tool and force basis,
+/// only the first is timed.
+class RunEstimator {
+ public:
+  /// `resources` must have a cache of bones. Throws InputError with every mistake of the scenario.
+  RunEstimate estimate(const Scenario& scenario, RunResources& resources) {
+    const Stopwatch watch;
+    Diagnostics report;
+    MistakeList mistakes;
+    SimulationInput scene = load_scene(scenario, report, mistakes, resources.bones);
+    mistakes.throw_if_any();
+    RunEstimate out{.load_s = watch.seconds(), .frames = scene.last_frame(), .warnings = {}};
+    const std::vector<ContactForecast> contacts = forecast_passes(scene);
+    warn_of_contact(scene, contacts, report);
+    if (const auto clearance = find_clearance(scene)) warn_of_clearance(*clearance, scene, report);
+    out.warnings = report.warnings;
+    do {
+      out.memory_bytes = std::max(out.memory_bytes, plan_memory(scene).process_bytes);
+      out.simulate_s += simulate_s(scene, resources);
+    } while (begin_next_pass(scene));
+    return out;
+  }
+
+ private:
+  double simulate_s(SimulationInput& scene, RunResources& resources) {
+    const auto frames = static_cast<double>(scene.motion.last_frame() - scene.motion.first_frame + 1);
+    const std::vector<PassSpec> passes = passes_of(scene.scenario);
+    const std::tuple key{resources.bones->loaded(), passes[static_cast<std::size_t>(scene.motion.pass) - 1].tool.mesh,
+                         scene.scenario.output.force_basis};
+    const auto known = s_per_frame_.find(key);
+    if (known != s_per_frame_.end()) return known->second * frames;
+    const auto engine = load_engine(scene, resources.devices);  // also finds what does not fit the device
+    const double seconds = plan_time(scene, *engine, kEstimateTiming_s).simulate_s;
+    s_per_frame_[key] = seconds / std::max(1.0, frames);
+    return seconds;
+  }
+
+  /// By bone (BoneCache::loaded), tool, and whether a force basis is written, which takes longer than the frames.
+  std::map<std::tuple<int, std::string, bool>, double> s_per_frame_;
+};
+
+/// Leaves this process part `index` of `count` of the processors it may use.
+void take_processors(int index, int count) {
+  if (count < 2) return;
+  cpu_set_t all, own;
+  if (sched_getaffinity(0, sizeof all, &all) != 0) return;
+  CPU_ZERO(&own);
+  const int processors = CPU_COUNT(&all);
+  for (int cpu = 0, k = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(cpu, &all) == 0) continue;
+    if (k * count / processors == index || (processors < count && k == index % processors)) CPU_SET(cpu, &own);
+    ++k;
+  }
+  if (CPU_COUNT(&own) > 0) sched_setaffinity(0, sizeof own, &own);
+}
+
+/// Works on runs that it reads from standard input, line by line ("INDEX ID"), and answers each with a line on standard
+/// output (WorkerAnswer).
+class RunWorker {
+ public:
+  /// Without the study's folder it only checks.
+  explicit RunWorker(const SweepOptions& options)
+      : study_(read_study(options.file)), plan_(make_plan(study_, options.overrides)) {
+    if (!options.output.empty()) folder_ = StudyFolder::open(study_, options.output);
+    console_.quiet = true;
+    resources_.bones = &bones_;
+  }
+
+  void work() {
+    std::size_t run = 0;
+    std::string id;
+    while (!stop_requested() && std::cin >> run >> id) {
+      const auto [outcome, text] = outcome_of(run, id);
+      std::printf("%c %s\n", static_cast<char>(outcome), printable(text).c_str());
+      std::fflush(stdout);
+    }
+  }
+
+ private:
+  using Outcome = WorkerAnswer::Outcome;
+
+  std::pair<Outcome, std::string> outcome_of(std::size_t run, const std::string& id) {
+    try {
+      return {Outcome::done, done(run, id)};
+    } catch (const FolderInUse& error) {
+      return {Outcome::busy, message_of(error)};
+    } catch (const Interrupted& error) {
+      return {Outcome::interrupted, message_of(error)};
+    } catch (const InputError& error) {
+      return {Outcome::wrong_input, message_of(error)};
+    } catch (const std::exception& error) {
+      return {Outcome::failed, message_of(error)};
+    }
+  }
+
+  std::string done(std::size_t run, const std::string& id) {
+    if (run >= plan_.runs.size()) throw RunError("the study has changed while it was running; run it again");
+    RunRequest request;
+    request.scenario = scenario_of(study_, plan_.runs[run]);
+    if (run_id(request.scenario, study_.keep, checksums_) != id) {
+      throw RunError("the study or one of its files has changed while it was running; run it again");
+    }
+    if (!kernels_) kernels_ = prepare_opencl(request.scenario.engine.device, console_);
+    if (!folder_) {
+      const nlohmann::json estimate = estimator_.estimate(request.scenario, resources_);
+      return estimate.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    }
+    request.dir = folder_->run_dir(id);
+    request.overwrite = true;
+    request.resume = true;
+    request.keep = study_.keep;
+    request.durable = false;
+    RunConsole monitor(console_);
+    Outputs pictures(console_);
+    const auto continued_after = run_scenario(request, resources_, monitor, &pictures);
+    return continued_after ? "continued after frame " + std::to_string(*continued_after) : "";
+  }
+
+  Study study_;
+  StudyPlan plan_;
+  std::optional<StudyFolder> folder_;  ///< not where it only checks
+  Console console_;
+  Checksums checksums_;
+  BoneCache bones_;
+  std::unique_ptr<cl::KernelCache> kernels_;  // before the devices
+  RunResources resources_;
+  RunEstimator estimator_;
+};
+
+}  // namespace
+
+void add_sweep_worker(CLI::App& sweep) {
+  auto* command = sweep.add_subcommand("worker", "")->group("");  // not listed: only work_on() starts it
+  auto options = std::make_shared<SweepOptions>();
+  auto part = std::make_shared<std::pair<int, int>>(0, 1);
+  options->add_to(*command);
+  command->add_option("--part", *part);
+  command->callback([options, part] {
+    prctl(PR_SET_PDEATHSIG, SIGTERM);  // where the command that gives it runs is killed
+    prctl(PR_SET_NAME, "reamsim");     // it was started by way of /proc/self/exe, and would be listed as "exe"
+    take_processors(part->first, part->second);
+    RunWorker(*options).work();
+  });
 }
 
 }  // namespace reamsim

@@ -108,7 +108,7 @@ void fill_place(const DicomValues& values, DicomHeader& header) {
 }
 
 /// The type of the values after their rescale.
-std::string pixel_type_of(const DicomValues& values, const DicomHeader& header) {
+std::string dicom_pixel_type(const DicomValues& values, const DicomHeader& header) {
   const auto is_whole = [](double x) { return x == std::floor(x); };
   if (!is_whole(header.slope) || !is_whole(header.intercept)) return "float";
   const bool is_signed = values.short_integer(kPixelRepresentation) == 1 || header.intercept < 0 || header.slope < 0;
@@ -136,7 +136,7 @@ DicomHeader header_of_file(const DicomValues& values, const std::string& path, c
   }
   header.lossy = lossy_words(values, syntax);
   fill_place(values, header);
-  header.pixel_type = pixel_type_of(values, header);
+  header.pixel_type = dicom_pixel_type(values, header);
   return header;
 }
 
@@ -164,7 +164,7 @@ std::vector<DicomHeader> frames_of(const DicomValues& values, const DicomHeader&
     fill_from_groups(groups, frame);
     if (const std::string kernel = frame.tag("ConvolutionKernel"); !kernel.empty()) frame.kernel = kernel;
     frame.instance_uid += "#" + std::to_string(frame.frame + 1);
-    frame.pixel_type = pixel_type_of(values, frame);
+    frame.pixel_type = dicom_pixel_type(values, frame);
     out.push_back(std::move(frame));
   }
   return out;

@@ -12,155 +12,95 @@
 
 namespace reamsim {
 
-// The values of every key that takes one of a closed list; docs/keys.md defines them. kChoiceNames<E> has their
-// names in the order of the enumerators, for scenarios, results and messages.
+// The values of every key that takes one of a closed list; docs/keys.md defines them. kChoiceNames<E> has their names,
+// for scenarios, results and messages.
 
-template <class E>
-inline constexpr bool kChoiceNames = false;  // specialised below, as arrays
+enum class BoneSource { phantom, ct, mesh, vdb };
+/// The frame of a mesh's coordinates. file: as its header says; without a statement they are taken as they stand.
+enum class MeshFrame { file, lps, ras };
+enum class BodySide { unknown, left, right };
+enum class SurfaceVoxels { automatic, partial, whole };
+enum class PhantomShape { half_space, cup, sphere, layered, glenoid };
+enum class Walch { none, a1, a2, b2, c };
+enum class Modality { ct, any };
+/// What happens to DICOM slices that are not evenly spaced.
+enum class Uneven { refuse, resample };
+enum class Separate { none, humerus };
+enum class CtFilter { none, median, curvature_anisotropic };
+/// The frame in which a scenario gives positions and directions.
+enum class PoseFrame { bone, glenoid };
+/// The frame in which the pose of an implant is given.
+enum class ImplantFrame { reamer, glenoid, bone };
+enum class FootprintShape { ellipse, pear };
+enum class ToolSpin { envelope, resolved };
+/// Where the depth of a plunge is 0.
+enum class PlungeStart { entry, contact };
+/// What is meant to end a push.
+enum class PushEnd { depth, time, stall };
+/// The layout of a recording of poses.
+enum class PoseFormat { csv, tum };
+enum class Separator { comma, semicolon, tab, space };
+enum class DecimalMark { point, comma };
+enum class LengthUnit { mm, cm, m, um, in };
+enum class TimeUnit { s, ms, us, ns };
+/// The order of the components of a quaternion.
+enum class QuaternionOrder { wxyz, xyzw };
+enum class EngineKind { automatic, exact, bricked, direct, octree, implicit };
+enum class KernelShape { automatic, cpu, gpu };
+enum class CuttingLaw { energy, per_point };
+enum class ErosionMode { exact, remove, wear };
+enum class EnergyPreset { none, literature_low, literature_mid, literature_high };
+enum class CameraView { oblique, glenoid, section, overview };
+enum class Projection { perspective, orthographic };
+enum class RenderContext { automatic, osmesa, egl };
+enum class FilmFormat { none, mp4, webp, apng };
+enum class ToolMaterial { see_through, steel };
+enum class Background { studio, white, transparent };
 
 constexpr auto name_list(auto... names) {
   return std::array{std::string_view(names)...};
 }
 
-enum class BoneSource { phantom, ct, mesh, vdb };
-template <>
-inline constexpr auto kChoiceNames<BoneSource> = name_list("phantom", "ct", "mesh", "vdb");
-
-/// The frame of a mesh's coordinates. file: as its header says; without a statement they are taken as they stand.
-enum class MeshFrame { file, lps, ras };
-template <>
-inline constexpr auto kChoiceNames<MeshFrame> = name_list("file", "lps", "ras");
-
-enum class BodySide { unknown, left, right };
-template <>
-inline constexpr auto kChoiceNames<BodySide> = name_list("", "left", "right");
-
-enum class SurfaceVoxels { automatic, partial, whole };
-template <>
-inline constexpr auto kChoiceNames<SurfaceVoxels> = name_list("auto", "partial", "whole");
-
-enum class PhantomShape { half_space, cup, sphere, layered, glenoid };
-template <>
-inline constexpr auto kChoiceNames<PhantomShape> = name_list("half_space", "cup", "sphere", "layered", "glenoid");
-
-enum class Walch { none, a1, a2, b2, c };
-template <>
-inline constexpr auto kChoiceNames<Walch> = name_list("none", "A1", "A2", "B2", "C");
-
-enum class Modality { ct, any };
-template <>
-inline constexpr auto kChoiceNames<Modality> = name_list("ct", "any");
-
-/// What happens to DICOM slices that are not evenly spaced.
-enum class Uneven { refuse, resample };
-template <>
-inline constexpr auto kChoiceNames<Uneven> = name_list("refuse", "resample");
-
-enum class Separate { none, humerus };
-template <>
-inline constexpr auto kChoiceNames<Separate> = name_list("none", "humerus");
-
-enum class CtFilter { none, median, curvature_anisotropic };
-template <>
-inline constexpr auto kChoiceNames<CtFilter> = name_list("none", "median", "curvature_anisotropic");
-
-/// The frame in which a scenario gives positions and directions.
-enum class PoseFrame { bone, glenoid };
-template <>
-inline constexpr auto kChoiceNames<PoseFrame> = name_list("bone", "glenoid");
-
-/// The frame in which the pose of an implant is given.
-enum class ImplantFrame { reamer, glenoid, bone };
-template <>
-inline constexpr auto kChoiceNames<ImplantFrame> = name_list("reamer", "glenoid", "bone");
-
-enum class FootprintShape { ellipse, pear };
-template <>
-inline constexpr auto kChoiceNames<FootprintShape> = name_list("ellipse", "pear");
-
-enum class ToolSpin { envelope, resolved };
-template <>
-inline constexpr auto kChoiceNames<ToolSpin> = name_list("envelope", "resolved");
-
-/// Where the depth of a plunge is 0.
-enum class PlungeStart { entry, contact };
-template <>
-inline constexpr auto kChoiceNames<PlungeStart> = name_list("entry", "contact");
-
-/// What is meant to end a push.
-enum class PushEnd { depth, time, stall };
-template <>
-inline constexpr auto kChoiceNames<PushEnd> = name_list("depth", "time", "stall");
-
-/// The layout of a recording of poses.
-enum class PoseFormat { csv, tum };
-template <>
-inline constexpr auto kChoiceNames<PoseFormat> = name_list("csv", "tum");
-
-enum class Separator { comma, semicolon, tab, space };
-template <>
-inline constexpr auto kChoiceNames<Separator> = name_list("comma", "semicolon", "tab", "space");
-
-enum class DecimalMark { point, comma };
-template <>
-inline constexpr auto kChoiceNames<DecimalMark> = name_list("point", "comma");
-
-enum class LengthUnit { mm, cm, m, um, in };
-template <>
-inline constexpr auto kChoiceNames<LengthUnit> = name_list("mm", "cm", "m", "um", "in");
-
-enum class TimeUnit { s, ms, us, ns };
-template <>
-inline constexpr auto kChoiceNames<TimeUnit> = name_list("s", "ms", "us", "ns");
-
-/// The order of the components of a quaternion.
-enum class QuaternionOrder { wxyz, xyzw };
-template <>
-inline constexpr auto kChoiceNames<QuaternionOrder> = name_list("wxyz", "xyzw");
-
-enum class EngineKind { automatic, exact, bricked, direct, octree, implicit };
-template <>
-inline constexpr auto kChoiceNames<EngineKind> = name_list("auto", "exact", "bricked", "direct", "octree", "implicit");
-
-enum class KernelShape { automatic, cpu, gpu };
-template <>
-inline constexpr auto kChoiceNames<KernelShape> = name_list("auto", "cpu", "gpu");
-
-enum class CuttingLaw { energy, per_point };
-template <>
-inline constexpr auto kChoiceNames<CuttingLaw> = name_list("energy", "per_point");
-
-enum class ErosionMode { exact, remove, wear };
-template <>
-inline constexpr auto kChoiceNames<ErosionMode> = name_list("exact", "remove", "wear");
-
-enum class EnergyPreset { none, literature_low, literature_mid, literature_high };
-template <>
-inline constexpr auto kChoiceNames<EnergyPreset> = name_list("", "literature-low", "literature-mid", "literature-high");
-
-enum class CameraView { oblique, glenoid, section, overview };
-template <>
-inline constexpr auto kChoiceNames<CameraView> = name_list("oblique", "glenoid", "section", "overview");
-
-enum class Projection { perspective, orthographic };
-template <>
-inline constexpr auto kChoiceNames<Projection> = name_list("perspective", "orthographic");
-
-enum class RenderContext { automatic, osmesa, egl };
-template <>
-inline constexpr auto kChoiceNames<RenderContext> = name_list("auto", "osmesa", "egl");
-
-enum class FilmFormat { none, mp4, webp, apng };
-template <>
-inline constexpr auto kChoiceNames<FilmFormat> = name_list("none", "mp4", "webp", "apng");
-
-enum class ToolMaterial { see_through, steel };
-template <>
-inline constexpr auto kChoiceNames<ToolMaterial> = name_list("see-through", "steel");
-
-enum class Background { studio, white, transparent };
-template <>
-inline constexpr auto kChoiceNames<Background> = name_list("studio", "white", "transparent");
+/// The names of the enumerators, in their order.
+struct ChoiceNames {
+  static constexpr auto of(BoneSource) { return name_list("phantom", "ct", "mesh", "vdb"); }
+  static constexpr auto of(MeshFrame) { return name_list("file", "lps", "ras"); }
+  static constexpr auto of(BodySide) { return name_list("", "left", "right"); }
+  static constexpr auto of(SurfaceVoxels) { return name_list("auto", "partial", "whole"); }
+  static constexpr auto of(PhantomShape) { return name_list("half_space", "cup", "sphere", "layered", "glenoid"); }
+  static constexpr auto of(Walch) { return name_list("none", "A1", "A2", "B2", "C"); }
+  static constexpr auto of(Modality) { return name_list("ct", "any"); }
+  static constexpr auto of(Uneven) { return name_list("refuse", "resample"); }
+  static constexpr auto of(Separate) { return name_list("none", "humerus"); }
+  static constexpr auto of(CtFilter) { return name_list("none", "median", "curvature_anisotropic"); }
+  static constexpr auto of(PoseFrame) { return name_list("bone", "glenoid"); }
+  static constexpr auto of(ImplantFrame) { return name_list("reamer", "glenoid", "bone"); }
+  static constexpr auto of(FootprintShape) { return name_list("ellipse", "pear"); }
+  static constexpr auto of(ToolSpin) { return name_list("envelope", "resolved"); }
+  static constexpr auto of(PlungeStart) { return name_list("entry", "contact"); }
+  static constexpr auto of(PushEnd) { return name_list("depth", "time", "stall"); }
+  static constexpr auto of(PoseFormat) { return name_list("csv", "tum"); }
+  static constexpr auto of(Separator) { return name_list("comma", "semicolon", "tab", "space"); }
+  static constexpr auto of(DecimalMark) { return name_list("point", "comma"); }
+  static constexpr auto of(LengthUnit) { return name_list("mm", "cm", "m", "um", "in"); }
+  static constexpr auto of(TimeUnit) { return name_list("s", "ms", "us", "ns"); }
+  static constexpr auto of(QuaternionOrder) { return name_list("wxyz", "xyzw"); }
+  static constexpr auto of(EngineKind) { return name_list("auto", "exact", "bricked", "direct", "octree", "implicit"); }
+  static constexpr auto of(KernelShape) { return name_list("auto", "cpu", "gpu"); }
+  static constexpr auto of(CuttingLaw) { return name_list("energy", "per_point"); }
+  static constexpr auto of(ErosionMode) { return name_list("exact", "remove", "wear"); }
+  static constexpr auto of(EnergyPreset) {
+    return name_list("", "literature-low", "literature-mid", "literature-high");
+  }
+  static constexpr auto of(CameraView) { return name_list("oblique", "glenoid", "section", "overview"); }
+  static constexpr auto of(Projection) { return name_list("perspective", "orthographic"); }
+  static constexpr auto of(RenderContext) { return name_list("auto", "osmesa", "egl"); }
+  static constexpr auto of(FilmFormat) { return name_list("none", "mp4", "webp", "apng"); }
+  static constexpr auto of(ToolMaterial) { return name_list("see-through", "steel"); }
+  static constexpr auto of(Background) { return name_list("studio", "white", "transparent"); }
+};
+template <class E>
+inline constexpr auto kChoiceNames = ChoiceNames::of(E{});
 
 /// The name of a value; "" for the value of a key that is not given.
 template <class E>

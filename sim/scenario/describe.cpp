@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scenario/describe_sections.h"
+#include "sim/scenario/parse_steps.h"
 
 namespace reamsim {
 
@@ -97,16 +97,20 @@ void describe_peg(KeyVisitor& v, PegSettings& peg) {
         {.required = true, .range = between(0.1, 50)});
 }
 
-void describe_footprint(KeyVisitor& v, ImplantSettings& implant) {
+void describe_implant(KeyVisitor& v, ImplantSettings& implant) {
+  v.key("backside_radius_mm", implant.backside_radius_mm, "Radius of the spherical back of the implant; 0: flat",
+        {.required = true, .range = between(0, 500)});
+  v.key("diameter_mm", implant.diameter_mm,
+        "Diameter of a round footprint around the axis of the implant; with 0 and no width_mm the footprint is the "
+        "reamed face",
+        between(0, 200));
+  v.key("gap_mm", implant.gap_mm, "Largest gap that counts as seated", between(0.001, 10));
   v.key("width_mm", implant.width_mm,
         "Width of the footprint, along x of the implant; needs height_mm; 0: see diameter_mm", between(0, 200));
   v.key("height_mm", implant.height_mm, "Height of the footprint, along y of the implant", between(0, 200));
   v.key("footprint", implant.footprint,
         "Shape of a footprint with width_mm and height_mm. pear: two circles and their common tangents, the inferior "
         "circle of the full width, the superior one of three quarters of it");
-}
-
-void describe_pose(KeyVisitor& v, ImplantSettings& implant) {
   v.key("frame", implant.frame, "Frame of center_mm, axis and superior. reamer: the tool frame at its deepest pose");
   v.point("center_mm", implant.center_mm,
           "Apex of the back of the implant; with `seat` only its place across the axis counts");
@@ -116,18 +120,6 @@ void describe_pose(KeyVisitor& v, ImplantSettings& implant) {
               "Superior direction of the implant; without it that of the glenoid, or else +y of the frame");
   v.key("seat", implant.seat,
         "Translate the implant along its axis until it rests on the bone; false: it stays at center_mm");
-}
-
-void describe_implant(KeyVisitor& v, ImplantSettings& implant) {
-  v.key("backside_radius_mm", implant.backside_radius_mm, "Radius of the spherical back of the implant; 0: flat",
-        {.required = true, .range = between(0, 500)});
-  v.key("diameter_mm", implant.diameter_mm,
-        "Diameter of a round footprint around the axis of the implant; with 0 and no width_mm the footprint is the "
-        "reamed face",
-        between(0, 200));
-  v.key("gap_mm", implant.gap_mm, "Largest gap that counts as seated", between(0.001, 10));
-  describe_footprint(v, implant);
-  describe_pose(v, implant);
   v.key("thickness_mm", implant.thickness_mm,
         "Distance from back to articular surface along the axis, for the joint line", between(0, 50));
   v.key("support_depth_mm", implant.support_depth_mm,

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scenario/describe_sections.h"
+#include "sim/scenario/parse_steps.h"
 #include "sim/scenario/presets.h"
 
 namespace reamsim {
@@ -36,24 +36,6 @@ void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
   v.group({.names = {"landmarks", "superior"}, .one_needed = false});
 }
 
-void describe_glenoid_size(KeyVisitor& v, PhantomSettings& phantom) {
-  const When glenoid{"shape", {"glenoid"}};
-  v.key("height_mm", phantom.height_mm, "Height of the face, superior to inferior",
-        {.range = between(10, 80), .when = glenoid, .default_by = "walch"});
-  v.key("width_mm", phantom.width_mm, "Width of the face, anterior to posterior, of the lower, wider part",
-        {.range = between(6, 79), .when = glenoid, .default_by = "walch"});
-  v.key("face_radius_mm", phantom.face_radius_mm, "Radius of curvature of the concave face where it is not worn",
-        {.range = between(15, 1000), .when = glenoid, .default_by = "walch"});
-  v.key("vault_depth_mm", phantom.vault_depth_mm, "Depth of the vault, from face to neck",
-        {.range = between(5, 100), .when = glenoid});
-  v.key("version_deg", phantom.version_deg,
-        "Version of the face before wear, in the scapular frame; retroversion positive",
-        {.range = between(-45, 45), .when = glenoid, .default_by = "walch"});
-  v.key("inclination_deg", phantom.inclination_deg,
-        "Inclination of the face before wear, in the scapular frame; superior tilt positive",
-        {.range = between(-45, 45), .when = glenoid, .default_by = "walch"});
-}
-
 void describe_wear(KeyVisitor& v, PhantomSettings& phantom) {
   const When biconcave{"walch", {"B2"}};
   v.key("medialization_mm", phantom.medialization_mm,
@@ -80,7 +62,20 @@ void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
         "C: dysplastic",
         {.when = glenoid});
   v.defaults([&phantom] { apply_walch_defaults(phantom); });
-  describe_glenoid_size(v, phantom);
+  v.key("height_mm", phantom.height_mm, "Height of the face, superior to inferior",
+        {.range = between(10, 80), .when = glenoid, .default_by = "walch"});
+  v.key("width_mm", phantom.width_mm, "Width of the face, anterior to posterior, of the lower, wider part",
+        {.range = between(6, 79), .when = glenoid, .default_by = "walch"});
+  v.key("face_radius_mm", phantom.face_radius_mm, "Radius of curvature of the concave face where it is not worn",
+        {.range = between(15, 1000), .when = glenoid, .default_by = "walch"});
+  v.key("vault_depth_mm", phantom.vault_depth_mm, "Depth of the vault, from face to neck",
+        {.range = between(5, 100), .when = glenoid});
+  v.key("version_deg", phantom.version_deg,
+        "Version of the face before wear, in the scapular frame; retroversion positive",
+        {.range = between(-45, 45), .when = glenoid, .default_by = "walch"});
+  v.key("inclination_deg", phantom.inclination_deg,
+        "Inclination of the face before wear, in the scapular frame; superior tilt positive",
+        {.range = between(-45, 45), .when = glenoid, .default_by = "walch"});
   describe_wear(v, phantom);
   v.key("subchondral_density_g_cm3", phantom.subchondral_density_g_cm3,
         "Density of the subchondral plate; the default was measured in one scanned shoulder",
@@ -185,13 +180,6 @@ void describe_cut_plane(KeyVisitor& v, CutPlaneSettings& plane) {
 
 constexpr std::string_view kLabels = "label_map";
 
-void describe_point_spread(KeyVisitor& v, CtSettings& ct) {
-  v.key("psf_mm", ct.psf_mm,
-        "Full width of the point spread function (PSF) of the scanner; 0: the voxel spacing along each axis, or of an "
-        "oblique scan 1.25 times the extent of its voxel along each axis of LPS",
-        between(0, 10));
-}
-
 /// What a label map replaces.
 void describe_segmentation(KeyVisitor& v, CtSettings& ct) {
   v.key("threshold_hu", ct.threshold_hu, "Least radiodensity of bone", {.range = kHu, .unless = kLabels});
@@ -236,7 +224,10 @@ void describe_ct(KeyVisitor& v, CtSettings& ct) {
   v.key("anisotropic_conductance", ct.anisotropic_conductance, "Used by `filter: curvature_anisotropic` only",
         between(0.01, 100));
   v.section(kLabels, ct.label_map, describe_label_map, "Instead of threshold, closing, filling, seed and cuts");
-  describe_point_spread(v, ct);
+  v.key("psf_mm", ct.psf_mm,
+        "Full width of the point spread function (PSF) of the scanner; 0: the voxel spacing along each axis, or of an "
+        "oblique scan 1.25 times the extent of its voxel along each axis of LPS",
+        between(0, 10));
   describe_segmentation(v, ct);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scenario/describe_sections.h"
+#include "sim/scenario/parse_steps.h"
 
 namespace reamsim {
 
@@ -82,7 +82,17 @@ void describe_transform(KeyVisitor& v, TransformSettings& transform) {
   v.group({.names = {"quaternion", "rotation"}, .one_needed = false});
 }
 
-void describe_columns(KeyVisitor& v, CsvMotionSettings& csv) {
+void describe_csv(KeyVisitor& v, CsvMotionSettings& csv) {
+  v.key("path", csv.path,
+        "Recorded poses, a row each. Without further keys: time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm",
+        {.required = true, .text = TextKind::input_file});
+  v.key("format", csv.format,
+        "csv: columns with a header or numbers. tum: `t tx ty tz qx qy qz qw` between blanks, s and m");
+  v.defaults([&csv] { apply_format_defaults(csv); });
+  v.key("separator", csv.separator, "What separates columns; space: any blanks", {.default_by = "format"});
+  v.key("decimal", csv.decimal, "Decimal mark of numbers");
+  v.key("skip_lines", csv.skip_lines, "Lines before the header that are skipped. Lines that begin with # always are",
+        between(0, 10000));
   v.key("time_column", csv.time_column, "Column of the time: its name in the header, or its number from 1",
         {.number_too = true, .default_by = "format"});
   v.key("time_unit", csv.time_unit, "Unit of the time");
@@ -96,20 +106,6 @@ void describe_columns(KeyVisitor& v, CsvMotionSettings& csv) {
         "Whether quaternion_columns begin with the real part, w, or end with it", {.default_by = "format"});
   v.key("spin_column", csv.spin_column,
         "Column of the spindle speed, rpm, by name or number; a file without it has spin_rpm", {.number_too = true});
-}
-
-void describe_csv(KeyVisitor& v, CsvMotionSettings& csv) {
-  v.key("path", csv.path,
-        "Recorded poses, a row each. Without further keys: time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm",
-        {.required = true, .text = TextKind::input_file});
-  v.key("format", csv.format,
-        "csv: columns with a header or numbers. tum: `t tx ty tz qx qy qz qw` between blanks, s and m");
-  v.defaults([&csv] { apply_format_defaults(csv); });
-  v.key("separator", csv.separator, "What separates columns; space: any blanks", {.default_by = "format"});
-  v.key("decimal", csv.decimal, "Decimal mark of numbers");
-  v.key("skip_lines", csv.skip_lines, "Lines before the header that are skipped. Lines that begin with # always are",
-        between(0, 10000));
-  describe_columns(v, csv);
   v.key("max_gap_s", csv.max_gap_s,
         "Longest time without a pose; a longer one is an input error, and rows without a pose (empty, nan, missing) "
         "are skipped. 0: any time between rows, and each has a pose",

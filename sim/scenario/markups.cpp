@@ -4,9 +4,20 @@
 #include "sim/scenario/markups.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
 #include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/file.h"
+#include "sim/base/text.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
@@ -24,6 +35,262 @@ std::string folded_label(std::string_view text) {
   }
   if (out.ends_with(' ')) out.pop_back();
   return out;
+}
+
+std::string has_labels(const std::vector<MarkupsPoint>& points) {
+  return points.empty() ? "the file has no points" : "expected one of the labels " + shown_labels(points);
+}
+
+Vec3 placed_position(const Markups& markups, const MarkupsPoint& point) {
+  if (!point.placed) {
+    markups.fail("the point " + shown_text(point.label) + " has no position: it is not placed yet",
+                 "place it in 3D Slicer and save the file again");
+  }
+  return point.position_mm;
+}
+
+constexpr std::uintmax_t kMostMarkupsBytes = 16u << 20;
+constexpr std::size_t kMostMarkupsPoints = 100'000;
+constexpr const char* kExpectedMarkups =
+    "expected a markups file of 3D Slicer: .mrk.json or .fcsv, as its module Markups saves it";
+
+std::string_view trimmed_cell(std::string_view text) {
+  return without_blanks(text, " \t\r");
+}
+
+/// The cells of a line. A cell that begins with a quotation mark may hold commas, and two marks for one (RFC 4180).
+std::vector<std::string> cells_of(std::string_view line) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    const bool next_is_quote = i + 1 < line.size() && line[i + 1] == '"';
+    if (quoted && c == '"' && next_is_quote) {
+      cells.back() += line[++i];
+    } else if (quoted ? c == '"' : c == '"' && trimmed_cell(cells.back()).empty()) {
+      quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  for (std::string& cell : cells) cell = std::string(trimmed_cell(cell));
+  return cells;
+}
+
+/// Slicer 5 writes two cells beyond its header: the state of the point (2: placed), and who made it.
+constexpr std::string_view kState = "position status", kPlaced = "2";
+
+/// An .fcsv, line by line.
+class FcsvParser {
+ public:
+  explicit FcsvParser(const std::string& path) { out_.path = path; }
+
+  void take(std::string_view line) {
+    ++line_;
+    line = trimmed_cell(line);
+    if (line.empty()) return;
+    if (line.starts_with('#')) return take_comment(trimmed_cell(line.substr(1)));
+    take_point(line);
+  }
+
+  Markups finish() {
+    if (!known_ && markup_.points.empty()) fail("is no markups file of 3D Slicer", kExpectedMarkups);
+    out_.frame = lps_ ? "LPS, as its header says"
+                      : (stated_ ? "RAS, as its header says"
+                                 : "RAS, as 3D Slicer takes it where the header names no coordinate system");
+    out_.markups.push_back(markup_);
+    return out_;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
+    throw InputError({shown_path(out_.path), line_, 0}, "", found, expected);
+  }
+
+  void take_comment(std::string_view comment) {
+    if (comment.starts_with("Fiducial List file")) known_ = true;
+    const std::size_t equals = comment.find('=');
+    if (equals == std::string_view::npos) return;
+    const std::string_view key = trimmed_cell(comment.substr(0, equals)),
+                           value = trimmed_cell(comment.substr(equals + 1));
+    if (key == "Markups fiducial file version") {
+      known_ = true;
+      columns_ = {"id",   "x",     "y",    "z",    "ow",
+                  "ox",   "oy",    "oz",   "vis",  "sel",
+                  "lock", "label", "desc", "node", std::string(kState)};
+    } else if (key == "CoordinateSystem") {
+      take_frame(value);
+    } else if (key == "columns") {
+      known_ = true;
+      columns_ = cells_of(value);
+      if (columns_.size() == 14) columns_.emplace_back(kState);
+    } else if (key == "name") {
+      markup_.name = std::string(value);
+    }
+  }
+
+  void take_frame(std::string_view value) {
+    if (!markup_.points.empty()) fail("names its coordinate system after points", "expected it before them");
+    lps_ = value == "1" || value == "LPS";
+    stated_ = true;
+    if (lps_ || value == "0" || value == "RAS") return;
+    fail("CoordinateSystem is " + shown_text(value),
+         "expected 0 or RAS, 1 or LPS; save the points again in 3D Slicer, in the frame of the patient");
+  }
+
+  void take_point(std::string_view line) {
+    if (line.find('|') != std::string_view::npos && line.find(',') == std::string_view::npos)
+      fail("is an annotation of an old 3D Slicer (.acsv)", "open it in 3D Slicer and save it as .mrk.json or .fcsv");
+    const std::vector<std::string> cells = cells_of(line);
+    if (!known_ && cells.size() < 4) fail("is no markups file of 3D Slicer", kExpectedMarkups);
+    MarkupsPoint point;
+    point.label = cell(cells, "label").value_or("");
+    const std::optional<std::string> state = cell(cells, kState);
+    point.placed = !state || state->empty() || *state == kPlaced;
+    const Vec3 as_written(number(cells, "x"), number(cells, "y"), number(cells, "z"));
+    // 0.0 is added so that a sign that changes leaves no negative zero.
+    point.position_mm = lps_ ? as_written : Vec3(0.0 - as_written.x(), 0.0 - as_written.y(), as_written.z());
+    point.position_mm.array() += 0.0;
+    markup_.points.push_back(std::move(point));
+  }
+
+  [[nodiscard]] std::optional<std::string> cell(const std::vector<std::string>& cells, std::string_view name) const {
+    const auto column = static_cast<std::size_t>(std::ranges::find(columns_, name) - columns_.begin());
+    return column < columns_.size() && column < cells.size() ? std::optional(cells[column]) : std::nullopt;
+  }
+
+  [[nodiscard]] double number(const std::vector<std::string>& cells, const char* name) const {
+    const std::optional<std::string> text = cell(cells, name);
+    if (!text) fail("has no column " + std::string(name), kExpectedMarkups);
+    const std::optional<double> value = parse_number(*text);
+    if (!value || !std::isfinite(*value)) {
+      fail(std::string(name) + " is " + shown_text(*text),
+           known_ ? "expected a finite number with a decimal point, in mm" : kExpectedMarkups);
+    }
+    return *value;
+  }
+
+  Markups out_;
+  Markup markup_;
+  int line_ = 0;
+  bool known_ = false;   // a comment says that this is an .fcsv
+  bool stated_ = false;  // and one names its frame
+  bool lps_ = false;
+  std::vector<std::string> columns_{"label", "x", "y", "z", "sel", "vis"};  // of Slicer 3
+};
+
+/// The text of an .fcsv. Versions of Slicer 4 and 5 name their coordinate system: 0 or RAS, 1 or LPS; without it, and
+/// in files of Slicer 3, the points are RAS, as Slicer reads them. Throws InputError with line.
+Markups parse_fcsv(const std::string& text, const std::string& path) {
+  FcsvParser parser(path);
+  for (const std::string& line : split(text, '\n')) parser.take(line);
+  return parser.finish();
+}
+
+using MarkupsJson = nlohmann::json;
+
+/// A deeper document is no markups file, and those who read it recurse.
+constexpr int kMostMarkupsLevels = 32;
+
+constexpr std::array<std::pair<std::string_view, double>, 6> kMarkupsUnits{
+    {{"mm", 1}, {"um", 1e-3}, {"µm", 1e-3}, {"cm", 10}, {"m", 1000}, {"[in_i]", 25.4}}};
+
+/// The markups of a document.
+class JsonMarkups {
+ public:
+  explicit JsonMarkups(Markups file) : out_(std::move(file)) {}
+
+  Markups read(const MarkupsJson& json) {
+    if (!json.is_object() || !json.contains("markups") || !json["markups"].is_array())
+      out_.fail("is no markups file of 3D Slicer: there is no list \"markups\"", kExpectedMarkups);
+    for (const MarkupsJson& markup : json["markups"]) take(markup);
+    return std::move(out_);
+  }
+
+ private:
+  void take(const MarkupsJson& json) {
+    if (!json.is_object()) out_.fail("has a markup that is no object", kExpectedMarkups);
+    Markup markup;
+    markup.name = text(json, "name");
+    const bool lps = is_lps(json);
+    const double unit_mm = unit_mm_of(json);
+    if (!json.contains("controlPoints") || json["controlPoints"].is_null()) return out_.markups.push_back(markup);
+    if (!json["controlPoints"].is_array()) out_.fail("controlPoints is no list", kExpectedMarkups);
+    for (const MarkupsJson& point : json["controlPoints"]) markup.points.push_back(point_of(point, lps, unit_mm));
+    out_.markups.push_back(std::move(markup));
+  }
+
+  /// A text, or "" where there is none.
+  [[nodiscard]] std::string text(const MarkupsJson& json, const char* key) const {
+    if (!json.contains(key) || json[key].is_null()) return "";
+    if (!json[key].is_string()) out_.fail(std::string(key) + " is no text", kExpectedMarkups);
+    return json[key].get<std::string>();
+  }
+
+  bool is_lps(const MarkupsJson& json) {
+    const std::string frame = text(json, "coordinateSystem");
+    const bool lps = frame.empty() || frame == "LPS";
+    if (!lps && frame != "RAS") {
+      out_.fail("coordinateSystem is " + shown_text(frame),
+                "expected LPS or RAS; save the points again in 3D Slicer, in the frame of the patient");
+    }
+    const std::string said = frame.empty() ? "LPS, the default of its schema" : frame + ", as its header says";
+    if (out_.frame.empty()) out_.frame = said;
+    if (out_.frame != said) out_.frame = "LPS and RAS, as its markups say";
+    return lps;
+  }
+
+  [[nodiscard]] double unit_mm_of(const MarkupsJson& json) const {
+    if (!json.contains("coordinateUnits") || json["coordinateUnits"].is_null()) return 1;
+    // A code of UCUM, or the code with its scheme and its meaning.
+    const MarkupsJson& units = json["coordinateUnits"];
+    const MarkupsJson& code = units.is_array() && !units.empty() ? units[0] : units;
+    if (code.is_string()) {
+      for (const auto& [name, mm] : kMarkupsUnits) {
+        if (code.get_ref<const std::string&>() == name) return mm;
+      }
+    }
+    out_.fail("coordinateUnits is " + shown_text(code.is_string() ? code.get<std::string>() : code.dump()),
+              "expected mm, um, cm, m or [in_i]");
+  }
+
+  [[nodiscard]] MarkupsPoint point_of(const MarkupsJson& json, bool lps, double unit_mm) const {
+    if (!json.is_object()) out_.fail("has a control point that is no object", kExpectedMarkups);
+    MarkupsPoint point;
+    point.label = text(json, "label");
+    const std::string status = text(json, "positionStatus");
+    const bool has_position = json.contains("position") && !json["position"].is_null();
+    point.placed = has_position && (status.empty() || status == "defined");
+    if (!point.placed) return point;
+    const MarkupsJson& position = json["position"];
+    const std::string name = "the position of the point " + shown_text(point.label);
+    const bool three = position.is_array() && position.size() == 3;
+    if (!three) out_.fail(name + " is " + shown_text(position.dump()), "expected 3 numbers");
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!position[i].is_number()) out_.fail(name + " has " + shown_text(position[i].dump()), "expected 3 numbers");
+      const double value = position[i].get<double>() * unit_mm;
+      if (!std::isfinite(value)) out_.fail(name + " is not finite", "expected 3 numbers");
+      point.position_mm[static_cast<Eigen::Index>(i)] = lps || i == 2 ? value + 0.0 : 0.0 - value;
+    }
+    return point;
+  }
+
+  Markups out_;
+};
+
+/// The text of an .mrk.json (schema 1.0.0 to 1.0.4). Without coordinateSystem it is LPS, without coordinateUnits mm, as
+/// the schema says. Throws InputError.
+Markups parse_markups_json(const std::string& text, const Markups& file) {
+  bool too_deep = false;
+  const auto visit = [&](int depth, MarkupsJson::parse_event_t, MarkupsJson&) {
+    too_deep = too_deep || depth > kMostMarkupsLevels;
+    return !too_deep;
+  };
+  const MarkupsJson json = MarkupsJson::parse(text, visit, /*allow_exceptions=*/false);
+  if (json.is_discarded() || too_deep) file.fail("is no JSON, or is cut off", kExpectedMarkups);
+  return JsonMarkups(file).read(json);
 }
 
 }  // namespace
@@ -46,22 +313,6 @@ std::vector<MarkupsPoint> Markups::points() const {
   for (const Markup& markup : markups) out.insert(out.end(), markup.points.begin(), markup.points.end());
   return out;
 }
-
-namespace {
-
-std::string has_labels(const std::vector<MarkupsPoint>& points) {
-  return points.empty() ? "the file has no points" : "expected one of the labels " + shown_labels(points);
-}
-
-Vec3 placed_position(const Markups& markups, const MarkupsPoint& point) {
-  if (!point.placed) {
-    markups.fail("the point " + shown_text(point.label) + " has no position: it is not placed yet",
-                 "place it in 3D Slicer and save the file again");
-  }
-  return point.position_mm;
-}
-
-}  // namespace
 
 Vec3 Markups::position_mm(std::string_view label) const {
   const std::vector<MarkupsPoint> all = points();
@@ -95,6 +346,24 @@ std::vector<Vec3> Markups::positions_mm() const {
   }
   std::vector<Vec3> out;
   for (const MarkupsPoint& point : points()) out.push_back(placed_position(*this, point));
+  return out;
+}
+
+Markups read_markups(const std::string& path) {
+  const Markups file{.path = path, .markups = {}, .frame = ""};
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (!error && bytes > kMostMarkupsBytes) file.fail("is larger than 16 MB", kExpectedMarkups);
+  if (!error && bytes == 0) file.fail("is empty", kExpectedMarkups);
+  std::string text = read_file(path, kExpectedMarkups);
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string::npos) file.fail("is empty", kExpectedMarkups);
+  const bool json = text[first] == '{' || text[first] == '[';
+  Markups out = json ? parse_markups_json(text, file) : parse_fcsv(text, path);
+  const std::size_t points = out.points().size();
+  if (points > kMostMarkupsPoints)
+    out.fail("has " + std::to_string(points) + " points", "at most 100,000 are possible");
   return out;
 }
 

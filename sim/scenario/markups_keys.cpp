@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scenario/markups_keys.h"
+#include "sim/scenario/markups.h"
 
 #include <utility>
 
@@ -67,14 +67,6 @@ const Markups& MarkupsKeys::file_of(const Request& request) {
   return located(request, [&]() -> const Markups& { return read_.emplace(path, read_markups(path)).first->second; });
 }
 
-void MarkupsKeys::require_range(const KeyInfo& info, const Request& request, const std::vector<Vec3>& found) const {
-  for (const Vec3& p : found) {
-    if (info.range.contains(p.x()) && info.range.contains(p.y()) && info.range.contains(p.z())) continue;
-    throw InputError(request.node.mark.in(file_), request.key, "found the point " + shown_point(p) + " mm",
-                     "expected each number " + range_text(info.range));
-  }
-}
-
 void MarkupsKeys::remember(const Request& request, const Markups& markups, std::size_t points) {
   std::string found;
   for (const std::string& label : request.labels) found += (found.empty() ? "" : ", ") + shown_text(label);
@@ -84,35 +76,35 @@ void MarkupsKeys::remember(const Request& request, const Markups& markups, std::
 }
 
 Vec3 MarkupsKeys::point(const KeyInfo& info, const YamlNode& node, const std::string& key) {
-  const Request request = request_of(node, key);
-  const Markups& markups = file_of(request);
-  if (request.labels.size() > 1) {
-    throw InputError(node.mark.in(file_), key, "point has " + std::to_string(request.labels.size()) + " labels",
-                     "expected one: this key is one point");
-  }
-  const Vec3 found = located(request, [&] {
-    return request.labels.empty() ? markups.only_position_mm() : markups.position_mm(request.labels.front());
-  });
-  require_range(info, request, {found});
-  remember(request, markups, 1);
-  return found;
+  return read(info, request_of(node, key), true).front();
 }
 
 std::vector<Vec3> MarkupsKeys::points(const KeyInfo& info, const YamlNode& node, const std::string& key) {
-  const Request request = request_of(node, key);
+  return read(info, request_of(node, key), false);
+}
+
+std::vector<Vec3> MarkupsKeys::read(const KeyInfo& info, const Request& request, bool one) {
+  const auto fail = [&](const std::string& found, const std::string& expected) {
+    throw InputError(request.node.mark.in(file_), request.key, found, expected);
+  };
   const Markups& markups = file_of(request);
+  if (one && request.labels.size() > 1) {
+    fail("point has " + std::to_string(request.labels.size()) + " labels", "expected one: this key is one point");
+  }
   const std::vector<Vec3> found = located(request, [&] {
-    if (request.labels.empty()) return markups.positions_mm();
+    if (request.labels.empty()) return one ? std::vector{markups.only_position_mm()} : markups.positions_mm();
     std::vector<Vec3> named;
     for (const std::string& label : request.labels) named.push_back(markups.position_mm(label));
     return named;
   });
-  if (std::ssize(found) < info.least_points) {
-    throw InputError(node.mark.in(file_), key,
-                     "found " + std::to_string(found.size()) + " points in " + shown_path(markups.path),
-                     "expected at least " + std::to_string(info.least_points));
+  if (!one && std::ssize(found) < info.least_points) {
+    fail("found " + std::to_string(found.size()) + " points in " + shown_path(markups.path),
+         "expected at least " + std::to_string(info.least_points));
   }
-  require_range(info, request, found);
+  for (const Vec3& p : found) {
+    if (info.range.contains(p.x()) && info.range.contains(p.y()) && info.range.contains(p.z())) continue;
+    fail("found the point " + shown_point(p) + " mm", "expected each number " + range_text(info.range));
+  }
   remember(request, markups, found.size());
   return found;
 }

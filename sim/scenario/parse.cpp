@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/scenario/describe_sections.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/passes.h"
 #include "sim/scenario/paths.h"

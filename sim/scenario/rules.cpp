@@ -27,10 +27,6 @@ bool glenoid_given(const Scenario& s) {
   return s.bone.glenoid.landmarks || s.bone.glenoid.center_mm || s.bone.glenoid.near_mm;
 }
 
-bool glenoid_phantom(const Scenario& s) {
-  return s.bone.source == BoneSource::phantom && s.bone.phantom.shape == PhantomShape::glenoid;
-}
-
 void check_name(const Scenario& s, const KeyLocations& at) {
   // It names a folder.
   const bool fine = s.name.find('/') == std::string::npos && s.name != "." && s.name != "..";
@@ -66,38 +62,39 @@ void check_side(const Scenario& s, const KeyLocations& at) {
   // A VDB may know its side, which is seen when it is read.
   if (s.bone.side != BodySide::unknown || s.bone.source == BoneSource::vdb) return;
   const char* why = nullptr;
-  if (glenoid_phantom(s)) why = "bone.phantom.shape is glenoid";
+  const bool phantom = s.bone.source == BoneSource::phantom;
+  if (phantom && s.bone.phantom.shape == PhantomShape::glenoid) why = "bone.phantom.shape is glenoid";
   if (glenoid_given(s)) why = "bone.glenoid is given";
   if (s.motion.frame == PoseFrame::glenoid) why = "motion.frame is glenoid";
   if (s.bone.pilot_hole && s.bone.pilot_hole->frame == PoseFrame::glenoid) why = "bone.pilot_hole.frame is glenoid";
   if (why != nullptr) at.fail("bone.side", "missing", std::string("left or right, because ") + why);
 }
 
-void need_glenoid_frame(const Scenario& s, const KeyLocations& at, const std::string& key) {
+void need_glenoid_frame(const Scenario& s, const KeyLocations& at, bool in_it, const std::string& key) {
   // Every phantom has its own, and a VDB may have one.
-  if (s.bone.source == BoneSource::phantom || s.bone.source == BoneSource::vdb || glenoid_given(s)) return;
+  if (!in_it || s.bone.source == BoneSource::phantom || s.bone.source == BoneSource::vdb || glenoid_given(s)) return;
   at.fail(key, "frame is glenoid but bone.glenoid is missing", "bone.glenoid, or frame: bone");
 }
 
 void check_motion_frame(const Scenario& s, const KeyLocations& at) {
-  if (s.motion.frame == PoseFrame::glenoid) need_glenoid_frame(s, at, "motion.frame");
+  need_glenoid_frame(s, at, s.motion.frame == PoseFrame::glenoid, "motion.frame");
 }
 
 void check_pilot_hole_frame(const Scenario& s, const KeyLocations& at) {
-  if (s.bone.pilot_hole && s.bone.pilot_hole->frame == PoseFrame::glenoid)
-    need_glenoid_frame(s, at, "bone.pilot_hole.frame");
+  const auto& hole = s.bone.pilot_hole;
+  need_glenoid_frame(s, at, hole && hole->frame == PoseFrame::glenoid, "bone.pilot_hole.frame");
 }
 
 void check_camera_frames(const Scenario& s, const KeyLocations& at) {
   for (std::size_t i = 0; i < s.render.user_cameras.size(); ++i) {
-    if (s.render.user_cameras[i].frame != PoseFrame::glenoid) continue;
-    need_glenoid_frame(s, at, "render.user_cameras." + std::to_string(i) + ".frame");
+    need_glenoid_frame(s, at, s.render.user_cameras[i].frame == PoseFrame::glenoid,
+                       "render.user_cameras." + std::to_string(i) + ".frame");
   }
 }
 
 void check_implant_frame(const Scenario& s, const KeyLocations& at) {
   const auto& implant = s.metrics.implant;
-  if (implant && implant->frame == ImplantFrame::glenoid) need_glenoid_frame(s, at, "metrics.implant.frame");
+  need_glenoid_frame(s, at, implant && implant->frame == ImplantFrame::glenoid, "metrics.implant.frame");
 }
 
 void check_crop(const Scenario& s, const KeyLocations& at) {
@@ -236,9 +233,9 @@ void check_energy_table(const Scenario& s, const KeyLocations& at) {
 }
 
 void check_size_effect(const Scenario& s, const KeyLocations& at) {
-  const auto& size = s.cutting.size_effect;
-  if (!size) return;
-  require(at, size->least_mm <= size->most_mm, "cutting.size_effect.least_mm", size->least_mm, "no more than most_mm");
+  if (const auto& size = s.cutting.size_effect)
+    require(at, size->least_mm <= size->most_mm, "cutting.size_effect.least_mm", size->least_mm,
+            "no more than most_mm");
 }
 
 void check_edge_force(const Scenario& s, const KeyLocations& at) {

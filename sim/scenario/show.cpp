@@ -77,6 +77,25 @@ std::string shown(const YamlNode& node) {
   return word && node.text.size() <= kShownBytes ? node.text : "the text " + shown_text(node.text);
 }
 
+std::string flow_text(const YamlNode& node, bool quotes) {
+  std::string out;
+  switch (node.kind) {
+    case YamlNode::Kind::null:
+      return "null";
+    case YamlNode::Kind::scalar:
+      return quotes && node.quoted ? json_string(node.text) : node.text;
+    case YamlNode::Kind::sequence:
+      for (const YamlNodePtr& item : node.items) out += (out.empty() ? "" : ", ") + flow_text(*item, quotes);
+      return "[" + out + "]";
+    case YamlNode::Kind::map:
+      for (const YamlEntry& entry : node.entries) {
+        out += (out.empty() ? "" : ", ") + yaml_scalar(entry.key) + ": " + flow_text(*entry.value, quotes);
+      }
+      return "{" + out + "}";
+  }
+  return out;
+}
+
 std::string number_text(double value) {
   std::array<char, 64> buffer{};
   // Fixed notation where people would use it; both are the shortest that read back.
@@ -140,13 +159,6 @@ namespace {
 /// Sections and keys that change no number of the results.
 constexpr std::array kWithoutEffect{"version", "name", "output", "render"};
 
-std::string flow_text(const YamlNode& node) {
-  if (node.kind != YamlNode::Kind::sequence) return node.kind == YamlNode::Kind::null ? "null" : node.text;
-  std::string out = "[";
-  for (const YamlNodePtr& item : node.items) out += (out.size() > 1 ? ", " : "") + flow_text(*item);
-  return out + "]";
-}
-
 bool holds_maps(const YamlNode& node) {
   return std::ranges::any_of(node.items, [](const YamlNodePtr& item) { return item->kind == YamlNode::Kind::map; });
 }
@@ -161,7 +173,7 @@ void add_values(const YamlNode& node, const std::string& path, ScenarioValues& o
   } else if (node.kind == YamlNode::Kind::sequence && holds_maps(node)) {
     for (std::size_t i = 0; i < node.items.size(); ++i) add_values(*node.items[i], path + "." + std::to_string(i), out);
   } else {
-    out.emplace_back(path, flow_text(node));
+    out.emplace_back(path, flow_text(node, false));
   }
 }
 

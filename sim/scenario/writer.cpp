@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
@@ -92,6 +94,228 @@ class YamlWriter : public KeyVisitor {
   std::vector<Level> levels_{1};
 };
 
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+  // Whole numbers without ".0", as everyone writes them.
+  const auto whole = static_cast<std::int64_t>(value);
+  return static_cast<double>(whole) == value ? Json(whole) : Json(value);
+}
+
+void add_range(Json& out, const Range& range) {
+  if (range.min == range.max) {
+    out["const"] = number(range.min);
+    return;
+  }
+  if (std::isfinite(range.min)) out["minimum"] = number(range.min);
+  if (std::isfinite(range.max)) out["maximum"] = number(range.max);
+}
+
+Json number_type(const KeyNode& key, const char* type) {
+  Json out{{"type", type}};
+  add_range(out, key.info.range);
+  return out;
+}
+
+Json numbers_type(const KeyNode& key, int count) {
+  return {{"type", "array"}, {"items", number_type(key, "number")}, {"minItems", count}, {"maxItems", count}};
+}
+
+/// A point of a markups file of 3D Slicer; with `many` several labels, or all points.
+Json markups_schema(bool many) {
+  const Json label{{"type", {"string", "number"}}, {"minLength", 1}};
+  const Json labels{{"anyOf", Json::array({label, {{"type", "array"}, {"items", label}, {"minItems", 1}}})}};
+  return {{"description", "A point of a markups file of 3D Slicer (.mrk.json or .fcsv), by its label"},
+          {"type", "object"},
+          {"required", {"markups"}},
+          {"additionalProperties", false},
+          {"properties", {{"markups", {{"type", "string"}, {"minLength", 1}}}, {"point", many ? labels : label}}}};
+}
+
+Json markups_type(bool many) {
+  return {{"$ref", many ? "#/definitions/points_of_markups" : "#/definitions/point_of_markups"}};
+}
+
+/// The type of a vector, or of a point, which markups may give too.
+Json vector_type(const KeyNode& key) {
+  if (!key.info.point) return numbers_type(key, 3);
+  return {{"anyOf", Json::array({numbers_type(key, 3), markups_type(false)})}};
+}
+
+Json points_type(const KeyNode& key) {
+  const Json list{{"type", "array"}, {"items", vector_type(key)}, {"minItems", key.info.least_points}};
+  if (!key.info.point) return list;
+  return {{"anyOf", Json::array({list, markups_type(true)})}};
+}
+
+/// A name or a whole number, or a list of them.
+Json names_type() {
+  const Json name{{"type", {"string", "integer"}}, {"minLength", 1}, {"minimum", 0}};
+  Json list{{"type", "array"}, {"items", name}, {"minItems", 1}};
+  return {{"anyOf", Json::array({name, list})}};
+}
+
+Json text_type(const KeyNode& key) {
+  if (!key.info.choices.empty()) return {{"type", "string"}, {"enum", key.info.choices}};
+  if (key.info.number_too) return {{"type", {"string", "integer"}}, {"minLength", 1}};
+  if (key.info.text == TextKind::output_folder) return {{"type", "string"}};
+  return {{"type", "string"}, {"minLength", 1}};
+}
+
+Json required(const std::vector<std::string_view>& names) {
+  return {{"required", names}};
+}
+
+/// Forbids, and where it is needed requires, a key that applies with some values of a choice only.
+void add_condition(Json& rules, const KeyNode& key, const KeyNode& section) {
+  const When& when = key.info.when;
+  const KeyNode& choice = *section.find(when.choice);
+  const std::string name(key.info.name);
+  Json chosen{{"properties", {{std::string(when.choice), {{"enum", when.values}}}}}};
+  // Where the choice may be left out, its default decides.
+  const std::string fallback = choice.default_json.empty() ? "" : Json::parse(choice.default_json).get<std::string>();
+  if (std::ranges::find(when.values, fallback) == when.values.end()) chosen["required"] = {when.choice};
+  Json rule{{"if", chosen}};
+  if (key.info.required) rule["then"] = required({key.info.name});
+  rule["else"] = {{"properties", {{name, false}}}};
+  rules.push_back(rule);
+}
+
+void add_group(Json& rules, const KeyGroup& group) {
+  if (group.one_needed) {
+    Json choices = Json::array();
+    for (const auto name : group.names) choices.push_back(required({name}));
+    rules.push_back({{"oneOf", choices}});
+  } else {
+    rules.push_back({{"not", required(group.names)}});
+  }
+}
+
+Json key_schema(const KeyNode& key);
+
+Json section_schema(const KeyNode& section) {
+  Json out{{"type", "object"}, {"additionalProperties", false}};
+  std::vector<std::string_view> needed;
+  Json properties = Json::object();
+  Json rules = Json::array();
+  for (const auto& key : section.children) {
+    properties[std::string(key.info.name)] = key_schema(key);
+    const bool conditional = !key.info.when.values.empty();
+    if (key.info.required && !conditional) needed.push_back(key.info.name);
+    if (conditional) add_condition(rules, key, section);
+    if (!key.info.unless.empty()) rules.push_back({{"not", required({key.info.unless, key.info.name})}});
+  }
+  for (const auto& group : section.groups) add_group(rules, group);
+  if (!needed.empty()) out["required"] = needed;
+  out["properties"] = properties;
+  if (!rules.empty()) out["allOf"] = rules;
+  return out;
+}
+
+Json type_schema(const KeyNode& key) {
+  switch (key.info.kind) {
+    case KeyKind::section:
+      return section_schema(key);
+    case KeyKind::list:
+      return {{"type", "array"}, {"items", section_schema(key)}};
+    case KeyKind::number:
+      return number_type(key, "number");
+    case KeyKind::integer:
+      return number_type(key, "integer");
+    case KeyKind::flag:
+      return {{"type", "boolean"}};
+    case KeyKind::choices:
+      return {{"type", "array"},
+              {"items", {{"type", "string"}, {"enum", key.info.choices}}},
+              {"minItems", 1},
+              {"uniqueItems", true}};
+    case KeyKind::names:
+      return names_type();
+    case KeyKind::vector:
+      return vector_type(key);
+    case KeyKind::points:
+      return points_type(key);
+    case KeyKind::quaternion:
+      return numbers_type(key, 4);
+    case KeyKind::text:
+      break;
+  }
+  return text_type(key);
+}
+
+Json key_schema(const KeyNode& key) {
+  const std::string_view unit = unit_of(key.info.name);
+  Json out{{"description", std::string(key.info.doc) + (unit.empty() ? "" : " [" + std::string(unit) + "]")}};
+  out.update(type_schema(key));
+  // A default that depends on another key has no place in a schema.
+  if (!key.default_json.empty() && key.info.default_by.empty()) out["default"] = Json::parse(key.default_json);
+  return out;
+}
+
+/// In the order of KeyKind.
+constexpr std::array kKindNames{"number",
+                                "whole number",
+                                "true or false",
+                                "text",
+                                "name or whole number, or a list of them",
+                                "3 numbers",
+                                "list of points, 3 numbers each",
+                                "4 numbers",
+                                "list of words",
+                                "section",
+                                "list of sections"};
+
+std::string type_text(const KeyInfo& info) {
+  const std::string name = kKindNames[static_cast<std::size_t>(info.kind)];
+  const std::string markups = "[markups](inputs.md#points-of-3d-slicer)";
+  if (info.point) return name + (info.kind == KeyKind::vector ? ", or a point of " : ", or ") + markups;
+  if (info.kind != KeyKind::text) return name;
+  if (!info.choices.empty()) return "word";
+  if (info.text == TextKind::word) return name;
+  return info.text == TextKind::output_folder ? "folder" : "path";
+}
+
+std::string values_text(const KeyNode& key) {
+  std::string out;
+  for (const auto choice : key.info.choices) out += (out.empty() ? "`" : ", `") + std::string(choice) + "`";
+  if (out.empty()) out = range_text(key.info.range);
+  if (key.info.nonzero) out = "not all zero";
+  return out;
+}
+
+std::string default_text(const KeyNode& key) {
+  if (key.info.required) return "**required**";
+  if (key.info.kind == KeyKind::section) return "";
+  const std::string by = key.info.default_by.empty() ? "" : ", or by `" + std::string(key.info.default_by) + "`";
+  return (key.default_json.empty() ? "none" : "`" + key.default_json + "`") + by;
+}
+
+std::string doc_text(const KeyNode& key, const KeyNode& section) {
+  std::string out(key.info.doc);
+  if (!key.info.when.values.empty()) {
+    out += ". Only with `" + std::string(key.info.when.choice) + ": " + join_or(key.info.when.values) + "`";
+  }
+  if (!key.info.unless.empty()) out += ". Not with `" + std::string(key.info.unless) + "`";
+  for (const auto& group : section.groups) {
+    if (group.one_needed && group.names.front() == key.info.name)
+      out += ". Give exactly one of " + join_or(group.names);
+  }
+  return out + ".";
+}
+
+void add_rows(std::string& out, const KeyNode& section) {
+  for (const auto& key : section.children) {
+    const std::string_view unit = unit_of(key.info.name);
+    out += "| `" + key.path + "` | " + type_text(key.info) + " | " + std::string(unit) + " | " + default_text(key) +
+           " | " + values_text(key) + " | " + doc_text(key, section) + " |\n";
+    add_rows(out, key);
+  }
+}
+
+constexpr const char* kHead =
+    "| key | type | unit | default | values | what it is |\n"
+    "|---|---|---|---|---|---|\n";
+
 }  // namespace
 
 std::string to_yaml(const Scenario& scenario) {
@@ -103,6 +327,33 @@ std::string to_yaml(const Scenario& scenario, const std::function<std::string(co
   Scenario copy = scenario;
   describe_scenario(writer, copy);
   return writer.yaml();
+}
+
+std::string scenario_json_schema() {
+  Json out{{"$schema", "http://json-schema.org/draft-07/schema#"},
+           {"title", "reamsim scenario"},
+           {"description",
+            "Which bone, which reamer, and how the reamer moves. Made from the parser's own description "
+            "of keys; do not edit."}};
+  out.update(section_schema(key_tree()));
+  out["definitions"] = {{"point_of_markups", markups_schema(false)}, {"points_of_markups", markups_schema(true)}};
+  return out.dump(2) + "\n";
+}
+
+std::string scenario_key_table() {
+  const KeyNode& root = key_tree();
+  std::string out = kHead;
+  for (const auto& key : root.children) {
+    if (!key.children.empty()) continue;
+    out += "| `" + key.path + "` | " + type_text(key.info) + " |  | " + default_text(key) + " | " + values_text(key) +
+           " | " + doc_text(key, root) + " |\n";
+  }
+  for (const auto& section : root.children) {
+    if (section.children.empty()) continue;
+    out += "\n### " + section.path + "\n\n" + doc_text(section, root) + "\n\n" + kHead;
+    add_rows(out, section);
+  }
+  return out;
 }
 
 }  // namespace reamsim

@@ -20,30 +20,6 @@ bool names_input(const KeyNode& key) {
          (key.info.text == TextKind::input_file || key.info.text == TextKind::input_path);
 }
 
-/// A node as YAML on one line: 0.25, "a b", [0, 0, 5].
-std::string flow_text(const YamlNode& node) {
-  std::string out;
-  switch (node.kind) {
-    case YamlNode::Kind::null:
-      return "null";
-    case YamlNode::Kind::scalar:
-      return node.quoted ? json_string(node.text) : node.text;
-    case YamlNode::Kind::sequence:
-      for (const YamlNodePtr& item : node.items) out += (out.empty() ? "" : ", ") + flow_text(*item);
-      return "[" + out + "]";
-    case YamlNode::Kind::map:
-      for (const YamlEntry& entry : node.entries) {
-        out += (out.empty() ? "" : ", ") + yaml_scalar(entry.key) + ": " + flow_text(*entry.value);
-      }
-      return "{" + out + "}";
-  }
-  return out;
-}
-
-std::string plain_text(const YamlNode& node) {
-  return node.kind == YamlNode::Kind::scalar ? node.text : flow_text(node);
-}
-
 }  // namespace
 
 KeyValue value_of_cell(const std::string& key, const std::string& cell, const std::string& folder,
@@ -56,7 +32,9 @@ KeyValue value_of_cell(const std::string& key, const std::string& cell, const st
 KeyValue value_of_node(const std::string& key, const YamlNode& node, const std::string& folder,
                        const SourceLocation& where) {
   const bool is_path = names_input(find_key(key, where)) && !node.text.empty();
-  return is_path ? value_of_cell(key, node.text, folder, where) : KeyValue{plain_text(node), flow_text(node)};
+  if (is_path) return value_of_cell(key, node.text, folder, where);
+  const std::string applied = flow_text(node, true);
+  return {node.kind == YamlNode::Kind::scalar ? node.text : applied, applied};
 }
 
 namespace {

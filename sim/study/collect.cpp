@@ -119,36 +119,12 @@ CollectedRun collected(const StudyFolder& folder, const PlannedRun& planned, con
   return out;
 }
 
-/// runs.csv, which replaces an older one when it is complete.
-class TableFile {
- public:
-  explicit TableFile(const std::string& path)
-      : path_(path), unfinished_(path + ".tmp"), out_(unfinished_, std::ios::binary) {}
-
-  void header(const std::vector<std::string>& parameters, const std::vector<std::string>& numbers) {
-    out_ << "run,id,status,message";
-    for (const std::string& name : parameters) out_ << ',' << csv_text(name);
-    for (const std::string& name : numbers) out_ << ',' << name;
-    out_ << '\n';
-  }
-  void row(const CollectedRun& run) {
-    out_ << run.number << ',' << run.id << ',' << name_of(run.state) << ',' << csv_text(run.message);
-    for (const std::string& text : run.cells) out_ << ',' << cell(text);
-    for (const double value : run.numbers) out_ << ',' << (std::isnan(value) ? std::string() : shortest_text(value));
-    out_ << '\n';
-  }
-  void finish() {
-    close_file(out_, unfinished_);
-    sync_to_disk(unfinished_);
-    std::error_code error;
-    fs::rename(unfinished_, path_, error);
-    if (error) fail_to_write(path_);
-  }
-
- private:
-  std::string path_, unfinished_;
-  std::ofstream out_;
-};
+void write_row(const CollectedRun& run, std::ostream& out) {
+  out << run.number << ',' << run.id << ',' << name_of(run.state) << ',' << csv_text(run.message);
+  for (const std::string& text : run.cells) out << ',' << cell(text);
+  for (const double value : run.numbers) out << ',' << (std::isnan(value) ? std::string() : shortest_text(value));
+  out << '\n';
+}
 
 }  // namespace
 
@@ -183,8 +159,13 @@ CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, co
     out.table.results.push_back(columns.names()[i]);
   }
   const std::vector<bool> in_table = runs_of_table(runs.size(), most_in_table);
-  TableFile file(folder.path() + "/runs.csv");
-  file.header(plan.columns, columns.names());
+  // Replaces an older file when it is complete.
+  const std::string path = folder.path() + "/runs.csv", unfinished = path + ".tmp";
+  std::ofstream file(unfinished, std::ios::binary);
+  file << "run,id,status,message";
+  for (const std::string& name : plan.columns) file << ',' << csv_text(name);
+  for (const std::string& name : columns.names()) file << ',' << name;
+  file << '\n';
   for (std::size_t i = 0; i < runs.size(); ++i) {
     CollectedRun run = collected(folder, plan.runs[i], runs[i], states[i]);
     count(run.state, out.counts);
@@ -192,14 +173,18 @@ CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, co
     run.numbers = columns.values(summary.numbers);
     out.warnings.add(run.number, summary.warnings);
     for (const std::string& warning : summary.warnings) run.message += (run.message.empty() ? "" : "; ") + warning;
-    file.row(run);
+    write_row(run, file);
     if (!in_table[i]) continue;
     std::vector<double> numbers;
     for (const std::size_t place : results) numbers.push_back(run.numbers[place]);
     run.numbers = std::move(numbers);
     out.table.runs.push_back(std::move(run));
   }
-  file.finish();
+  close_file(file, unfinished);
+  sync_to_disk(unfinished);
+  std::error_code error;
+  fs::rename(unfinished, path, error);
+  if (error) fail_to_write(path);
   return out;
 }
 

@@ -86,13 +86,12 @@ DensityMapping mapping_of(const DensitySettings& density) {
 double voxel_of(const std::string& dir) {
   const std::string path = dir + "/summary.json";
   const auto json = parse_result_json(read_file(path, "the summary of a run"));
-  const bool has = json.is_object() && json.contains("bone") && json["bone"].is_object() &&
-                   json["bone"].contains("voxel_mm") && json["bone"]["voxel_mm"].is_number();
-  if (!has || !(json["bone"]["voxel_mm"].get<double>() > 0)) {
+  const nlohmann::ordered_json::json_pointer key("/bone/voxel_mm");
+  if (!json.contains(key) || !json[key].is_number() || !(json[key].get<double>() > 0)) {
     throw InputError({path, 0, 0}, "bone.voxel_mm", "missing or not positive",
                      "expected a file written by `reamsim run`");
   }
-  return json["bone"]["voxel_mm"].get<double>();
+  return json[key].get<double>();
 }
 
 [[noreturn]] void fail_for(const std::string& key, const std::string& why) {
@@ -154,31 +153,6 @@ ClampedVolume clamped_volume(const BasisRun& run, const std::optional<Recalibrat
   return out;
 }
 
-namespace {
-
-/// Calls visit() with every row of the run's forces.csv, with the forces of other constants.
-template <class Visit>
-void for_each_reforced(const BasisRun& run, const ForceConstants& constants, const Visit& visit) {
-  double work_mj = 0, floor_mj = 0, cut_mj = 0;
-  for_each_result(run.dir + "/forces.csv", {}, [&](FrameResult result) {
-    const FrameForces now = run.basis.forces(result.frame, constants);
-    work_mj += now.work_mj;
-    floor_mj += now.floor_energy_mj;
-    cut_mj += now.energy_mj;
-    result.force_n = now.force_n;
-    result.torque_nmm = now.torque_nmm;
-    result.energy_mj = now.energy_mj;
-    result.floor_energy_mj = now.floor_energy_mj;
-    result.balance = cut_mj > 0 ? (work_mj + floor_mj - cut_mj) / cut_mj : 0;
-    const Vec3 tool_z = result.pose.orientation * Vec3::UnitZ();
-    result.axial_force_n = result.force_n.dot(tool_z);
-    result.spin_torque_nmm = result.torque_nmm.dot(tool_z);
-    visit(result);
-  });
-}
-
-}  // namespace
-
 RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std::string& to) {
   const ForceConstants constants = force_constants(law.cutting, recalibration(run, law));
   RunTotals totals(run.voxel_mm);
@@ -186,7 +160,20 @@ RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std:
   const std::string path = to + "/forces.csv.tmp";
   {
     CsvWriter forces(path, force_columns({}));
-    for_each_reforced(run, constants, [&](const FrameResult& result) {
+    double work_mj = 0, floor_mj = 0, cut_mj = 0;
+    for_each_result(run.dir + "/forces.csv", {}, [&](FrameResult result) {
+      const FrameForces now = run.basis.forces(result.frame, constants);
+      work_mj += now.work_mj;
+      floor_mj += now.floor_energy_mj;
+      cut_mj += now.energy_mj;
+      result.force_n = now.force_n;
+      result.torque_nmm = now.torque_nmm;
+      result.energy_mj = now.energy_mj;
+      result.floor_energy_mj = now.floor_energy_mj;
+      result.balance = cut_mj > 0 ? (work_mj + floor_mj - cut_mj) / cut_mj : 0;
+      const Vec3 tool_z = result.pose.orientation * Vec3::UnitZ();
+      result.axial_force_n = result.force_n.dot(tool_z);
+      result.spin_torque_nmm = result.torque_nmm.dot(tool_z);
       forces.row(force_row(result));
       totals.add(result);
     });

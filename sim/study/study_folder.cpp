@@ -223,34 +223,29 @@ std::vector<std::string> least_differences(const Values& there, const Study& stu
 
 }  // namespace
 
-OtherRuns find_other_runs(const Study& study, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
-                          const StudyFolder& folder) {
+std::string text_of_other_runs(const Study& study, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
+                               const StudyFolder& folder) {
   std::set<std::string> own;
   for (const IdentifiedRun& run : runs) own.insert(run.id);
   std::vector<std::string> others = folder.run_names();
   std::erase_if(others, [&](const std::string& id) { return own.contains(id) || folder.state(id) != RunState::done; });
-  OtherRuns out{.count = static_cast<int>(others.size()), .differences = {}};
-  if (others.empty()) return out;
-  const std::string file = folder.run_dir(others.front()) + "/scenario.yaml";
-  try {
-    out.differences = least_differences(values_of(read_file(file, "the scenario of a run"), file), study, plan, runs);
-  } catch (const InputError&) {
-    return out;  // damaged: the count stays true
-  }
-  out.differences.resize(std::min(out.differences.size(), kMostShown));
-  return out;
-}
-
-std::string sentence_of(const OtherRuns& others, const std::string& dir) {
-  if (others.count == 0) return "";
+  if (others.empty()) return "";
+  const std::string dir = folder.path() + "/runs", file = folder.run_dir(others.front()) + "/scenario.yaml";
   const std::string begin =
-      others.count == 1 ? fmt::format("1 result in {} belongs to another plan of this study", dir)
-                        : fmt::format("{} results in {} belong to another plan of this study", others.count, dir);
-  if (others.differences.empty()) {
+      others.size() == 1 ? fmt::format("1 result in {} belongs to another plan of this study", dir)
+                         : fmt::format("{} results in {} belong to another plan of this study", others.size(), dir);
+  std::vector<std::string> differences;
+  try {
+    differences = least_differences(values_of(read_file(file, "the scenario of a run"), file), study, plan, runs);
+  } catch (const InputError&) {
+    // Damaged: the count stays true.
+  }
+  if (differences.empty()) {
     return begin + ": the version of the program, the contents of an input file or a key of output or render differs";
   }
+  differences.resize(std::min(differences.size(), kMostShown));
   return fmt::format("{}: {}; give the same --set as for sweep run, or the same study", begin,
-                     fmt::join(others.differences, ", "));
+                     fmt::join(differences, ", "));
 }
 
 }  // namespace reamsim

@@ -63,17 +63,10 @@ using Checksums = std::map<std::string, std::string>;
 /// when an input cannot be read.
 std::string run_id(const Scenario& scenario, const KeptFiles& keep, Checksums& checksums);
 
-/// Finished runs in the folder of a study that are none of this plan.
-struct OtherRuns {
-  int count = 0;
-  std::vector<std::string> differences;  ///< "bone.voxel_mm is 1 there and 0.5 in this plan", at most three
-};
-
-/// Compares one of them with the run of the plan that is most like it, but for version, input files, output and render.
-OtherRuns find_other_runs(const Study& study, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
-                          const StudyFolder& folder);
-
-/// A line for the user; "" where there are none.
-std::string sentence_of(const OtherRuns& others, const std::string& dir);
+/// A line for the user where the folder has finished runs that are none of this plan; else "". Compares one of them
+/// with the run of the plan that is most like it, but for version, input files, output and render, and names at most
+/// three differences: "bone.voxel_mm is 1 there and 0.5 in this plan".
+std::string text_of_other_runs(const Study& study, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
+                               const StudyFolder& folder);
 
 }  // namespace reamsim

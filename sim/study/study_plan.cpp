@@ -13,7 +13,7 @@
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/scenario/key_tree.h"
-#include "sim/scenario/markups_keys.h"
+#include "sim/scenario/markups.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/show.h"

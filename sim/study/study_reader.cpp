@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
@@ -34,10 +35,11 @@ const std::vector<std::string_view> kKept{"summary", "forces", "pictures", "vdb"
 
 class StudyReader {
  public:
-  StudyReader(const std::string& path, MistakeList& mistakes)
-      : file_(shown_path(path)), folder_(fs::absolute(path).parent_path().string()), mistakes_(mistakes) {
-    study_.file = fs::absolute(path).lexically_normal().string();
-    study_.name = fs::path(study_.file).stem().string();
+  StudyReader(const std::string& path, MistakeList& mistakes) : file_(shown_path(path)), mistakes_(mistakes) {
+    const fs::path absolute = fs::absolute(path).lexically_normal();
+    folder_ = absolute.parent_path().string();
+    study_.file = absolute.string();
+    study_.name = absolute.stem().string();
   }
 
   Study read(const YamlNode& document) {
@@ -46,9 +48,7 @@ class StudyReader {
                        "expected a study with the keys version and base");
     }
     for (const YamlEntry& entry : document.entries) mistakes_.attempt([&] { read_entry(entry); });
-    for (const char* needed : {"version", "base"}) {
-      if (document.find(needed) == nullptr) mistakes_.add(InputError({file_, 1, 1}, needed, "missing", "add it"));
-    }
+    require_keys(document, {"version", "base"}, {file_, 1, 1}, "");
     check_keys_vary_once();
     return std::move(study_);
   }
@@ -65,6 +65,13 @@ class StudyReader {
     if (entry.key == "keep") return read_keep(value);
     if (entry.key == "sample") return read_sample(value);
     throw InputError(entry.mark.in(file_), shown_key(entry.key), "unknown key", suggest_word(kStudyKeys, entry.key));
+  }
+
+  void require_keys(const YamlNode& node, std::initializer_list<const char*> keys, const SourceLocation& where,
+                    const std::string& above) {
+    for (const char* key : keys) {
+      if (node.find(key) == nullptr) mistakes_.add(InputError(where, above + key, "missing", "add it"));
+    }
   }
 
   [[noreturn]] void reject(const YamlNode& node, const std::string& key, const std::string& expected) const {
@@ -86,12 +93,11 @@ class StudyReader {
   void read_base(const YamlNode& node) {
     if (node.kind != YamlNode::Kind::scalar)
       reject(node, "base", "expected a scenario: its path, or the name of a shipped one");
-    const std::string folder = fs::path(study_.file).parent_path().string();
     const SourceLocation where = node.mark.in(file_);
-    const std::string scenario = shipped_scenario_of_key(node.text, folder, where, "base");
+    const std::string scenario = shipped_scenario_of_key(node.text, folder_, where, "base");
     // A folder of the program may have ${ in its name, which only a text of the study replaces.
     study_.base =
-        scenario == node.text ? resolve_path(scenario, TextKind::input_file, folder, where, "base") : scenario;
+        scenario == node.text ? resolve_path(scenario, TextKind::input_file, folder_, where, "base") : scenario;
   }
 
   void read_set(const YamlNode& node) {
@@ -161,8 +167,7 @@ class StudyReader {
 
   void read_table(const YamlNode& node) {
     if (node.kind != YamlNode::Kind::scalar) reject(node, "table", "expected the path of a CSV file");
-    const std::string folder = fs::path(study_.file).parent_path().string();
-    const std::string path = resolve_path(node.text, TextKind::input_file, folder, node.mark.in(file_), "table");
+    const std::string path = resolve_path(node.text, TextKind::input_file, folder_, node.mark.in(file_), "table");
     CohortTable table = read_cohort_table(path, folder_, mistakes_);
     for (const std::string& key : table.keys) once(key, node.mark.in(file_));
     study_.table = std::move(table);
@@ -186,10 +191,7 @@ class StudyReader {
     if (node.kind != YamlNode::Kind::map) reject(node, "sample", "expected the keys method, n, seed and of");
     study_.sample.emplace();
     for (const YamlEntry& entry : node.entries) mistakes_.attempt([&] { read_sample_entry(entry); });
-    for (const char* needed : {"n", "of"}) {
-      if (node.find(needed) != nullptr) continue;
-      mistakes_.add(InputError(node.mark.in(file_), std::string("sample.") + needed, "missing", "add it"));
-    }
+    require_keys(node, {"n", "of"}, node.mark.in(file_), "sample.");
   }
 
   void read_sample_entry(const YamlEntry& entry) {
@@ -254,8 +256,7 @@ class StudyReader {
   }
 
   static void check_type(const KeyNode& key, const SampledKey& sampled) {
-    const auto kind = sampled.distribution.kind;
-    const bool of_vector = kind == Distribution::Kind::tilt_sd_deg || kind == Distribution::Kind::shift_sd_mm;
+    const bool of_vector = sampled.distribution.dimensions() > 1;
     const bool fits = of_vector ? key.info.kind == KeyKind::vector : key.info.kind == KeyKind::number;
     if (fits) return;
     throw InputError(
@@ -298,8 +299,7 @@ class StudyReader {
     if (!study_.sample) return;
     std::set<std::string> sampled;
     for (const SampledKey& key : study_.sample->of) {
-      const auto kind = key.distribution.kind;
-      const bool change = kind == Distribution::Kind::tilt_sd_deg || kind == Distribution::Kind::shift_sd_mm;
+      const bool change = key.distribution.dimensions() > 1;
       if (!sampled.insert(key.key).second || (!change && given_.contains(key.key))) {
         mistakes_.add(InputError(key.where, key.key, "is given twice in the study",
                                  "give it in one of set, vary, table and sample"));
@@ -322,6 +322,32 @@ Study read_study(const std::string& path) {
   Study study = StudyReader(path, mistakes).read(*document);
   mistakes.throw_if_any();
   return study;
+}
+
+namespace {
+
+/// Appends the paths of all keys with values below `section` as regular expressions.
+void add_paths(const KeyNode& section, const std::string& above, std::string& out) {
+  for (const KeyNode& key : section.children) {
+    const std::string path = above + std::string(key.info.name);
+    if (key.info.kind == KeyKind::section) {
+      add_paths(key, path + "\\.", out);
+    } else if (key.info.kind == KeyKind::list) {
+      add_paths(key, path + "\\.[0-9]+\\.", out);
+    } else {
+      out += (out.empty() ? "" : "|") + path;
+    }
+  }
+}
+
+}  // namespace
+
+std::string study_json_schema(const std::string& schema) {
+  std::string paths;
+  add_paths(key_tree(), "", paths);
+  auto json = nlohmann::ordered_json::parse(schema);
+  json["definitions"]["key"]["pattern"] = "^(" + paths + ")$";
+  return json.dump(2) + "\n";
 }
 
 }  // namespace reamsim

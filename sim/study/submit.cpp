@@ -150,33 +150,22 @@ std::string snakemake_status() {
 
 }  // namespace
 
-std::vector<SubmissionFile> submission_files(BatchSystem system, const Submission& submission) {
+SubmissionScripts submission_scripts(BatchSystem system, const Submission& submission) {
   const std::string name = plain_name(submission.name);
   switch (system) {
     case BatchSystem::slurm:
-      return {{name + ".sbatch", slurm_array(submission)}, {name + ".collect.sbatch", slurm_collect(submission)}};
+      return {{{name + ".sbatch", slurm_array(submission)}, {name + ".collect.sbatch", slurm_collect(submission)}},
+              {"job=$(sbatch --parsable ./" + name + ".sbatch)",
+               "sbatch --dependency=afterany:$job ./" + name + ".collect.sbatch"}};
     case BatchSystem::snakemake:
-      return {{"Snakefile", snakefile(submission)},
-              {"profile/config.yaml", snakemake_profile(submission)},
-              {"profile/status.sh", snakemake_status(), true}};
+      return {{{"Snakefile", snakefile(submission)},
+               {"profile/config.yaml", snakemake_profile(submission)},
+               {"profile/status.sh", snakemake_status(), true}},
+              {"snakemake --profile profile"}};
     case BatchSystem::parallel:
       break;
   }
-  return {{name + ".parallel.sh", parallel_script(submission), true}};
-}
-
-std::vector<std::string> start_commands(BatchSystem system, const Submission& submission) {
-  const std::string name = plain_name(submission.name);
-  switch (system) {
-    case BatchSystem::slurm:
-      return {"job=$(sbatch --parsable ./" + name + ".sbatch)",
-              "sbatch --dependency=afterany:$job ./" + name + ".collect.sbatch"};
-    case BatchSystem::snakemake:
-      return {"snakemake --profile profile"};
-    case BatchSystem::parallel:
-      break;
-  }
-  return {"./" + name + ".parallel.sh"};
+  return {{{name + ".parallel.sh", parallel_script(submission), true}}, {"./" + name + ".parallel.sh"}};
 }
 
 bool is_submission_text(const std::string& text) {

@@ -29,11 +29,12 @@ struct SubmissionFile {
   bool executable = false;
 };
 
-/// The scripts of a submission, the one to start first.
-std::vector<SubmissionFile> submission_files(BatchSystem system, const Submission& submission);
+struct SubmissionScripts {
+  std::vector<SubmissionFile> files;  ///< the one to start first
+  std::vector<std::string> start;     ///< how a person starts them from their folder, a command per line
+};
 
-/// How a person starts them from their folder, a command per line.
-std::vector<std::string> start_commands(BatchSystem system, const Submission& submission);
+SubmissionScripts submission_scripts(BatchSystem system, const Submission& submission);
 
 bool is_submission_text(const std::string& text);
 

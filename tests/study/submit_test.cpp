@@ -36,7 +36,7 @@ Submission example() {
 }
 
 std::string text_of(BatchSystem system, const Submission& submission, std::size_t file = 0) {
-  return submission_files(system, submission).at(file).text;
+  return submission_scripts(system, submission).files.at(file).text;
 }
 
 std::string read_all(const std::string& path) {
@@ -73,7 +73,7 @@ TEST(Submit, SlurmArrayRequeuesWhatIsInterrupted) {
                           HasSubstr("#SBATCH --time=01:02:03\n"), HasSubstr("#SBATCH --signal=B:USR1@60\n"),
                           HasSubstr("#SBATCH --job-name=my_study\n"), HasSubstr("--shard \"$1/4\" --jobs 2"),
                           HasSubstr("scontrol requeue \"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"")));
-  EXPECT_EQ(submission_files(BatchSystem::slurm, example())[1].path, "my_study.collect.sbatch");
+  EXPECT_EQ(submission_scripts(BatchSystem::slurm, example()).files[1].path, "my_study.collect.sbatch");
 }
 
 TEST(Submit, SnakemakeStopsBeforeTheTimeLimit) {
@@ -90,7 +90,7 @@ TEST(Submit, EveryShellScriptIsValid) {
   submission.overrides = {kHostile, kHostile};
   int scripts = 0;
   for (const BatchSystem system : {BatchSystem::slurm, BatchSystem::snakemake, BatchSystem::parallel}) {
-    for (const SubmissionFile& file : submission_files(system, submission)) {
+    for (const SubmissionFile& file : submission_scripts(system, submission).files) {
       EXPECT_TRUE(is_submission_text(file.text)) << file.path;
       if (!file.text.starts_with("#!")) continue;
       write_text(dir.path() + "/script", file.text);
