@@ -81,15 +81,14 @@ void add_windings(const TriangleMesh& mesh, int axis, const Points& points, std:
     point[v] = static_cast<int>(row);
     for (point[u] = 0; point[u] < points.counts[u]; ++point[u]) {
       lines.along(points.at(u, point[u]), points.at(v, point[v]), crossings);
-      int above = 0, below = 0;
-      for (const auto& crossing : crossings) above += crossing.leaving;
+      int both = 0;
+      for (const auto& crossing : crossings) both += crossing.leaving;
       auto next = crossings.begin();
       for (point[axis] = 0; point[axis] < points.counts[axis]; ++point[axis]) {
         for (; next != crossings.end() && next->at_mm < points.at(axis, point[axis]); ++next) {
-          above -= next->leaving;
-          below -= next->leaving;
+          both -= 2 * next->leaving;
         }
-        sums[points.index(point)] += above + below;
+        sums[points.index(point)] += both;
       }
     }
   });
