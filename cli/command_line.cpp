@@ -19,7 +19,7 @@
 #include "cli/manual.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/mesh/mesh_format.h"
+#include "sim/mesh/mesh_io.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {

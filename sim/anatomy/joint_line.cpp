@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/anatomy/joint_line.h"
+#include "sim/anatomy/run_metrics.h"
 
 #include <fmt/core.h>
 #include <algorithm>

@@ -61,6 +61,15 @@ bool is_missing(std::string_view cell) {
   return word.empty() || word == "nan" || word == "missing";
 }
 
+CsvLayout layout_of(std::span<const std::string_view> names, std::span<const std::string_view> optional) {
+  CsvLayout out;
+  for (const std::string_view name : names) out.columns.push_back({.name = std::string(name)});
+  for (const std::string_view name : optional) {
+    out.columns.push_back({.name = std::string(name), .number = 0, .may_be_missing = true});
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string csv_header(std::string line, const SourceLocation& where) {
@@ -92,19 +101,6 @@ std::vector<std::string_view> csv_cells(std::string_view line, char separator) {
     line.remove_prefix(comma + 1);
   }
 }
-
-namespace {
-
-CsvLayout layout_of(std::span<const std::string_view> names, std::span<const std::string_view> optional) {
-  CsvLayout out;
-  for (const std::string_view name : names) out.columns.push_back({.name = std::string(name)});
-  for (const std::string_view name : optional) {
-    out.columns.push_back({.name = std::string(name), .number = 0, .may_be_missing = true});
-  }
-  return out;
-}
-
-}  // namespace
 
 CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
                      std::span<const std::string_view> optional)

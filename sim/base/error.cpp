@@ -13,6 +13,22 @@
 
 namespace reamsim {
 
+namespace {
+
+std::string lines_of(const std::vector<Mistake>& mistakes) {
+  std::string out;
+  for (const Mistake& mistake : mistakes) out += (out.empty() ? "" : "\n") + mistake.line();
+  return out;
+}
+
+constexpr std::size_t kMostShown = 50;
+
+bool is_within(std::string_view key, std::string_view above) {
+  return key.starts_with(above) && (key.size() == above.size() || key[above.size()] == '.');
+}
+
+}  // namespace
+
 std::string SourceLocation::text() const {
   std::string out = file;
   if (line > 0) out += ":" + std::to_string(line);
@@ -27,16 +43,6 @@ std::string Mistake::line() const {
   if (!expected.empty()) out += "; " + expected;
   return out;
 }
-
-namespace {
-
-std::string lines_of(const std::vector<Mistake>& mistakes) {
-  std::string out;
-  for (const Mistake& mistake : mistakes) out += (out.empty() ? "" : "\n") + mistake.line();
-  return out;
-}
-
-}  // namespace
 
 InputError::InputError(const SourceLocation& where, const std::string& key, const std::string& found,
                        const std::string& expected)
@@ -62,16 +68,6 @@ std::string message_of(const std::exception& error) {
   }
   return "internal error: please report it with the scenario";
 }
-
-namespace {
-
-constexpr std::size_t kMostShown = 50;
-
-bool is_within(std::string_view key, std::string_view above) {
-  return key.starts_with(above) && (key.size() == above.size() || key[above.size()] == '.');
-}
-
-}  // namespace
 
 bool MistakeList::concerns(std::string_view key) const {
   const auto related = [&](std::string_view other) { return is_within(other, key) || is_within(key, other); };

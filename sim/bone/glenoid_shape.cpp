@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/bone/glenoid_shape.h"
-
 #include <fmt/core.h>
 #include <cmath>
 #include <limits>
@@ -33,61 +31,38 @@ constexpr double kReferenceWidth_mm = 26;  // the face of the proportions below
 constexpr double kReferenceHeight_mm = 35;
 constexpr double kReferenceVault_mm = 28;
 
-}  // namespace
-
-double version_of(const Vec3& direction) {
-  return std::atan2(-direction.z(), direction.x());
-}
-
-double inclination_of(const Vec3& direction) {
-  return std::asin(std::clamp(direction.y() / direction.norm(), -1.0, 1.0));
-}
-
-GlenoidFace::GlenoidFace(const PhantomSettings& settings)
-    : half_width_mm_(settings.width_mm / 2), height_mm_(settings.height_mm) {
-  const double version = implicit::radians(settings.version_deg);
-  const double inclination = implicit::radians(settings.inclination_deg);
-  normal_ = Vec3(std::cos(version) * std::cos(inclination), std::sin(inclination),
-                 -std::sin(version) * std::cos(inclination));
-  const Vec3 superior = (Vec3::UnitY() - normal_.y() * normal_).normalized();
-  face_from_anatomy_ << normal_.transpose(), superior.transpose(), normal_.cross(superior).transpose();
-  balls_ = {{settings.face_radius_mm * normal_, settings.face_radius_mm}};
-  if (settings.walch == Walch::a1 || settings.walch == Walch::a2) wear_concentrically(settings);
-  if (settings.walch == Walch::b2) wear_one_side(settings);
-  place_center();
-}
-
 /// The humeral head moves along the Friedman axis, with its centre on a parallel to the axis of the native face.
-void GlenoidFace::wear_concentrically(const PhantomSettings& settings) {
+void wear_concentrically(const PhantomSettings& settings, GlenoidFace& face) {
   if (settings.medialization_mm > settings.vault_depth_mm / 2) {
     fail_phantom("medialization_mm", settings.medialization_mm,
                  fmt::format("expected at most half of vault_depth_mm: {:.4g} mm", settings.vault_depth_mm / 2));
   }
-  balls_.push_back(
-      {settings.wear_radius_mm * normal_ - settings.medialization_mm * Vec3::UnitX(), settings.wear_radius_mm});
+  face.balls.push_back(
+      {settings.wear_radius_mm * face.normal - settings.medialization_mm * Vec3::UnitX(), settings.wear_radius_mm});
 }
 
 /// Distance of the nominal outline from the centre in a direction of the face.
-double GlenoidFace::outline_mm(double superior, double anterior) const {
+double outline_mm(const PhantomSettings& settings, double superior, double anterior) {
+  const double half_width_mm = settings.width_mm / 2, height_mm = settings.height_mm;
   const auto inside = [&](double at_mm) {
-    return implicit::pear(at_mm * anterior, at_mm * superior, half_width_mm_ - height_mm_ / 2, half_width_mm_,
-                          height_mm_ / 2 - kUpperRadiusRatio * half_width_mm_, kUpperRadiusRatio * half_width_mm_) < 0;
+    return implicit::pear(at_mm * anterior, at_mm * superior, half_width_mm - height_mm / 2, half_width_mm,
+                          height_mm / 2 - kUpperRadiusRatio * half_width_mm, kUpperRadiusRatio * half_width_mm) < 0;
   };
-  return implicit::bisect(0, height_mm_, 60, inside).inside;
+  return implicit::bisect(0, height_mm, 60, inside).inside;
 }
 
 /// The ball of the humeral head passes through ridge and rim of the neoglenoid, in the plane of the native axis and the
 /// wear direction.
-void GlenoidFace::wear_one_side(const PhantomSettings& settings) {
+void wear_one_side(const PhantomSettings& settings, GlenoidFace& face) {
   const double direction = implicit::radians(settings.wear_direction_deg);
   const double tilt = implicit::radians(settings.wear_tilt_deg);
   const double native_mm = settings.face_radius_mm;
   const double ridge_at_mm = settings.wear_ridge_mm;
-  const Vec3 axis = native_normal();
-  const Vec3 wear =
-      -std::sin(direction) * Vec3(face_from_anatomy_.row(1)) - std::cos(direction) * Vec3(face_from_anatomy_.row(2));
-  const double worn_rim_mm = outline_mm(-std::sin(direction), -std::cos(direction));
-  const double kept_rim_mm = outline_mm(std::sin(direction), std::cos(direction));
+  const Vec3 axis = face.native_normal();
+  const Vec3 wear = -std::sin(direction) * Vec3(face.face_from_anatomy.row(1)) -
+                    std::cos(direction) * Vec3(face.face_from_anatomy.row(2));
+  const double worn_rim_mm = outline_mm(settings, -std::sin(direction), -std::cos(direction));
+  const double kept_rim_mm = outline_mm(settings, std::sin(direction), std::cos(direction));
   if (ridge_at_mm <= -0.9 * kept_rim_mm || ridge_at_mm >= 0.9 * worn_rim_mm) {
     const double limit_mm = ridge_at_mm < 0 ? -0.9 * kept_rim_mm : 0.9 * worn_rim_mm;
     fail_phantom("wear_ridge_mm", ridge_at_mm,
@@ -98,7 +73,7 @@ void GlenoidFace::wear_one_side(const PhantomSettings& settings) {
     fail_phantom("wear_radius_mm", settings.wear_radius_mm,
                  fmt::format("expected at least 0.6 of the neoglenoid's length: {:.4g} mm", 0.6 * chord_mm));
   }
-  Biconcavity& both = biconcavity_.emplace();
+  GlenoidFace::Biconcavity& both = face.biconcavity.emplace();
   both.wear = wear;
   both.ridge_mm = ridge_at_mm * wear + rise_mm(native_mm, ridge_at_mm) * axis;
   both.neo_normal = std::cos(tilt) * axis + std::sin(tilt) * wear;
@@ -106,26 +81,45 @@ void GlenoidFace::wear_one_side(const PhantomSettings& settings) {
   const double half_chord = std::asin(chord_mm / (2 * settings.wear_radius_mm));
   both.angle = tilt + half_chord + std::asin(ridge_at_mm / native_mm);
   const Vec3 middle_mm = (both.ridge_mm + both.neo_rim_mm) / 2;
-  balls_.push_back(
+  face.balls.push_back(
       {middle_mm + settings.wear_radius_mm * std::cos(half_chord) * both.neo_normal, settings.wear_radius_mm});
   const Vec3 kept_mm = -kept_rim_mm * wear + rise_mm(native_mm, kept_rim_mm) * axis;
   const Vec3 across = both.neo_rim_mm - kept_mm;
-  normal_ = (across.dot(wear) * axis - across.dot(axis) * wear).normalized();
+  face.normal = (across.dot(wear) * axis - across.dot(axis) * wear).normalized();
 }
 
-void GlenoidFace::place_center() {
-  for (const Ball& ball : balls_) {
+}  // namespace
+
+double version_of(const Vec3& direction) {
+  return std::atan2(-direction.z(), direction.x());
+}
+
+double inclination_of(const Vec3& direction) {
+  return std::asin(std::clamp(direction.y() / direction.norm(), -1.0, 1.0));
+}
+
+GlenoidFace::GlenoidFace(const PhantomSettings& settings) {
+  const double version = implicit::radians(settings.version_deg);
+  const double inclination = implicit::radians(settings.inclination_deg);
+  normal = Vec3(std::cos(version) * std::cos(inclination), std::sin(inclination),
+                -std::sin(version) * std::cos(inclination));
+  const Vec3 superior = (Vec3::UnitY() - normal.y() * normal).normalized();
+  face_from_anatomy << normal.transpose(), superior.transpose(), normal.cross(superior).transpose();
+  balls = {{settings.face_radius_mm * normal, settings.face_radius_mm}};
+  if (settings.walch == Walch::a1 || settings.walch == Walch::a2) wear_concentrically(settings, *this);
+  if (settings.walch == Walch::b2) wear_one_side(settings, *this);
+  for (const Ball& ball : balls) {
     const double from_axis2 = ball.center_mm.tail<2>().squaredNorm();
     const double radius2 = ball.radius_mm * ball.radius_mm;
     if (from_axis2 >= radius2) continue;
-    center_mm_.x() = std::min(center_mm_.x(), ball.center_mm.x() - std::sqrt(radius2 - from_axis2));
+    center_mm.x() = std::min(center_mm.x(), ball.center_mm.x() - std::sqrt(radius2 - from_axis2));
   }
 }
 
 std::optional<Vec3> GlenoidFace::at(double superior, double anterior, double below_mm) const {
   std::optional<double> deepest_mm;
-  for (const Ball& ball : balls_) {
-    const Vec3 center = face_from_anatomy_ * ball.center_mm;
+  for (const Ball& ball : balls) {
+    const Vec3 center = face_from_anatomy * ball.center_mm;
     const double from_axis = std::hypot(superior - center.y(), anterior - center.z());
     const double radius_mm = ball.radius_mm + below_mm;
     if (from_axis >= radius_mm) continue;
@@ -133,12 +127,12 @@ std::optional<Vec3> GlenoidFace::at(double superior, double anterior, double bel
     deepest_mm = std::min(deepest_mm.value_or(normal_mm), normal_mm);
   }
   if (!deepest_mm) return std::nullopt;
-  return face_from_anatomy_.transpose() * Vec3(*deepest_mm, superior, anterior);
+  return face_from_anatomy.transpose() * Vec3(*deepest_mm, superior, anterior);
 }
 
 double GlenoidFace::below_mm(const Vec3& point) const {
   double out = std::numeric_limits<double>::infinity();
-  for (const Ball& ball : balls_) out = std::min(out, (point - ball.center_mm).norm() - ball.radius_mm);
+  for (const Ball& ball : balls) out = std::min(out, (point - ball.center_mm).norm() - ball.radius_mm);
   return out;
 }
 
@@ -146,14 +140,13 @@ GlenoidShape::GlenoidShape(const PhantomSettings& settings)
     : face_(settings),
       half_width_mm_(settings.width_mm / 2),
       height_mm_(settings.height_mm),
-      face_radius_mm_(settings.face_radius_mm),
       vault_depth_mm_(settings.vault_depth_mm),
       rim_mm_(settings.walch == Walch::a1 || settings.walch == Walch::a2 ? kWornRimBlend_mm : kRimBlend_mm),
       posteroinferior_rim_mm_(settings.walch == Walch::c ? settings.rim_rounding_mm : rim_mm_) {
-  place_stumps();
+  place_stumps(settings.face_radius_mm);
 }
 
-void GlenoidShape::place_stumps() {
+void GlenoidShape::place_stumps(double face_radius_mm) {
   const double wide = 2 * half_width_mm_ / kReferenceWidth_mm;
   const double tall = height_mm_ / kReferenceHeight_mm;
   const double deep = vault_depth_mm_ / kReferenceVault_mm;
@@ -182,7 +175,7 @@ void GlenoidShape::place_stumps() {
   // The rim of a tilted face extends beyond the box of the upright one.
   const double reach_mm = std::hypot(half_width_mm_, height_mm_ / 2) + 2;
   const double rim_mm =
-      face_radius_mm_ - std::sqrt(std::max(face_radius_mm_ * face_radius_mm_ - reach_mm * reach_mm, 0.0));
+      face_radius_mm - std::sqrt(std::max(face_radius_mm * face_radius_mm - reach_mm * reach_mm, 0.0));
   const double lateral = face_.native_normal().x();
   const double swing_mm = reach_mm * std::sqrt(1 - lateral * lateral) + rim_mm;
   bounds_mm_.max = bounds_mm_.max.cwiseMax(Vec3(swing_mm + 1, reach_mm + rim_mm, reach_mm + rim_mm));
@@ -192,7 +185,7 @@ void GlenoidShape::place_stumps() {
 /// Coordinates of the face near the face, those of the body near the neck, with a smooth transition.
 Vec3 GlenoidShape::in_face(const Vec3& point) const {
   const double turned = smoothstep(-vault_depth_mm_, -0.35 * vault_depth_mm_, point.x());
-  return point + turned * (face_.face_from_anatomy() * point - point);
+  return point + turned * (face_.face_from_anatomy * point - point);
 }
 
 /// The pear narrows from the outline of the face to that of the neck, faster near the rim.

@@ -19,7 +19,7 @@
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/mesh/mesh_pieces.h"
+#include "sim/mesh/mesh_repair.h"
 #include "sim/mesh/winding.h"
 
 namespace reamsim {
@@ -72,8 +72,7 @@ class InsideColumns {
 
  private:
   struct Part {
-    double begin_mm = 0;
-    double end_mm = 0;
+    double begin_mm, end_mm;
   };
 
   [[nodiscard]] std::size_t column_of(const Vec3i& voxel) const {

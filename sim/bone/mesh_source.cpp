@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "sim/mesh/mesh_check.h"
-#include "sim/mesh/mesh_pieces.h"
 #include "sim/mesh/mesh_repair.h"
 #include "sim/mesh/winding.h"
 
@@ -35,39 +34,6 @@ Aabb half_turned(const Aabb& box) {
 bool meet(const Aabb& a, const Aabb& b) {
   return (a.min.array() <= b.max.array()).all() && (b.min.array() <= a.max.array()).all();
 }
-
-}  // namespace
-
-void bring_into_lps(MeshContents& contents, MeshFrame asked, const std::string& path, const std::string& key,
-                    Diagnostics& report) {
-  const auto stated = stated_frame(contents.space);
-  if (asked == MeshFrame::file && !stated) {
-    throw InputError({path, 0, 0}, key, "the header of the mesh says SPACE=" + contents.space,
-                     key.empty() ? "expected LPS or RAS" : "expected LPS or RAS: set lps or ras");
-  }
-  const MeshFrame frame = asked == MeshFrame::file ? *stated : asked;
-  if (frame == MeshFrame::file) {
-    return report.note("frame of the mesh: its header states none; the coordinates are taken as they stand, as LPS" +
-                       (key.empty() ? "" : " (if they are RAS, set " + key + ": ras)"));
-  }
-  if (asked != MeshFrame::file && !contents.space.empty() && stated != asked) {
-    report.warn(key + " is " + name_of(asked) + ", but the header of the mesh says SPACE=" + contents.space +
-                "; the key counts");
-  }
-  const bool ras = frame == MeshFrame::ras;
-  const std::string reason =
-      asked != MeshFrame::file ? "by " + key : "as its header says (SPACE=" + contents.space + ")";
-  report.note(std::string("frame of the mesh: ") + (ras ? "RAS, " : "LPS, ") + reason +
-              (ras ? "; x and y were negated, because the bone frame is LPS" : ""));
-  if (!ras) return;
-  for (Vec3& vertex : contents.mesh.vertices) vertex.head<2>() *= -1;
-}
-
-bool meet_after_half_turn_only(const Aabb& a, const Aabb& b) {
-  return !meet(a, b) && meet(half_turned(a), b);
-}
-
-namespace {
 
 struct LengthRange {
   double least_mm;
@@ -251,6 +217,35 @@ void make_solid(const MeshBoneSettings& settings, BoneMesh& bone, Diagnostics& r
 }
 
 }  // namespace
+
+void bring_into_lps(MeshContents& contents, MeshFrame asked, const std::string& path, const std::string& key,
+                    Diagnostics& report) {
+  const auto stated = stated_frame(contents.space);
+  if (asked == MeshFrame::file && !stated) {
+    throw InputError({path, 0, 0}, key, "the header of the mesh says SPACE=" + contents.space,
+                     key.empty() ? "expected LPS or RAS" : "expected LPS or RAS: set lps or ras");
+  }
+  const MeshFrame frame = asked == MeshFrame::file ? *stated : asked;
+  if (frame == MeshFrame::file) {
+    return report.note("frame of the mesh: its header states none; the coordinates are taken as they stand, as LPS" +
+                       (key.empty() ? "" : " (if they are RAS, set " + key + ": ras)"));
+  }
+  if (asked != MeshFrame::file && !contents.space.empty() && stated != asked) {
+    report.warn(key + " is " + name_of(asked) + ", but the header of the mesh says SPACE=" + contents.space +
+                "; the key counts");
+  }
+  const bool ras = frame == MeshFrame::ras;
+  const std::string reason =
+      asked != MeshFrame::file ? "by " + key : "as its header says (SPACE=" + contents.space + ")";
+  report.note(std::string("frame of the mesh: ") + (ras ? "RAS, " : "LPS, ") + reason +
+              (ras ? "; x and y were negated, because the bone frame is LPS" : ""));
+  if (!ras) return;
+  for (Vec3& vertex : contents.mesh.vertices) vertex.head<2>() *= -1;
+}
+
+bool meet_after_half_turn_only(const Aabb& a, const Aabb& b) {
+  return !meet(a, b) && meet(half_turned(a), b);
+}
 
 FoundScale find_scale_of(const std::string& path, const std::string& what_to_set) {
   const double length = length_of(read_mesh(path, 1).bounds());

@@ -8,9 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/bone/glenoid_shape.h"
 #include "sim/bone/implicit.h"
-#include "sim/bone/value_noise.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/voxel_grid.h"
 
@@ -153,7 +151,7 @@ struct Sides {
 LandmarkSettings landmarks_of(const GlenoidFace& face, const Sides& sides, const PhantomSettings& phantom) {
   const double scale = phantom.height_mm / kScapulaHeight_mm;
   LandmarkSettings marks;
-  marks.glenoid_center_mm = sides.bone_from_anatomy(face.center_mm());
+  marks.glenoid_center_mm = sides.bone_from_anatomy(face.center_mm);
   marks.trigonum_spinae_mm = sides.bone_from_anatomy(scale * kTrigonum_mm);
   marks.inferior_angle_mm = sides.bone_from_anatomy(scale * kInferiorAngle_mm);
   return marks;
@@ -167,12 +165,12 @@ void note_part(Diagnostics& report, const char* part, double radius_mm, const Ve
 
 void describe(const GlenoidFace& face, const PhantomSettings& phantom, Diagnostics& report) {
   if (phantom.walch != Walch::none) report.note("Walch " + name_of(phantom.walch));
-  const auto* both = face.biconcavity();
-  if (both == nullptr) return note_part(report, "face", face.balls().back().radius_mm, face.normal());
-  note_part(report, "paleoglenoid", face.balls()[0].radius_mm, face.native_normal());
-  note_part(report, "neoglenoid", face.balls()[1].radius_mm, both->neo_normal);
+  const auto& both = face.biconcavity;
+  if (!both) return note_part(report, "face", face.balls.back().radius_mm, face.normal);
+  note_part(report, "paleoglenoid", face.balls[0].radius_mm, face.native_normal());
+  note_part(report, "neoglenoid", face.balls[1].radius_mm, both->neo_normal);
   report.note(fmt::format("rim to rim: retroversion {:.2f} degrees, biconcavity {:.2f} degrees",
-                          180 / std::numbers::pi * version_of(face.normal()), 180 / std::numbers::pi * both->angle));
+                          180 / std::numbers::pi * version_of(face.normal), 180 / std::numbers::pi * both->angle));
 }
 
 }  // namespace
@@ -203,8 +201,8 @@ Bone glenoid_phantom(const BoneSettings& settings, Diagnostics& report) {
   Bone bone;
   bone.set_voxels(sample_glenoid(settings, grid));
   GlenoidSettings directions;
-  directions.center_mm = sides.bone_from_anatomy(shape.face().center_mm());
-  directions.normal = sides.bone_from_anatomy(shape.face().normal());
+  directions.center_mm = sides.bone_from_anatomy(shape.face().center_mm);
+  directions.normal = sides.bone_from_anatomy(shape.face().normal);
   directions.superior = Vec3::UnitZ();
   bone.glenoid = glenoid_frame(directions, settings.side);
   bone.landmarks = landmarks_of(shape.face(), sides, settings.phantom);

@@ -40,19 +40,15 @@ double plane_offset(const Vec3& normal, double fraction) {
   return implicit::bisect(-RS_CLIP_REACH, RS_CLIP_REACH, kHalvings, leaves_less).middle();
 }
 
-/// A corner of a cube around the origin: bit n of `corner` chooses the upper side along axis n.
-Vec3 cube_corner(int corner, double half_mm) {
-  return half_mm * Vec3((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
-}
-
 /// The section of a plane with a cube of side 2·`half_mm` around `center`.
 SurfacePatch section_of_cube(const VoxelPlane& plane, const Vec3& center, double half_mm) {
   SurfacePatch out;
   out.normal = plane.normal;
+  const Aabb cube{Vec3::Constant(-half_mm), Vec3::Constant(half_mm)};
   for (int corner = 0; corner < 8; ++corner) {
     for (int axis = 0; axis < 3; ++axis) {
       if ((corner >> axis & 1) != 0) continue;
-      const Vec3 from = cube_corner(corner, half_mm), to = cube_corner(corner | 1 << axis, half_mm);
+      const Vec3 from = cube.corner(corner), to = cube.corner(corner | 1 << axis);
       const double a = plane.normal.dot(from) - plane.offset_mm, b = plane.normal.dot(to) - plane.offset_mm;
       if ((a < 0) == (b < 0) || out.count == 6) continue;
       out.vertices[out.count++] = center + from + (to - from) * (a / (a - b));

@@ -236,8 +236,4 @@ class ResultReader {
   std::string key_;
 };
 
-void put_mistakes(ResultWriter& out, const InputError& error);
-
-[[noreturn]] void throw_mistakes(ResultReader& in);
-
 }  // namespace reamsim

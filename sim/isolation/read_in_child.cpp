@@ -90,6 +90,21 @@ Ended wait_or_kill(pid_t child, const SharedMemory& memory, int seconds) {
   }
 }
 
+/// What put_mistakes() wrote in the child.
+[[noreturn]] void throw_mistakes(ResultReader& in) {
+  constexpr std::uint64_t kMost = 1000;
+  const auto count = in.get<std::uint64_t>();
+  if (count == 0 || count > kMost) in.fail();
+  std::vector<Mistake> mistakes(count);
+  for (Mistake& mistake : mistakes) {
+    mistake.where.file = in.text();
+    mistake.where.line = in.get<int>();
+    mistake.where.column = in.get<int>();
+    for (std::string* text : {&mistake.key, &mistake.found, &mistake.expected}) *text = in.text();
+  }
+  throw InputError(std::move(mistakes));
+}
+
 [[noreturn]] void throw_died(const ForeignFile& file, const std::string& found) {
   throw InputError({file.path, 0, 0}, file.key, found, "the file is damaged: give a complete file, or export it again");
 }

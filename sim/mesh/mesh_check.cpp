@@ -43,6 +43,72 @@ std::string count_text(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
+/// The next vertices of the rims from each vertex.
+using Rims = std::map<std::int32_t, std::vector<std::int32_t>>;
+
+/// The edges that do not cancel. Their direction is opposite to that in their triangles, so that the triangles that
+/// close a hole have the orientation of their neighbours.
+Rims rims_of(const TriangleMesh& mesh) {
+  Rims out;
+  for_each_edge(mesh.triangles, [&](std::span<const EdgeSide> sides) {
+    int sum = 0;
+    for (const EdgeSide& side : sides) sum += side.forward ? 1 : -1;
+    for (; sum > 0; --sum) out[sides[0].high].push_back(sides[0].low);
+    for (; sum < 0; ++sum) out[sides[0].low].push_back(sides[0].high);
+  });
+  return out;
+}
+
+/// Follows the rims from `start` and cuts a loop off wherever they meet themselves.
+void take_loops(Rims& rims, std::int32_t start, std::vector<std::vector<std::int32_t>>& loops) {
+  std::vector<std::int32_t> way{start};
+  std::map<std::int32_t, std::size_t> place{{start, 0}};
+  for (auto next = rims.find(start); next != rims.end() && !next->second.empty(); next = rims.find(way.back())) {
+    const std::int32_t to = next->second.back();
+    next->second.pop_back();
+    const auto met = place.find(to);
+    if (met == place.end()) {
+      place[to] = way.size();
+      way.push_back(to);
+      continue;
+    }
+    const std::size_t first = met->second;
+    loops.emplace_back(way.begin() + static_cast<std::ptrdiff_t>(first), way.end());
+    for (std::size_t i = first + 1; i < way.size(); ++i) place.erase(way[i]);
+    way.resize(first + 1);
+  }
+}
+
+MeshHole measured(const TriangleMesh& mesh, std::vector<std::int32_t> rim) {
+  MeshHole out{.rim = std::move(rim)};
+  const auto at = [&](std::size_t i) -> const Vec3& {
+    return mesh.vertices[static_cast<std::size_t>(out.rim[i % out.rim.size()])];
+  };
+  for (std::size_t i = 0; i < out.rim.size(); ++i) out.centre_mm += at(i) / static_cast<double>(out.rim.size());
+  Mat3 spread = Mat3::Zero();
+  for (std::size_t i = 0; i < out.rim.size(); ++i) {
+    const Vec3 from = at(i) - out.centre_mm;
+    spread += from * from.transpose();
+    out.area_mm2 += 0.5 * from.cross(at(i + 1) - out.centre_mm).norm();
+    out.length_mm = std::max(out.length_mm, 2 * from.norm());
+  }
+  const Vec3 second = symmetric_eigen(spread).vectors.col(1);
+  double least = 0, most = 0;
+  for (std::size_t i = 0; i < out.rim.size(); ++i) {
+    const double along = second.dot(at(i) - out.centre_mm);
+    least = std::min(least, along);
+    most = std::max(most, along);
+  }
+  out.width_mm = most - least;
+  return out;
+}
+
+double area_of(const std::vector<MeshHole>& holes) {
+  double sum = 0;
+  for (const MeshHole& hole : holes) sum += hole.area_mm2;
+  return sum;
+}
+
 }  // namespace
 
 std::vector<EdgeSide> sorted_sides(const std::vector<MeshTriangle>& triangles) {
@@ -119,76 +185,6 @@ std::string MeshDiagnosis::text() const {
   }
   return out + ", " + count_text(components, "component", "components");
 }
-
-namespace {
-
-/// The next vertices of the rims from each vertex.
-using Rims = std::map<std::int32_t, std::vector<std::int32_t>>;
-
-/// The edges that do not cancel. Their direction is opposite to that in their triangles, so that the triangles that
-/// close a hole have the orientation of their neighbours.
-Rims rims_of(const TriangleMesh& mesh) {
-  Rims out;
-  for_each_edge(mesh.triangles, [&](std::span<const EdgeSide> sides) {
-    int sum = 0;
-    for (const EdgeSide& side : sides) sum += side.forward ? 1 : -1;
-    for (; sum > 0; --sum) out[sides[0].high].push_back(sides[0].low);
-    for (; sum < 0; ++sum) out[sides[0].low].push_back(sides[0].high);
-  });
-  return out;
-}
-
-/// Follows the rims from `start` and cuts a loop off wherever they meet themselves.
-void take_loops(Rims& rims, std::int32_t start, std::vector<std::vector<std::int32_t>>& loops) {
-  std::vector<std::int32_t> way{start};
-  std::map<std::int32_t, std::size_t> place{{start, 0}};
-  for (auto next = rims.find(start); next != rims.end() && !next->second.empty(); next = rims.find(way.back())) {
-    const std::int32_t to = next->second.back();
-    next->second.pop_back();
-    const auto met = place.find(to);
-    if (met == place.end()) {
-      place[to] = way.size();
-      way.push_back(to);
-      continue;
-    }
-    const std::size_t first = met->second;
-    loops.emplace_back(way.begin() + static_cast<std::ptrdiff_t>(first), way.end());
-    for (std::size_t i = first + 1; i < way.size(); ++i) place.erase(way[i]);
-    way.resize(first + 1);
-  }
-}
-
-MeshHole measured(const TriangleMesh& mesh, std::vector<std::int32_t> rim) {
-  MeshHole out{.rim = std::move(rim)};
-  const auto at = [&](std::size_t i) -> const Vec3& {
-    return mesh.vertices[static_cast<std::size_t>(out.rim[i % out.rim.size()])];
-  };
-  for (std::size_t i = 0; i < out.rim.size(); ++i) out.centre_mm += at(i) / static_cast<double>(out.rim.size());
-  Mat3 spread = Mat3::Zero();
-  for (std::size_t i = 0; i < out.rim.size(); ++i) {
-    const Vec3 from = at(i) - out.centre_mm;
-    spread += from * from.transpose();
-    out.area_mm2 += 0.5 * from.cross(at(i + 1) - out.centre_mm).norm();
-    out.length_mm = std::max(out.length_mm, 2 * from.norm());
-  }
-  const Vec3 second = symmetric_eigen(spread).vectors.col(1);
-  double least = 0, most = 0;
-  for (std::size_t i = 0; i < out.rim.size(); ++i) {
-    const double along = second.dot(at(i) - out.centre_mm);
-    least = std::min(least, along);
-    most = std::max(most, along);
-  }
-  out.width_mm = most - least;
-  return out;
-}
-
-double area_of(const std::vector<MeshHole>& holes) {
-  double sum = 0;
-  for (const MeshHole& hole : holes) sum += hole.area_mm2;
-  return sum;
-}
-
-}  // namespace
 
 std::vector<MeshHole> holes_of(const TriangleMesh& mesh) {
   Rims rims = rims_of(mesh);

@@ -125,42 +125,6 @@ std::size_t turn_alike(std::vector<MeshTriangle>& triangles) {
   return count;
 }
 
-}  // namespace
-
-RepairResult clean(TriangleMesh& mesh) {
-  RepairResult out;
-  out.dropped_triangles = remove_degenerate(mesh.triangles);
-  out.turned_triangles = turn_alike(mesh.triangles);
-  return out;
-}
-
-void close_holes(TriangleMesh& mesh, const std::vector<MeshHole>& holes, RepairResult& done) {
-  const std::size_t before = mesh.triangles.size();
-  for (const MeshHole& hole : holes) {
-    done.widest_hole_mm = std::max(done.widest_hole_mm, hole.length_mm);
-    if (hole.rim.size() == 3) {
-      mesh.triangles.push_back({hole.rim[0], hole.rim[1], hole.rim[2]});
-      continue;
-    }
-    const auto centre = static_cast<std::int32_t>(mesh.vertices.size());
-    mesh.vertices.push_back(hole.centre_mm);
-    for (std::size_t i = 0; i < hole.rim.size(); ++i) {
-      mesh.triangles.push_back({hole.rim[i], hole.rim[(i + 1) % hole.rim.size()], centre});
-    }
-  }
-  done.closed_holes = holes.size();
-  done.added_triangles = mesh.triangles.size() - before;
-}
-
-std::string RepairResult::text() const {
-  return fmt::format(
-      "{} collapsed or doubled triangles removed, {} triangles turned, {} holes closed with {} triangles (largest "
-      "hole: {:.2f} mm)",
-      dropped_triangles, turned_triangles, closed_holes, added_triangles, widest_hole_mm);
-}
-
-namespace {
-
 /// Of the longest side of the mesh: some hundred times the rounding of single precision, a few µm of a scapula.
 constexpr double kRelativeTolerance = 1e-5;
 constexpr double kOfShortestEdge = 0.1;
@@ -253,6 +217,38 @@ void remove_unused(TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+RepairResult clean(TriangleMesh& mesh) {
+  RepairResult out;
+  out.dropped_triangles = remove_degenerate(mesh.triangles);
+  out.turned_triangles = turn_alike(mesh.triangles);
+  return out;
+}
+
+void close_holes(TriangleMesh& mesh, const std::vector<MeshHole>& holes, RepairResult& done) {
+  const std::size_t before = mesh.triangles.size();
+  for (const MeshHole& hole : holes) {
+    done.widest_hole_mm = std::max(done.widest_hole_mm, hole.length_mm);
+    if (hole.rim.size() == 3) {
+      mesh.triangles.push_back({hole.rim[0], hole.rim[1], hole.rim[2]});
+      continue;
+    }
+    const auto centre = static_cast<std::int32_t>(mesh.vertices.size());
+    mesh.vertices.push_back(hole.centre_mm);
+    for (std::size_t i = 0; i < hole.rim.size(); ++i) {
+      mesh.triangles.push_back({hole.rim[i], hole.rim[(i + 1) % hole.rim.size()], centre});
+    }
+  }
+  done.closed_holes = holes.size();
+  done.added_triangles = mesh.triangles.size() - before;
+}
+
+std::string RepairResult::text() const {
+  return fmt::format(
+      "{} collapsed or doubled triangles removed, {} triangles turned, {} holes closed with {} triangles (largest "
+      "hole: {:.2f} mm)",
+      dropped_triangles, turned_triangles, closed_holes, added_triangles, widest_hole_mm);
+}
 
 std::string weld(TriangleMesh& mesh) {
   const std::vector<std::int32_t> rim = rim_vertices(mesh);

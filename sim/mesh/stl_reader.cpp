@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/mesh/mesh_format.h"
+#include "sim/mesh/mesh_io.h"
 
 #include <algorithm>
 #include <cctype>

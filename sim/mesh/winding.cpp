@@ -49,6 +49,57 @@ Seen seen_along(const std::array<Vec3, 3>& corners, int axis) {
   return out;
 }
 
+/// A lattice of points round a mesh.
+struct Points {
+  explicit Points(const Aabb& box) {
+    constexpr double kCount = 1e5;
+    const Vec3 size = (box.max - box.min).cwiseMax(0.01 * (box.max - box.min).maxCoeff());
+    spacing_mm = std::cbrt(size.prod() / kCount);
+    for (int axis = 0; axis < 3; ++axis) {
+      counts[axis] = std::clamp(static_cast<int>(std::ceil(size[axis] / spacing_mm)), 1, 4096);
+    }
+    // Not at the middle of the box, where symmetric meshes have their edges.
+    first_mm = box.min + 0.4871 * Vec3::Constant(spacing_mm);
+  }
+  [[nodiscard]] std::size_t index(const Vec3i& p) const {
+    return static_cast<std::size_t>(p.x() + counts.x() * (p.y() + std::int64_t{counts.y()} * p.z()));
+  }
+  [[nodiscard]] double at(int axis, int i) const { return first_mm[axis] + i * spacing_mm; }
+
+  double spacing_mm = 1;
+  Vec3i counts = Vec3i::Ones();
+  Vec3 first_mm = Vec3::Zero();
+};
+
+/// Adds the winding numbers along both directions of the axis.
+void add_windings(const TriangleMesh& mesh, int axis, const Points& points, std::vector<int>& sums) {
+  const LineCrossings lines(mesh, axis);
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  parallel_items(static_cast<std::size_t>(points.counts[v]), [&](std::size_t row) {
+    std::vector<LineCrossings::Crossing> crossings;
+    Vec3i point;
+    point[v] = static_cast<int>(row);
+    for (point[u] = 0; point[u] < points.counts[u]; ++point[u]) {
+      lines.along(points.at(u, point[u]), points.at(v, point[v]), crossings);
+      int both = 0;
+      for (const auto& crossing : crossings) both += crossing.leaving;
+      auto next = crossings.begin();
+      for (point[axis] = 0; point[axis] < points.counts[axis]; ++point[axis]) {
+        for (; next != crossings.end() && next->at_mm < points.at(axis, point[axis]); ++next) {
+          both -= 2 * next->leaving;
+        }
+        sums[points.index(point)] += both;
+      }
+    }
+  });
+}
+
+std::vector<int> winding_sums(const TriangleMesh& mesh, const Points& points) {
+  std::vector<int> out(static_cast<std::size_t>(points.counts.cast<std::int64_t>().prod()), 0);
+  for (int axis = 0; axis < 3; ++axis) add_windings(mesh, axis, points, out);
+  return out;
+}
+
 }  // namespace
 
 LineCrossings::LineCrossings(const TriangleMesh& mesh, int axis) : mesh_(mesh), axis_(axis) {
@@ -96,62 +147,6 @@ int LineCrossings::winding(const Vec3& point_mm) const {
   above(point_mm, [&sum](std::uint32_t, int leaving) { sum += leaving; });
   return sum;
 }
-
-namespace {
-
-/// A lattice of points round a mesh.
-struct Points {
-  explicit Points(const Aabb& box) {
-    constexpr double kCount = 1e5;
-    const Vec3 size = (box.max - box.min).cwiseMax(0.01 * (box.max - box.min).maxCoeff());
-    spacing_mm = std::cbrt(size.prod() / kCount);
-    for (int axis = 0; axis < 3; ++axis) {
-      counts[axis] = std::clamp(static_cast<int>(std::ceil(size[axis] / spacing_mm)), 1, 4096);
-    }
-    // Not at the middle of the box, where symmetric meshes have their edges.
-    first_mm = box.min + 0.4871 * Vec3::Constant(spacing_mm);
-  }
-  [[nodiscard]] std::size_t index(const Vec3i& p) const {
-    return static_cast<std::size_t>(p.x() + counts.x() * (p.y() + std::int64_t{counts.y()} * p.z()));
-  }
-  [[nodiscard]] double at(int axis, int i) const { return first_mm[axis] + i * spacing_mm; }
-
-  double spacing_mm = 1;
-  Vec3i counts = Vec3i::Ones();
-  Vec3 first_mm = Vec3::Zero();
-};
-
-/// Adds the winding numbers along both directions of the axis.
-void add_windings(const TriangleMesh& mesh, int axis, const Points& points, std::vector<int>& sums) {
-  const LineCrossings lines(mesh, axis);
-  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  parallel_items(static_cast<std::size_t>(points.counts[v]), [&](std::size_t row) {
-    std::vector<LineCrossings::Crossing> crossings;
-    Vec3i point;
-    point[v] = static_cast<int>(row);
-    for (point[u] = 0; point[u] < points.counts[u]; ++point[u]) {
-      lines.along(points.at(u, point[u]), points.at(v, point[v]), crossings);
-      int above = 0, below = 0;
-      for (const auto& crossing : crossings) above += crossing.leaving;
-      auto next = crossings.begin();
-      for (point[axis] = 0; point[axis] < points.counts[axis]; ++point[axis]) {
-        for (; next != crossings.end() && next->at_mm < points.at(axis, point[axis]); ++next) {
-          above -= next->leaving;
-          below -= next->leaving;
-        }
-        sums[points.index(point)] += above + below;
-      }
-    }
-  });
-}
-
-std::vector<int> winding_sums(const TriangleMesh& mesh, const Points& points) {
-  std::vector<int> out(static_cast<std::size_t>(points.counts.cast<std::int64_t>().prod()), 0);
-  for (int axis = 0; axis < 3; ++axis) add_windings(mesh, axis, points, out);
-  return out;
-}
-
-}  // namespace
 
 VolumeChange compare_volumes(const TriangleMesh& before, const TriangleMesh& after) {
   constexpr int kHalfOfSix = 3;

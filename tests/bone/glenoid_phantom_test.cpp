@@ -7,8 +7,7 @@
 #include <numbers>
 
 #include "bone_fixture.h"
-#include "sim/bone/glenoid_shape.h"
-#include "sim/bone/value_noise.h"
+#include "sim/bone/phantom.h"
 
 namespace reamsim::test {
 namespace {

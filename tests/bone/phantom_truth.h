@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sim/anatomy/find_glenoid.h"
-#include "sim/bone/glenoid_shape.h"
+#include "sim/bone/phantom.h"
 #include "tests/bone/bone_fixture.h"
 
 namespace reamsim::test {
@@ -36,9 +36,9 @@ struct FaceTruth {
 /// the depth of the wear. The truth here is by the definition of find_glenoid(), from closed forms: the middle of the
 /// pear that fits the middle of the rounded edge, on the ball that wore the face, whose centre the normal points to.
 inline FaceTruth worn_truth(const GlenoidShape& shape) {
-  const GlenoidFace::Ball& ball = shape.face().balls().back();
+  const GlenoidFace::Ball& ball = shape.face().balls.back();
   const Vec3 head = left_from_anatomy(ball.center_mm);
-  Vec3 center = left_from_anatomy(shape.face().center_mm());
+  Vec3 center = left_from_anatomy(shape.face().center_mm);
   constexpr int kTurns = 30;
   for (int turn = 0; turn < kTurns; ++turn) {
     const Rigid frame = frame_at(center, (head - center).normalized());
@@ -56,7 +56,7 @@ inline FaceTruth worn_truth(const GlenoidShape& shape) {
 inline FaceTruth truth_of(const PhantomSettings& settings) {
   const GlenoidShape shape(settings);
   if (settings.walch == Walch::a2) return worn_truth(shape);
-  FaceTruth out{left_from_anatomy(shape.face().center_mm()), left_from_anatomy(shape.face().normal())};
+  FaceTruth out{left_from_anatomy(shape.face().center_mm), left_from_anatomy(shape.face().normal)};
   if (settings.walch != Walch::b2) return out;
   std::vector<Vec3> rim;
   for (const Vec3& p : shape.rim_mm()) rim.push_back(left_from_anatomy(p));

@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "bone_fixture.h"
-#include "sim/bone/glenoid_shape.h"
+#include "sim/bone/phantom.h"
 #include "sim/scenario/presets.h"
 
 namespace reamsim::test {
@@ -80,8 +80,8 @@ struct Patch {
 
 /// Patches that neither the rounded rim nor the other part reaches.
 std::vector<Patch> patches_of(const GlenoidFace& face) {
-  const auto* both = face.biconcavity();
-  if (both == nullptr) return {{face.balls().size() - 1, face.center_mm(), Vec3::UnitY()}};
+  const auto& both = face.biconcavity;
+  if (!both) return {{face.balls.size() - 1, face.center_mm, Vec3::UnitY()}};
   const Vec3 neo = (both->neo_rim_mm - both->ridge_mm).normalized();
   return {{0, both->ridge_mm - 4.5 * both->wear, both->wear, 4, 8}, {1, both->ridge_mm + 5.5 * neo, both->wear, 4, 6}};
 }
@@ -99,8 +99,8 @@ std::vector<Vec3> face_points(const BoneView& bone, const GlenoidFace& face, con
         if (bone.voxmap.grade.get({x, y, z}) == 0 || bone.voxmap.grade.get({x + 1, y, z}) != 0) continue;
         const Vec3 p = to_anatomy(0.5 * (grid.center_mm({x, y, z}) + grid.center_mm({x + 1, y, z})));
         bool own = patch.holds(p);
-        for (std::size_t i = 0; i < face.balls().size(); ++i) {
-          const GlenoidFace::Ball& ball = face.balls()[i];
+        for (std::size_t i = 0; i < face.balls.size(); ++i) {
+          const GlenoidFace::Ball& ball = face.balls[i];
           own = own && (i == patch.part || (p - ball.center_mm).norm() > ball.radius_mm + margin_mm);
         }
         if (own) out.push_back(p);
@@ -169,7 +169,7 @@ TEST(Walch, ConcentricWearIsTheHumeralHeadPushedIn) {
 TEST(Walch, DysplasticFaceIsUniconcaveAndRetroverted) {
   const Bone& bone = standard(Walch::c);
   const GlenoidFace face(walch(Walch::c).phantom);
-  ASSERT_EQ(face.balls().size(), 1u);
+  ASSERT_EQ(face.balls.size(), 1u);
   const Sphere found = sphere_of(bone, face, 0);
   EXPECT_NEAR(found.radius_mm, 37, 0.4);
   const Vec3 normal = to_bone(found.center_mm) - bone.landmarks->glenoid_center_mm;
@@ -182,7 +182,7 @@ TEST(Walch, DysplasticRimIsRoundedPosteroinferiorlyOnly) {
   sharp.phantom.rim_rounding_mm = 2.4;
   const GlenoidShape round_rim(walch(Walch::c).phantom);
   const GlenoidShape sharp_rim(sharp.phantom);
-  const Mat3 anatomy_from_face = round_rim.face().face_from_anatomy().transpose();
+  const Mat3 anatomy_from_face = round_rim.face().face_from_anatomy.transpose();
   const auto lost_mm = [&](double superior, double anterior) {
     const Vec3 at = anatomy_from_face * Vec3(-1, superior, anterior);
     return round_rim.solid(at) - sharp_rim.solid(at);
@@ -197,11 +197,11 @@ TEST(Walch, BiconcaveFaceHasTwoSpheresThatMeetAtTheRidge) {
   const BoneSettings settings = walch(Walch::b2);
   const Bone& bone = standard(Walch::b2);
   const GlenoidFace face(settings.phantom);
-  const auto& both = *face.biconcavity();
-  for (const GlenoidFace::Ball& ball : face.balls()) {
+  const auto& both = *face.biconcavity;
+  for (const GlenoidFace::Ball& ball : face.balls) {
     EXPECT_NEAR((both.ridge_mm - ball.center_mm).norm(), ball.radius_mm, 1e-12);
   }
-  EXPECT_NEAR((both.neo_rim_mm - face.balls()[1].center_mm).norm(), 24, 1e-12);
+  EXPECT_NEAR((both.neo_rim_mm - face.balls[1].center_mm).norm(), 24, 1e-12);
   const Sphere paleo = sphere_of(bone, face, 0);
   const Sphere neo = sphere_of(bone, face, 1);
   EXPECT_NEAR(paleo.radius_mm, 32, 0.7);
@@ -219,7 +219,7 @@ TEST(Walch, VersionOfEachPartOfABiconcaveFace) {
   const BoneSettings settings = walch(Walch::b2);
   const Bone& bone = standard(Walch::b2);
   const GlenoidFace face(settings.phantom);
-  const auto& both = *face.biconcavity();
+  const auto& both = *face.biconcavity;
   const Vec3 paleo = to_bone(face.native_normal());
   EXPECT_NEAR(version_deg(bone, BodySide::left, paleo), 8, 1e-9);
   EXPECT_NEAR(inclination_deg(bone, BodySide::left, paleo), 8, 1e-9);
@@ -235,7 +235,7 @@ TEST(Walch, VersionOfEachPartOfABiconcaveFace) {
   EXPECT_NEAR(inclination_deg(bone, BodySide::left, found), neo_inclination, 0.5);
   // Rim to rim lies between the two, and is the glenoid frame's.
   const Vec3 whole = bone.glenoid->bone_from_glenoid.linear().col(2);
-  EXPECT_NEAR((whole - to_bone(face.normal())).norm(), 0, 1e-12);
+  EXPECT_NEAR((whole - to_bone(face.normal)).norm(), 0, 1e-12);
   EXPECT_GT(version_deg(bone, BodySide::left, whole), 8);
   EXPECT_LT(version_deg(bone, BodySide::left, whole), neo_version);
 }
@@ -264,7 +264,7 @@ TEST(Walch, PlateFollowsTheWornFace) {
       inner.across_mm = 2.5;
       inner.along_mm = 4;
       for (const Vec3& p : face_points(standard(type), face, inner, 1.2)) {
-        const Vec3 inward = (p - face.balls()[patch.part].center_mm).normalized();
+        const Vec3 inward = (p - face.balls[patch.part].center_mm).normalized();
         const double here_mm = plate_mm(standard(type), to_bone(p), to_bone(inward));
         EXPECT_GE(here_mm, 1.2) << name_of(type) << " at " << p.transpose();
         EXPECT_LE(here_mm, 2.9) << name_of(type) << " at " << p.transpose();

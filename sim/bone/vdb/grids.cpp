@@ -163,39 +163,6 @@ void add_leaves(ResultReader& in, Tree& tree) {
   });
 }
 
-}  // namespace
-
-void put_grid(ResultWriter& out, openvdb::FloatGrid& grid) {
-  out.put(grid.getName());
-  put_metadata(out, grid);
-  put_transform(out, grid.transform());
-  out.put(grid.background());
-  put_tiles(out, grid.tree());
-  put_leaves(out, grid.tree());
-}
-
-openvdb::FloatGrid::Ptr take_grid(ResultReader& in) {
-  const std::string name = in.text();
-  const openvdb::FloatGrid::Ptr grid = make_float_grid(0);
-  take_metadata(in, *grid);
-  grid->setName(name);
-  grid->setTransform(take_transform(in));
-  grid->setTree(std::make_shared<Tree>(in.get<float>()));
-  add_tiles(in, grid->tree());
-  add_leaves(in, grid->tree());
-  return grid;
-}
-
-openvdb::FloatGrid::Ptr make_float_grid(float background) {
-  return openvdb::FloatGrid::create(background);
-}
-
-openvdb::BoolGrid::Ptr make_bool_grid(bool background) {
-  return openvdb::BoolGrid::create(background);
-}
-
-namespace {
-
 SampledMesh sampled(const TriangleMesh& mesh, const DistanceSampling& sampling) {
   SampledMesh out;
   out.points.reserve(mesh.vertices.size());
@@ -233,6 +200,35 @@ void sign_leaf(Leaf& leaf, const InsideTest& inside, float outer, float inner) {
 }
 
 }  // namespace
+
+void put_grid(ResultWriter& out, openvdb::FloatGrid& grid) {
+  out.put(grid.getName());
+  put_metadata(out, grid);
+  put_transform(out, grid.transform());
+  out.put(grid.background());
+  put_tiles(out, grid.tree());
+  put_leaves(out, grid.tree());
+}
+
+openvdb::FloatGrid::Ptr take_grid(ResultReader& in) {
+  const std::string name = in.text();
+  const openvdb::FloatGrid::Ptr grid = make_float_grid(0);
+  take_metadata(in, *grid);
+  grid->setName(name);
+  grid->setTransform(take_transform(in));
+  grid->setTree(std::make_shared<Tree>(in.get<float>()));
+  add_tiles(in, grid->tree());
+  add_leaves(in, grid->tree());
+  return grid;
+}
+
+openvdb::FloatGrid::Ptr make_float_grid(float background) {
+  return openvdb::FloatGrid::create(background);
+}
+
+openvdb::BoolGrid::Ptr make_bool_grid(bool background) {
+  return openvdb::BoolGrid::create(background);
+}
 
 openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::math::Transform& transform,
                                       double outer_spacings, double inner_spacings, bool exact) {
