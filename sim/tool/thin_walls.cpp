@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/tool/thin_walls.h"
+#include "sim/tool/tool.h"
 
 #include <fmt/core.h>
 #include <algorithm>

@@ -12,7 +12,6 @@
 #include "sim/base/error.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/tool/morton.h"
 #include "sim/tool/point_shell.h"
 #include "sim/tool/profile.h"
 

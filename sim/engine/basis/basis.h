@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "kernels/window.h"
-#include "sim/engine/common/engines.h"
+#include "sim/engine/make_engine.h"
 
 namespace reamsim {
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/common/engines.h"
+#include "sim/engine/make_engine.h"
 
 #include <array>
 #include <functional>
@@ -14,7 +14,7 @@
 #include "sim/engine/common/device_batch.h"
 #include "sim/engine/common/substep.h"
 #include "sim/engine/common/tables.h"
-#include "sim/tool/morton.h"
+#include "sim/tool/point_shell.h"
 
 namespace reamsim {
 
