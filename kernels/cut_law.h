@@ -11,8 +11,7 @@
 
 /* Powers from correctly rounded operations; the rounding of the built-in pow() depends on the device. */
 
-/* log2(x), x > 0 and not subnormal, error below 10^-7: exponent, and the series of artanh for the mantissa in 2^(-1/2)
- * .. 2^(1/2). */
+/* log2(x), x > 0 and not subnormal, error below 10^-7: exponent, and series of artanh for a mantissa of 2^(+-1/2). */
 RS_INLINE rs_real rs_log2(rs_real x) {
   const rs_real one = RS_REAL(1.0f);
   const rs_int bits = RS_BITS_OF(x), zero = RS_INT(0), single = RS_INT(1);
@@ -120,8 +119,7 @@ RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, const BrickMiddl
   p[2] = brick->p[2] + (a->tool_step[6] * dx + a->tool_step[7] * dy + a->tool_step[8] * dz);
 }
 
-/* Velocity of the tool at a point, mm/s, T; its magnitude; and the inverse of that, or 0 at rest, where the force is
- * then zero. */
+/* Velocity of the tool at a point, mm/s, T; its magnitude and inverse, which is 0 at rest: the force is then zero. */
 typedef struct {
   rs_real v[3];
   rs_real speed;

@@ -254,8 +254,7 @@ namespace {
 constexpr double kProgramBytes = 1.2e8;
 /// The kernel compiler, and heap memory retained from loading the bone.
 constexpr double kCompilerBytes = 9e7;
-/// Per brick on the surface, while `surface` of reamed.vdb is computed: leaves of the smoothed occupancy and of the
-/// distances.
+/// Per brick on the surface, for `surface` of reamed.vdb: leaves of the smoothed occupancy and of the distances.
 constexpr double kSurfaceBytes = 7'000;
 /// A leaf of a FloatGrid.
 constexpr double kLeafBytes = 2'200;

@@ -30,8 +30,7 @@ struct Point {
   double excess = 0;
 };
 
-/// Searches the feed where the excess is 0: by secants from below until the root is bracketed, then by false position
-/// (Illinois).
+/// Searches the feed where the excess is 0: by secants from below to a bracket, then by false position (Illinois).
 class Search {
  public:
   Search(Point standing, double max_feed) : low_(standing), before_(standing), max_feed_(max_feed) {}
@@ -204,8 +203,7 @@ class ThrustFeed : public Feed {
   }
   void take(const FrameResult& row) override { state_.drill_mj += 1e3 * row.push->drill_power_w * frame_s_; }
 
-  /// Without a number of frames in the settings, pictures are at equal depths, or at equal times where a time ends the
-  /// push.
+  /// Without render.every_frames pictures are at equal depths, or at equal times where a time ends the push.
   [[nodiscard]] bool has_picture(std::int64_t frame) const override {
     const int every = scene_.scenario.render.every_frames;
     if (has_ended(frame)) return true;

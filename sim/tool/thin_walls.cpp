@@ -43,8 +43,7 @@ class TriangleCells {
     }
   }
 
-  /// The nearest triangle on the ray from `from` along the unit vector `along`, and its distance; `length_mm` without a
-  /// hit.
+  /// The nearest triangle on a ray along the unit vector `along`, and its distance; `length_mm` without a hit.
   struct Hit {
     double distance_mm;
     std::size_t triangle = 0;

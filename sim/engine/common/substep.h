@@ -35,8 +35,7 @@ Substep make_substep(const ToolPose& a, const ToolPose& b, double begin_fraction
 /// The pose of the shell in B: with the spin where cutting edges are resolved, without it for the envelope.
 Rigid bone_from_shell(const ToolPose& pose, bool spin_resolved);
 
-/// The fill that a tool at rest could remove because of the error of positions in single precision; smaller losses are
-/// put off.
+/// The fill that a tool at rest could remove by errors of single precision; smaller losses are put off.
 rs_i32 least_loss(double voxel_mm);
 
 /// The arguments of a substep. `voi` is in the shell's frame, mm.

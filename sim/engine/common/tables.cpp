@@ -78,8 +78,7 @@ std::vector<rs_u16> nearest_by_parts(const Arcs& arcs, const std::vector<rs_u16>
   return out;
 }
 
-/// Adds lists for voxels of `voxel_mm` to the one of all arcs: each is valid for all voxels of a brick whose centre
-/// lies in its cell.
+/// Adds lists for voxels of `voxel_mm`, each valid for all voxels of a brick whose centre lies in its cell.
 void add_nearest_lists(const Profile& profile, const Arcs& arcs, double voxel_mm, OutlineTable& out) {
   const std::vector<rs_u16> all = out.numbers;
   out.grid = make_grid(profile, voxel_mm);
@@ -142,8 +141,7 @@ double smooth_length(const std::vector<OutlineArc>& arcs, std::size_t i, int ste
   return length;
 }
 
-/// Marks the sharp corners. One next to a section shorter than a voxel does not count: a third plane would cut the same
-/// voxel.
+/// Marks the sharp corners, but for those next to a section shorter than a voxel, which a third plane would cut.
 void mark_corners(const std::vector<OutlineArc>& arcs, double voxel_mm, std::vector<OutlinePiece>& pieces) {
   for (std::size_t i = 0; i < arcs.size(); ++i) {
     const std::size_t next = (i + 1) % arcs.size();

@@ -40,8 +40,7 @@ class VoxelRestorer {
         halves_(program_, "restore_halves"),
         words_(program_, "restore_words") {}
 
-  /// Writes value(voxel index) of the removed voxels into an array of 8, 16 or 32 bits per voxel, and waits for the
-  /// device.
+  /// Writes value(voxel index) of the removed voxels into an array of 8, 16 or 32 bits per voxel, and waits.
   template <class T, class Value>
   void write(const RemovedFrames& removed, const Value& value, const cl::Buffer<T>& array) {
     static_assert(sizeof(T) == 1 || sizeof(T) == 2 || sizeof(T) == 4);
