@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
-#include "sim/engine/common/motion_windows.h"
+#include "sim/engine/common/substep.h"
 #include "sim/engine/make_engine.h"
 #include "sim/run/feed.h"
 #include "sim/scenario/picture_frames.h"
