@@ -73,8 +73,7 @@ RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const Out
 
 #endif
 
-/* Pads the candidates, and finds the pieces that can be nearest while the tool moves by `shift` mm. `blocks`: of the
- * brick. */
+/* Pads the brick's candidates, and finds the pieces that can be nearest while the tool moves by `shift` mm. */
 RS_INLINE void finish_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
                                  const BlockPieces* blocks, const float shift, Candidates* c) {
   vstore16((ushort16)0, 0, c->place + c->count);

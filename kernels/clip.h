@@ -11,8 +11,7 @@
 
 /* The tool next to a voxel: the voxel's centre (T, mm), outward unit normal of the force, distance of the centre from
  * the surface (mm, negative inside), and the plane that represents the surface. Next to a sharp corner of the outline
- * there are two planes: the inside is their intersection at a convex corner (`corner` 1) and their union at a concave
- * one
+ * there are two planes: the inside is their intersection at a convex corner (`corner` 1), their union at a concave one
  * (-1). */
 typedef struct {
   rs_real p[3];

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* Exact erosion of a brick on a CPU (RS_LANES 16): a work-item takes a brick, with sixteen voxels in the lanes of a
- * vector. */
+/* Exact erosion of a brick on a CPU (RS_LANES 16): a work-item takes a brick, a vector's lanes sixteen voxels. */
 #ifndef REAMSIM_KERNELS_CUT_LANES_H
 #define REAMSIM_KERNELS_CUT_LANES_H
 
@@ -35,8 +34,7 @@ Clip clip_sixteen(__global const SubstepArgs* a, const OutlineView* outline, con
   return clip;
 }
 
-/* Cuts the candidates in one substep, and adds the forces of cutting edges in contact. Returns whether any voxel loses
- * fill. */
+/* Cuts the candidates in a substep, and adds the forces of edges in contact. Returns whether any voxel loses fill. */
 bool cut_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const uint substep,
                     Candidates* c, RemovedReport* report, SubstepSums* total) {
   LaneSums law = zero_sums();

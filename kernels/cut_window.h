@@ -32,8 +32,7 @@ RS_INLINE NodeMiddles node_middles(__global const MotionWindow* w, const Visit* 
  * a brick, which lose less than a unit. */
 #define CONTACT_UNIT (1 << 21)
 
-/* A brick in a window: the losses of sixteen voxels, frame by frame; their coefficients, voxel by voxel; sums of
- * frames. */
+/* A brick in a window: losses of sixteen voxels by frame; their coefficients by voxel; sums of frames. */
 typedef struct {
   float times[RS_WINDOW_SUBSTEPS];  /* of the substeps in the window */
   float16 lost[RS_WINDOW_SUBSTEPS]; /* vectors: PoCL divides vstore16 into four */

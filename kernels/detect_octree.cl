@@ -27,8 +27,7 @@ uint descend(__global const uint4* children, const int levels, const uint i, con
 }
 
 #ifdef REAMSIM_GROUP_SIZE
-/* Reduces the forces of the work-group's points pairwise, and adds them to the substep's sums. Called by all
- * work-items. */
+/* Reduces the forces of a group's points pairwise, and adds them to the substep's sums. All work-items call it. */
 void reduce_forces(__local rs_i64* partial, __global SubstepSums* total, const LaneSums* own) {
   const uint item = get_local_id(0);
   for (int c = 0; c < 3; ++c) {

@@ -44,7 +44,7 @@ RS_INLINE rs_u32 rs_lane_bits(rs_int condition) {
 #endif
 #define RS_ANY(condition) (rs_lane_bits(condition) != 0)
 #elif defined(RS_LANES)
-#include "host_lanes.h"
+#include RS_LANES_HEADER /* the same for a vector of a C++ compiler */
 #else
 typedef float rs_real;
 typedef rs_i32 rs_int;

@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* Broad phase of exact erosion: lists the bricks with bone that the tool's surface can intersect in a visit. A
- * work-item takes a superbrick of 4x4x4 bricks, which is culled as a whole where it has no bone or lies far from the
- * surface. */
+ * work-item takes a superbrick of 4x4x4 bricks, culled as a whole without bone or far from the surface. */
 #include "reach.h"
 
 /* `first_super`, `supers`: box of superbricks that the tool's box overlaps. `shift_mm`: bound of the motion of any

@@ -249,8 +249,7 @@ RS_INLINE float rs_window_time(RS_GLOBAL const MotionWindow* w, rs_i32 frame) {
   return (float)(frame - w->middle.frame) * w->per_frame;
 }
 
-/* Force, torque, energy and speed-floor energy of a voxel that loses a unit of fill. `whole`: energy of a whole voxel,
- * mJ. */
+/* Force, torque and energies of a voxel that loses a unit of fill. `whole`: energy of a whole voxel, mJ. */
 RS_INLINE void rs_window_response(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_real whole, rs_real* out) {
   const rs_real *p = clip->p, energy = whole * (1.0f / (float)RS_WHOLE_FILL);
   const CutResponse found = rs_cut_response(a, clip->n, p, energy);

@@ -6,7 +6,7 @@
 
 #include "sim/api/reamsim/simulation.h"
 #include "sim/api/state_parts.h"
-#include "sim/engine/common/motion_windows.h"
+#include "sim/engine/common/substep.h"
 #include "sim/run/frame_stepper.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"

@@ -14,7 +14,7 @@
 #include "sim/base/stopwatch.h"
 #include "sim/engine/dense/dense_state.h"
 #include "sim/engine/make_engine.h"
-#include "sim/tool/morton.h"
+#include "sim/tool/point_shell.h"
 
 namespace reamsim {
 namespace embedded {

@@ -14,7 +14,7 @@
 #include "sim/bench/paper.h"
 #include "sim/bone/phantom.h"
 #include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/tool/morton.h"
+#include "sim/tool/point_shell.h"
 #include "sim/tool/profile.h"
 
 namespace reamsim::bench {

@@ -183,8 +183,7 @@ struct CacheFolder {
   std::string variable;  ///< that gives it
 };
 
-/// The folder that PoCL takes; without a path where it would take /tmp/pocl, which anybody may have made, with code in
-/// it.
+/// The folder that PoCL takes; no path where that is /tmp/pocl, which anybody may have made, with code in it.
 CacheFolder usual_folder() {
   const auto given = [](const char* name) {
     const char* value = std::getenv(name);
@@ -197,8 +196,7 @@ CacheFolder usual_folder() {
   return {"", "HOME"};
 }
 
-/// Whether a file can be made in the folder, which is created. Permissions alone do not say so: /proc, or a read-only
-/// file system for root.
+/// Whether a file can be made in the folder, which is created. Permissions do not say so of /proc, or for root.
 bool is_writable(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -217,8 +215,7 @@ std::vector<std::string> temporary_places() {
                                                 : std::vector<std::string>{variable, "/tmp"};
 }
 
-/// A folder that only this user can have filled, and can write; it may be there from an earlier run. "" if it cannot
-/// be.
+/// A folder, perhaps of an earlier run, that only this user can have filled, and can write; "": impossible.
 std::string private_folder(const std::string& parent) {
   const std::string name = parent + "/reamsim-kernels-" + std::to_string(geteuid());
   if (mkdir(name.c_str(), S_IRWXU) != 0 && errno != EEXIST) return "";

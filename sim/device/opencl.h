@@ -59,8 +59,7 @@ struct DeviceInfo {
   std::shared_ptr<void> part;    ///< owns `id` where it is a part of a device
 };
 
-/// The devices of all platforms. Throws RunError where a limit of the address space (`ulimit -v`) or a missing
-/// /sys hides them.
+/// The devices of all platforms. Throws RunError where a limit of the address space or a missing /sys hides them.
 std::vector<DeviceInfo> list_devices();
 
 /// The device that `wanted` names: "auto" is the first usable GPU, else the first usable CPU; any other text is a part
@@ -82,8 +81,7 @@ class Device {
   [[nodiscard]] cl_command_queue queue() const { return opened_->queue.get(); }
 
   /// Builds a program from `source`, or from the file `name` in the folder REAMSIM_KERNEL_DIR (environment) if it
-  /// exists. `options` are compiler options such as "-DNAME=1". Throws RunError with the compiler's log when the build
-  /// fails.
+  /// exists, with compiler options such as "-DNAME=1". Throws RunError with the compiler's log.
   [[nodiscard]] Program build(const std::string& name, const char* source, const std::string& options = "") const;
 
   void finish() const;
@@ -206,8 +204,7 @@ class Kernel {
 /// Run times of these finished kernels, in seconds. Empties `events`.
 std::vector<double> take_seconds(std::vector<Event>& events);
 
-/// A kernel that runs for single substeps in groups of a fixed size. Its first parameter is the slot of the substep in
-/// the batch.
+/// A kernel that runs for single substeps in groups of a fixed size. Its first parameter is the substep's slot.
 class SlotKernel : public Kernel {
  public:
   static constexpr cl_uint kAfterSlot = 1;  ///< number of the first argument behind the slot

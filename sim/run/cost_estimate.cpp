@@ -76,19 +76,15 @@ class SweptBricks {
     if (near.empty()) return;
     const Vec3i first = near.first / BrickLattice::kSide, last = near.last / BrickLattice::kSide;
     std::size_t listed = 0;
-    for (int z = first.z(); z <= last.z(); ++z) {
-      for (int y = first.y(); y <= last.y(); ++y) {
-        for (int x = first.x(); x <= last.x(); ++x) {
-          BrickMark& mark = marks_[lattice_.index({x, y, z})];
-          if (mark == BrickMark::air) continue;
-          const double distance_mm = distance(args, {x, y, z}, reached_mm);
-          listed += std::abs(distance_mm) <= listed_mm ? 1 : 0;
-          if (distance_mm > reached_mm || mark == BrickMark::partial) continue;
-          ++out_.partial;
-          mark = BrickMark::partial;
-        }
-      }
-    }
+    for_each_voxel(first, last, [&](const Vec3i& brick) {
+      BrickMark& mark = marks_[lattice_.index(brick)];
+      if (mark == BrickMark::air) return;
+      const double distance_mm = distance(args, brick, reached_mm);
+      listed += std::abs(distance_mm) <= listed_mm ? 1 : 0;
+      if (distance_mm > reached_mm || mark == BrickMark::partial) return;
+      ++out_.partial;
+      mark = BrickMark::partial;
+    });
     out_.listed = std::max(out_.listed, listed);
   }
 
@@ -100,8 +96,7 @@ class SweptBricks {
   [[nodiscard]] double distance(const SubstepArgs& args, const Vec3i& brick, double limit_mm) const {
     const Vec3 middle = (BrickLattice::kSide * brick).cast<double>() + Vec3::Constant(0.5 * (BrickLattice::kSide - 1));
     const Mat3 tool_from_voxel = Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();  // stored row by row
-    const Vec3 p = tool_from_voxel * middle + Eigen::Map<const Vec3>(args.tool_origin);
-    const Vec2 rz(p.head<2>().norm(), p.z());
+    const Vec2 rz = rz_of(tool_from_voxel * middle + Eigen::Map<const Vec3>(args.tool_origin));
     const double coarse = coarse_.nearest(rz);
     return std::abs(coarse - limit_mm) > sample_slack(coarse_) ? coarse : scene_.tool.profile.nearest(rz).distance_mm;
   }
@@ -254,8 +249,7 @@ namespace {
 constexpr double kProgramBytes = 1.2e8;
 /// The kernel compiler, and heap memory retained from loading the bone.
 constexpr double kCompilerBytes = 9e7;
-/// Per brick on the surface, while `surface` of reamed.vdb is computed: leaves of the smoothed occupancy and of the
-/// distances.
+/// Per brick on the surface, for `surface` of reamed.vdb: leaves of the smoothed occupancy and of the distances.
 constexpr double kSurfaceBytes = 7'000;
 /// A leaf of a FloatGrid.
 constexpr double kLeafBytes = 2'200;

@@ -30,8 +30,8 @@ class Feed {
   [[nodiscard]] virtual bool has_ended(std::int64_t frame) const = 0;
   /// Decides the pose of the next frame, and adds it to the stepper's batch.
   virtual void add(std::int64_t frame) = 0;
-  /// Whether the batch has to end with this frame.
-  [[nodiscard]] virtual bool ends_batch(std::int64_t frame) const = 0;
+  /// Whether the batch has to end with this frame; here because the next pose depends on the bone that this one leaves.
+  [[nodiscard]] virtual bool ends_batch(std::int64_t /*frame*/) const { return true; }
   /// Takes the last row of a batch.
   virtual void take(const FrameResult& /*row*/) {}
   /// Whether this frame, which has been added, has a picture.
@@ -58,9 +58,6 @@ class PlannedFeed : public Feed {
   const SimulationInput& scene_;
   std::vector<std::int64_t> pictures_;  ///< frames, ascending
 };
-
-/// The poses of the motion, in batches of frames.
-std::unique_ptr<Feed> prescribed_feed(const SimulationInput& scene, FrameStepper& stepper);
 
 /// A feed under a given thrust (`motion.push`). In every frame it tries feed rates on the present bone until the forces
 /// balance (balance.h), and then cuts once. Feed rates whose advance in a frame is near the smallest loss that

@@ -151,13 +151,10 @@ FrameStepper::FrameStepper(SimulationInput& scene, Engine& engine, FrameSink& si
       exact_(scene.scenario.cutting.erosion == ErosionMode::exact),
       max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
 
-void FrameStepper::start(const FrameMotion& motion, const std::optional<PushResult>& push,
-                         const std::optional<Vec3>& deflection_mm) {
+void FrameStepper::start(const FrameMotion& motion) {
   energy_.begin_pass();
   state_.touched = false;
-  PendingFrame& pending = open(motion);
-  pending.push = push;
-  pending.deflection_mm = deflection_mm;
+  PendingFrame& pending = pending_.emplace_back(pending_of(motion));
   const Substep rest{.pose = motion.pose, .duration_s = motion.duration_s};
   if (exact_) {
     if (const auto voi = broad_phase(rest, pending)) {
@@ -170,16 +167,13 @@ void FrameStepper::start(const FrameMotion& motion, const std::optional<PushResu
   record();
 }
 
-void FrameStepper::add(const FrameMotion& motion, const std::shared_ptr<const MotionWindow>& window,
-                       const std::optional<PushResult>& push) {
-  PendingFrame& pending = open(motion);
-  pending.push = push;
+void FrameStepper::add(const FrameMotion& motion, const std::shared_ptr<const MotionWindow>& window) {
   enqueue_motion(motion, count_substeps(motion.before, motion.pose, scene_.tool, resolved_, max_step_mm_), window,
-                 pending);
+                 pending_.emplace_back(pending_of(motion)));
 }
 
 SubstepSums FrameStepper::add_part(const FrameMotion& part, int i, int parts) {
-  if (i == 0) open(part).substeps = parts;
+  if (i == 0) pending_.emplace_back(pending_of(part)).substeps = parts;
   PendingFrame& pending = pending_.back();
   pending.pose = part.pose;
   pending.time_s = part.time_s;

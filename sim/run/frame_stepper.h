@@ -20,15 +20,15 @@ struct FrameMotion {
   ToolPose before;  ///< at the start of the frame
   ToolPose pose;    ///< at its end
   double duration_s = 1e-3;
-  double time_s = 0;  ///< at its end
+  double time_s = 0;                       ///< at its end
+  std::optional<PushResult> push = {};     ///< of a frame that a hand decided
+  std::optional<Vec3> deflection_mm = {};  ///< of a tool on springs, T
 };
 
 /// A frame with substeps in the engine's batch.
 struct PendingFrame : FrameMotion {
   int pass = 1;
   int substeps = 1;
-  std::optional<PushResult> push = {};
-  std::optional<Vec3> deflection_mm = {};
   std::vector<std::pair<std::size_t, Substep>>
       cut;  ///< (index in the batch, substep) of those that passed the broad phase
   double broad_phase_s = 0;
@@ -98,12 +98,9 @@ class FrameStepper {
   FrameStepper(SimulationInput& scene, Engine& engine, FrameSink& sink, Diagnostics& report);
 
   /// The first frame of a pass. Where voxels are clipped, bone in the tool's first pose is removed without force.
-  void start(const FrameMotion& rest, const std::optional<PushResult>& push = {},
-             const std::optional<Vec3>& deflection_mm = {});
+  void start(const FrameMotion& rest);
   /// Adds a frame to the batch. `window`: of smooth motion that it belongs to; nullptr: none.
-  /// `push`: of a frame that a hand decided.
-  void add(const FrameMotion& motion, const std::shared_ptr<const MotionWindow>& window = nullptr,
-           const std::optional<PushResult>& push = {});
+  void add(const FrameMotion& motion, const std::shared_ptr<const MotionWindow>& window = nullptr);
   /// Adds part `i` of `parts` of a frame that is decided part by part, each of a single substep and the same time, to
   /// an empty batch, and cuts at once. Returns the sums of the part.
   SubstepSums add_part(const FrameMotion& part, int i, int parts);
@@ -149,9 +146,8 @@ class FrameStepper {
   [[nodiscard]] std::string name_of_pass() const;
 
  private:
-  PendingFrame& open(const FrameMotion& motion) { return pending_.emplace_back(pending_of(motion)); }
   [[nodiscard]] PendingFrame pending_of(const FrameMotion& motion) const {
-    return {motion, scene_.motion.pass, 1, {}, {}, {}, 0};
+    return {motion, scene_.motion.pass, 1, {}, 0};
   }
   void enqueue_motion(const FrameMotion& motion, int substeps, const std::shared_ptr<const MotionWindow>& window,
                       PendingFrame& pending);

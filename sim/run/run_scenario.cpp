@@ -80,25 +80,6 @@ class ScenarioRun {
         monitor_(monitor),
         pictures_(pictures) {}
 
-  void run() {
-    load();
-    Recorder recorder = checkpoints_.open_logs(scene_.bone.voxmap->grid.voxel_mm, scenario_, report_);
-    simulate_frames(recorder);
-    write(recorder);
-    if (pictures_ != nullptr) {
-      draw(recorder.totals());
-    } else {
-      finish_summary(recorder.totals());
-    }
-    remove_logs();
-    say_summary(monitor_, recorder.totals(), facts_, scenario_.cutting.erosion != ErosionMode::exact);
-  }
-
-  [[nodiscard]] bool simulates() const { return simulates_; }
-  /// The warnings of a run that failed: one may name the cause.
-  [[nodiscard]] const Diagnostics& report() const { return report_; }
-
- private:
   void load() {
     const Stopwatch watch;
     facts_.inputs = input_sums(scenario_);
@@ -127,29 +108,7 @@ class ScenarioRun {
     facts_.load_s = watch.seconds();
   }
 
-  /// The path of a push or of a tool on springs, and so its pictures, are known only at the end.
-  [[nodiscard]] bool draws_during_run() const { return pictures_ != nullptr && scenario_.motion.is_prescribed(); }
-
-  void skip_finished_passes() {
-    const auto state = checkpoints_.state();
-    while (state && !scene_.motion.push && state->frame >= scene_.motion.last_frame() && begin_next_pass(scene_)) {
-    }
-  }
-
-  void find_clearance_of_holder() {
-    facts_.clearance = find_clearance(scene_);
-    if (!facts_.clearance) return;
-    monitor_.say(sentence_of(*facts_.clearance, scene_));
-    warn_of_clearance(*facts_.clearance, scene_, report_);
-    write_clearance(dir_ + "/clearance.csv", *facts_.clearance, scene_.motion.frame_s());
-  }
-
-  void report_segmentation() const {
-    const auto& segmentation = scene_.bone.segmentation;
-    if (!segmentation) return;
-    monitor_.say(sentence_of(*segmentation));
-    if (pictures_ != nullptr) pictures_->draw_segmentation(scene_, dir_);
-  }
+  Recorder open_logs() { return checkpoints_.open_logs(scene_.bone.voxmap->grid.voxel_mm, scenario_, report_); }
 
   void simulate_frames(Recorder& recorder) {
     simulates_ = true;
@@ -182,6 +141,46 @@ class ScenarioRun {
     warn_of_peaks(scene_, recorder.totals(), report_);
     if (draws_during_run()) pictures_->snapshots_written(end.frame);  // also where that is frame 0
     tell_report();
+  }
+
+  void finish(const Recorder& recorder) {
+    write(recorder);
+    if (pictures_ != nullptr) {
+      draw(recorder.totals());
+    } else {
+      finish_summary(recorder.totals());
+    }
+    remove_logs();
+    say_summary(monitor_, recorder.totals(), facts_, scenario_.cutting.erosion != ErosionMode::exact);
+  }
+
+  [[nodiscard]] bool simulates() const { return simulates_; }
+  /// The warnings of a run that failed: one may name the cause.
+  [[nodiscard]] const Diagnostics& report() const { return report_; }
+
+ private:
+  /// The path of a push or of a tool on springs, and so its pictures, are known only at the end.
+  [[nodiscard]] bool draws_during_run() const { return pictures_ != nullptr && scenario_.motion.is_prescribed(); }
+
+  void skip_finished_passes() {
+    const auto state = checkpoints_.state();
+    while (state && !scene_.motion.push && state->frame >= scene_.motion.last_frame() && begin_next_pass(scene_)) {
+    }
+  }
+
+  void find_clearance_of_holder() {
+    facts_.clearance = find_clearance(scene_);
+    if (!facts_.clearance) return;
+    monitor_.say(sentence_of(*facts_.clearance, scene_));
+    warn_of_clearance(*facts_.clearance, scene_, report_);
+    write_clearance(dir_ + "/clearance.csv", *facts_.clearance, scene_.motion.frame_s());
+  }
+
+  void report_segmentation() const {
+    const auto& segmentation = scene_.bone.segmentation;
+    if (!segmentation) return;
+    monitor_.say(sentence_of(*segmentation));
+    if (pictures_ != nullptr) pictures_->draw_segmentation(scene_, dir_);
   }
 
   /// Changes the tool. Returns false after the last pass.
@@ -339,7 +338,10 @@ std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources
   });
   ScenarioRun run(folder.path(), request, resources, checkpoints, monitor, request.keep.pictures ? pictures : nullptr);
   try {
-    run.run();
+    run.load();
+    Recorder recorder = run.open_logs();
+    run.simulate_frames(recorder);
+    run.finish(recorder);
   } catch (const Interrupted&) {
     take_on_error(monitor, run.report());
     folder.keep();

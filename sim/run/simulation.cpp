@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
-#include "sim/engine/common/motion_windows.h"
+#include "sim/engine/common/substep.h"
 #include "sim/engine/make_engine.h"
 #include "sim/run/feed.h"
 #include "sim/scenario/picture_frames.h"
@@ -18,6 +18,7 @@ namespace reamsim {
 
 namespace {
 
+/// The poses of the motion, in batches of frames.
 class PrescribedFeed : public PlannedFeed {
  public:
   PrescribedFeed(const SimulationInput& scene, FrameStepper& stepper)
@@ -66,16 +67,12 @@ bool PlannedFeed::has_picture(std::int64_t frame) const {
   return std::ranges::binary_search(pictures_, frame);
 }
 
-std::unique_ptr<Feed> prescribed_feed(const SimulationInput& scene, FrameStepper& stepper) {
-  return std::make_unique<PrescribedFeed>(scene, stepper);
-}
-
 namespace {
 
 std::unique_ptr<Feed> make_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report) {
   if (scene.motion.push) return thrust_feed(scene, stepper, report);
   if (scene.scenario.motion.compliance) return spring_feed(scene, stepper, report);
-  return prescribed_feed(scene, stepper);
+  return std::make_unique<PrescribedFeed>(scene, stepper);
 }
 
 /// Continues, or simulates the first pose of the pass. Returns whether the pass has ended before.

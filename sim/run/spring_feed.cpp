@@ -251,8 +251,8 @@ class SpringFeed : public PlannedFeed {
                     .before = pose,
                     .pose = pose,
                     .duration_s = frame_s_,
-                    .time_s = static_cast<double>(first) * frame_s_},
-                   {}, Vec3(Vec3::Zero()));
+                    .time_s = static_cast<double>(first) * frame_s_,
+                    .deflection_mm = Vec3(Vec3::Zero())});
   }
   void resume(const SimulationState& from) override { springs_ = from.springs; }
 
@@ -275,9 +275,6 @@ class SpringFeed : public PlannedFeed {
     springs_.unbalanced_frames += balanced ? 0 : 1;
     stepper_.set_deflection(deflection_mm());
   }
-  /// The next deflection depends on the bone that this one leaves.
-  [[nodiscard]] bool ends_batch(std::int64_t) const override { return true; }
-
   void warn_at_end() override {
     if (!scene().later_passes.empty()) return;
     if (springs_.limited_frames > 0) {

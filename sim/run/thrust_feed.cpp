@@ -30,8 +30,7 @@ struct Point {
   double excess = 0;
 };
 
-/// Searches the feed where the excess is 0: by secants from below until the root is bracketed, then by false position
-/// (Illinois).
+/// Searches the feed where the excess is 0: by secants from below to a bracket, then by false position (Illinois).
 class Search {
  public:
   Search(Point standing, double max_feed) : low_(standing), before_(standing), max_feed_(max_feed) {}
@@ -169,8 +168,11 @@ class ThrustFeed : public Feed {
 
   void start() override {
     const ToolPose first = plan_.pose(0, 0);
-    stepper_.start({.frame = 0, .before = first, .pose = first, .duration_s = frame_s_},
-                   PushResult{.thrust_n = plan_.thrust_n(0)});
+    stepper_.start({.frame = 0,
+                    .before = first,
+                    .pose = first,
+                    .duration_s = frame_s_,
+                    .push = PushResult{.thrust_n = plan_.thrust_n(0)}});
   }
   void resume(const SimulationState& from) override { state_ = from.feed; }
 
@@ -186,24 +188,22 @@ class ThrustFeed : public Feed {
     const FeedRate feed = balanced_feed(
         forces, [&](double feed_mm_s) { return bone_force(frame, feed_mm_s); }, state_.bone_n_s_mm);
     const double hand_n = add_thrust_energies(forces, feed, frame_s_, state_);
-    const PushResult row{.feed_mm_s = feed.mm_s,
-                         .velocity_mm_s = feed.end_mm_s,
-                         .thrust_n = forces.thrust_n,
-                         .hand_force_n = hand_n,
-                         .hand_power_w = 1e-3 * hand_n * feed.mm_s};
-    stepper_.add(motion(frame, feed.mm_s * frame_s_, frame_s_), nullptr, row);
+    FrameMotion next = motion(frame, feed.mm_s * frame_s_, frame_s_);
+    next.push = {.feed_mm_s = feed.mm_s,
+                 .velocity_mm_s = feed.end_mm_s,
+                 .thrust_n = forces.thrust_n,
+                 .hand_force_n = hand_n,
+                 .hand_power_w = 1e-3 * hand_n * feed.mm_s};
+    stepper_.add(next);
     before_mm_ = state_.travel_mm;
     state_.travel_mm += feed.mm_s * frame_s_;
     state_.velocity_mm_s = feed.end_mm_s;
     state_.bone_n_s_mm = feed.bone_n_s_mm;
     state_.still_frames = feed.mm_s < kStill_mm_s && forces.thrust_n > 0 ? state_.still_frames + 1 : 0;
   }
-  /// The next feed rate depends on the bone that this one leaves.
-  [[nodiscard]] bool ends_batch(std::int64_t) const override { return true; }
   void take(const FrameResult& row) override { state_.drill_mj += 1e3 * row.push->drill_power_w * frame_s_; }
 
-  /// Without a number of frames in the settings, pictures are at equal depths, or at equal times where a time ends the
-  /// push.
+  /// Without render.every_frames pictures are at equal depths, or at equal times where a time ends the push.
   [[nodiscard]] bool has_picture(std::int64_t frame) const override {
     const int every = scene_.scenario.render.every_frames;
     if (has_ended(frame)) return true;

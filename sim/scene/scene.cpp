@@ -13,7 +13,7 @@
 #include "sim/scenario/passes.h"
 #include "sim/scene/load_bone.h"
 #include "sim/scene/swept_bone.h"
-#include "sim/tool/thin_walls.h"
+#include "sim/tool/tool.h"
 #include "sim/tool/tool_path.h"
 
 namespace reamsim {
@@ -38,20 +38,20 @@ Tool load_tool_for(const Scenario& scenario, const ToolSettings& settings, doubl
 MotionSettings counted_motion(SimulationInput& scene, const PassSpec& spec, const Tool& tool, Diagnostics& report) {
   std::optional<FirstContact>& contact = scene.first_contacts.emplace_back();
   MotionSettings motion = spec.motion;
-  if (motion.push && motion.push->from == PlungeStart::contact) {
+  const auto count = [&](auto& way, const std::string& section) {
     PlungeSettings line;
-    line.entry_mm = motion.push->entry_mm;
-    line.axis = motion.push->axis;
-    contact = find_first_contact(scene.bone, tool, line, motion.frame, "motion.push");
-    motion.push->entry_mm = counted_from(*contact, line).entry_mm;
-    motion.push->from = PlungeStart::entry;
+    line.entry_mm = way.entry_mm;
+    line.axis = way.axis;
+    contact = find_first_contact(scene.bone, tool, line, motion.frame, section);
+    way.entry_mm = counted_from(*contact, line).entry_mm;
+    way.from = PlungeStart::entry;
     report.note(sentence_of(*contact));
-    return motion;
+  };
+  if (motion.push && motion.push->from == PlungeStart::contact) {
+    count(*motion.push, "motion.push");
+  } else if (motion.plunge && motion.plunge->from == PlungeStart::contact) {
+    count(*motion.plunge, "motion.plunge");
   }
-  if (!motion.plunge || motion.plunge->from != PlungeStart::contact) return motion;
-  contact = find_first_contact(scene.bone, tool, *motion.plunge, motion.frame);
-  motion.plunge = counted_from(*contact, *motion.plunge);
-  report.note(sentence_of(*contact));
   return motion;
 }
 

@@ -58,8 +58,7 @@ SimulationInput load_scene(const Scenario& scenario, Diagnostics& report, BoneCa
 /// Called with a pass and the fill of the bone before it.
 using VisitPass = std::function<void(const FillBricks& fill, const Tool& tool, const Motion& motion)>;
 
-/// Visits the present pass and the later ones, with the bone that the passes before are predicted to leave
-/// (swept_bone.h).
+/// Visits the present pass and the later ones, with the bone that those before are predicted to leave.
 void for_each_predicted_pass(const SimulationInput& scene, const VisitPass& visit);
 
 }  // namespace reamsim

@@ -156,8 +156,7 @@ double inside_volume_mm3(const DistanceGrid& grid) {
   return sum * std::pow(grid.spacing_mm, 3);
 }
 
-/// Cutting edges may protrude from the sampled envelope, and the trilinear distance may be wrong by half a cell's
-/// diagonal.
+/// Edges may protrude from the sampled envelope; the trilinear distance may be wrong by half a cell's diagonal.
 double envelope_slack(const TriangleMesh& mesh, const Profile& envelope, double spacing_mm) {
   double out = 0;
   for (const Vec3& v : mesh.vertices) out = std::max(out, envelope.nearest(rz_of(v)).distance_mm);
@@ -216,8 +215,7 @@ DistanceGridPlan plan_distance_grid(const TriangleMesh& mesh, double voxel_mm) {
   }
   const DistanceGrid lattice = make_lattice(mesh, voxel_mm);
   const double brick_mm = kSide * lattice.spacing_mm;
-  // A slab of the band's width overlaps bricks with their middle within half a diagonal; curved surfaces and edges
-  // overlap more.
+  // A slab of the band's width overlaps bricks with their middle within half a diagonal; curved ones overlap more.
   constexpr double kDiagonal = 1.7320508, kCurved = 1.3;
   const double lattice_bricks = lattice.bricks.cast<double>().prod();
   const double bricks = std::min(

@@ -58,8 +58,7 @@ DistanceGridPlan plan_distance_grid(const TriangleMesh& mesh, double voxel_mm);
 /// Throws InputError with the voxel size that would fit where `need_bytes` exceed `have_bytes`, the memory of `what`.
 void require_room_for_grid(double need_bytes, double have_bytes, double voxel_mm, const std::string& what);
 
-/// Signed distances to a tool's surface on a regular grid in (r, z), mm, negative inside: for predictions and lists of
-/// bricks.
+/// Signed distances to a tool's surface on a grid in (r, z), mm, negative inside: for predictions, lists of bricks.
 struct DistanceTable {
   Vec2 first = Vec2::Zero();  ///< (r, z) of the first sample
   double pitch_mm = 1;

@@ -19,8 +19,7 @@ struct KeyPose {
   ToolPose pose;  ///< the spin angle is not used
 };
 
-/// Approach, feed, dwell and retract as key poses, starting at time 0. Throws InputError where approach and depth are
-/// 0.
+/// Approach, feed, dwell and retract as key poses from time 0. Throws InputError where approach and depth are 0.
 std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge);
 
 /// Keyframes as key poses. Between axes the tool tilts along the shortest rotation, without rotation about its axis

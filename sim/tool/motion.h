@@ -37,12 +37,10 @@ struct ToolPose {
 /// The pose at fraction `t` (0…1) between `a` and `b`: orientation spherically, all else linearly.
 ToolPose interpolate(const ToolPose& a, const ToolPose& b, double t);
 
-/// Computes pose `k` of a motion. Any thread may call it. Throws RunError when a file that holds the poses cannot be
-/// read any more.
+/// Computes pose `k` of a motion, from any thread. Throws RunError when a file of poses cannot be read any more.
 using PoseSource = std::function<ToolPose(std::size_t k)>;
 
-/// The poses of a motion, one per frame, computed when asked for. Immutable; copies share the source, and any thread
-/// may read.
+/// The poses of a motion, one per frame, computed when asked for, from any thread. Copies share the source.
 class PoseSequence {
  public:
   PoseSequence() = default;

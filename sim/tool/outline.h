@@ -37,8 +37,7 @@ inline constexpr double kOnArcMm = 5e-4;
 /// The angle from direction `a` to `b`, rad; positive to the left.
 double angle_between(const Vec2& a, const Vec2& b);
 
-/// Fits arcs to sequences of four or more vertices within kOnArcMm of a circle and without sharp corners. All other
-/// edges become lines.
+/// Fits arcs to four or more vertices within kOnArcMm of a circle and without sharp corners; other edges are lines.
 Outline fit_outline(const Profile& profile);
 
 /// Area of a closed polygon, mm²; positive if counter-clockwise.

@@ -15,7 +15,6 @@
 
 #include "sim/base/error.h"
 #include "sim/tool/distance_grid.h"
-#include "sim/tool/morton.h"
 
 namespace reamsim {
 

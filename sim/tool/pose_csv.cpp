@@ -60,30 +60,21 @@ class RowWarnings {
   std::size_t count_ = 0;
 };
 
+/// By Separator, LengthUnit and TimeUnit.
+constexpr char kSeparators[] = {',', ';', '\t', ' '};
+constexpr double kMmPerUnit[] = {1, 10, 1000, 1e-3, 25.4};
+constexpr double kUnitsPerSecond[] = {1, 1e3, 1e6, 1e9};  // a division keeps decimal fractions
+
 CsvColumn column_of(const std::string& text, bool may_be_missing = false) {
   const std::optional<std::uint64_t> number = whole_number(text);
   if (!number) return {text, 0, may_be_missing};
   return {"column " + text, static_cast<std::size_t>(*number), may_be_missing};
 }
 
-char character_of(Separator separator) {
-  switch (separator) {
-    case Separator::comma:
-      break;
-    case Separator::semicolon:
-      return ';';
-    case Separator::tab:
-      return '\t';
-    case Separator::space:
-      return ' ';
-  }
-  return ',';
-}
-
 /// The layout of a file, with its columns in the order of Column.
 CsvLayout layout_of(const CsvMotionSettings& settings) {
   CsvLayout out{.columns = {column_of(settings.time_column)},
-                .separator = character_of(settings.separator),
+                .separator = kSeparators[static_cast<std::size_t>(settings.separator)],
                 .decimal_comma = settings.decimal == DecimalMark::comma,
                 .comments = true,
                 .missing_cells = settings.max_gap_s > 0,
@@ -100,37 +91,6 @@ CsvLayout layout_of(const CsvMotionSettings& settings) {
 bool is_plain(const CsvMotionSettings& settings) {
   return settings.format == PoseFormat::csv && settings.separator == Separator::comma &&
          settings.time_column == kNames[kTime] && settings.position_columns.front() == kNames[kX];
-}
-
-double mm_per(LengthUnit unit) {
-  switch (unit) {
-    case LengthUnit::mm:
-      break;
-    case LengthUnit::cm:
-      return 10;
-    case LengthUnit::m:
-      return 1000;
-    case LengthUnit::um:
-      return 1e-3;
-    case LengthUnit::in:
-      return 25.4;
-  }
-  return 1;
-}
-
-/// A value in units of which 1, 10³, 10⁶ or 10⁹ are a second. A division keeps decimal fractions.
-double seconds(double value, TimeUnit unit) {
-  switch (unit) {
-    case TimeUnit::s:
-      break;
-    case TimeUnit::ms:
-      return value / 1e3;
-    case TimeUnit::us:
-      return value / 1e6;
-    case TimeUnit::ns:
-      return value / 1e9;
-  }
-  return value;
 }
 
 /// Recorded poses, row by row (read_pose_csv()).
@@ -181,13 +141,14 @@ class PoseCsv {
 
   [[nodiscard]] KeyPose pose_of_row(Diagnostics& row_report) const {
     const SourceLocation where = rows_.where();
-    const Vec3 position_mm = mm_per(settings_.position_unit) * Vec3(row_[kX], row_[kY], row_[kZ]);
+    const Vec3 position_mm =
+        kMmPerUnit[static_cast<std::size_t>(settings_.position_unit)] * Vec3(row_[kX], row_[kY], row_[kZ]);
     for (const Column c : {kX, kY, kZ}) check_range(where, kNames[c], position_mm[c - kX], kFarthest_mm, "mm");
     const double spin_rpm = std::isnan(row_[kSpin]) ? settings_.spin_rpm : row_[kSpin];
     check_range(where, kOptionalNames[0], spin_rpm, kFastest_rpm, "rpm");
     const Quat q(row_[kQw], row_[kQx], row_[kQy], row_[kQz]);
-    KeyPose out{seconds(row_[kTime], settings_.time_unit),
-                {position_mm, normalized_or_warn(q, where.text(), row_report), 0, spin_rpm}};
+    const double time_s = row_[kTime] / kUnitsPerSecond[static_cast<std::size_t>(settings_.time_unit)];
+    KeyPose out{time_s, {position_mm, normalized_or_warn(q, where.text(), row_report), 0, spin_rpm}};
     ToolPose& pose = out.pose;
     if (marker_from_tool_) {
       pose.position_mm += pose.orientation * marker_from_tool_->translation();

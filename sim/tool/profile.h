@@ -58,8 +58,7 @@ struct Envelope {
   bool revolved = false;  ///< the mesh is a surface of revolution, and the profile its generating polygon
 };
 
-/// recover_generatrix() for a surface of revolution, sweep_outline() for other meshes. Throws InputError when the
-/// envelope has no volume.
+/// recover_generatrix(), or sweep_outline() for other meshes. Throws InputError when the envelope has no volume.
 Envelope envelope_of_revolution(const TriangleMesh& mesh);
 
 /// The generating polygon of a surface of revolution, or nullopt for other meshes: every triangle spans at most two

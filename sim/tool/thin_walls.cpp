@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/tool/thin_walls.h"
+#include "sim/tool/tool.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "sim/bone/voxmap/voxel_grid.h"
 #include "sim/tool/distance_grid.h"
 
 namespace reamsim {
@@ -43,8 +44,7 @@ class TriangleCells {
     }
   }
 
-  /// The nearest triangle on the ray from `from` along the unit vector `along`, and its distance; `length_mm` without a
-  /// hit.
+  /// The nearest triangle on a ray along the unit vector `along`, and its distance; `length_mm` without a hit.
   struct Hit {
     double distance_mm;
     std::size_t triangle = 0;
@@ -68,10 +68,7 @@ class TriangleCells {
   void each_cell(const Vec3& low, const Vec3& high, const Body& body) const {
     const Vec3i first = (low / cell_mm_).array().floor().cast<int>(),
                 last = (high / cell_mm_).array().floor().cast<int>();
-    Vec3i cell;
-    for (cell.z() = first.z(); cell.z() <= last.z(); ++cell.z())
-      for (cell.y() = first.y(); cell.y() <= last.y(); ++cell.y())
-        for (cell.x() = first.x(); cell.x() <= last.x(); ++cell.x()) body(cell);
+    for_each_voxel(first, last, body);
   }
 
   static std::uint64_t key(const Vec3i& cell) {

@@ -12,7 +12,6 @@
 #include "sim/base/error.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/tool/morton.h"
 #include "sim/tool/point_shell.h"
 #include "sim/tool/profile.h"
 
@@ -36,8 +35,7 @@ constexpr double kFacetCells = 0.02;
 /// an error, because the mesh is not in the tool frame.
 constexpr double kOffAxisWarn = 0.01;
 constexpr double kOffAxisError = 0.1;
-/// Distance of the lowest point from z = 0, relative to the tool's height, above which there is a warning: a cannula
-/// can lift it a little.
+/// Distance of the lowest point from z = 0 that is warned of, relative to the tool's height: a cannula can lift it.
 constexpr double kOffOriginWarn = 0.1;
 /// No cannula puts it below z = 0 by more than the rounding of a mesh.
 constexpr double kBelowOriginWarn_mm = 0.01;

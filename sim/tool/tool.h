@@ -26,7 +26,7 @@ struct Tool {
   ToolSpin spin = ToolSpin::envelope;
   bool revolved = false;                     ///< the mesh is the surface of revolution of the profile
   std::vector<HolderPartSettings> holder{};  ///< shaft and holder, which do not cut
-  std::optional<DistanceGrid> teeth;  ///< distance to resolved cutting edges, for `erosion: exact` (clipped_tool.h)
+  std::optional<DistanceGrid> teeth;  ///< distance to resolved cutting edges, for `erosion: exact` (prepare_clipping())
 
   /// Bound of the distance of the clipping surface outside the profile.
   [[nodiscard]] double clip_slack_mm() const { return teeth ? teeth->slack_mm : 0; }
@@ -44,5 +44,27 @@ enum class ShellUse {
 /// the shell's spacing is at most half of `voxel_mm`; a given one that leaks (expected_leak()) causes a warning. Throws
 /// InputError: unreadable or open mesh, no axis of revolution, a shell of more than 4096³ cells that touches voxels.
 Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Diagnostics& report);
+
+/// The thinnest wall of a solid.
+struct ThinWall {
+  double thickness_mm = 0;
+  Vec3 at_mm = Vec3::Zero();  ///< on the surface
+};
+
+/// The thinnest wall of a closed mesh that faces outwards, if it is thinner than `limit_mm`: the shortest distance
+/// along inward normals, from surface points half the limit apart, to an opposite face.
+std::optional<ThinWall> thinnest_wall(const TriangleMesh& mesh, double limit_mm);
+
+/// The same for the solid of revolution of a profile; `at_mm` has y = 0.
+std::optional<ThinWall> thinnest_wall(const Profile& profile, double limit_mm);
+
+/// Tolerated error of the grid's volume relative to the mesh's; larger ones cause a warning.
+inline constexpr double kGridVolumeTolerance = 5e-3;
+
+/// Prepares a tool for `erosion: exact` at voxels of `voxel_mm`: warns of thin walls, and makes the distance grid of
+/// resolved cutting edges (`spin: resolved`, and the mesh is no surface of revolution). Throws InputError where it
+/// would need more than `memory_bytes`.
+void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes,
+                      Diagnostics& report);
 
 }  // namespace reamsim

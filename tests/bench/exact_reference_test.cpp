@@ -12,7 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/bench/scene.h"
 #include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/engine/common/motion_windows.h"
+#include "sim/engine/common/substep.h"
 #include "sim/engine/make_engine.h"
 #include "tests/bench/reference/exact.h"
 

@@ -9,7 +9,7 @@
 #include "sim/bench/paper.h"
 #include "sim/bench/scene.h"
 #include "sim/engine/common/substep.h"
-#include "sim/tool/morton.h"
+#include "sim/tool/point_shell.h"
 
 namespace reamsim::bench {
 namespace {

@@ -10,7 +10,7 @@
 #include "sim/engine/bricked/shell_cells.h"
 #include "sim/engine/common/device_bricks.h"
 #include "sim/engine/make_engine.h"
-#include "sim/tool/morton.h"
+#include "sim/tool/point_shell.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::bricked_tests {

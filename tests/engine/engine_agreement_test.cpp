@@ -6,7 +6,7 @@
 
 #include <iostream>
 
-#include "sim/tool/morton.h"
+#include "sim/tool/point_shell.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::engine_agreement_tests {

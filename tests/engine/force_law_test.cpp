@@ -5,7 +5,7 @@
 #include <iostream>
 #include <sstream>
 
-#include "kernels/power.h"
+#include "kernels/cut_law.h"
 #include "sim/engine/common/tables.h"
 #include "tests/engine/outcome.h"
 

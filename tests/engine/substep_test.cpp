@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/tool/morton.h"
+#include "sim/tool/point_shell.h"
 #include "tests/engine/scene_fixture.h"
 
 namespace reamsim::test::substep_tests {

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "sim/engine/make_engine.h"
-#include "sim/tool/morton.h"
+#include "sim/tool/point_shell.h"
 #include "tests/engine/sweep.h"
 
 namespace reamsim::test::teeth_tests {

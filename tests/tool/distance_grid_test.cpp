@@ -8,7 +8,7 @@
 
 #include "sim/base/error.h"
 #include "sim/tool/profile.h"
-#include "sim/tool/thin_walls.h"
+#include "sim/tool/tool.h"
 #include "tests/support/gear_mesh.h"
 #include "tests/support/mesh_shapes.h"
 

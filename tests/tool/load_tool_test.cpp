@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/error.h"
-#include "sim/tool/morton.h"
 #include "sim/tool/point_shell.h"
 #include "sim/tool/profile.h"
 #include "sim/tool/tool.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "kernels/window.h"
-#include "sim/engine/common/engines.h"
+#include "sim/engine/make_engine.h"
 
 namespace reamsim {
 
@@ -54,8 +54,7 @@ class BrickBasis {
   std::vector<Grade> grades_;
 };
 
-/// Sums over the bricks, by substep and grade. A brick's are rounded to integers once, so that these do not depend on
-/// the order of the bricks.
+/// Sums over the bricks, by substep and grade. A brick's are rounded to integers once: their order does not matter.
 class VisitBasis {
  public:
   explicit VisitBasis(int substeps) : sums_(static_cast<std::size_t>(substeps) * kGrades) {}

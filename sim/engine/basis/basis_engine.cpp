@@ -100,15 +100,35 @@ std::vector<SubstepBasis> VisitBasis::substeps() const {
 
 namespace {
 
-/// The force basis of `erosion: remove`, from the voxels that the engine removed.
-class TouchedBasis {
+/// `erosion: remove`: the basis of the voxels that the engine removed. The engine gets the place of a substep in the
+/// batch as its frame, and so tells which substep removed a voxel.
+class TouchedBasisEngine final : public BasisEngine {
  public:
-  /// The voxmap must outlive it.
-  TouchedBasis(const BoneView& bone, const Tool& tool)
-      : voxmap_(&bone.voxmap), outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)) {}
+  TouchedBasisEngine(std::unique_ptr<Engine> engine, const BoneView& bone, const Tool& tool)
+      : BasisEngine(std::move(engine)),
+        voxmap_(bone.voxmap),
+        outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)) {}
 
+  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override {
+    SubstepArgs placed = args;
+    placed.frame = static_cast<std::int32_t>(args_.size());
+    args_.push_back(args);
+    engine_->enqueue(placed, std::move(window));
+  }
+  Batch collect() override {
+    Batch out = engine_->collect();
+    removed_ = engine_->take_removed();
+    out.basis = basis_of(args_, removed_);
+    for (auto& [voxel, place] : removed_) place = args_[static_cast<std::size_t>(place)].frame;
+    args_.clear();
+    return out;
+  }
+  RemovedFrames take_removed() override { return std::exchange(removed_, {}); }
+
+ private:
   /// The basis of each substep. `removed`: voxels, and the places in `args` of the substeps that removed them.
-  [[nodiscard]] std::vector<SubstepBasis> of(std::span<const SubstepArgs> args, const RemovedFrames& removed) const {
+  [[nodiscard]] std::vector<SubstepBasis> basis_of(std::span<const SubstepArgs> args,
+                                                   const RemovedFrames& removed) const {
     RemovedFrames ordered = removed;
     std::ranges::sort(ordered, {}, [](const auto& voxel) { return std::pair(voxel.second, voxel.first); });
     std::vector<SubstepBasis> out(args.size());
@@ -120,8 +140,8 @@ class TouchedBasis {
       const UnitArgs units(args[slot], 0);
       BrickBasis sums(1);
       for (auto at = begin; at != end; ++at) {
-        const Vec3i voxel = voxmap_->grid.coord(at->first);
-        sums.add(0, voxmap_->grade.get(voxel), RS_WHOLE_FILL, response(units, voxel));
+        const Vec3i voxel = voxmap_.grid.coord(at->first);
+        sums.add(0, voxmap_.grade.get(voxel), RS_WHOLE_FILL, response(units, voxel));
       }
       VisitBasis whole(1);
       whole.add(sums);
@@ -130,7 +150,6 @@ class TouchedBasis {
     return out;
   }
 
- private:
   /// As rs_voxel_force().
   [[nodiscard]] BasisValues response(const UnitArgs& args, const Vec3i& voxel) const {
     const OutlineView outline = view_of(outline_);
@@ -142,38 +161,11 @@ class TouchedBasis {
                      static_cast<float>(voxel.z() & 7), clip.p);
     const float r = RS_SQRT(clip.p[0] * clip.p[0] + clip.p[1] * clip.p[1]);
     rs_outline_normal(&outline, rs_pieces_near(&outline, r, clip.p[2]), clip.p, clip.n);
-    return unit_response(args, clip, static_cast<float>(voxmap_->grid.voxel_mm3()));
+    return unit_response(args, clip, static_cast<float>(voxmap_.grid.voxel_mm3()));
   }
 
-  const Voxmap* voxmap_;
+  const Voxmap& voxmap_;
   OutlineTable outline_;
-};
-
-/// `erosion: remove`. The engine gets the place of a substep in the batch as its frame, and so tells which substep
-/// removed a voxel.
-class TouchedBasisEngine final : public BasisEngine {
- public:
-  TouchedBasisEngine(std::unique_ptr<Engine> engine, const BoneView& bone, const Tool& tool)
-      : BasisEngine(std::move(engine)), basis_(bone, tool) {}
-
-  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override {
-    SubstepArgs placed = args;
-    placed.frame = static_cast<std::int32_t>(args_.size());
-    args_.push_back(args);
-    engine_->enqueue(placed, std::move(window));
-  }
-  Batch collect() override {
-    Batch out = engine_->collect();
-    removed_ = engine_->take_removed();
-    out.basis = basis_.of(args_, removed_);
-    for (auto& [voxel, place] : removed_) place = args_[static_cast<std::size_t>(place)].frame;
-    args_.clear();
-    return out;
-  }
-  RemovedFrames take_removed() override { return std::exchange(removed_, {}); }
-
- private:
-  TouchedBasis basis_;
   RemovedFrames removed_;
 };
 

@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "sim/base/geometry.h"
-#include "sim/tool/morton.h"
 
 namespace reamsim {
 

@@ -58,8 +58,7 @@ class DeviceBatch {
   /// Finishes the queue. Returns the first substep that waits for room in the list of removed voxels, or -1. It and
   /// those after it have cut nothing.
   int first_waiting();
-  /// Empties the list, and returns it. The caller then cuts the substep `slot` of first_waiting(), and detects and cuts
-  /// those after it.
+  /// Empties the list, and returns it. The caller then cuts substep `slot`, and detects and cuts those after it.
   std::vector<cl_ulong> make_room(int slot);
 
   /// Finishes the queue, returns the sums by slot, and empties the batch.

@@ -24,9 +24,14 @@ static_assert(FillBricks::kSide == RS_BRICK_SIDE);
 
 namespace {
 
-constexpr int kSide = RS_BRICK_SIDE;
 constexpr int kManyPools = 16;
 constexpr std::size_t kFillBytes = sizeof(rs_u16) * RS_BRICK_VOXELS;
+
+/// The place in a brick of the device of the voxel with that offset on the host.
+std::size_t device_place(int offset) {
+  const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
+  return static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()));
+}
 
 /// Writes a brick in the device's layout. Returns whether it has bone.
 bool write_brick(const BoneView& bone, const Vec3i& coord, const GradeBricks::Brick& grades, bool with_fill,
@@ -36,8 +41,7 @@ bool write_brick(const BoneView& bone, const Vec3i& coord, const GradeBricks::Br
   const FillBricks::Brick* fills = bone.fill.brick(coord);
   bool has_bone = false;
   for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
-    const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
-    const auto place = static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()));
+    const std::size_t place = device_place(offset);
     const auto at = static_cast<std::size_t>(offset);
     out.grade[place] = grades[at];
     fill[place] = fills == nullptr ? FillBricks::kWhole : (*fills)[at];
@@ -215,8 +219,7 @@ void read_brick_fill(const cl::Device& device, const DeviceBricks& out, const Vo
     ++slot;
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       if (grades[static_cast<std::size_t>(offset)] == 0) continue;
-      const Vec3i voxel = BrickLattice::voxel_at(brick, offset);
-      remaining.set(voxel, fill[static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()))]);
+      remaining.set(BrickLattice::voxel_at(brick, offset), fill[device_place(offset)]);
     }
   });
 }
@@ -272,12 +275,10 @@ FillPages make_fill_pages(const cl::Device& device, const BoneView& bone) {
     fills.resize(fills.size() + RS_BRICK_VOXELS);
     cl_ushort* page = fills.data() + fills.size() - RS_BRICK_VOXELS;
     for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
-      const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
-      page[rs_brick_offset(voxel.x(), voxel.y(), voxel.z())] = (*brick)[static_cast<std::size_t>(offset)];
+      page[device_place(offset)] = (*brick)[static_cast<std::size_t>(offset)];
     }
   });
-  fill.page_of_slot = {device, std::max<std::size_t>(1, page_of_slot.size()), "the table of fill"};
-  if (!page_of_slot.empty()) fill.page_of_slot.write(device, page_of_slot.data(), page_of_slot.size());
+  fill.page_of_slot = cl::upload(device, page_of_slot, "the table of fill");
   fill.slot_of_page = {device, room, "the table of fill"};
   fill.fills = {device, room * RS_BRICK_VOXELS, "the fill of cut bricks"};
   if (fill.used > 0) {
@@ -313,8 +314,7 @@ void read_pages(const cl::Device& device, const DeviceBricks& bricks, const Fill
       const cl_ushort* from = chunk.data() + page * RS_BRICK_VOXELS;
       FillBricks::Brick brick{};
       for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
-        const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
-        brick[static_cast<std::size_t>(offset)] = from[rs_brick_offset(voxel.x(), voxel.y(), voxel.z())];
+        brick[static_cast<std::size_t>(offset)] = from[device_place(offset)];
       }
       fill.put(lattice.coord(places[slots[first + page]]), brick);
     }

@@ -53,8 +53,7 @@ struct Batch {
   std::vector<SubstepBasis> basis{};  ///< with `output.force_basis`; else empty
 };
 
-/// Device memory of bone and tool, bytes: the structures of the paper's Table 4, without the lists and slots of a
-/// batch.
+/// Device memory of bone and tool, bytes: the structures of the paper's Table 4, without those of a batch.
 struct StructureBytes {
   std::size_t voxmap = 0;
   std::size_t shell = 0;
@@ -76,8 +75,7 @@ class Engine {
   virtual RemovedFrames take_removed() = 0;
   /// Updates partly removed voxels in `fill`; those without fill are in take_removed(). `voxmap`: that of the engine.
   virtual void read_fill(const Voxmap& voxmap, FillBricks& fill) = 0;
-  /// Sets the bone; all batches must have been collected. Throws RunError where it is not the voxmap of the engine,
-  /// reamed or not.
+  /// Sets the bone; all batches must have been collected. Throws RunError for another voxmap than the engine's.
   virtual void restore(const BoneView& bone) = 0;
   /// As restore(), for the voxels of `removed` only, where the engine supports that.
   virtual void restore_voxels(const BoneView& bone, const RemovedFrames& /*removed*/) { restore(bone); }

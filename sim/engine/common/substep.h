@@ -3,9 +3,12 @@
 
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
+#include <vector>
 
-#include "kernels/shared.h"
+#include "kernels/window.h"
 #include "sim/base/geometry.h"
 #include "sim/bone/voxmap/voxel_grid.h"
 #include "sim/bone/voxmap/voxmap.h"
@@ -35,8 +38,7 @@ Substep make_substep(const ToolPose& a, const ToolPose& b, double begin_fraction
 /// The pose of the shell in B: with the spin where cutting edges are resolved, without it for the envelope.
 Rigid bone_from_shell(const ToolPose& pose, bool spin_resolved);
 
-/// The fill that a tool at rest could remove because of the error of positions in single precision; smaller losses are
-/// put off.
+/// The fill that a tool at rest could remove by errors of single precision; smaller losses are put off.
 rs_i32 least_loss(double voxel_mm);
 
 /// The arguments of a substep. `voi` is in the shell's frame, mm.
@@ -57,5 +59,30 @@ std::optional<Aabb> broad_phase(const Aabb& tool, const Aabb& bone, const Rigid&
 /// The volume of interest in voxmap coordinates (paper §4.3.2): the voxels of `bone` whose centres can lie in
 /// `tool_box` (T, mm) in the substep's pose. Conservative.
 VoxelBox voxel_voi(const SubstepArgs& args, const Aabb& tool_box, const VoxelBox& bone);
+
+/// Windows of frames whose motion is smooth, for `erosion: exact` (kernels/window.h). They depend on the motion alone:
+/// a window is one of frames 64k … 64k + 63, or of their halves, quarters or eighths, and the same in every batch.
+class MotionWindows {
+ public:
+  /// The substep of a frame, or nullopt where it has none or several.
+  using ArgsOfFrame = std::function<std::optional<SubstepArgs>(std::int64_t frame)>;
+
+  /// `last`: frame of the motion; `tool_box`: T, mm.
+  MotionWindows(ArgsOfFrame args_of, std::int64_t last, const Aabb& tool_box);
+
+  /// The window of a frame (≥ 1); nullptr where the motion is not smooth, or too fast.
+  std::shared_ptr<const MotionWindow> of(std::int64_t frame);
+
+ private:
+  void plan(std::int64_t block);
+  void split(std::int64_t first, std::int64_t end);
+
+  ArgsOfFrame args_of_;
+  std::int64_t last_;
+  Aabb tool_box_;
+  std::int64_t block_ = -1;                                   ///< the planned one
+  std::vector<std::optional<SubstepArgs>> args_;              ///< of its frames
+  std::vector<std::shared_ptr<const MotionWindow>> windows_;  ///< of its frames
+};
 
 }  // namespace reamsim

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -47,14 +46,14 @@ OutlineGrid make_grid(const Profile& profile, double voxel_mm) {
           static_cast<rs_i32>(std::ceil(width / cell_mm)), static_cast<rs_i32>(std::ceil(height / cell_mm))};
 }
 
-using Distance = std::function<double(std::size_t, const Vec2&)>;
+using Arcs = std::vector<OutlineArc>;
 
-/// The elements of `among` that can be nearest to a point within `reach_mm` of `center`, because a distance changes by
+/// The arcs of `among` that can be nearest to a point within `reach_mm` of `center`, because a distance changes by
 /// at most the motion of the point.
-std::vector<rs_u16> nearest_within(const Distance& distance, const std::vector<rs_u16>& among, const Vec2& center,
+std::vector<rs_u16> nearest_within(const Arcs& arcs, const std::vector<rs_u16>& among, const Vec2& center,
                                    double reach_mm) {
   std::vector<double> distances;
-  for (const rs_u16 i : among) distances.push_back(distance(i, center));
+  for (const rs_u16 i : among) distances.push_back(arcs[i].distance(center));
   const double limit = std::ranges::min(distances) + 2 * reach_mm + kSlack_mm;
   std::vector<rs_u16> out;
   for (std::size_t i = 0; i < among.size(); ++i) {
@@ -64,29 +63,24 @@ std::vector<rs_u16> nearest_within(const Distance& distance, const std::vector<r
 }
 
 /// The same with a tighter bound: the union over the parts of the square around `center`.
-std::vector<rs_u16> nearest_by_parts(const Distance& distance, const std::vector<rs_u16>& among, const Vec2& center,
+std::vector<rs_u16> nearest_by_parts(const Arcs& arcs, const std::vector<rs_u16>& among, const Vec2& center,
                                      double reach_mm) {
-  const std::vector<rs_u16> coarse = nearest_within(distance, among, center, reach_mm);
+  const std::vector<rs_u16> coarse = nearest_within(arcs, among, center, reach_mm);
   const double part = 2 * reach_mm / kParts;
   std::vector<rs_u16> out;
   for (int i = 0; i < kParts * kParts && out.size() < coarse.size(); ++i) {
     const int column = i % kParts, row = i / kParts;
     const Vec2 at = center + part * Vec2(column + 0.5, row + 0.5) - Vec2::Constant(reach_mm);
-    for (const rs_u16 edge : nearest_within(distance, coarse, at, std::sqrt(0.5) * part)) out.push_back(edge);
+    for (const rs_u16 edge : nearest_within(arcs, coarse, at, std::sqrt(0.5) * part)) out.push_back(edge);
     std::ranges::sort(out);
     out.erase(std::unique(out.begin(), out.end()), out.end());
   }
   return out;
 }
 
-/// Lists for voxels of `voxel_mm`: each is valid for all voxels of a brick whose centre lies in its cell. `distance` of
-/// a part from a point (r, z), mm; `count` parts.
-NearestLists make_nearest_lists(const Profile& profile, std::size_t count, const Distance& distance, double voxel_mm) {
-  NearestLists out;
-  out.numbers.resize(count);
-  std::iota(out.numbers.begin(), out.numbers.end(), rs_u16{0});
+/// Adds lists for voxels of `voxel_mm`, each valid for all voxels of a brick whose centre lies in its cell.
+void add_nearest_lists(const Profile& profile, const Arcs& arcs, double voxel_mm, OutlineTable& out) {
   const std::vector<rs_u16> all = out.numbers;
-  out.lists.push_back({0, static_cast<rs_u32>(count)});
   out.grid = make_grid(profile, voxel_mm);
   const double cell_mm = 1 / double{out.grid.per_mm};
   const double reach_mm = kBrickReach * voxel_mm + std::sqrt(0.5) * cell_mm + kSlack_mm;
@@ -94,22 +88,17 @@ NearestLists make_nearest_lists(const Profile& profile, std::size_t count, const
     for (int r = 0; r < out.grid.count_r; ++r) {
       const Vec2 center((r + 0.5) * cell_mm, double{out.grid.z0} + (z + 0.5) * cell_mm);
       double nearest = std::numeric_limits<double>::infinity();
-      for (const rs_u16 part : all) nearest = std::min(nearest, distance(part, center));
+      for (const OutlineArc& arc : arcs) nearest = std::min(nearest, arc.distance(center));
       if (nearest > kBandVoxels * voxel_mm + reach_mm) {
         out.lists.push_back(out.lists.front());
         continue;
       }
-      const std::vector<rs_u16> list = nearest_by_parts(distance, all, center, reach_mm);
+      const std::vector<rs_u16> list = nearest_by_parts(arcs, all, center, reach_mm);
       out.lists.push_back({static_cast<rs_u32>(out.numbers.size()), static_cast<rs_u32>(list.size())});
       out.numbers.insert(out.numbers.end(), list.begin(), list.end());
     }
   }
-  return out;
 }
-
-}  // namespace
-
-namespace {
 
 OutlinePiece make_piece(const OutlineArc& arc) {
   const auto f = [](double value) { return static_cast<float>(value); };
@@ -152,8 +141,7 @@ double smooth_length(const std::vector<OutlineArc>& arcs, std::size_t i, int ste
   return length;
 }
 
-/// Marks the sharp corners. One next to a section shorter than a voxel does not count: a third plane would cut the same
-/// voxel.
+/// Marks the sharp corners, but for those next to a section shorter than a voxel, which a third plane would cut.
 void mark_corners(const std::vector<OutlineArc>& arcs, double voxel_mm, std::vector<OutlinePiece>& pieces) {
   for (std::size_t i = 0; i < arcs.size(); ++i) {
     const std::size_t next = (i + 1) % arcs.size();
@@ -164,15 +152,18 @@ void mark_corners(const std::vector<OutlineArc>& arcs, double voxel_mm, std::vec
   }
 }
 
-/// The table without lists.
-OutlineTable table_without_lists(const Outline& outline, double voxel_mm) {
+OutlineTable table_of(const Outline& outline, double voxel_mm) {
   OutlineTable table;
-  if (outline.arcs.size() > std::numeric_limits<rs_u16>::max()) {
-    throw InputError({}, "tool.mesh", "a profile of " + std::to_string(outline.arcs.size()) + " lines and arcs",
+  const std::size_t count = outline.arcs.size();
+  if (count > std::numeric_limits<rs_u16>::max()) {
+    throw InputError({}, "tool.mesh", "a profile of " + std::to_string(count) + " lines and arcs",
                      "at most 65535 are possible");
   }
   std::transform(outline.arcs.begin(), outline.arcs.end(), std::back_inserter(table.pieces), make_piece);
   mark_corners(outline.arcs, voxel_mm, table.pieces);
+  table.numbers.resize(count);
+  std::iota(table.numbers.begin(), table.numbers.end(), rs_u16{0});
+  table.lists.push_back({0, static_cast<rs_u32>(count)});
   table.bulge_mm = outline.bulge_mm;
   return table;
 }
@@ -180,27 +171,22 @@ OutlineTable table_without_lists(const Outline& outline, double voxel_mm) {
 }  // namespace
 
 OutlineTable full_outline_table(const Profile& profile, double voxel_mm) {
-  OutlineTable table = table_without_lists(fit_outline(profile), voxel_mm);
-  for (std::size_t i = 0; i < table.pieces.size(); ++i) table.near.numbers.push_back(static_cast<rs_u16>(i));
-  table.near.lists.push_back({0, static_cast<rs_u32>(table.pieces.size())});
-  return table;
+  return table_of(fit_outline(profile), voxel_mm);
 }
 
 OutlineTable make_outline_table(const Profile& profile, double voxel_mm) {
   const Outline outline = fit_outline(profile);
-  OutlineTable table = table_without_lists(outline, voxel_mm);
-  table.near = make_nearest_lists(
-      profile, outline.arcs.size(), [&](std::size_t i, const Vec2& rz) { return outline.arcs[i].distance(rz); },
-      voxel_mm);
+  OutlineTable table = table_of(outline, voxel_mm);
+  add_nearest_lists(profile, outline.arcs, voxel_mm, table);
   return table;
 }
 
 DeviceOutline::DeviceOutline(const cl::Device& device, const OutlineTable& table) {
   constexpr const char* kWhat = "the tool's surface";
   pieces_ = cl::upload(device, table.pieces, kWhat);
-  numbers_ = cl::upload(device, table.near.numbers, kWhat);
-  lists_ = cl::upload(device, table.near.lists, kWhat);
-  grid_ = cl::upload(device, std::array{table.near.grid}, kWhat);
+  numbers_ = cl::upload(device, table.numbers, kWhat);
+  lists_ = cl::upload(device, table.lists, kWhat);
+  grid_ = cl::upload(device, std::array{table.grid}, kWhat);
 }
 
 // The struct has the same layout on host and device.

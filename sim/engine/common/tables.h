@@ -21,24 +21,19 @@ namespace reamsim {
 /// voxel of a window is tested in each of its substeps.
 inline constexpr double kWindowShiftVoxels = 0.5;
 
-/// Lists of the parts of a tool's outline in (r, z) that can be nearest, by cell; see OutlineGrid in kernels/outline.h.
-struct NearestLists {
-  std::vector<rs_u16> numbers;  ///< of parts, list after list, beginning with the list of all
-  std::vector<PieceList> lists;
-  OutlineGrid grid{};
-};
-
 /// The tool's outline as kernels read it: lines and arcs in (r, z), and for each cell near the surface the list of
-/// those that can be nearest there. The distance of a voxel then takes constant time, whatever the length of the
-/// profile.
+/// those that can be nearest there (OutlineGrid in kernels/outline.h). The distance of a voxel then takes constant
+/// time, whatever the length of the profile.
 struct OutlineTable {
   std::vector<OutlinePiece> pieces;
-  NearestLists near;
+  std::vector<rs_u16> numbers;  ///< of pieces, list after list, beginning with the list of all
+  std::vector<PieceList> lists;
+  OutlineGrid grid{};
   double bulge_mm = 0;  ///< largest distance of a piece from the profile's edges
 };
 
 inline OutlineView view_of(const OutlineTable& table) {
-  return {table.pieces.data(), table.near.numbers.data(), table.near.lists.data(), &table.near.grid};
+  return {table.pieces.data(), table.numbers.data(), table.lists.data(), &table.grid};
 }
 
 /// All pieces in one list: the reference. Corners count as sharp where the sections on both sides are at least as long

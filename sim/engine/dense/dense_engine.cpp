@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/common/engines.h"
+#include "sim/engine/make_engine.h"
 
 #include <algorithm>
 #include <bit>
@@ -30,15 +30,6 @@ struct VoxelValue {
   cl_uint value;
 };
 
-/// The voxels of `removed` with value(voxel index).
-template <class Value>
-std::vector<VoxelValue> values_to_restore(const RemovedFrames& removed, Value value) {
-  std::vector<VoxelValue> values;
-  values.reserve(removed.size());
-  for (const auto& [voxel, frame] : removed) values.push_back({static_cast<cl_uint>(voxel), value(voxel)});
-  return values;
-}
-
 /// Restores single voxels of dense arrays, so that a benchmark need not upload the whole bone before each repetition.
 class VoxelRestorer {
  public:
@@ -49,12 +40,14 @@ class VoxelRestorer {
         halves_(program_, "restore_halves"),
         words_(program_, "restore_words") {}
 
-  /// Writes values into an array of 8, 16 or 32 bits per voxel, and waits for the device.
-  template <class T>
-  void write(const std::vector<VoxelValue>& values, const cl::Buffer<T>& array) {
+  /// Writes value(voxel index) of the removed voxels into an array of 8, 16 or 32 bits per voxel, and waits.
+  template <class T, class Value>
+  void write(const RemovedFrames& removed, const Value& value, const cl::Buffer<T>& array) {
     static_assert(sizeof(T) == 1 || sizeof(T) == 2 || sizeof(T) == 4);
     constexpr std::size_t kGroup = 64;
-    if (values.empty()) return;
+    if (removed.empty()) return;
+    std::vector<VoxelValue> values;
+    for (const auto& [voxel, frame] : removed) values.push_back({static_cast<cl_uint>(voxel), value(voxel)});
     cl::Kernel& kernel = sizeof(T) == 1 ? bytes_ : sizeof(T) == 2 ? halves_ : words_;
     const auto list = cl::upload(device_, values, "the voxels to restore");
     kernel.set_from(0, list, static_cast<cl_uint>(values.size()), array);
@@ -216,11 +209,11 @@ class DenseEngine final : public Engine {
       return std::bit_cast<cl_uint>(state_.scale.hu(static_cast<std::uint8_t>(grade(voxel))));
     };
     if (plan_.has_hu()) {
-      restorer_.write(values_to_restore(removed, hu), state_.hu);
+      restorer_.write(removed, hu, state_.hu);
     } else {
-      restorer_.write(values_to_restore(removed, grade), state_.grades);
+      restorer_.write(removed, grade, state_.grades);
     }
-    if (state_.has_fill) restorer_.write(values_to_restore(removed, fill), state_.fill);
+    if (state_.has_fill) restorer_.write(removed, fill, state_.fill);
   }
 
   [[nodiscard]] std::string device() const override { return device_.info().name; }

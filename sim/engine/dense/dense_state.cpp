@@ -11,7 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/engine/common/device_batch.h"
-#include "sim/tool/morton.h"
+#include "sim/tool/point_shell.h"
 
 namespace reamsim {
 

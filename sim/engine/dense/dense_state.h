@@ -83,8 +83,7 @@ struct HuScale {
   [[nodiscard]] bool exact() const;
 };
 
-/// The data on the device beside the batch: the bone as a dense array in the plan's layout, the tool, the contact list
-/// and tables.
+/// The data on the device beside the batch: the bone in the plan's layout, the tool, the contact list, and tables.
 struct DenseState {
   cl::Buffer<cl_uchar> grades;      ///< 0 = air or removed; unless the layout is flagged_hu
   cl::Buffer<cl_float> hu;          ///< HuScale::of_air = air or removed; where the layout is flagged_hu

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/common/engines.h"
+#include "sim/engine/make_engine.h"
 
 #include <algorithm>
 #include <array>
@@ -42,8 +42,7 @@ cl::Program cut_program(const cl::Device& device, const BrickLayout& layout, con
   return device.build("cut_exact.cl", embedded::kernel_cut_exact, defines);
 }
 
-/// The largest number of records of removed voxels in a visit: the 64 voxels of a block can be removed in as many
-/// substeps.
+/// The most records of removed voxels in a visit: the 64 voxels of a block can be removed in as many substeps.
 std::size_t max_records(std::size_t listed, int substeps) {
   return listed * 8 * static_cast<std::size_t>(std::min(substeps, 64));
 }

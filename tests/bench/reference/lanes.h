@@ -6,7 +6,7 @@
 #include "kernels/lanes.h"
 #include "tests/bench/reference/frame.h"
 
-// Vectors of the compiler as wide as the instruction set has them (RS_LANES, kernels/host_lanes.h). The passes are
+// Vectors of the compiler as wide as the instruction set has them (RS_LANES, host_lanes.h). The passes are
 // compiled once per instruction set, with REAMSIM_TARGET the namespace that everything stands in, so that no two of
 // them share an inline function. The functions of kernels/ are static.
 namespace reamsim::reference::REAMSIM_TARGET {

@@ -17,7 +17,6 @@
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/bench/scene.h"
-#include "sim/engine/common/motion_windows.h"
 #include "sim/engine/common/substep.h"
 #include "sim/engine/make_engine.h"
 #include "tests/bench/reference/exact.h"
