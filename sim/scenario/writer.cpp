@@ -253,41 +253,36 @@ Json key_schema(const KeyNode& key) {
 }
 
 /// In the order of KeyKind.
-constexpr std::array kKindNames{"number",
-                                "whole number",
-                                "true or false",
-                                "text",
-                                "name or whole number, or a list of them",
-                                "3 numbers",
-                                "list of points, 3 numbers each",
-                                "4 numbers",
-                                "list of words",
-                                "section",
-                                "list of sections"};
+constexpr std::array kKindNames{"number",    "integer",         "boolean",    "text", "name, integer or list",
+                                "3 numbers", "list of vectors", "quaternion", "list", "section",
+                                "list"};
 
 std::string type_text(const KeyInfo& info) {
-  const std::string name = kKindNames[static_cast<std::size_t>(info.kind)];
-  const std::string markups = "[markups](inputs.md#points-of-3d-slicer)";
-  if (info.point) return name + (info.kind == KeyKind::vector ? ", or a point of " : ", or ") + markups;
-  if (info.kind != KeyKind::text) return name;
-  if (!info.choices.empty()) return "word";
-  if (info.text == TextKind::word) return name;
+  if (info.point) return info.kind == KeyKind::vector ? "point" : "points";
+  if (info.nonzero) return "direction";
+  if (info.kind != KeyKind::text) return kKindNames[static_cast<std::size_t>(info.kind)];
+  if (!info.choices.empty()) return "choice";
+  if (info.text == TextKind::word) return "text";
   return info.text == TextKind::output_folder ? "folder" : "path";
 }
 
-std::string values_text(const KeyNode& key) {
+/// The choices, or the range with its unit.
+std::string values_text(const KeyInfo& info) {
   std::string out;
-  for (const auto choice : key.info.choices) out += (out.empty() ? "`" : ", `") + std::string(choice) + "`";
-  if (out.empty()) out = range_text(key.info.range);
-  if (key.info.nonzero) out = "not all zero";
-  return out;
+  for (const auto choice : info.choices) out += (out.empty() ? "`" : ", `") + std::string(choice) + "`";
+  if (!out.empty() || info.nonzero) return out;
+  const Range& range = info.range;
+  const bool symmetric = std::isfinite(range.max) && range.min == -range.max;
+  out = symmetric ? "±" + number_text(range.max) : range_text(range);
+  const std::string_view unit = unit_of(info.name);
+  return out + (unit.empty() ? "" : " " + std::string(unit));
 }
 
 std::string default_text(const KeyNode& key) {
   if (key.info.required) return "**required**";
-  if (key.info.kind == KeyKind::section) return "";
+  if (key.default_json.empty()) return "";
   const std::string by = key.info.default_by.empty() ? "" : ", or by `" + std::string(key.info.default_by) + "`";
-  return (key.default_json.empty() ? "none" : "`" + key.default_json + "`") + by;
+  return "`" + key.default_json + "`" + by;
 }
 
 std::string doc_text(const KeyNode& key, const KeyNode& section) {
@@ -303,18 +298,41 @@ std::string doc_text(const KeyNode& key, const KeyNode& section) {
   return out + ".";
 }
 
-void add_rows(std::string& out, const KeyNode& section) {
-  for (const auto& key : section.children) {
-    const std::string_view unit = unit_of(key.info.name);
-    out += "| `" + key.path + "` | " + type_text(key.info) + " | " + std::string(unit) + " | " + default_text(key) +
-           " | " + values_text(key) + " | " + doc_text(key, section) + " |\n";
-    add_rows(out, key);
+/// What a row has after the path.
+std::string cells_text(const KeyNode& key, const KeyNode& section) {
+  return type_text(key.info) + " | " + default_text(key) + " | " + values_text(key.info) + " | " +
+         doc_text(key, section);
+}
+
+bool have_same_keys(const KeyNode& a, const KeyNode& b) {
+  return std::ranges::equal(a.children, b.children, [&](const KeyNode& one, const KeyNode& other) {
+    return one.info.name == other.info.name && cells_text(one, a) == cells_text(other, b) && have_same_keys(one, other);
+  });
+}
+
+/// The first section below `within` that has the keys of `section`; at the latest `section` itself.
+const KeyNode* first_with_keys_of(const KeyNode& section, const KeyNode& within) {
+  for (const auto& key : within.children) {
+    if (key.children.empty()) continue;
+    if (have_same_keys(key, section)) return &key;
+    if (const KeyNode* found = first_with_keys_of(section, key)) return found;
   }
+  return nullptr;
+}
+
+/// Keys that several sections have are listed once.
+void add_row(std::string& out, const KeyNode& key, const KeyNode& section) {
+  out += "| `" + key.path + "` | " + cells_text(key, section);
+  const KeyNode* first = key.children.empty() ? &key : first_with_keys_of(key, key_tree());
+  if (first != &key) out += " Keys: as `" + first->path + "`.";
+  out += " |\n";
+  if (first != &key) return;
+  for (const auto& child : key.children) add_row(out, child, key);
 }
 
 constexpr const char* kHead =
-    "| key | type | unit | default | values | what it is |\n"
-    "|---|---|---|---|---|---|\n";
+    "| key | type | default | values | what it is |\n"
+    "|---|---|---|---|---|\n";
 
 }  // namespace
 
@@ -345,13 +363,12 @@ std::string scenario_key_table() {
   std::string out = kHead;
   for (const auto& key : root.children) {
     if (!key.children.empty()) continue;
-    out += "| `" + key.path + "` | " + type_text(key.info) + " |  | " + default_text(key) + " | " + values_text(key) +
-           " | " + doc_text(key, root) + " |\n";
+    add_row(out, key, root);
   }
   for (const auto& section : root.children) {
     if (section.children.empty()) continue;
     out += "\n### " + section.path + "\n\n" + doc_text(section, root) + "\n\n" + kHead;
-    add_rows(out, section);
+    for (const auto& key : section.children) add_row(out, key, section);
   }
   return out;
 }

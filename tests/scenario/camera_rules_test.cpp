@@ -40,7 +40,7 @@ TEST_F(CameraRules, TheResolvedTextGivesThemAgain) {
 
 TEST_F(CameraRules, KeysOutOfRange) {
   EXPECT_EQ(camera("name: a"),
-            "s.yaml:17:7: render.user_cameras.0.position_mm: missing; expected this key: Position of the camera");
+            "s.yaml:17:7: render.user_cameras.0.position_mm: missing; expected this key: Camera position");
   EXPECT_EQ(camera("name: a, position_mm: [1, 2, 3], fov_deg: 121"),
             "s.yaml:17:50: render.user_cameras.0.fov_deg: found 121; expected a number, 1 to 120 (°)");
   EXPECT_EQ(camera("name: a, position_mm: [1, 2, 3], width_mm: 5"),

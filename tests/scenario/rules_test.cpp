@@ -204,7 +204,7 @@ TEST_F(Rules, ValuesOfMetrics) {
   const auto metrics = [&](const std::string& keys) { return complaint(kValid + "metrics: {" + keys + "}\n"); };
   EXPECT_EQ(metrics("implant: {}"),
             "s.yaml:16:11: metrics.implant.backside_radius_mm: missing; expected this key: Radius of the spherical "
-            "back of the implant; 0: flat");
+            "back; 0: flat");
   EXPECT_THAT(metrics("implant: 25"), HasSubstr("s.yaml:16:20: metrics.implant: found 25; expected a section"));
   EXPECT_THAT(metrics("implant: {backside_radius_mm: -1}"), HasSubstr("metrics.implant.backside_radius_mm: found -1"));
   EXPECT_THAT(metrics("implant: {backside_radius_mm: big}"), HasSubstr("metrics.implant.backside_radius_mm: found"));
