@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* rs_real and rs_int of kernels/lanes.h for C++ (GCC, Clang): RS_LANES values in a vector of the compiler. RS_LANES must be
- * what the instruction set of the file has: 16 with AVX-512 (F, DQ), 8 with AVX2 and FMA, 4 otherwise. All functions
- * are static, because another file may have them for another instruction set. */
+/* rs_real and rs_int of kernels/lanes.h for C++ (GCC, Clang): RS_LANES values in a vector of the compiler. RS_LANES
+ * must be what the instruction set of the file has: 16 with AVX-512 (F, DQ), 8 with AVX2 and FMA, 4 otherwise. All
+ * functions are static, because another file may have them for another instruction set. */
 #ifndef REAMSIM_REFERENCE_HOST_LANES_H
 #define REAMSIM_REFERENCE_HOST_LANES_H
 
