@@ -182,6 +182,13 @@ class Guarded {
     if (forked) new std::optional<Simulation>(std::move(simulation_));  // NOLINT: stays until the process ends
   }
 
+  /// Calls work(simulation) with the GIL, so that no other thread can meet it. For what takes no time.
+  template <class Work>
+  auto look(const Work& work) {
+    require_free();
+    return work(*simulation_);
+  }
+
   /// Calls work(simulation) without the GIL.
   template <class Work>
   auto compute(const Work& work) {
@@ -279,14 +286,14 @@ void add_simulation(py::module_& module) {
            [](Guarded& g) { return array_of(g.compute([](Simulation& s) { return s.planned_poses(); })); })
       .def("pose",
            [](Guarded& g) -> py::object {
-             const std::optional<Pose> pose = g.compute([](Simulation& s) { return s.pose(); });
+             const std::optional<Pose> pose = g.look([](Simulation& s) { return s.pose(); });
              return pose ? py::object(array_of(std::vector{*pose})) : py::none();
            })
       .def("fill", [](Guarded& g) { return grid_of(g.compute([](Simulation& s) { return s.fill(); })); })
       .def("density", [](Guarded& g) { return grid_of(g.compute([](Simulation& s) { return s.density(); })); })
-      .def("frame_s", [](Guarded& g) { return g.compute([](Simulation& s) { return s.frame_s(); }); })
-      .def("frame", [](Guarded& g) { return g.compute([](Simulation& s) { return s.frame(); }); })
-      .def("removed_mm3", [](Guarded& g) { return g.compute([](Simulation& s) { return s.removed_mm3(); }); })
+      .def("frame_s", [](Guarded& g) { return g.look([](Simulation& s) { return s.frame_s(); }); })
+      .def("frame", [](Guarded& g) { return g.look([](Simulation& s) { return s.frame(); }); })
+      .def("removed_mm3", [](Guarded& g) { return g.look([](Simulation& s) { return s.removed_mm3(); }); })
       .def("state", [](Guarded& g) { return g.compute([](Simulation& s) { return s.state(); }); })
       .def("restore", [](Guarded& g, const State& state) { g.compute([&](Simulation& s) { s.restore(state); }); });
 }

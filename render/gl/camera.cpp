@@ -80,6 +80,16 @@ DepthRow depth_row(const Camera& camera) {
   return {slope, far / eye_mm - slope * (eye_mm - far)};
 }
 
+/// Throws InputError for a size below one pixel.
+Camera sized_camera(const std::string& name, int width_px, int height_px) {
+  if (width_px < 1 || height_px < 1) {
+    throw InputError({}, "render.width_px",
+                     "a picture of " + std::to_string(width_px) + " x " + std::to_string(height_px) + " pixels",
+                     "expected at least 1 x 1");
+  }
+  return {.name = name, .width_px = width_px, .height_px = height_px};
+}
+
 /// The default up direction of a user's camera: superior, or outward for a view along it.
 Vec3 default_up(const ViewTarget& target, const Vec3& view) {
   return std::abs(view.normalized().dot(target.superior)) < 0.99 ? target.superior : target.outward;
@@ -115,7 +125,7 @@ Vec2 Camera::pixel(const Vec3& point_mm) const {
 }
 
 Camera make_camera(CameraView view, const ViewTarget& target, int width_px, int height_px) {
-  Camera camera{.name = name_of(view), .width_px = width_px, .height_px = height_px};
+  Camera camera = sized_camera(name_of(view), width_px, height_px);
   Vec3 towards_viewer = target.outward;
   if (view == CameraView::glenoid) {
     camera.shows_tool = false;
@@ -132,7 +142,7 @@ Camera make_camera(CameraView view, const ViewTarget& target, int width_px, int 
 }
 
 Camera make_user_camera(const UserCamera& wanted, const ViewTarget& target, int width_px, int height_px) {
-  Camera camera{.name = wanted.name, .width_px = width_px, .height_px = height_px};
+  Camera camera = sized_camera(wanted.name, width_px, height_px);
   const std::string key = "render.user_cameras (" + wanted.name + ")";
   Rigid bone_from_frame = Rigid::Identity();
   if (wanted.frame == PoseFrame::glenoid) {

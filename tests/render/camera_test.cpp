@@ -103,6 +103,10 @@ TEST(CameraTest, ClipSpaceAndPixelsAgree) {
   EXPECT_LT(std::abs(clip.z()), 1);
 }
 
+TEST(CameraTest, AnEmptySizeIsAnInputError) {
+  EXPECT_THROW(make_camera(CameraView::glenoid, left_shoulder(), 0, 10), InputError);
+}
+
 TEST(ScaleTest, TicksAreRoundNumbers) {
   EXPECT_DOUBLE_EQ(round_down(17), 10);
   EXPECT_DOUBLE_EQ(round_down(20), 20);

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "kernels/window.h"
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engines.h"
 
 namespace reamsim {
 
