@@ -46,7 +46,13 @@ std::set<MeshTriangle> needed_places(const std::map<MeshTriangle, int>& balance)
   std::map<Edge, std::vector<MeshTriangle>> balanced;
   std::map<Edge, std::size_t> others;
   for (const auto& [place, sum] : balance) {
-    for (const Edge& edge : edges_of(place)) sum == 0 ? balanced[edge].push_back(place) : void(++others[edge]);
+    for (const Edge& edge : edges_of(place)) {
+      if (sum == 0) {
+        balanced[edge].push_back(place);
+      } else {
+        ++others[edge];
+      }
+    }
   }
   std::set<MeshTriangle> visited, needed;
   for (const auto& [start, start_sum] : balance) {

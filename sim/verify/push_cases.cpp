@@ -83,7 +83,7 @@ double steady_feed(const SteadyPlunge& head, double thrust_n, double voxel_mm, c
 }  // namespace
 
 void push_steady_case(const Setting& setting, Report& out) {
-  out.title = "FeedRate under a constant thrust";
+  out.title = "Feed rate under a constant thrust";
   out.scene =
       "cannulated reamer (R 29, a 15, r₀ 1.25 mm, 250 rpm) in full contact in ρ 1.8 g/cm³, pushed with 20, 50 and 100 "
       "N; "

@@ -328,6 +328,8 @@ TEST_F(BoneVdb, RefusesOtherContents) {
   wrong_type->tree().setValueOn({0, 0, 0}, 1);
   write_foreign(wrong_type, "density");
   EXPECT_THAT(input_error([&] { read_stored_bone(path()); }), HasSubstr("expected a FloatGrid"));
+  write_foreign(wrong_type, "fill");
+  EXPECT_THAT(input_error([&] { read_stored_bone(path()); }), HasSubstr("no grid \"density\" (found: fill)"));
 
   auto not_a_number = make_float_grid(0.0F);
   not_a_number->tree().setValueOn({0, 0, 0}, NAN);

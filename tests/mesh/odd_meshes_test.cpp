@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstring>
 #include <fstream>
 #include <random>
@@ -13,6 +14,7 @@
 #include "sim/base/error.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_io.h"
+#include "sim/mesh/mesh_repair.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/temp_dir.h"
 
@@ -224,6 +226,19 @@ TEST_F(OddMeshes, CornersThatDifferInTheLastDigitsAreWelded) {
   EXPECT_NEAR(read.mesh.volume_mm3(), mesh_.volume_mm3(), 0.01);
   EXPECT_THAT(read.notes, Contains(HasSubstr("corners of triangles were welded that differed by up to ")));
   EXPECT_THAT(contents("clean.stl", ascii()).notes, IsEmpty());
+}
+
+TEST_F(OddMeshes, CollapsedTrianglesAlongASeamDoNotHinderWelding) {
+  TriangleMesh mesh = box_mesh({0, 0, 0}, {2, 3, 4});
+  const std::array<std::int32_t, 3> first = mesh.triangles[0];
+  for (std::size_t c = 0; c < 3; ++c) {  // the first triangle has corners of its own; its neighbours, collapsed ones
+    mesh.triangles[0][c] = static_cast<std::int32_t>(mesh.vertices.size());
+    mesh.vertices.emplace_back(mesh.vertices[static_cast<std::size_t>(first[c])] + Vec3::Constant(1e-6));
+    mesh.triangles.push_back({first[c], first[(c + 1) % 3], first[(c + 1) % 3]});
+  }
+  EXPECT_THAT(weld(mesh), HasSubstr("3 corners of triangles were welded"));
+  EXPECT_TRUE(diagnose(mesh).closed_manifold()) << diagnose(mesh).text();
+  EXPECT_EQ(mesh.triangles.size(), 12U);
 }
 
 TEST_F(OddMeshes, WeldingStaysUnderATenthOfTheShortestEdge) {

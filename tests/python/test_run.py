@@ -161,6 +161,13 @@ def test_other_ends_of_the_program(small, fake_program):
         reamsim.run(small)
 
 
+def test_no_temporary_folder_is_needed(fake_program, monkeypatch, tmp_path):
+    fake_program('echo "reamsim: error: of the scenario" >&2; exit 2')
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "none"))
+    with pytest.raises(reamsim.InputError, match="of the scenario"):
+        reamsim.run("default")
+
+
 def test_a_program_that_fills_both_pipes_ends(small, fake_program):
     fake_program("i=0; while [ $i -lt 3000 ]; do echo 'a line of some length on the standard output'; "
                  "echo 'reamsim: error: a line of some length on standard error' >&2; i=$((i + 1)); done; exit 1")

@@ -13,7 +13,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -129,7 +128,8 @@ def call(arguments: Sequence[str], *, show_output: bool = False) -> str:
         ProgramNotFound: there is no program.
     """
     program, out = find_program(), []
-    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="backslashreplace") as errors:  # a full pipe would stop it
+    # Standard error goes to memory: a full pipe would stop the program.
+    with open(os.memfd_create("stderr"), "w+", encoding="utf-8", errors="backslashreplace") as errors:
         try:
             child = subprocess.Popen([program, *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors,
                                      text=True, encoding="utf-8", errors="backslashreplace")

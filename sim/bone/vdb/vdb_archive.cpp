@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <iterator>
 #include <memory>
 #include <optional>
 
@@ -171,7 +172,16 @@ openvdb::FloatGrid::Ptr read_grid(openvdb::io::File& file, const std::string& pa
   return grid;
 }
 
-/// The names of all grids, and those of the wanted grids that the file has; in the child.
+/// The wanted grids that the file has; none without the first, of which the others are part.
+std::vector<std::string> grids_to_read(const std::vector<std::string>& names, const std::vector<std::string>& wanted) {
+  std::vector<std::string> out;
+  std::ranges::copy_if(wanted, std::back_inserter(out), [&](const std::string& name) {
+    return std::ranges::count(names, name) > 0 && std::ranges::count(names, wanted.front()) > 0;
+  });
+  return out;
+}
+
+/// The names of all grids, and grids_to_read(); in the child.
 void put_grids(ResultWriter& out, const std::string& path, const std::vector<std::string>& wanted) {
   openvdb::initialize();
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
@@ -181,9 +191,7 @@ void put_grids(ResultWriter& out, const std::string& path, const std::vector<std
     std::vector<std::string> names;
     for (auto name = file.beginName(); name != file.endName(); ++name) names.push_back(*name);
     out.put(names);
-    for (const std::string& name : wanted) {
-      if (std::ranges::count(names, name) > 0) put_grid(out, *read_grid(file, path, name));
-    }
+    for (const std::string& name : grids_to_read(names, wanted)) put_grid(out, *read_grid(file, path, name));
   } catch (const openvdb::Exception&) {
     refuse_file(path, "a truncated or damaged VDB file", "expected a complete file");
   }
@@ -224,9 +232,7 @@ VdbGrids read_vdb_file(const std::string& path, const std::vector<std::string>& 
   ChildResult result = read_in_child<put_grids>({path, ""}, limits, path, wanted);
   const std::vector<std::string> names = result.reader().texts();
   VdbGrids out{.names = names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), .grids = {}};
-  for (const std::string& name : wanted) {
-    if (std::ranges::count(names, name) > 0) out.grids[name] = take_grid(result.reader());
-  }
+  for (const std::string& name : grids_to_read(names, wanted)) out.grids[name] = take_grid(result.reader());
   return out;
 }
 

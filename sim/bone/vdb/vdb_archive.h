@@ -36,8 +36,9 @@ struct VdbGrids {
   std::map<std::string, openvdb::FloatGrid::Ptr> grids;
 };
 
-/// Reads those of the `wanted` grids that a file has. Throws InputError: no such file, a folder, not a VDB, truncated,
-/// damaged, a grid that is not a FloatGrid; with VdbOrigin::kReamsim also without checksum.
+/// Reads those of the `wanted` grids that a file has; none where the first, of which the others are part, is missing.
+/// Throws InputError: no such file, a folder, not a VDB, truncated, damaged, a grid that is not a FloatGrid; with
+/// VdbOrigin::kReamsim also without checksum.
 VdbGrids read_vdb_file(const std::string& path, const std::vector<std::string>& wanted,
                        VdbOrigin origin = VdbOrigin::kAnyProgram);
 
