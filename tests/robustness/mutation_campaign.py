@@ -3,8 +3,8 @@
 
 """mutation_campaign.py BUILD [--seed N] [--mutants N] [--quick]: do the tests find small faults?
 
-Draws mutants from the sources of FOLDERS by a seed: each changes one operator or number of one line. In a worktree of HEAD, built in
-BUILD (made if it does not exist), each mutant is built and tested until a test fails: with the tests of its room, then with those of
+Draws mutants from the sources of FOLDERS by a seed: each changes one operator or number of one line. In BUILD/tree, a worktree of the
+HEAD at the first start, each mutant is built and tested until a test fails: with the tests of its room, then with those of
 tests/quick.txt, then with all (--quick: without these). A mutant that does not compile, or that compiles to the same programs, is
 replaced by the next of its draw. Results are appended to BUILD/mutants.jsonl as they come, and a mutant that is there is not tested
 again, so that a campaign may be interrupted. Prints the mutants, what found them, and the survivors. A mutant takes a minute to half
@@ -47,10 +47,10 @@ def sites(text):
             yield number, found.start(), value, other
 
 
-def draw(seed):
+def draw(seed, tree):
     """All mutants in a random order, a file as often as it has places for them."""
-    files = subprocess.run(["git", "-C", ROOT, "ls-files", *FOLDERS], capture_output=True, text=True, check=True).stdout.split()
-    mutants = [(name, *site) for name in files if name.endswith((".h", ".cpp", ".cl")) for site in sites((ROOT / name).read_text())]
+    files = subprocess.run(["git", "-C", tree, "ls-files", *FOLDERS], capture_output=True, text=True, check=True).stdout.split()
+    mutants = [(name, *site) for name in files if name.endswith((".h", ".cpp", ".cl")) for site in sites((tree / name).read_text())]
     random.Random(seed).shuffle(mutants)
     return mutants
 
@@ -140,7 +140,7 @@ def main():
     options = parser.parse_args()
     print(f"seed {options.seed}, {options.mutants} mutants of {', '.join(FOLDERS)}", flush=True)
     campaign, results = Campaign(options.build, options.quick), []
-    for mutant in draw(options.seed):
+    for mutant in draw(options.seed, campaign.tree):
         if len(results) == options.mutants:
             break
         result = campaign.result(mutant)
