@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/passes.h"
 #include "sim/scenario/paths.h"
