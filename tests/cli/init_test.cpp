@@ -100,12 +100,12 @@ TEST_F(InitTest, SaysWhichUnitOfAMeshWasFoundOrAssumed) {
                                     "; the mesh is then 150 mm long, as a scapula; if that is wrong, give --scale"));
   }
   // Small enough to be found: its own size.
-  ProgramResult made = init(1, {"--voxel-mm", "0.8"});
+  ProgramResult made = init(1, {"--near=0,0,0", "--voxel-mm", "1.2"});
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_THAT(made.err, HasSubstr("bone.mesh.scale: 1: mm is assumed; the mesh is then "));
   EXPECT_THAT(read("my.yaml"),
               HasSubstr("scale: 1                  # file units to mm: mm is assumed; the mesh is then "));
-  made = init(0.001, {"--scale", "1000", "--voxel-mm", "0.8"});
+  made = init(0.001, {"--scale", "1000", "--near=0,0,0", "--voxel-mm", "1.2"});
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_THAT(made.err, Not(HasSubstr("bone.mesh.scale")));
   EXPECT_THAT(read("my.yaml"), HasSubstr("scale: 1000                  # file units to mm: given by --scale"));
@@ -148,7 +148,8 @@ TEST_F(InitTest, FindsTheUnitOfARealScapula) {
   const std::string file = data_file("scapula_mesh/scapula_left.stl");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << "; set REAMSIM_DATA";
   write("metres.stl", scaled_stl(file_bytes(file), 0.055));  // that of the file gives 153 mm with 55
-  const ProgramResult made = call({"init", "metres.stl", "-o", "my.yaml", "--side", "left", "--voxel-mm", "0.8"});
+  const ProgramResult made =
+      call({"init", "metres.stl", "-o", "my.yaml", "--side", "left", "--near=-41,11,39", "--voxel-mm", "1.2"});
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_THAT(made.err, HasSubstr("bone.mesh.scale: 1000: the file is in metres; the mesh is then 153 mm long"));
   EXPECT_THAT(read("my.yaml"),

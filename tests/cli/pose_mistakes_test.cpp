@@ -129,9 +129,9 @@ TEST_F(PoseMistakes, ToolThatStartsInTheBone) {
 
 #ifndef __SANITIZE_ADDRESS__  // whose own memory would be measured
 TEST_F(PoseMistakes, MemoryStaysPlannedWhateverThePose) {
-  // Whatever the tool does: on the face, deep in the bone from the start, through the whole bone, past it.
+  // Whatever the tool does: deep in the bone from the start, through the whole bone, past it.
   const std::string yaml = with(cube_scenario(kRight), "engine:\n  device: serial\n", "");
-  for (const char* entry : {"[0, 0, 0]", "[0, 0, -14]", "[0, 0, -30]", "[0, 0, 30]"}) {
+  for (const char* entry : {"[0, 0, -14]", "[0, 0, -30]", "[0, 0, 30]"}) {
     const std::vector<std::string> sets{"--set",      std::string("motion.plunge.entry_mm=") + entry,
                                         "--set",      "motion.plunge.depth_mm=20",
                                         "--set",      "bone.voxel_mm=0.25",
@@ -186,18 +186,19 @@ TEST_F(PoseMistakes, AMeshHasNoSidesOfItsOwn) {
 TEST_F(PoseMistakes, OnARealShoulder) {
   const std::string scan = data_file("shoulder_ct/shoulder_left.nrrd");
   if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << "; set REAMSIM_DATA";
-  const auto said = [&](const std::string& set) {
+  const auto said = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments{"check", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml",
                                        "--set", "bone.voxel_mm=0.8",
                                        "--set", "render.enabled=false"};
-    if (!set.empty()) arguments.insert(arguments.end(), {"--set", set});
+    for (const std::string& set : more) arguments.insert(arguments.end(), {"--set", set});
     return reamsim({.arguments = arguments, .environment = {}, .folder = "", .interrupt_when = {}});
   };
-  EXPECT_EQ(said("").err, "") << "as it is, there is nothing to be said";
-  EXPECT_THAT(said("bone.side=right").err, AllOf(HasSubstr("points to the patient's left"), HasSubstr("x = 0.61")));
-  EXPECT_THAT(said("bone.glenoid.superior=[0.54, -0.24, -0.81]").err, HasSubstr("superior direction points down"));
-  expect_refused(said("bone.glenoid.normal=[-0.611, 0.548, -0.572]"), 2, {"bone.glenoid.normal", "into the bone"});
-  expect_refused(said("bone.glenoid.center_mm=[139.1, 165, -429.2]"), 2, {"bone.glenoid.center_mm", "mm outside"});
+  EXPECT_EQ(said({}).err, "") << "as it is, there is nothing to be said";
+  EXPECT_THAT(said({"bone.side=right", "bone.glenoid.superior=[0.54, -0.24, -0.81]"}).err,
+              AllOf(HasSubstr("points to the patient's left"), HasSubstr("x = 0.61"),
+                    HasSubstr("superior direction points down")));
+  expect_refused(said({"bone.glenoid.normal=[-0.611, 0.548, -0.572]"}), 2, {"bone.glenoid.normal", "into the bone"});
+  expect_refused(said({"bone.glenoid.center_mm=[139.1, 165, -429.2]"}), 2, {"bone.glenoid.center_mm", "mm outside"});
 }
 
 TEST_F(PoseMistakes, FindingsComeBeforeTheScenario) {

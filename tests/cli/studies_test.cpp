@@ -36,7 +36,7 @@ class Studies : public CliTest {
     ProgramCall call{
         .arguments = {"run", file, "-o", "out", "--overwrite"}, .environment = {}, .folder = "", .interrupt_when = {}};
     std::vector<std::string> changes{"bone.voxel_mm=" + voxel_mm, "motion.frame_rate_hz=50", "render.enabled=false",
-                                     "output.vti=false"};
+                                     "output.vti=false", "output.meshes=false"};
     changes.insert(changes.end(), more.begin(), more.end());
     for (const std::string& change : changes) call.arguments.insert(call.arguments.end(), {"--set", change});
     expect_done(reamsim(call));

@@ -77,7 +77,8 @@ def check(package, file):
 
 os.umask(0o002)  # as ordinary users have it: permissions in the packages must not depend on it
 with tempfile.TemporaryDirectory() as folder:
-    output_of("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", folder, "-G", "DEB")
+    # gzip takes less time than xz, and packs the same files.
+    output_of("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", folder, "-G", "DEB", "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip")
     files = {package: next(pathlib.Path(folder).glob(f"{package}_{VERSION}_*.deb")) for package in PLACES}
     for name, path in files.items():
         check(name, path)
