@@ -191,6 +191,13 @@ class ResultReader {
     for_each_block<T>(count, [&](const T* first, const T* last) { out.insert(out.end(), first, last); });
     return out;
   }
+  /// An array that has to have `count` values.
+  template <PlainValue T>
+  std::vector<T> array_of(std::size_t count) {
+    std::vector<T> out = array<T>();
+    if (out.size() != count) fail();
+    return out;
+  }
   /// Calls `use` with each value of an array.
   template <PlainValue T, class Use>
   void for_each_in_array(const Use& use) {

@@ -23,25 +23,6 @@ constexpr double kStraight_steps = 0.05;
 /// Deviation from even spacing, as a fraction of it, that is warned of.
 constexpr double kWarnedDeviation = 0.005;
 
-void check_grey_values(const Stack& stack, const std::string& key) {
-  for (const Slice& slice : stack) {
-    if (slice.header->photometric != "MONOCHROME1") continue;
-    throw InputError({slice.path()}, key, "MONOCHROME1: its grey values are inverted and are not HU",
-                     "expected MONOCHROME2, as CT slices have; export the original series");
-  }
-}
-
-/// Slices without a rescale among slices with one would be read 1024 HU too dense, or so.
-void check_rescale(const Stack& stack, const std::string& key) {
-  const auto rescales = [](const Slice& slice) { return slice.header->rescales; };
-  if (std::ranges::none_of(stack, rescales)) return;
-  const auto without = std::ranges::find_if_not(stack, rescales);
-  if (without == stack.end()) return;
-  throw InputError({without->path()}, key,
-                   "has no rescale intercept and slope (0028,1052 and 0028,1053), as other slices of its series have",
-                   "export the original series: the values of this slice are not HU");
-}
-
 /// Names an image of another group, or a skipped file, that may be the missing slice.
 std::string hint_at_missing_slice(double low_mm, double high_mm, const Vec3& normal, const ScanGeometry& usual,
                                   const std::vector<Stack>& groups, const std::vector<std::string>& skipped) {
@@ -109,9 +90,20 @@ std::string difference(const ScanGeometry& other, const ScanGeometry& usual) {
   return "an orientation different from that of the other slices";
 }
 
-void check_values(const Stack& stack, const std::string& key) {
-  check_grey_values(stack, key);
-  check_rescale(stack, key);
+void check_values(const Stack& stack) {
+  const auto grey =
+      std::ranges::find(stack, "MONOCHROME1", [](const Slice& slice) { return slice.header->photometric; });
+  if (grey != stack.end()) {
+    throw InputError({grey->path()}, kScanKey, "MONOCHROME1: its grey values are inverted and are not HU",
+                     "expected MONOCHROME2, as CT slices have; export the original series");
+  }
+  // Slices without a rescale among slices with one would be read 1024 HU too dense, or so.
+  const auto rescales = [](const Slice& slice) { return slice.header->rescales; };
+  const auto without = std::ranges::find_if_not(stack, rescales);
+  if (without == stack.end() || std::ranges::none_of(stack, rescales)) return;
+  throw InputError({without->path()}, kScanKey,
+                   "has no rescale intercept and slope (0028,1052 and 0028,1053), as other slices of its series have",
+                   "export the original series: the values of this slice are not HU");
 }
 
 std::vector<std::string> named_like_slices(const Stack& stack, const std::vector<std::string>& files) {
@@ -127,7 +119,7 @@ std::vector<std::string> named_like_slices(const Stack& stack, const std::vector
 }
 
 [[noreturn]] void refuse_spacing(const SpacingFault& fault, const Stack& stack, const std::vector<Stack>& groups,
-                                 const std::vector<std::string>& skipped, const std::string& key) {
+                                 const std::vector<std::string>& skipped) {
   const Slice& low = stack[fault.slice - 1];
   const Slice& high = stack[fault.slice];
   const std::string files = low.path() + " and " + high.path();
@@ -135,7 +127,7 @@ std::vector<std::string> named_like_slices(const Stack& stack, const std::vector
   if (fault.kind == SpacingFault::Kind::change) {
     const std::string numbers =
         fault.missing > 0 ? "; instance numbers jump there as well, so slices may be missing from there on" : "";
-    throw InputError({high.path()}, key,
+    throw InputError({high.path()}, kScanKey,
                      fmt::format("slice spacing changes from {:.3f} to {:.3f} mm at slice {} of {}: {}",
                                  fault.before_mm, fault.gap_mm, fault.slice + 1, stack.size(), files) +
                          numbers,
@@ -149,13 +141,12 @@ std::vector<std::string> named_like_slices(const Stack& stack, const std::vector
   const ScanGeometry& first = stack.front().geometry;
   const Vec3 normal = first.step_mm.col(0).cross(first.step_mm.col(1)).normalized();
   throw InputError(
-      {high.path()}, key, found,
+      {high.path()}, kScanKey, found,
       between + hint_at_missing_slice(normal.dot(low.geometry.origin_mm), normal.dot(high.geometry.origin_mm), normal,
                                       stack.front().geometry, groups, skipped));
 }
 
-void check_straight(const Stack& stack, const SliceLine& line, const std::vector<double>& at, const std::string& key,
-                    Diagnostics& report) {
+void check_straight(const Stack& stack, const SliceLine& line, const std::vector<double>& at, Diagnostics& report) {
   const double side = stack.front().geometry.step_mm.leftCols<2>().colwise().norm().minCoeff();
   const double step = (line.step_mm * (at.back() - at.front())).norm() / static_cast<double>(stack.size() - 1);
   double worst = 0;
@@ -165,7 +156,7 @@ void check_straight(const Stack& stack, const SliceLine& line, const std::vector
     const double off = (slice.geometry.origin_mm - line.point_mm - at[k] * line.step_mm).norm();
     const double half_unit = slice.rounding_mm;
     if (off > kStraight_pixels * std::max(side, kStraight_steps * step) + half_unit) {
-      throw InputError({slice.path()}, key,
+      throw InputError({slice.path()}, kScanKey,
                        fmt::format("the slice is displaced by {:.2f} mm against its neighbours", off),
                        "export the original series");
     }

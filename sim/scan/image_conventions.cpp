@@ -188,10 +188,11 @@ Vec3 signs_of(const NrrdHeader& header, const Mat3& steps_of_itk) {
   return out;
 }
 
+}  // namespace
+
 bool is_nrrd(const itk::ImageIOBase& io) {
   return dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr;
 }
-}  // namespace
 
 ScanGeometry apply_format_conventions(const itk::ImageIOBase& io, ScanGeometry geometry) {
   if (!is_nrrd(io)) return geometry;
@@ -218,11 +219,11 @@ void describe_header(const itk::ImageIOBase& io, ImageFacts& facts) {
   facts.warnings.emplace_back(kNoOrientation);
 }
 
-void check_encoding(const std::string& path, const std::string& key) {
+void check_encoding(const ForeignFile& file) {
   static constexpr std::array kKnown{"raw", "txt", "text", "ascii", "hex", "gz", "gzip", ""};
-  const std::string encoding = plain(fields_of(path)["encoding"]);
+  const std::string encoding = plain(fields_of(file.path)["encoding"]);
   if (std::ranges::find(kKnown, encoding) != kKnown.end()) return;
-  throw InputError({path}, key, "the voxels are encoded as " + printable(encoding) + ", which this program cannot read",
+  throw file.error("the voxels are encoded as " + printable(encoding) + ", which this program cannot read",
                    "save the file as raw or gzip (3D Slicer, or unu save -f nrrd -e gzip)");
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -16,7 +17,6 @@ namespace reamsim::ct {
 
 namespace {
 
-constexpr const char* kLabelPathKey = "bone.ct.label_map.path";
 /// The map truncates the bone if it ends in contact with this area of bone.
 constexpr double kCutOff_mm2 = 5;
 constexpr std::size_t kMaxValues = 20;
@@ -98,6 +98,31 @@ void report_cut_off(const CutOff& cut, const std::string& path, double threshold
   }
 }
 
+/// A function from a voxel of an image to the nearest voxel of a label map, in patient space. Halfway points, to within
+/// a tolerance, belong to the voxel further along LPS, so that the result does not depend on the storage order.
+auto nearest_in(const ScanGeometry& labels, const ScanGeometry& image) {
+  const Mat3 index_from_mm = labels.step_mm.inverse();
+  std::array<bool, 3> forward{};  // whether an axis of the map has the direction of LPS
+  for (int axis = 0; axis < 3; ++axis) {
+    int along = 0;
+    labels.step_mm.col(axis).cwiseAbs().maxCoeff(&along);
+    forward[static_cast<std::size_t>(axis)] = labels.step_mm(along, axis) > 0;
+  }
+  return [forward, step = Mat3(index_from_mm * image.step_mm),
+          first = Vec3(index_from_mm * (image.origin_mm - labels.origin_mm)),
+          last = Vec3(labels.dims.cast<double>() - Vec3::Ones())](const Vec3i& voxel) {
+    constexpr double kTie_voxels = 0.01;
+    const Vec3 at = first + step * voxel.cast<double>();
+    Vec3i out;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double nearest = forward[static_cast<std::size_t>(axis)] ? std::floor(at[axis] + 0.5 + kTie_voxels)
+                                                                     : std::ceil(at[axis] - 0.5 - kTie_voxels);
+      out[axis] = static_cast<int>(std::clamp(nearest, -1.0, last[axis] + 1));
+    }
+    return out;
+  };
+}
+
 class LabelReader {
  public:
   LabelReader(const CtSettings& settings, const ScanGeometry& image, const IndexBox& box, const AlignedImage& hu,
@@ -108,23 +133,26 @@ class LabelReader {
         part_(part_of(image, box)),
         hu_(hu),
         report_(report),
-        source_(open_labels(map_.path, kLabelPathKey, report)) {}
+        source_(open_labels(map_.path, report)) {}
 
   LabelImages read() {
-    const std::vector<LabelValue> labels = wanted_labels();
-    const IndexBox box = overlap_with(source_->geometry(), part_);
-    if (box.empty()) throw no_overlap(map_.path, source_->geometry(), image_, part_);
+    const std::string layers = source_.layers > 1 ? std::to_string(source_.layers) + " layers, " : "";
+    report_.note("label map " + map_.path + ": " + source_.description + ", " + shape_text(source_.geometry) + ", " +
+                 layers + box_text(source_.geometry.bounds_mm()));
+    const std::vector<LabelValue> labels = find_labels(map_.label, source_.segments, source_.layers, map_.path);
+    const IndexBox box = overlap_with(source_.geometry, part_);
+    if (box.empty()) throw no_overlap(map_.path, source_.geometry, image_, part_);
     const std::size_t voxels = static_cast<std::size_t>(part_.size());
     selected_.assign(voxels, 0);
     other_.assign(voxels, 0);
-    for (int layer = 0; layer < source_->layers(); ++layer) {
+    for (int layer = 0; layer < source_.layers; ++layer) {
       Wanted wanted;
       for (const LabelValue& label : labels) {
         if (label.layer == layer) wanted.insert(static_cast<float>(label.value));
       }
       if (!wanted.empty()) add_layer(box, layer, wanted);
     }
-    if (inside_ == 0) throw no_overlap(map_.path, source_->geometry(), image_, part_);
+    if (inside_ == 0) throw no_overlap(map_.path, source_.geometry, image_, part_);
     if (wanted_voxels_ == 0) fail_without_label();
     report_cut_off(cut_, map_.path, settings_.threshold_hu, report_);
     const Crop crop{settings_.crop_min_mm, settings_.crop_max_mm};
@@ -132,24 +160,10 @@ class LabelReader {
   }
 
  private:
-  [[nodiscard]] std::vector<LabelValue> wanted_labels() const {
-    report_.note("label map " + map_.path + ": " + source_->description() + shape());
-    return find_labels(map_.label, source_->segments(), source_->layers(), map_.path);
-  }
-
-  [[nodiscard]] std::string shape() const {
-    const ScanGeometry& g = source_->geometry();
-    const Vec3 s = g.spacing_mm();
-    std::string out = fmt::format(", {}x{}x{} voxels of {:.4g}x{:.4g}x{:.4g} mm, ", g.dims.x(), g.dims.y(), g.dims.z(),
-                                  s.x(), s.y(), s.z());
-    if (source_->layers() > 1) out += std::to_string(source_->layers()) + " layers, ";
-    return out + box_text(g.bounds_mm());
-  }
-
   void add_layer(const IndexBox& box, int layer, const Wanted& wanted) {
-    const Scan labels = source_->read_layer(box, layer);
+    const Scan labels = source_.read(box, layer);
     check_whole(labels, box);
-    const NearestVoxel nearest(source_->geometry(), part_);
+    const auto nearest = nearest_in(source_.geometry, part_);
     float last = 0;
     for_each_voxel(part_.dims, [&](const Vec3i& voxel) {
       const Vec3i c = nearest(voxel) - box.start;
@@ -167,14 +181,14 @@ class LabelReader {
     });
     for (int axis = 0; axis < 3; ++axis) {
       for (const bool upper : {false, true}) {
-        add_end(source_->geometry(), labels, box, wanted, axis, upper, hu_, settings_.threshold_hu, cut_);
+        add_end(source_.geometry, labels, box, wanted, axis, upper, hu_, settings_.threshold_hu, cut_);
       }
     }
   }
 
   /// Labels are whole numbers, even in files of floating-point type.
   void check_whole(const Scan& labels, const IndexBox& box) const {
-    if (source_->has_whole_numbers()) return;
+    if (source_.has_whole_numbers) return;
     for (std::size_t at = 0; at < labels.value.size(); ++at) {
       const float value = labels.value[at];
       if (std::isfinite(value) && value == std::floor(value)) continue;
@@ -205,7 +219,7 @@ class LabelReader {
   ScanGeometry part_;
   const AlignedImage& hu_;
   Diagnostics& report_;
-  std::unique_ptr<LabelSource> source_;
+  ScanSource source_;
   std::vector<float> selected_;
   std::vector<float> other_;
   std::set<float> seen_;
@@ -215,18 +229,6 @@ class LabelReader {
 };
 
 }  // namespace
-
-NearestVoxel::NearestVoxel(const ScanGeometry& labels, const ScanGeometry& image) {
-  const Mat3 index_from_mm = labels.step_mm.inverse();
-  step_ = index_from_mm * image.step_mm;
-  first_ = index_from_mm * (image.origin_mm - labels.origin_mm);
-  last_ = labels.dims.cast<double>() - Vec3::Ones();
-  for (int axis = 0; axis < 3; ++axis) {
-    int along = 0;
-    labels.step_mm.col(axis).cwiseAbs().maxCoeff(&along);
-    forward_[axis] = labels.step_mm(along, axis) > 0;
-  }
-}
 
 LabelImages read_labels(const CtSettings& settings, const ScanGeometry& image, const IndexBox& box,
                         const AlignedImage& hu, Diagnostics& report) {

@@ -55,7 +55,7 @@ VoxelGrid grid_of(const Lattice& image, const BoneField& bone, const BoneSetting
     grid.dims[axis] = static_cast<int>(bricks) * FillBricks::kSide;
     grid.origin_mm[axis] = corner[axis] + low * voxel_mm;
   }
-  check_fits_in_memory(grid.dims.cast<double>().prod(), sizeof(std::uint8_t), path, "bone.voxel_mm");
+  check_fits_in_memory(grid.dims.cast<double>().prod(), sizeof(std::uint8_t), {path, "bone.voxel_mm"});
   return grid;
 }
 
