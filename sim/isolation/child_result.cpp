@@ -9,10 +9,7 @@
 #include <unistd.h>
 #include <algorithm>
 #include <new>
-#include <utility>
-#include <vector>
 
-#include "sim/base/error.h"
 #include "sim/base/process.h"
 
 namespace reamsim {

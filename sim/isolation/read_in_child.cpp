@@ -15,7 +15,6 @@
 #include <limits>
 #include <thread>
 
-#include "sim/base/error.h"
 #include "sim/base/process.h"
 
 namespace reamsim {

@@ -20,13 +20,10 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <memory>
 #include <mutex>
 #include <new>
 #include <stdexcept>
-#include <vector>
 
-#include "sim/base/error.h"
 #include "sim/base/process.h"
 
 namespace reamsim {

@@ -7,15 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <new>
 #include <stdexcept>
-#include <utility>
 
-#include "sim/base/error.h"
-#include "sim/scan/aligned_image.h"
-#include "sim/scan/label_map.h"
-#include "sim/scan/scan.h"
 #include "sim/scan/segment.h"
 
 namespace reamsim {

@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <map>
 
 #include "sim/base/file.h"
 #include "sim/isolation/read_in_child.h"
@@ -159,26 +158,21 @@ InputError unreadable(const ForeignFile& file) {
 
 /// Files that may crash the reader before the folder is refused.
 constexpr std::size_t kMostCrashes = 20;
-
-ReadLimits limits_for(const std::vector<std::string>& files) {
-  std::uint64_t largest = 0;
-  for (const std::string& file : files) largest = std::max(largest, bytes_of_file(file));
-  constexpr std::uint64_t kResultPerFile = 1 << 16;
-  ReadLimits limits = ReadLimits().with(largest, 2 * largest);
-  limits.result_bytes += kResultPerFile * files.size();
-  limits.files = static_cast<int>(files.size());
-  return limits;
-}
-
 /// What headers may take: those of a large multi-frame file are many.
 constexpr std::uint64_t kHeadersPerFileByte = 4;
 
-ReadLimits limits_for_headers(const std::vector<std::string>& files) {
-  ReadLimits limits = limits_for(files);
+/// Limits for the largest of the files, with room for `result_per_file_byte` bytes of result for each of theirs.
+ReadLimits limits_for(const std::vector<std::string>& files, std::uint64_t result_per_file_byte) {
+  constexpr std::uint64_t kResultPerFile = 1 << 16, kMostPerFile = 1 << 26;
+  ReadLimits limits;
+  std::uint64_t largest = 0;
   for (const std::string& file : files) {
-    limits.result_bytes += std::min<std::uint64_t>(kHeadersPerFileByte * bytes_of_file(file), std::uint64_t{64} << 20);
+    const std::uint64_t bytes = bytes_of_file(file);
+    largest = std::max(largest, bytes);
+    limits.result_bytes += kResultPerFile + std::min(result_per_file_byte * bytes, kMostPerFile);
   }
-  return limits;
+  limits.files = static_cast<int>(files.size());
+  return limits.with(largest, 2 * largest);
 }
 
 /// The headers of all files; those of `damaged` ones are not read.
@@ -302,20 +296,16 @@ void DicomFrames::decode(const ForeignFile& file) {
   if (!image.GetBuffer(raw_.data())) throw unreadable(file);
 }
 
-double DicomFrames::value_at(std::size_t pixel) const {
-  const char* at = raw_.data() + pixel * static_cast<std::size_t>(bytes_per_pixel_);
-  std::uint32_t value = 0;
-  std::memcpy(&value, at, static_cast<std::size_t>(bytes_per_pixel_));  // GDCM decodes to this machine's byte order
-  value = (value >> shift_) & mask_;
-  if (sign_ == 0) return value;
-  return static_cast<std::int32_t>((value ^ sign_) - sign_);
-}
-
 void DicomFrames::copy(int frame, const IndexBox& box, double slope, double intercept, float* out) const {
+  const auto bytes = static_cast<std::size_t>(bytes_per_pixel_);
   for (int j = 0; j < box.size.y(); ++j) {
-    const std::size_t first = index_in(dims_, {box.start.x(), box.start.y() + j, frame});
-    for (int i = 0; i < box.size.x(); ++i) {
-      *out++ = static_cast<float>(slope * value_at(first + static_cast<std::size_t>(i)) + intercept);
+    const char* at = raw_.data() + bytes * index_in(dims_, {box.start.x(), box.start.y() + j, frame});
+    for (int i = 0; i < box.size.x(); ++i, at += bytes) {
+      std::uint32_t bits = 0;
+      std::memcpy(&bits, at, bytes);  // GDCM decodes to this machine's byte order
+      bits = (bits >> shift_) & mask_;
+      const double value = sign_ == 0 ? double(bits) : static_cast<std::int32_t>((bits ^ sign_) - sign_);
+      *out++ = static_cast<float>(slope * value + intercept);
     }
   }
 }
@@ -324,7 +314,7 @@ std::vector<DicomFile> read_dicom_headers(const std::vector<std::string>& files,
   std::vector<std::string> damaged;
   while (true) {
     try {
-      ChildResult result = read_in_child<put_headers>(folder, limits_for_headers(files), files, damaged);
+      ChildResult result = read_in_child<put_headers>(folder, limits_for(files, kHeadersPerFileByte), files, damaged);
       std::vector<DicomFile> out(files.size());
       for (DicomFile& file : out) result.reader().read(file);
       return out;
@@ -366,7 +356,7 @@ std::vector<float> read_slices(const std::vector<SliceSource>& slices, const Ind
     most_pixels = std::max(most_pixels, slice.file_pixels);
   }
   constexpr double kBytesPerPixel = 12;  // coded, decoded by frame, and decoded as a whole
-  ReadLimits limits = limits_for(files).with(0, static_cast<std::uint64_t>(kBytesPerPixel * most_pixels));
+  ReadLimits limits = limits_for(files, 0).with(0, static_cast<std::uint64_t>(kBytesPerPixel * most_pixels));
   limits.result_bytes += pixels * files.size() * sizeof(float);
   return read_in_child<put_slices>({files.front(), kScanKey}, limits, slices, in_slice)
       .reader()

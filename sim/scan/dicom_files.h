@@ -11,8 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "sim/base/error.h"
-#include "sim/base/geometry.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {
@@ -134,7 +132,6 @@ class DicomFrames {
   /// Takes pixels that are not compressed, of any kind of file. False: they are compressed.
   bool take_plain(const ForeignFile& file);
   void decode(const ForeignFile& file);
-  [[nodiscard]] double value_at(std::size_t pixel) const;
 
   Vec3i dims_ = Vec3i::Zero();
   int bytes_per_pixel_ = 2;

@@ -7,22 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <memory>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
 
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"
 #include "sim/scan/aligned_image.h"
-#include "sim/scan/dicom_files.h"
 #include "sim/scan/dicom_stack.h"
 #include "sim/scan/dicom_values.h"
 #include "sim/scan/image_io.h"
-#include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 
@@ -149,15 +140,6 @@ SegPlanes seg_planes(const std::vector<DicomHeader>& frames, const ForeignFile& 
   return out;
 }
 
-struct SegFacts {
-  ScanGeometry geometry;
-  std::string type;
-  int layers = 1;
-  std::vector<NamedSegment> segments;  ///< their values are their numbers
-
-  static auto fields(auto& self) { return std::tie(self.geometry, self.type, self.layers, self.segments); }
-};
-
 /// A segmentation in memory, for child processes.
 class SegFile {
  public:
@@ -169,7 +151,8 @@ class SegFile {
     if (frames_.empty() || !reader_.Read() || quiet.reports_missing_voxels())
       throw bad_seg(file, "the segmentation is truncated or damaged");
     const DicomValues values(reader_.GetFile().GetDataSet());
-    facts_.type = values.text({0x0062, 0x0001});
+    facts_.pixel_type = values.text({0x0062, 0x0001});  // BINARY, FRACTIONAL or LABELMAP
+    facts_.bytes_per_voxel = sizeof(float);
     read_segments(values);
     SegPlanes planes = seg_planes(frames_, file);
     facts_.geometry = planes.geometry;
@@ -177,9 +160,9 @@ class SegFile {
     open_pixels(values);
   }
 
-  [[nodiscard]] const SegFacts& facts() const { return facts_; }
+  [[nodiscard]] const ImageFacts& facts() const { return facts_; }
 
-  /// Puts segments that do not overlap into one layer.
+  /// Puts segments that do not overlap into one layer; their values are their numbers.
   void assign_layers() {
     if (is_label_map()) return;
     std::vector<std::vector<bool>> taken;
@@ -215,7 +198,7 @@ class SegFile {
   }
 
  private:
-  [[nodiscard]] bool is_label_map() const { return facts_.type == "LABELMAP"; }
+  [[nodiscard]] bool is_label_map() const { return facts_.pixel_type == "LABELMAP"; }
 
   void read_segments(const DicomValues& values) {
     const std::string set = values.text({0x0008, 0x0005});
@@ -251,7 +234,7 @@ class SegFile {
       if (found.x() != dims.x() || found.y() != dims.y() || found.z() < static_cast<int>(frames_.size())) {
         throw bad_seg(file_, "the segmentation is truncated or damaged");
       }
-      if (facts_.type == "FRACTIONAL") least_ = 0.5 * std::max(1, values.short_integer({0x0062, 0x000e}));
+      if (facts_.pixel_type == "FRACTIONAL") least_ = 0.5 * std::max(1, values.short_integer({0x0062, 0x000e}));
       return;
     }
     packed_ = values.raw({0x7fe0, 0x0010});
@@ -296,7 +279,7 @@ class SegFile {
 
   ForeignFile file_;
   gdcm::Reader reader_;
-  SegFacts facts_;
+  ImageFacts facts_;
   std::vector<DicomHeader> frames_;
   std::vector<int> plane_;                   ///< of each frame
   double least_ = 0;                         ///< value from which a pixel belongs to a fractional segment
@@ -322,8 +305,8 @@ ScanSource seg_source(const ForeignFile& file, double pixels, Diagnostics& repor
   constexpr double kBytesPerPixel = 16;  // of the coded and decoded frames, and of the voxels of a segment
   const ReadLimits limits =
       ReadLimits().with(bytes_of_file(file.path), static_cast<std::uint64_t>(kBytesPerPixel * pixels) + (1U << 28));
-  const auto facts = read_in_child<put_seg>(file, limits, file).reader().take<SegFacts>();
-  if (facts.type == "FRACTIONAL") {
+  const auto facts = read_in_child<put_seg>(file, limits, file).reader().take<ImageFacts>();
+  if (facts.pixel_type == "FRACTIONAL") {
     report.warn(file.path + ": a fractional segmentation; voxels of at least half of the maximum belong to a segment");
   }
   const auto read = [file, limits, facts](const IndexBox& box, int layer) {

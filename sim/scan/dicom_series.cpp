@@ -7,13 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
-#include <tuple>
 
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/scan/dicom_values.h"
-#include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 

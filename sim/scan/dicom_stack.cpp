@@ -10,7 +10,6 @@
 #include <iterator>
 #include <numeric>
 #include <set>
-#include <utility>
 
 #include "sim/base/text.h"
 #include "sim/scan/dicom_values.h"

@@ -7,10 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/error.h"
-#include "sim/base/geometry.h"
 #include "sim/scan/dicom_files.h"
-#include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 
@@ -66,6 +63,9 @@ struct SliceLine {
 /// The least-squares line of positions at the places `at` along it; through the first and the last one where that
 /// deviates by less than a thousandth of the step.
 SliceLine line_through(const std::vector<Vec3>& positions, const std::vector<double>& at);
+
+/// The instance numbers of slices, if all have one and they run in one direction without repetition; else empty.
+std::vector<int> instance_numbers(const Stack& stack);
 
 /// Whether slices with this spacing explain all positions within half a unit of their last digit.
 bool explains(const Stack& slices, double spacing_mm);

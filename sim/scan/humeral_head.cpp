@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
-#include "sim/base/geometry.h"
 #include "sim/base/statistics.h"
 #include "sim/scan/ct_import.h"
 

@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <numbers>
 
-#include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"

@@ -17,7 +17,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/scan/label_map.h"
@@ -217,8 +216,8 @@ std::string pixel_type_of(const itk::ImageIOBase& io) {
   return type == Component::FLOAT ? "float" : type == Component::DOUBLE ? "double" : "";
 }
 
-/// The geometry in the header of a volume.
-ScanGeometry geometry_of(const itk::ImageIOBase& io, const ForeignFile& file) {
+/// The geometry in the header of a volume, as ITK gives it.
+ScanGeometry geometry_of(const itk::ImageIOBase& io) {
   ScanGeometry geometry;
   for (unsigned axis = 0; axis < 3; ++axis) {
     geometry.dims[axis] = static_cast<int>(io.GetDimensions(axis));
@@ -228,10 +227,7 @@ ScanGeometry geometry_of(const itk::ImageIOBase& io, const ForeignFile& file) {
     }
     geometry.origin_mm[axis] = io.GetOrigin(axis);
   }
-  geometry = apply_format_conventions(io, geometry);
-  if (geometry.is_valid()) return geometry;
-  throw file.error("voxel spacing, axes or origin are zero, not finite or degenerate",
-                   fmt::format("expected a spacing above {:g} mm and three independent axes", kLeastStep_mm));
+  return geometry;
 }
 
 }  // namespace
@@ -253,7 +249,7 @@ itk::ImageIOBase::Pointer open_image_io(const ForeignFile& file) {
   try {
     io->ReadImageInformation();
     if (!quiet.reports_missing_voxels()) return io;
-  } catch (const std::exception&) {
+  } catch (const std::exception&) {  // the message for both follows
   }
   throw file.error(std::string("the ") + (is_nrrd(*io) ? "NRRD" : "MetaImage") + " header cannot be read",
                    "the file is truncated or damaged");
@@ -273,10 +269,14 @@ ImageFacts check_image(const itk::ImageIOBase& io, const ForeignFile& file, bool
                      "expected one integer or real number (HU) in each voxel");
   }
   out.format = is_nrrd(io) ? "NRRD" : "MetaImage";
-  out.geometry = geometry_of(io, file);
   out.layers = static_cast<int>(layers);
   out.bytes_per_voxel = static_cast<double>(io.GetComponentSize()) * layers;
-  describe_header(io, out);
+  out.geometry = geometry_of(io);
+  apply_conventions(io, out);
+  if (!out.geometry.is_valid()) {
+    throw file.error("voxel spacing, axes or origin are zero, not finite or degenerate",
+                     fmt::format("expected a spacing above {:g} mm and three independent axes", kLeastStep_mm));
+  }
   if (allow_layers) out.segments = segments_of_nrrd(metadata_of(io), out.layers);
   check_fits_in_memory(static_cast<double>(out.geometry.size()), out.bytes_per_voxel, file);
   check_file_length(file, out.geometry.size(), out.bytes_per_voxel);

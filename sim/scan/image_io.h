@@ -63,13 +63,11 @@ InputError cut_off(const ForeignFile& file);
 
 bool is_nrrd(const itk::ImageIOBase& io);
 
-/// The geometry that ITK gives, mm in LPS, as the file means it: NRRD in the space left-anterior-superior or in one
-/// with time, which versions of ITK convert differently, and NRRD in other units than mm.
-ScanGeometry apply_format_conventions(const itk::ImageIOBase& io, ScanGeometry geometry);
-
-/// Sets what in the header places the voxels, and warnings of what it leaves open: NRRD without an anatomical space,
-/// whose axes ITK takes as left, posterior, superior, or in unknown units, which are taken as mm.
-void describe_header(const itk::ImageIOBase& io, ImageFacts& facts);
+/// Corrects the geometry that ITK gives, mm in LPS, to what the file means: NRRD in the space left-anterior-superior or
+/// in one with time, which versions of ITK convert differently, and NRRD in other units than mm. Sets what places the
+/// voxels, and warnings of what the header leaves open: NRRD without an anatomical space, whose axes ITK takes as left,
+/// posterior, superior, or in unknown units, which are taken as mm.
+void apply_conventions(const itk::ImageIOBase& io, ImageFacts& facts);
 
 /// Throws InputError where the voxels of an NRRD are encoded in a way that ITK cannot read.
 void check_encoding(const ForeignFile& file);
@@ -82,6 +80,8 @@ void check_encoding(const ForeignFile& file);
 struct NiftiHeader {
   std::array<std::int64_t, 8> dim{};  ///< number of axes, and voxels along each
   int datatype = 0;                   ///< NIFTI_TYPE_…
+  std::string type;                   ///< "uint16", ...; "" where values are no single real numbers
+  int bytes_of_value = 0;             ///< of a stored one
   std::array<double, 8> pixdim{};     ///< qfac, and the spacing along each axis
   double slope = 0, intercept = 0;    ///< value = slope · stored + intercept, unless the slope is 0
   int units = 0;                      ///< of lengths: 1 m, 2 mm, 3 µm, 0 unknown
@@ -103,11 +103,6 @@ struct NiftiHeader {
 /// The header of a file; that of NAME.hdr for NAME.img. nullopt where the bytes are none of these formats. Throws
 /// InputError where they are, and cut off or contradictory.
 std::optional<NiftiHeader> read_nifti_header(const ForeignFile& file);
-
-/// "uint16", ...; "" for a type whose values are no single real numbers.
-std::string type_of(const NiftiHeader& header);
-/// Bytes of a stored value; 0 for such a type.
-int bytes_of_value(const NiftiHeader& header);
 
 /// What the header says. Of sform and qform it takes the one in coordinates of the scanner (codes 1 and 2) before one
 /// in those of a template (3 and more), then the sform before the qform, and warns where the other one, or pixdim,

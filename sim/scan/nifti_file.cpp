@@ -7,9 +7,7 @@
 #include <bit>
 #include <cstring>
 #include <filesystem>
-#include <memory>
 
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/scan/image_io.h"
 
@@ -219,23 +217,17 @@ std::optional<NiftiHeader> read_nifti_header(const ForeignFile& given) {
   if (out->offset < (single ? header_bytes : 0)) {
     throw given.error("the NIfTI header says that the voxels begin within it", "the file is damaged");
   }
+  if (const ValueType* type = value_type(out->datatype)) {
+    out->type = out->is_scaled() ? "float" : type->name;
+    out->bytes_of_value = type->bytes;
+  }
   if (single) out->extensions = extensions_of(file, out->swapped, out->offset, header_bytes);
   return out;
 }
 
-std::string type_of(const NiftiHeader& header) {
-  const ValueType* type = value_type(header.datatype);
-  return type == nullptr ? "" : header.is_scaled() ? "float" : type->name;
-}
-
-int bytes_of_value(const NiftiHeader& header) {
-  const ValueType* type = value_type(header.datatype);
-  return type == nullptr ? 0 : type->bytes;
-}
-
 bool is_complete(const NiftiHeader& header) {
   PackedFile file(header.voxel_file);
-  double voxels = bytes_of_value(header);
+  double voxels = header.bytes_of_value;
   for (std::size_t axis = 1; axis <= 7; ++axis) voxels *= static_cast<double>(size_of(header, axis));
   const double claimed = static_cast<double>(header.offset) + voxels;
   std::vector<char> chunk(1 << 20);

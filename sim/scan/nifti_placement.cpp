@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/error.h"
 #include "sim/scan/image_io.h"
 #include "sim/scan/label_map.h"
 
@@ -156,14 +155,14 @@ ImageFacts facts_of(const NiftiHeader& header, const ForeignFile& file, bool all
   check_volume(sizes, file);
   ImageFacts out;
   out.format = header.is_analyze ? "Analyze" : "NIfTI";
-  out.pixel_type = type_of(header);
+  out.pixel_type = header.type;
   if (out.pixel_type.empty()) {
     throw file.error(fmt::format("values of NIfTI datatype {}, which are no single real numbers", header.datatype),
                      "expected one integer or real number (HU) in each voxel");
   }
   place(header, file, out);
   out.layers = header.layers();
-  out.bytes_per_voxel = double(bytes_of_value(header)) * out.layers;
+  out.bytes_per_voxel = double(header.bytes_of_value) * out.layers;
   check_fits_in_memory(static_cast<double>(out.geometry.size()), out.bytes_per_voxel, file);
   if (allow_layers) out.segments = segments_of_nifti(header.extensions);
   return out;

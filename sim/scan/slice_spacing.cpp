@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <limits>
 
 #include "sim/base/text.h"
@@ -81,17 +82,12 @@ std::optional<double> spacing_within_rounding(const Stack& slices) {
   return explains(slices, best) ? std::optional(best) : std::nullopt;
 }
 
-/// The steps of the instance numbers across each gap, positive; empty unless all are known and run in one direction.
+/// The steps of the instance numbers across each gap, positive; empty unless instance_numbers() are known.
 std::vector<int> instance_steps(const Stack& slices) {
+  const std::vector<int> numbers = instance_numbers(slices);
   std::vector<int> out;
-  for (std::size_t k = 1; k < slices.size(); ++k) {
-    if (!slices[k].header->instance_number || !slices[k - 1].header->instance_number) return {};
-    out.push_back(*slices[k].header->instance_number - *slices[k - 1].header->instance_number);
-  }
-  if (std::ranges::all_of(out, [](int step) { return step < 0; })) {
-    for (int& step : out) step = -step;
-  }
-  return std::ranges::all_of(out, [](int step) { return step > 0; }) ? out : std::vector<int>();
+  for (std::size_t k = 1; k < numbers.size(); ++k) out.push_back(std::abs(numbers[k] - numbers[k - 1]));
+  return out;
 }
 
 /// Whether a gap that holds several spacings is due to rounding: the header's spacing says so, or, where that fits
@@ -173,6 +169,17 @@ std::vector<Vec3> half_units(const std::vector<std::string>& positions) {
     out.push_back(half);
   }
   return out;
+}
+
+std::vector<int> instance_numbers(const Stack& stack) {
+  std::vector<int> out;
+  for (const Slice& slice : stack) {
+    if (!slice.header->instance_number) return {};
+    out.push_back(*slice.header->instance_number);
+  }
+  const bool rises = std::ranges::is_sorted(out);
+  if (!rises && !std::ranges::is_sorted(out, std::greater<>())) return {};
+  return std::ranges::adjacent_find(out) == out.end() ? out : std::vector<int>();
 }
 
 bool explains(const Stack& slices, double spacing_mm) {
