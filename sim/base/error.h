@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct SourceLocation {
 
   /// "file:line:column", leaving out what is unknown; empty when nothing is known.
   [[nodiscard]] std::string text() const;
+
+  static auto fields(auto& self) { return std::tie(self.file, self.line, self.column); }
 };
 
 struct Mistake {
@@ -31,6 +34,8 @@ struct Mistake {
 
   /// "FILE:LINE:COLUMN: KEY: FOUND; EXPECTED", without what is empty: one line.
   [[nodiscard]] std::string line() const;
+
+  static auto fields(auto& self) { return std::tie(self.where, self.key, self.found, self.expected); }
 };
 
 /// The input is wrong (exit status 2). The message has one line per mistake: where, key, what was found, what to do.

@@ -9,10 +9,7 @@
 #include <unistd.h>
 #include <algorithm>
 #include <new>
-#include <utility>
-#include <vector>
 
-#include "sim/base/error.h"
 #include "sim/base/process.h"
 
 namespace reamsim {
@@ -83,11 +80,10 @@ std::byte* ResultWriter::take(std::uint64_t bytes, std::size_t alignment) {
   return memory_.result() + place;
 }
 
-ResultReader::ResultReader(const SharedMemory& memory, std::string path, std::string key)
+ResultReader::ResultReader(const SharedMemory& memory, ForeignFile file)
     : result_(memory.result()),
       bytes_(std::min(memory.head().bytes.load(), memory.capacity())),
-      path_(std::move(path)),
-      key_(std::move(key)) {}
+      file_(std::move(file)) {}
 
 std::string ResultReader::text() {
   const auto length = get<std::uint64_t>();
@@ -110,8 +106,8 @@ void ResultReader::give_back(const std::byte* first, std::uint64_t bytes) {
 }
 
 void ResultReader::fail() const {
-  throw InputError({path_, 0, 0}, key_, "the process that reads it handed back an inconsistent result",
-                   "the file is damaged: give a complete file");
+  throw file_.error("the process that reads it handed back an inconsistent result",
+                    "the file is damaged: give a complete file");
 }
 
 }  // namespace reamsim

@@ -43,6 +43,19 @@ concept HasElements = requires {
 }
 &&!PlainValue<typename T::value_type>;
 
+/// A file, and the scenario key that names it, for messages.
+struct ForeignFile {
+  std::string path;
+  std::string key;
+
+  /// The mistake of this file.
+  [[nodiscard]] InputError error(const std::string& found, const std::string& expected) const {
+    return {{path}, key, found, expected};
+  }
+
+  static auto fields(auto& self) { return std::tie(self.path, self.key); }
+};
+
 /// How the work of a child ended.
 enum class ChildOutcome : std::uint32_t { died, done, wrong_input, failed, out_of_memory, result_too_large };
 
@@ -146,7 +159,7 @@ class ResultWriter {
 /// the result ends too early.
 class ResultReader {
  public:
-  ResultReader(const SharedMemory& memory, std::string path, std::string key);
+  ResultReader(const SharedMemory& memory, ForeignFile file);
   explicit ResultReader(const std::vector<std::byte>& bytes) : result_(bytes.data()), bytes_(bytes.size()) {}
 
   template <PlainValue T>
@@ -176,6 +189,13 @@ class ResultReader {
     std::vector<T> out;
     out.reserve(std::min(count, bytes_ / sizeof(T)));
     for_each_block<T>(count, [&](const T* first, const T* last) { out.insert(out.end(), first, last); });
+    return out;
+  }
+  /// An array that has to have `count` values.
+  template <PlainValue T>
+  std::vector<T> array_of(std::size_t count) {
+    std::vector<T> out = array<T>();
+    if (out.size() != count) fail();
     return out;
   }
   /// Calls `use` with each value of an array.
@@ -232,8 +252,7 @@ class ResultReader {
   const std::byte* result_;
   std::uint64_t bytes_;
   std::uint64_t place_ = 0;
-  std::string path_;
-  std::string key_;
+  ForeignFile file_;
 };
 
 }  // namespace reamsim

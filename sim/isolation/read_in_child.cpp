@@ -15,7 +15,6 @@
 #include <limits>
 #include <thread>
 
-#include "sim/base/error.h"
 #include "sim/base/process.h"
 
 namespace reamsim {
@@ -90,37 +89,26 @@ Ended wait_or_kill(pid_t child, const SharedMemory& memory, int seconds) {
   }
 }
 
-/// What put_mistakes() wrote in the child.
-[[noreturn]] void throw_mistakes(ResultReader& in) {
-  constexpr std::uint64_t kMost = 1000;
-  const auto count = in.get<std::uint64_t>();
-  if (count == 0 || count > kMost) in.fail();
-  std::vector<Mistake> mistakes(count);
-  for (Mistake& mistake : mistakes) {
-    mistake.where.file = in.text();
-    mistake.where.line = in.get<int>();
-    mistake.where.column = in.get<int>();
-    for (std::string* text : {&mistake.key, &mistake.found, &mistake.expected}) *text = in.text();
-  }
-  throw InputError(std::move(mistakes));
-}
-
-[[noreturn]] void throw_died(const ForeignFile& file, const std::string& found) {
-  throw InputError({file.path, 0, 0}, file.key, found, "the file is damaged: give a complete file, or export it again");
+InputError died(const ForeignFile& file, const std::string& found) {
+  return file.error(found, "the file is damaged: give a complete file, or export it again");
 }
 
 void throw_unless_done(const ForeignFile& file, const SharedMemory& memory, const ReadLimits& limits, int status) {
   const ChildOutcome outcome = succeeded(status) ? memory.head().outcome : ChildOutcome::died;
-  ResultReader reader(memory, file.path, file.key);
   if (outcome == ChildOutcome::done) return;
-  if (outcome == ChildOutcome::wrong_input) throw_mistakes(reader);
+  ResultReader reader(memory, file);
+  if (outcome == ChildOutcome::wrong_input) {
+    auto mistakes = reader.take<std::vector<Mistake>>();
+    if (mistakes.empty()) reader.fail();
+    throw InputError(std::move(mistakes));
+  }
   if (outcome == ChildOutcome::failed) throw RunError(reader.text());
   if (outcome == ChildOutcome::out_of_memory || outcome == ChildOutcome::result_too_large) {
     const std::uint64_t most = outcome == ChildOutcome::out_of_memory ? limits.memory_bytes : memory.capacity();
-    throw InputError({file.path, 0, 0}, file.key, fmt::format("reading it needs more than {} MB", most / 1'000'000),
+    throw file.error(fmt::format("reading it needs more than {} MB", most / 1'000'000),
                      "the file is damaged, or too large for its contents: use a smaller one");
   }
-  throw_died(file, WIFSIGNALED(status) ? fmt::format("the library that reads it crashed (signal {})", WTERMSIG(status))
+  throw died(file, WIFSIGNALED(status) ? fmt::format("the library that reads it crashed (signal {})", WTERMSIG(status))
                                        : "the library that reads it failed");
 }
 
@@ -155,11 +143,10 @@ ChildResult run_child(std::unique_ptr<SharedMemory> memory, const ForeignFile& f
   const std::string last(memory->head().path, strnlen(memory->head().path, SharedMemory::Head::kPathBytes));
   const ForeignFile current{last.empty() ? file.path : last, file.key};
   if (ending == Ending::out_of_time) {
-    throw_died(current, fmt::format("reading it took more than {} s", limits.seconds));
+    throw died(current, fmt::format("reading it took more than {} s", limits.seconds));
   }
   if (ending == Ending::waits) {
-    throw InputError(
-        {current.path, 0, 0}, current.key,
+    throw current.error(
         fmt::format("reading it waited for more than {} s", kClockPerCpu * limits.seconds),
         "the disc or the network does not answer, or the system is overloaded: try again, or copy the file "
         "to a local disc");

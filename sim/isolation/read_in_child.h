@@ -50,12 +50,6 @@ pid_t start_child(const ChildStart& start);
 /// Whether the sandbox restricts system calls on this kernel. Forks once.
 bool restricts_system_calls();
 
-/// A file, and the scenario key that names it, for messages.
-struct ForeignFile {
-  std::string path;
-  std::string key;
-};
-
 struct ReadLimits {
   std::uint64_t memory_bytes = std::uint64_t{768} << 20;  ///< address space for reading
   std::uint64_t result_bytes = std::uint64_t{16} << 20;
@@ -72,7 +66,7 @@ std::uint64_t bytes_of_file(const std::string& path);
 class ChildResult {
  public:
   ChildResult(std::unique_ptr<SharedMemory> memory, const ForeignFile& file)
-      : memory_(std::move(memory)), reader_(*memory_, file.path, file.key) {}
+      : memory_(std::move(memory)), reader_(*memory_, file) {}
 
   [[nodiscard]] ResultReader& reader() { return reader_; }
 

@@ -20,13 +20,10 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <memory>
 #include <mutex>
 #include <new>
 #include <stdexcept>
-#include <vector>
 
-#include "sim/base/error.h"
 #include "sim/base/process.h"
 
 namespace reamsim {
@@ -152,23 +149,13 @@ bool receive_value(int socket, T& value) {
   return TEMP_FAILURE_RETRY(recv(socket, &value, sizeof value, 0)) == ssize_t{sizeof value};
 }
 
-void put_mistakes(ResultWriter& out, const InputError& error) {
-  out.put(std::uint64_t{error.mistakes().size()});
-  for (const Mistake& mistake : error.mistakes()) {
-    out.put(mistake.where.file);
-    out.put(mistake.where.line);
-    out.put(mistake.where.column);
-    for (const std::string* text : {&mistake.key, &mistake.found, &mistake.expected}) out.put(*text);
-  }
-}
-
 ChildOutcome write_result(ChildFunction function, ResultReader& arguments, ResultWriter& out) {
   try {
     function(arguments, out);
     return ChildOutcome::done;
   } catch (const InputError& error) {
     out.clear();
-    put_mistakes(out, error);
+    out.put(error.mistakes());
     return ChildOutcome::wrong_input;
   } catch (const ResultTooLarge&) {
     return ChildOutcome::result_too_large;

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <optional>
-#include <utility>
 
 #include "sim/base/parallel.h"
 #include "sim/base/statistics.h"

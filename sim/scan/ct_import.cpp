@@ -7,33 +7,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <new>
 #include <stdexcept>
-#include <utility>
 
-#include "sim/base/error.h"
-#include "sim/scan/aligned_image.h"
-#include "sim/scan/label_map.h"
-#include "sim/scan/scan.h"
 #include "sim/scan/segment.h"
 
 namespace reamsim {
 
 namespace {
 
-constexpr const char* kPathKey = "bone.ct.path";
-
-std::string shape_text(const ct::ScanGeometry& g) {
-  const Vec3 spacing = g.spacing_mm();
-  return fmt::format("{}x{}x{} voxels of {:.4g}x{:.4g}x{:.4g} mm", g.dims.x(), g.dims.y(), g.dims.z(), spacing.x(),
-                     spacing.y(), spacing.z());
-}
-
 void note_image(const ct::ScanSource& source, const std::string& path, Diagnostics& report) {
-  report.note("image " + path + ": " + source.description() + ", " + shape_text(source.geometry()) + ", " +
-              (ct::is_axis_aligned(source.geometry()) ? "axes along LPS" : "oblique, resampled to LPS axes") + ", " +
-              ct::box_text(source.geometry().bounds_mm()));
+  report.note("image " + path + ": " + source.description + ", " + ct::shape_text(source.geometry) + ", " +
+              (ct::is_axis_aligned(source.geometry) ? "axes along LPS" : "oblique, resampled to LPS axes") + ", " +
+              ct::box_text(source.geometry.bounds_mm()));
 }
 
 bool is_default(const DensitySettings& density) {
@@ -45,7 +31,7 @@ bool is_default(const DensitySettings& density) {
 /// The default relation from HU to density is that of one tube voltage.
 void warn_of_voltage(const ct::ScanSource& source, const BoneSettings& settings, Diagnostics& report) {
   constexpr double kLeast_kv = 110, kMost_kv = 130;
-  const double kvp = source.kvp();
+  const double kvp = source.kvp;
   if (kvp <= 0 || (kvp >= kLeast_kv && kvp <= kMost_kv) || !is_default(settings.density)) return;
   report.warn(fmt::format(
       "{}: scanned at {:g} kV, where bone has {} HU than at 120 kV; the relation from HU to density is that of 120 kV: "
@@ -70,13 +56,13 @@ float replace_non_finite(std::vector<float>& values, const std::string& path, co
 }
 
 ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& settings) {
-  const ct::IndexBox box = ct::voxels_in_crop(source.geometry(), {settings.crop_min_mm, settings.crop_max_mm});
+  const ct::IndexBox box = ct::voxels_in_crop(source.geometry, {settings.crop_min_mm, settings.crop_max_mm});
   if (box.empty()) {
     throw InputError({settings.path}, "bone.ct.crop_min_mm, bone.ct.crop_max_mm",
                      "the crop contains no voxel of the image",
-                     "the image spans " + ct::box_text(source.geometry().bounds_mm()) + " (LPS)");
+                     "the image spans " + ct::box_text(source.geometry.bounds_mm()) + " (LPS)");
   }
-  ct::check_fits_in_memory(static_cast<double>(box.voxels()), 2 * sizeof(float), settings.path, kPathKey);
+  ct::check_fits_in_memory(static_cast<double>(box.voxels()), 2 * sizeof(float), {settings.path, ct::kScanKey});
   return box;
 }
 
@@ -114,8 +100,8 @@ void warn_of_offset(const std::vector<float>& values, const std::string& path, D
 /// The voxels in the crop, on LPS axes. Beyond an oblique image they get its least value.
 ct::AlignedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box, const CtSettings& settings,
                               Diagnostics& report) {
-  ct::Scan scan = source.read(box);
-  float least = replace_non_finite(scan.value, settings.path, kPathKey, report);
+  ct::Scan scan = source.read(box, 0);
+  float least = replace_non_finite(scan.value, settings.path, ct::kScanKey, report);
   if (settings.hu) {
     const auto to_hu = [&](float value) {
       return static_cast<float>(settings.hu->slope * static_cast<double>(value) + settings.hu->intercept);
@@ -129,7 +115,7 @@ ct::AlignedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& 
 }
 
 void note_crop(const ct::AlignedImage& image, const ct::ScanSource& source, Diagnostics& report) {
-  if (image.lattice.size() >= source.geometry().size()) return;
+  if (image.lattice.size() >= source.geometry.size()) return;
   const Vec3i& dims = image.lattice.dims;
   report.note(fmt::format("crop: {}x{}x{} voxels, ", dims.x(), dims.y(), dims.z()) +
               ct::box_text(image.lattice.bounds_mm()));
@@ -161,32 +147,19 @@ void note_boundary(const ct::BoundaryDensity& boundary, Diagnostics& report) {
 
 /// A plane of LPS in the radiological convention.
 struct View {
-  const char* name;
-  int across;    // axis of the columns
-  int down;      // axis of the rows
-  bool upwards;  // the axis points up
-  const char* left;
-  const char* right;
-  const char* top;
-  const char* bottom;
+  ScanPlane plane;  ///< without its values
+  int across;       // axis of the columns
+  int down;         // axis of the rows
+  bool upwards;     // the axis points up
 };
-constexpr View kViews[] = {{"axial", 0, 1, false, "R", "L", "A", "P"},
-                           {"coronal", 0, 2, true, "R", "L", "S", "I"},
-                           {"sagittal", 1, 2, true, "A", "P", "S", "I"}};
 
 ScanPlane plane_of(const View& view, const ct::AlignedImage& hu, const ct::BoneField& bone, const CtSettings& settings,
                    const Vec3i& through) {
   const ct::Lattice& lattice = hu.lattice;
-  ScanPlane out{.name = view.name,
-                .columns = lattice.dims[view.across],
-                .rows = lattice.dims[view.down],
-                .spacing_mm = {lattice.spacing_mm[view.across], lattice.spacing_mm[view.down]},
-                .left = view.left,
-                .right = view.right,
-                .top = view.top,
-                .bottom = view.bottom,
-                .hu = {},
-                .field = {}};
+  ScanPlane out = view.plane;
+  out.columns = lattice.dims[view.across];
+  out.rows = lattice.dims[view.down];
+  out.spacing_mm = {lattice.spacing_mm[view.across], lattice.spacing_mm[view.down]};
   const auto row_of = [&](int index) { return view.upwards ? out.rows - 1 - index : index; };
   out.through = Vec2(through[view.across], row_of(through[view.down]));
   for (int row = 0; row < out.rows; ++row) {
@@ -208,12 +181,19 @@ ScanPlane plane_of(const View& view, const ct::AlignedImage& hu, const ct::BoneF
 /// nearest voxel. Cuts count as outside the bone.
 std::vector<ScanPlane> scan_planes(const ct::AlignedImage& hu, const ct::BoneField& bone, const CtSettings& settings,
                                    const Vec3& through_mm) {
+  const auto named = [](const char* name, const char* left, const char* right, const char* top, const char* bottom) {
+    return ScanPlane{.name = name, .left = left, .right = right, .top = top, .bottom = bottom, .hu = {}, .field = {}};
+  };
   const Vec3i last = hu.lattice.dims - Vec3i::Ones();
   const Vec3 index = (through_mm - hu.lattice.origin_mm).cwiseQuotient(hu.lattice.spacing_mm);
   const Vec3 inside = index.cwiseMax(0).cwiseMin(last.cast<double>());
   const Vec3i through = inside.array().round().cast<int>();
   std::vector<ScanPlane> out;
-  for (const View& view : kViews) out.push_back(plane_of(view, hu, bone, settings, through));
+  for (const View& view :
+       {View{named("axial", "R", "L", "A", "P"), 0, 1, false}, View{named("coronal", "R", "L", "S", "I"), 0, 2, true},
+        View{named("sagittal", "A", "P", "S", "I"), 1, 2, true}}) {
+    out.push_back(plane_of(view, hu, bone, settings, through));
+  }
   return out;
 }
 
@@ -240,8 +220,9 @@ Segmentation segmentation_of(const ct::AlignedImage& hu, const ct::BoneField& bo
   return out;
 }
 
-/// The settings with the cut through the joint gap, and a seed behind it.
-BoneSettings with_humerus_cut(const ct::AlignedImage& hu, const BoneSettings& settings, Diagnostics& report) {
+/// The settings; where `separate` says so, with the cut through the joint gap, and a seed behind it.
+BoneSettings with_cuts(const ct::AlignedImage& hu, const BoneSettings& settings, Diagnostics& report) {
+  if (settings.ct.separate != Separate::humerus) return settings;
   const auto near = glenoid_point(settings.glenoid);
   if (!near)
     throw InputError({}, "bone.ct.separate", "no glenoid", "give bone.glenoid.near_mm, on the face of the glenoid");
@@ -270,16 +251,11 @@ BoneSettings with_humerus_cut(const ct::AlignedImage& hu, const BoneSettings& se
   return out;
 }
 
-/// The settings, with the cut of `separate`.
-BoneSettings with_cuts(const ct::AlignedImage& hu, const BoneSettings& settings, Diagnostics& report) {
-  return settings.ct.separate == Separate::humerus ? with_humerus_cut(hu, settings, report) : settings;
-}
-
 /// Threshold or label map, as the settings say.
 ct::BoneField segment(const ct::ScanSource& source, const ct::IndexBox& box, const ct::AlignedImage& hu,
                       const CtSettings& settings, Diagnostics& report) {
   if (!settings.label_map) return ct::segment_by_threshold(hu, settings, report);
-  return ct::segment_by_label(ct::read_labels(settings, source.geometry(), box, hu, report), hu, settings, report);
+  return ct::segment_by_label(ct::read_labels(settings, source.geometry, box, hu, report), hu, settings, report);
 }
 
 /// Opens the scan and calls `use(source)`. Errors of ITK and of the memory become InputErrors.
@@ -288,16 +264,16 @@ auto with_open_scan(const CtSettings& settings, Diagnostics& report, const Use& 
   try {
     const ct::DicomChoice choice{settings.series, settings.modality == Modality::any,
                                  settings.uneven == Uneven::resample};
-    const auto source = ct::open_scan(settings.path, kPathKey, choice, report);
-    note_image(*source, settings.path, report);
-    return use(*source);
+    const ct::ScanSource source = ct::open_scan(settings.path, choice, report);
+    note_image(source, settings.path, report);
+    return use(source);
   } catch (const InputError&) {
     throw;
   } catch (const std::bad_alloc&) {
-    throw InputError({settings.path}, kPathKey, "the image and its voxmap need more memory than this machine has",
+    throw InputError({settings.path}, ct::kScanKey, "the image and its voxmap need more memory than this machine has",
                      "crop it, or use larger voxels");
   } catch (const std::exception&) {  // from a filter of ITK
-    throw InputError({settings.path}, kPathKey,
+    throw InputError({settings.path}, ct::kScanKey,
                      "the image cannot be processed: its size, spacing or axes are implausible",
                      "check the file, or crop it");
   }
@@ -342,7 +318,7 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
   const ct::BoneField bone = segment(source, box, hu, ct_settings, report);
   note_trabecular(bone, ct_settings.threshold_hu, report);
   if (segmentation != nullptr) *segmentation = segmentation_of(hu, bone, settings);
-  return voxels_of(std::move(hu), bone, settings, psf_of(source.geometry(), ct_settings), report, segmentation, stages);
+  return voxels_of(std::move(hu), bone, settings, psf_of(source.geometry, ct_settings), report, segmentation, stages);
 }
 
 FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Diagnostics& report, Segmentation* segmentation,
@@ -364,7 +340,7 @@ SegmentedScan segmented_scan(const BoneSettings& given, Diagnostics& report, std
       out.settings = settings.ct;
       ct::BoneField bone = segment(source, box, out.hu, out.settings, report);
       if (voxmap != nullptr) {
-        *voxmap = voxels_of(out.hu, bone, settings, psf_of(source.geometry(), settings.ct), report, nullptr, {});
+        *voxmap = voxels_of(out.hu, bone, settings, psf_of(source.geometry, settings.ct), report, nullptr, {});
       }
       out.field = std::move(bone.field.value);
     } catch (const InputError& error) {

@@ -3,13 +3,45 @@
 
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/aligned_image.h"
-#include "sim/scan/humeral_head.h"
 #include "sim/scan/scan.h"
 #include "sim/scan/segmentation.h"
 #include "sim/scenario/scenario.h"
+
+namespace reamsim::ct {
+
+/// The head of the humerus in a scan, and the sphere that cuts it off through the joint gap. LPS, mm.
+struct HumeralHead {
+  Vec3 center_mm = Vec3::Zero();
+  double radius_mm = 0;          ///< of the sphere that fits its surface
+  double rms_mm = 0;             ///< of the points of the surface near that sphere
+  double cut_radius_mm = 0;      ///< through the least radiodensity between head and glenoid
+  double touching_fraction = 0;  ///< of the directions towards the glenoid: no voxel of the gap is below the threshold
+};
+
+/// Finds the head next to a point near the centre of the glenoid's face. Surface points vote for centres along their
+/// inward normals (Ballard 1981, Pattern Recognition 13, 111–122: the generalized Hough transform); a sphere is then
+/// fitted to those that face away from the centre, and the cut is chosen by the mean radiodensity over spheres round
+/// it. nullopt where no sphere of 16 to 32 mm radius is next to the point.
+std::optional<HumeralHead> find_humeral_head(const AlignedImage& hu, double threshold_hu, const Vec3& near_mm);
+
+/// A head that faces another bone across a gap. LPS, mm.
+struct Joint {
+  HumeralHead head;             ///< without its cut
+  Vec3 near_mm = Vec3::Zero();  ///< a point on the face opposite to the head
+  double gap_fraction = 0;      ///< of the cap of the head towards it: bone follows behind a gap
+};
+
+/// Searches a whole scan for heads of 16 to 32 mm radius, each with the face opposite to it: in the same way, with
+/// votes for all places. Those with the clearest gap come first. A hip is such a joint too.
+std::vector<Joint> find_joints(const AlignedImage& hu, double threshold_hu);
+
+}  // namespace reamsim::ct
 
 namespace reamsim {
 

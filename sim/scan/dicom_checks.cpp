@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <iterator>
 #include <set>
-#include <utility>
 
 #include "sim/scan/dicom_stack.h"
 
@@ -23,33 +22,14 @@ constexpr double kStraight_steps = 0.05;
 /// Deviation from even spacing, as a fraction of it, that is warned of.
 constexpr double kWarnedDeviation = 0.005;
 
-void check_grey_values(const Stack& stack, const std::string& key) {
-  for (const Slice& slice : stack) {
-    if (slice.header->photometric != "MONOCHROME1") continue;
-    throw InputError({slice.path()}, key, "MONOCHROME1: its grey values are inverted and are not HU",
-                     "expected MONOCHROME2, as CT slices have; export the original series");
-  }
-}
-
-/// Slices without a rescale among slices with one would be read 1024 HU too dense, or so.
-void check_rescale(const Stack& stack, const std::string& key) {
-  const auto rescales = [](const Slice& slice) { return slice.header->rescales; };
-  if (std::ranges::none_of(stack, rescales)) return;
-  const auto without = std::ranges::find_if_not(stack, rescales);
-  if (without == stack.end()) return;
-  throw InputError({without->path()}, key,
-                   "has no rescale intercept and slope (0028,1052 and 0028,1053), as other slices of its series have",
-                   "export the original series: the values of this slice are not HU");
-}
-
 /// Names an image of another group, or a skipped file, that may be the missing slice.
-std::string hint_at_missing_slice(double low_mm, double high_mm, const Vec3& normal, const ScanGeometry& usual,
-                                  const std::vector<Stack>& groups, const std::vector<std::string>& skipped) {
+std::string hint_at_missing_slice(const Slice& low, const Slice& high, const std::vector<Stack>& groups,
+                                  const std::vector<std::string>& skipped) {
   for (std::size_t g = 1; g < groups.size(); ++g) {
     for (const Slice& slice : groups[g]) {
-      const double height = normal.dot(slice.geometry.origin_mm);
-      if (height > low_mm && height < high_mm) {
-        return "; " + slice.path() + " lies there and has " + difference(slice.geometry, usual);
+      const double height_mm = low.header->normal().dot(slice.geometry.origin_mm);
+      if (height_mm > low.height_mm && height_mm < high.height_mm) {
+        return "; " + slice.path() + " lies there and has " + difference(slice.geometry, low.geometry);
       }
     }
   }
@@ -70,18 +50,6 @@ std::string name_pattern(const std::string& path) {
 /// "instances 1 to 2"
 std::string instances_text(int first, int last) {
   return first == last ? fmt::format("instance {}", first) : fmt::format("instances {} to {}", first, last);
-}
-
-/// The instance numbers of slices, if all have one and they run in one direction.
-std::vector<int> numbers_of(const Stack& stack) {
-  std::vector<int> out;
-  for (const Slice& slice : stack) {
-    if (!slice.header->instance_number) return {};
-    out.push_back(*slice.header->instance_number);
-  }
-  const bool rises = std::ranges::is_sorted(out);
-  if (!rises && !std::ranges::is_sorted(out, std::greater<>())) return {};
-  return std::ranges::adjacent_find(out) == out.end() ? out : std::vector<int>();
 }
 
 /// How many images the acquisition of the stack has, as the header says; 0: unknown, or all are here.
@@ -109,9 +77,20 @@ std::string difference(const ScanGeometry& other, const ScanGeometry& usual) {
   return "an orientation different from that of the other slices";
 }
 
-void check_values(const Stack& stack, const std::string& key) {
-  check_grey_values(stack, key);
-  check_rescale(stack, key);
+void check_values(const Stack& stack) {
+  const auto grey =
+      std::ranges::find(stack, "MONOCHROME1", [](const Slice& slice) { return slice.header->photometric; });
+  if (grey != stack.end()) {
+    throw InputError({grey->path()}, kScanKey, "MONOCHROME1: its grey values are inverted and are not HU",
+                     "expected MONOCHROME2, as CT slices have; export the original series");
+  }
+  // Slices without a rescale among slices with one would be read 1024 HU too dense, or so.
+  const auto rescales = [](const Slice& slice) { return slice.header->rescales; };
+  const auto without = std::ranges::find_if_not(stack, rescales);
+  if (without == stack.end() || std::ranges::none_of(stack, rescales)) return;
+  throw InputError({without->path()}, kScanKey,
+                   "has no rescale intercept and slope (0028,1052 and 0028,1053), as other slices of its series have",
+                   "export the original series: the values of this slice are not HU");
 }
 
 std::vector<std::string> named_like_slices(const Stack& stack, const std::vector<std::string>& files) {
@@ -127,7 +106,7 @@ std::vector<std::string> named_like_slices(const Stack& stack, const std::vector
 }
 
 [[noreturn]] void refuse_spacing(const SpacingFault& fault, const Stack& stack, const std::vector<Stack>& groups,
-                                 const std::vector<std::string>& skipped, const std::string& key) {
+                                 const std::vector<std::string>& skipped) {
   const Slice& low = stack[fault.slice - 1];
   const Slice& high = stack[fault.slice];
   const std::string files = low.path() + " and " + high.path();
@@ -135,7 +114,7 @@ std::vector<std::string> named_like_slices(const Stack& stack, const std::vector
   if (fault.kind == SpacingFault::Kind::change) {
     const std::string numbers =
         fault.missing > 0 ? "; instance numbers jump there as well, so slices may be missing from there on" : "";
-    throw InputError({high.path()}, key,
+    throw InputError({high.path()}, kScanKey,
                      fmt::format("slice spacing changes from {:.3f} to {:.3f} mm at slice {} of {}: {}",
                                  fault.before_mm, fault.gap_mm, fault.slice + 1, stack.size(), files) +
                          numbers,
@@ -146,16 +125,10 @@ std::vector<std::string> named_like_slices(const Stack& stack, const std::vector
   const std::string between = fault.missing == 1  ? "a slice is missing between them"
                               : fault.missing > 1 ? std::to_string(fault.missing) + " slices are missing between them"
                                                   : "expected evenly spaced slices, or " + resample;
-  const ScanGeometry& first = stack.front().geometry;
-  const Vec3 normal = first.step_mm.col(0).cross(first.step_mm.col(1)).normalized();
-  throw InputError(
-      {high.path()}, key, found,
-      between + hint_at_missing_slice(normal.dot(low.geometry.origin_mm), normal.dot(high.geometry.origin_mm), normal,
-                                      stack.front().geometry, groups, skipped));
+  throw InputError({high.path()}, kScanKey, found, between + hint_at_missing_slice(low, high, groups, skipped));
 }
 
-void check_straight(const Stack& stack, const SliceLine& line, const std::vector<double>& at, const std::string& key,
-                    Diagnostics& report) {
+void check_straight(const Stack& stack, const SliceLine& line, const std::vector<double>& at, Diagnostics& report) {
   const double side = stack.front().geometry.step_mm.leftCols<2>().colwise().norm().minCoeff();
   const double step = (line.step_mm * (at.back() - at.front())).norm() / static_cast<double>(stack.size() - 1);
   double worst = 0;
@@ -163,9 +136,8 @@ void check_straight(const Stack& stack, const SliceLine& line, const std::vector
   for (std::size_t k = 0; k < stack.size(); ++k) {
     const Slice& slice = stack[k];
     const double off = (slice.geometry.origin_mm - line.point_mm - at[k] * line.step_mm).norm();
-    const double half_unit = slice.rounding_mm;
-    if (off > kStraight_pixels * std::max(side, kStraight_steps * step) + half_unit) {
-      throw InputError({slice.path()}, key,
+    if (off > kStraight_pixels * std::max(side, kStraight_steps * step) + slice.rounding_mm) {
+      throw InputError({slice.path()}, kScanKey,
                        fmt::format("the slice is displaced by {:.2f} mm against its neighbours", off),
                        "export the original series");
     }
@@ -182,7 +154,7 @@ void check_straight(const Stack& stack, const SliceLine& line, const std::vector
 }
 
 void warn_of_missing_ends(const Stack& stack, const DicomSeries& series, Diagnostics& report) {
-  const std::vector<int> numbers = numbers_of(stack);
+  const std::vector<int> numbers = instance_numbers(stack);
   if (numbers.size() < 2) return;
   const bool rises = numbers.front() < numbers.back();
   const auto [least, most] = std::minmax(numbers.front(), numbers.back());

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include "sim/scan/dicom_files.h"
+
 #include <fmt/core.h>
 #include <gdcmImageReader.h>
 #include <gdcmReader.h>
@@ -9,10 +11,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <iterator>
+#include <filesystem>
 
-#include "sim/base/error.h"
-#include "sim/scan/dicom_files.h"
+#include "sim/base/file.h"
+#include "sim/isolation/read_in_child.h"
 #include "sim/scan/dicom_values.h"
 #include "sim/scan/image_io.h"
 
@@ -22,37 +24,8 @@ namespace {
 
 constexpr const char* kCtStorage = "1.2.840.10008.5.1.4.1.1.2";
 
-constexpr DicomTag kSopClass{0x0008, 0x0016};
-constexpr DicomTag kSopInstance{0x0008, 0x0018};
-constexpr DicomTag kModality{0x0008, 0x0060};
-constexpr DicomTag kSeriesDescription{0x0008, 0x103e};
-constexpr DicomTag kSliceThickness{0x0018, 0x0050};
-constexpr DicomTag kKvp{0x0018, 0x0060};
-constexpr DicomTag kSliceSpacing{0x0018, 0x0088};
-constexpr DicomTag kKernel{0x0018, 0x1210};
-constexpr DicomTag kSeriesUid{0x0020, 0x000e};
-constexpr DicomTag kSeriesNumber{0x0020, 0x0011};
-constexpr DicomTag kInstanceNumber{0x0020, 0x0013};
-constexpr DicomTag kPosition{0x0020, 0x0032};
-constexpr DicomTag kOrientation{0x0020, 0x0037};
-constexpr DicomTag kImagesInAcquisition{0x0020, 0x1002};
-constexpr DicomTag kPhotometric{0x0028, 0x0004};
-constexpr DicomTag kFrames{0x0028, 0x0008};
-constexpr DicomTag kRows{0x0028, 0x0010};
-constexpr DicomTag kColumns{0x0028, 0x0011};
-constexpr DicomTag kPixelSpacing{0x0028, 0x0030};
-constexpr DicomTag kBitsAllocated{0x0028, 0x0100};
-constexpr DicomTag kPixelRepresentation{0x0028, 0x0103};
-constexpr DicomTag kIntercept{0x0028, 0x1052};
-constexpr DicomTag kSlope{0x0028, 0x1053};
-constexpr DicomTag kLossy{0x0028, 0x2110};
-constexpr DicomTag kLossyRatio{0x0028, 0x2112};
-constexpr DicomTag kLossyMethod{0x0028, 0x2114};
-constexpr DicomTag kSharedGroups{0x5200, 0x9229};
-constexpr DicomTag kFrameGroups{0x5200, 0x9230};
-
 /// Of the functional groups, the sequences that hold what a slice has at the top of its file.
-constexpr DicomTag kMacros[] = {
+const gdcm::Tag kMacros[] = {
     {0x0020, 0x9111},  // frame content
     {0x0020, 0x9113},  // plane position
     {0x0020, 0x9116},  // plane orientation
@@ -71,36 +44,41 @@ constexpr DicomTag kMacros[] = {
 };
 
 std::string lossy_words(const DicomValues& values, const std::string& syntax) {
-  const std::string flag = values.text(kLossy);
+  const std::string flag = values.text({0x0028, 0x2110});
   const Loss loss = loss_of_syntax(syntax);
   if (flag != "01" && loss != Loss::certain && !(loss == Loss::possible && flag.empty())) return "";
-  std::string out = values.text(kLossyMethod);
+  std::string out = values.text({0x0028, 0x2114});  // method
   if (out.empty()) out = name_of_syntax(syntax).empty() ? "method unknown" : name_of_syntax(syntax);
-  const std::string ratio = values.text(kLossyRatio);
+  const std::string ratio = values.text({0x0028, 0x2112});
   return out + (ratio.empty() ? "" : ", ratio " + ratio);
+}
+
+/// The directions of rows and columns, made perpendicular, because they are written with few decimals.
+SliceAxes axes_from(const std::vector<double>& cosines) {
+  const Vec3 columns = Vec3(cosines[3], cosines[4], cosines[5]).stableNormalized();
+  const Vec3 normal = Vec3(cosines[0], cosines[1], cosines[2]).cross(columns).stableNormalized();
+  SliceAxes out;
+  out.col(0) = columns.cross(normal).stableNormalized();
+  out.col(1) = normal.cross(out.col(0));
+  return out;
 }
 
 /// What the slice, or one of the functional groups of a frame, says about its place and its values.
 void fill_place(const DicomValues& values, DicomHeader& header) {
-  const std::vector<double> spacing = values.numbers(kPixelSpacing);
+  const std::vector<double> spacing = values.numbers({0x0028, 0x0030});
   if (spacing.size() >= 2) header.pixel_spacing_mm = Vec2(spacing[1], spacing[0]);
-  const std::vector<double> position = values.numbers(kPosition);
+  const gdcm::Tag position_tag(0x0020, 0x0032);
+  const std::vector<double> position = values.numbers(position_tag);
   if (position.size() >= 3) {
     header.position_mm = Vec3(position[0], position[1], position[2]);
-    header.position_text = values.text(kPosition);
+    header.position_text = values.text(position_tag);
   }
-  const std::vector<double> axes = values.numbers(kOrientation);
-  if (axes.size() >= 6) {
-    SliceAxes out;
-    out.col(0) = Vec3(axes[0], axes[1], axes[2]).stableNormalized();
-    out.col(1) = Vec3(axes[3], axes[4], axes[5]).stableNormalized();
-    header.axes = out;
-  }
-  header.slice_spacing_mm =
-      std::abs(values.number(kSliceSpacing, values.number(kSliceThickness, header.slice_spacing_mm)));
-  header.kvp = values.number(kKvp, header.kvp);
-  const std::vector<double> intercept = values.numbers(kIntercept);
-  const std::vector<double> slope = values.numbers(kSlope);
+  const std::vector<double> cosines = values.numbers({0x0020, 0x0037});
+  if (cosines.size() >= 6) header.axes = axes_from(cosines);
+  const double thickness_mm = values.number({0x0018, 0x0050}, header.slice_spacing_mm);
+  header.slice_spacing_mm = std::abs(values.number({0x0018, 0x0088}, thickness_mm));
+  header.kvp = values.number({0x0018, 0x0060}, header.kvp);
+  const std::vector<double> intercept = values.numbers({0x0028, 0x1052}), slope = values.numbers({0x0028, 0x1053});
   header.rescales = header.rescales || !intercept.empty() || !slope.empty();
   if (!intercept.empty()) header.intercept = intercept[0];
   if (!slope.empty()) header.slope = slope[0];
@@ -111,29 +89,28 @@ void fill_place(const DicomValues& values, DicomHeader& header) {
 std::string dicom_pixel_type(const DicomValues& values, const DicomHeader& header) {
   const auto is_whole = [](double x) { return x == std::floor(x); };
   if (!is_whole(header.slope) || !is_whole(header.intercept)) return "float";
-  const bool is_signed = values.short_integer(kPixelRepresentation) == 1 || header.intercept < 0 || header.slope < 0;
-  return (is_signed ? "int" : "uint") + std::to_string(values.short_integer(kBitsAllocated));
+  const bool is_signed = values.short_integer({0x0028, 0x0103}) == 1 || header.intercept < 0 || header.slope < 0;
+  return (is_signed ? "int" : "uint") + std::to_string(values.short_integer({0x0028, 0x0100}));
 }
 
 DicomHeader header_of_file(const DicomValues& values, const std::string& path, const std::string& syntax) {
   DicomHeader header;
   header.path = path;
-  header.rows = values.short_integer(kRows);
-  header.columns = values.short_integer(kColumns);
-  header.series_uid = values.text(kSeriesUid);
-  header.instance_uid = values.text(kSopInstance);
-  header.sop_class = values.text(kSopClass);
-  header.description = values.text(kSeriesDescription);
-  header.kernel = values.text(kKernel);
-  header.modality = values.text(kModality);
+  header.rows = values.short_integer({0x0028, 0x0010});
+  header.columns = values.short_integer({0x0028, 0x0011});
+  header.series_uid = values.text({0x0020, 0x000e});
+  header.instance_uid = values.text({0x0008, 0x0018});
+  header.sop_class = values.text({0x0008, 0x0016});
+  header.description = values.text({0x0008, 0x103e});
+  header.kernel = values.text({0x0018, 0x1210});
+  header.modality = values.text({0x0008, 0x0060});
   if (header.modality.empty() && header.sop_class == kCtStorage) header.modality = "CT";
-  header.photometric = values.text(kPhotometric);
-  header.series_number = values.integer(kSeriesNumber, 0);
-  header.frames = values.integer(kFrames, 1);
-  header.images_in_acquisition = values.integer(kImagesInAcquisition, 0);
-  if (const std::vector<double> number = values.numbers(kInstanceNumber); !number.empty()) {
-    header.instance_number = values.integer(kInstanceNumber, 0);
-  }
+  header.photometric = values.text({0x0028, 0x0004});
+  header.series_number = values.integer({0x0020, 0x0011}, 0);
+  header.frames = values.integer({0x0028, 0x0008}, 1);
+  header.images_in_acquisition = values.integer({0x0020, 0x1002}, 0);
+  const gdcm::Tag instance_number(0x0020, 0x0013);
+  if (!values.numbers(instance_number).empty()) header.instance_number = values.integer(instance_number, 0);
   header.lossy = lossy_words(values, syntax);
   fill_place(values, header);
   header.pixel_type = dicom_pixel_type(values, header);
@@ -141,7 +118,7 @@ DicomHeader header_of_file(const DicomValues& values, const std::string& path, c
 }
 
 void fill_from_groups(const DicomValues& groups, DicomHeader& header) {
-  for (const DicomTag& macro : kMacros) {
+  for (const gdcm::Tag& macro : kMacros) {
     const std::vector<DicomValues> items = groups.items(macro);
     if (!items.empty()) fill_place(items.front(), header);
   }
@@ -149,12 +126,12 @@ void fill_from_groups(const DicomValues& groups, DicomHeader& header) {
 
 /// The frames of a file with functional groups; the file as a whole without them.
 std::vector<DicomHeader> frames_of(const DicomValues& values, const DicomHeader& file) {
-  const std::vector<DicomValues> frames = values.items(kFrameGroups);
+  const std::vector<DicomValues> frames = values.items({0x5200, 0x9230});
   if (file.position_mm || frames.empty() || frames.size() != static_cast<std::size_t>(std::max(file.frames, 1))) {
     return {file};
   }
   DicomHeader shared = file;
-  const std::vector<DicomValues> of_all = values.items(kSharedGroups);
+  const std::vector<DicomValues> of_all = values.items({0x5200, 0x9229});
   if (!of_all.empty()) fill_from_groups(of_all.front(), shared);
   shared.instance_number.reset();  // the file's
   std::vector<DicomHeader> out;
@@ -170,8 +147,66 @@ std::vector<DicomHeader> frames_of(const DicomValues& values, const DicomHeader&
   return out;
 }
 
-InputError unreadable(const std::string& path, const std::string& key) {
-  return {{path}, key, "the pixels cannot be read: the file is truncated or damaged", "give a complete file"};
+/// Of pixels that are cut off, or in a coding that GDCM should decode and does not: damaged, or a variant.
+InputError unreadable(const ForeignFile& file) {
+  const std::string syntax = syntax_in_file(file.path);
+  const std::string name = name_of_syntax(syntax);
+  if (name.empty()) return cut_off(file);
+  return file.error("the pixels cannot be decoded from " + name + " (" + syntax + ")",
+                    "the file is truncated or damaged, or coded in an unusual way: " + how_to_decode(name));
+}
+
+/// Files that may crash the reader before the folder is refused.
+constexpr std::size_t kMostCrashes = 20;
+/// What headers may take: those of a large multi-frame file are many.
+constexpr std::uint64_t kHeadersPerFileByte = 4;
+
+/// Limits for the largest of the files, with room for `result_per_file_byte` bytes of result for each of theirs.
+ReadLimits limits_for(const std::vector<std::string>& files, std::uint64_t result_per_file_byte) {
+  constexpr std::uint64_t kResultPerFile = 1 << 16, kMostPerFile = 1 << 26;
+  ReadLimits limits;
+  std::uint64_t largest = 0;
+  for (const std::string& file : files) {
+    const std::uint64_t bytes = bytes_of_file(file);
+    largest = std::max(largest, bytes);
+    limits.result_bytes += kResultPerFile + std::min(result_per_file_byte * bytes, kMostPerFile);
+  }
+  limits.files = static_cast<int>(files.size());
+  return limits.with(largest, 2 * largest);
+}
+
+/// The headers of all files; those of `damaged` ones are not read.
+void put_headers(ResultWriter& out, const std::vector<std::string>& files, const std::vector<std::string>& damaged) {
+  for (const std::string& path : files) {
+    DicomFile file{DicomKind::damaged, "", {}};
+    if (std::ranges::find(damaged, path) == damaged.end()) {
+      out.begin_file(path);
+      file = read_dicom_header(path);
+    }
+    out.put(file);
+  }
+}
+
+void put_slices(ResultWriter& out, const std::vector<SliceSource>& slices, const IndexBox& in_slice) {
+  const auto pixels = static_cast<std::size_t>(in_slice.voxels());
+  float* const first = out.array<float>(pixels * slices.size());
+  const Vec3i end = in_slice.start + in_slice.size;
+  std::map<std::string, std::vector<std::size_t>> slices_of;
+  for (std::size_t n = 0; n < slices.size(); ++n) slices_of[slices[n].path].push_back(n);
+  for (const auto& [path, numbers] : slices_of) {
+    out.begin_file(path);
+    const ForeignFile file{path, kScanKey};
+    const DicomFrames frames(file);
+    const Vec3i& dims = frames.dims();
+    for (const std::size_t n : numbers) {
+      const int frame = std::max(slices[n].frame, 0);
+      if (end.x() > dims.x() || end.y() > dims.y() || frame >= dims.z()) {
+        throw file.error(fmt::format("the file has {} frames of {}x{} pixels", dims.z(), dims.x(), dims.y()),
+                         "its header claims more: give a complete file");
+      }
+      frames.copy(frame, in_slice, slices[n].slope, slices[n].intercept, first + n * pixels);
+    }
+  }
 }
 
 }  // namespace
@@ -200,26 +235,25 @@ DicomFile read_dicom_header(const std::string& path) {
   }
 }
 
-DicomFrames::DicomFrames(const std::string& path, const std::string& key) {
+DicomFrames::DicomFrames(const ForeignFile& file) {
   const QuietLibraries quiet;
   gdcm::Trace::WarningOn();  // GDCM reports missing pixels in no other way
   try {
-    if (!take_plain(path, key)) decode(path, key);
+    if (!take_plain(file)) decode(file);
     const std::size_t pixels =
         static_cast<std::size_t>(dims_.x()) * static_cast<std::size_t>(dims_.y()) * static_cast<std::size_t>(dims_.z());
-    if (pixels == 0 || raw_.size() < pixels * static_cast<std::size_t>(bytes_per_pixel_)) throw unreadable(path, key);
-    if (quiet.reports_missing_voxels()) throw unreadable(path, key);
+    if (pixels == 0 || raw_.size() < pixels * static_cast<std::size_t>(bytes_per_pixel_)) throw unreadable(file);
+    if (quiet.reports_missing_voxels()) throw unreadable(file);
   } catch (const InputError&) {
     throw;
   } catch (const std::exception&) {
-    throw unreadable(path, key);
+    throw unreadable(file);
   }
 }
 
-void DicomFrames::set_format(const std::string& path, const std::string& key, int samples, int bits, int stored,
-                             int high_bit, bool is_signed) {
+void DicomFrames::set_format(const ForeignFile& file, int samples, int bits, int stored, int high_bit, bool is_signed) {
   if (samples != 1 || (bits != 8 && bits != 16 && bits != 32)) {
-    throw InputError({path}, key, fmt::format("pixels of {} values of {} bits", samples, bits),
+    throw file.error(fmt::format("pixels of {} values of {} bits", samples, bits),
                      "expected one integer of 8, 16 or 32 bits; export the original series");
   }
   stored = stored >= 1 && stored <= bits ? stored : bits;
@@ -229,16 +263,16 @@ void DicomFrames::set_format(const std::string& path, const std::string& key, in
   sign_ = is_signed ? 1U << (stored - 1) : 0;
 }
 
-bool DicomFrames::take_plain(const std::string& path, const std::string& key) {
+bool DicomFrames::take_plain(const ForeignFile& file) {
   gdcm::Reader reader;
-  reader.SetFileName(path.c_str());
-  if (!reader.Read()) throw unreadable(path, key);
+  reader.SetFileName(file.path.c_str());
+  if (!reader.Read()) throw unreadable(file);
   const gdcm::DataSet& data = reader.GetFile().GetDataSet();
   const DicomValues values(data);
   const gdcm::ByteValue* value = values.raw({0x7fe0, 0x0010});
   const gdcm::TransferSyntax syntax = reader.GetFile().GetHeader().GetDataSetTransferSyntax();
   if (value == nullptr || syntax == gdcm::TransferSyntax::ExplicitVRBigEndian) return false;
-  set_format(path, key, std::max(1, values.short_integer({0x0028, 0x0002})), values.short_integer({0x0028, 0x0100}),
+  set_format(file, std::max(1, values.short_integer({0x0028, 0x0002})), values.short_integer({0x0028, 0x0100}),
              values.short_integer({0x0028, 0x0101}), values.short_integer({0x0028, 0x0102}),
              values.short_integer({0x0028, 0x0103}) == 1);
   dims_ = Vec3i(values.short_integer({0x0028, 0x0011}), values.short_integer({0x0028, 0x0010}),
@@ -247,37 +281,86 @@ bool DicomFrames::take_plain(const std::string& path, const std::string& key) {
   return true;
 }
 
-void DicomFrames::decode(const std::string& path, const std::string& key) {
+void DicomFrames::decode(const ForeignFile& file) {
   gdcm::ImageReader reader;
-  reader.SetFileName(path.c_str());
-  if (!reader.Read()) throw unreadable(path, key);
+  reader.SetFileName(file.path.c_str());
+  if (!reader.Read()) throw unreadable(file);
   const gdcm::Image& image = reader.GetImage();
   const gdcm::PixelFormat& format = image.GetPixelFormat();
-  set_format(path, key, format.GetSamplesPerPixel(), format.GetBitsAllocated(), format.GetBitsStored(),
-             format.GetHighBit(), format.GetPixelRepresentation() == 1);
+  set_format(file, format.GetSamplesPerPixel(), format.GetBitsAllocated(), format.GetBitsStored(), format.GetHighBit(),
+             format.GetPixelRepresentation() == 1);
   const unsigned* size = image.GetDimensions();
   dims_ = Vec3i(static_cast<int>(size[0]), static_cast<int>(size[1]),
                 image.GetNumberOfDimensions() > 2 ? static_cast<int>(size[2]) : 1);
   raw_.resize(image.GetBufferLength());
-  if (!image.GetBuffer(raw_.data())) throw unreadable(path, key);
-}
-
-double DicomFrames::value_at(std::size_t pixel) const {
-  const char* at = raw_.data() + pixel * static_cast<std::size_t>(bytes_per_pixel_);
-  std::uint32_t value = 0;
-  std::memcpy(&value, at, static_cast<std::size_t>(bytes_per_pixel_));  // GDCM decodes to this machine's byte order
-  value = (value >> shift_) & mask_;
-  if (sign_ == 0) return value;
-  return static_cast<std::int32_t>((value ^ sign_) - sign_);
+  if (!image.GetBuffer(raw_.data())) throw unreadable(file);
 }
 
 void DicomFrames::copy(int frame, const IndexBox& box, double slope, double intercept, float* out) const {
+  const auto bytes = static_cast<std::size_t>(bytes_per_pixel_);
   for (int j = 0; j < box.size.y(); ++j) {
-    const std::size_t first = index_in(dims_, {box.start.x(), box.start.y() + j, frame});
-    for (int i = 0; i < box.size.x(); ++i) {
-      *out++ = static_cast<float>(slope * value_at(first + static_cast<std::size_t>(i)) + intercept);
+    const char* at = raw_.data() + bytes * index_in(dims_, {box.start.x(), box.start.y() + j, frame});
+    for (int i = 0; i < box.size.x(); ++i, at += bytes) {
+      std::uint32_t bits = 0;
+      std::memcpy(&bits, at, bytes);  // GDCM decodes to this machine's byte order
+      bits = (bits >> shift_) & mask_;
+      const double value = sign_ == 0 ? double(bits) : static_cast<std::int32_t>((bits ^ sign_) - sign_);
+      *out++ = static_cast<float>(slope * value + intercept);
     }
   }
+}
+
+std::vector<DicomFile> read_dicom_headers(const std::vector<std::string>& files, const ForeignFile& folder) {
+  std::vector<std::string> damaged;
+  while (true) {
+    try {
+      ChildResult result = read_in_child<put_headers>(folder, limits_for(files, kHeadersPerFileByte), files, damaged);
+      std::vector<DicomFile> out(files.size());
+      for (DicomFile& file : out) result.reader().read(file);
+      return out;
+    } catch (const InputError& error) {
+      // A header is at most DicomKind::damaged, so an error names the file on which the child died.
+      const std::string& path = error.mistakes().front().where.file;
+      const bool retried = std::ranges::count(damaged, path) > 0;
+      if (damaged.size() >= kMostCrashes || retried || !std::ranges::count(files, path)) throw;
+      damaged.push_back(path);
+    }
+  }
+}
+
+bool looks_like_dicom(const std::string& path) {
+  const std::string start = read_file_start(path, 132);
+  if (start.size() == 132 && start.ends_with("DICM")) return true;
+  const bool of_first_group = start.size() >= 4 && (start[0] == 2 || start[0] == 8) && start[1] == 0 && start[3] == 0;
+  return of_first_group && start[2] != 0;
+}
+
+std::vector<std::string> files_below(const std::string& path) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(path)) return {path};
+  std::vector<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(path, fs::directory_options::skip_permission_denied)) {
+    std::error_code ignored;
+    if (entry.is_regular_file(ignored)) files.push_back(entry.path().string());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+std::vector<float> read_slices(const std::vector<SliceSource>& slices, const IndexBox& in_slice) {
+  const auto pixels = static_cast<std::size_t>(in_slice.voxels());
+  std::vector<std::string> files;
+  double most_pixels = 0;
+  for (const SliceSource& slice : slices) {
+    files.push_back(slice.path);
+    most_pixels = std::max(most_pixels, slice.file_pixels);
+  }
+  constexpr double kBytesPerPixel = 12;  // coded, decoded by frame, and decoded as a whole
+  ReadLimits limits = limits_for(files, 0).with(0, static_cast<std::uint64_t>(kBytesPerPixel * most_pixels));
+  limits.result_bytes += pixels * files.size() * sizeof(float);
+  return read_in_child<put_slices>({files.front(), kScanKey}, limits, slices, in_slice)
+      .reader()
+      .array_of<float>(pixels * files.size());
 }
 
 }  // namespace reamsim::ct

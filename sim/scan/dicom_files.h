@@ -11,15 +11,13 @@
 #include <utility>
 #include <vector>
 
-#include "sim/base/error.h"
-#include "sim/base/geometry.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 
 // DICOM files are read by child processes, because GDCM crashes on some damaged files.
 
-/// The directions of the rows and of the columns of a slice, unit vectors in LPS.
+/// The directions of the rows and of the columns of a slice, perpendicular unit vectors in LPS.
 using SliceAxes = Eigen::Matrix<double, 3, 2>;
 
 /// The header of a slice: of a DICOM file, or of a frame of a multi-frame file. Texts are printable ASCII without
@@ -43,10 +41,10 @@ struct DicomHeader {
   int rows = 0;
   int images_in_acquisition = 0;  ///< 0: unknown
   bool rescales = false;          ///< says how its values become HU
-  double slope = 1;               ///< of a frame
-  double intercept = 0;           ///< of a frame
-  double kvp = 0;                 ///< tube voltage, kV; 0: unknown
-  double slice_spacing_mm = 0;    ///< as the header says it, else the slice thickness; 0: unknown
+  double slope = 1;
+  double intercept = 0;
+  double kvp = 0;               ///< tube voltage, kV; 0: unknown
+  double slice_spacing_mm = 0;  ///< as the header says it, else the slice thickness; 0: unknown
   std::optional<int> instance_number;
   std::optional<Vec2> pixel_spacing_mm;  ///< of columns (along a row) and of rows
   std::optional<Vec3> position_mm;       ///< of the first pixel, LPS
@@ -102,24 +100,12 @@ bool looks_like_dicom(const std::string& path);
 
 /// The headers of `files`, in their order. Files that crash the reader, or take it too long, are DicomKind::damaged.
 /// `folder`: for messages. Throws InputError when there are many such files.
-std::vector<DicomFile> read_dicom_headers(const std::vector<std::string>& files, const std::string& folder,
-                                          const std::string& key);
+std::vector<DicomFile> read_dicom_headers(const std::vector<std::string>& files, const ForeignFile& folder);
 
-/// What the file of a slice says about its pixels.
-struct SliceFacts {
-  ScanGeometry geometry;  ///< its slice thickness may differ from the slice spacing
-  std::string pixel_type;
-
-  static auto fields(auto& self) { return std::tie(self.geometry, self.pixel_type); }
-};
-
-/// Of the slices `headers`, in their order. Throws InputError, with the file: truncated, damaged.
-std::vector<SliceFacts> read_slice_facts(const std::vector<const DicomHeader*>& headers, const std::string& key);
-
-/// What is read of a slice: a file, or a frame of it with its rescale.
+/// What is read of a slice, with its rescale.
 struct SliceSource {
   std::string path;
-  int frame = -1;
+  int frame = -1;  ///< of the file; -1: the file is one slice
   double slope = 1;
   double intercept = 0;
   double file_pixels = 0;  ///< of all frames
@@ -128,14 +114,13 @@ struct SliceSource {
 };
 
 /// The values of a box of each slice, one slice after the other. Throws InputError, with the file.
-std::vector<float> read_slices(const std::vector<SliceSource>& slices, const IndexBox& in_slice,
-                               const std::string& key);
+std::vector<float> read_slices(const std::vector<SliceSource>& slices, const IndexBox& in_slice);
 
-/// The decoded pixels of a multi-frame DICOM file, for child processes.
+/// The decoded pixels of a DICOM file, for child processes.
 class DicomFrames {
  public:
   /// Throws InputError: truncated, damaged, not one integer per pixel.
-  DicomFrames(const std::string& path, const std::string& key);
+  explicit DicomFrames(const ForeignFile& file);
 
   /// Columns, rows, frames.
   [[nodiscard]] const Vec3i& dims() const { return dims_; }
@@ -143,12 +128,10 @@ class DicomFrames {
   void copy(int frame, const IndexBox& box, double slope, double intercept, float* out) const;
 
  private:
-  void set_format(const std::string& path, const std::string& key, int samples, int bits, int stored, int high_bit,
-                  bool is_signed);
+  void set_format(const ForeignFile& file, int samples, int bits, int stored, int high_bit, bool is_signed);
   /// Takes pixels that are not compressed, of any kind of file. False: they are compressed.
-  bool take_plain(const std::string& path, const std::string& key);
-  void decode(const std::string& path, const std::string& key);
-  [[nodiscard]] double value_at(std::size_t pixel) const;
+  bool take_plain(const ForeignFile& file);
+  void decode(const ForeignFile& file);
 
   Vec3i dims_ = Vec3i::Zero();
   int bytes_per_pixel_ = 2;
@@ -169,8 +152,6 @@ struct DicomSeries {
   Vec3 spacing_mm = Vec3::Zero();
 
   [[nodiscard]] const DicomHeader& first() const { return images.front(); }
-  [[nodiscard]] const std::string& uid() const { return first().series_uid; }
-  [[nodiscard]] const std::string& modality() const { return first().modality; }
   /// Number of slices: frames count each.
   [[nodiscard]] int slices() const;
 };
@@ -184,7 +165,7 @@ struct DicomFolder {
 
 /// All DICOM images in a folder and its subfolders, or the file `folder`. Throws InputError if there is none, or if
 /// files are coded in a way that cannot be decoded.
-DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Diagnostics& report);
+DicomFolder find_dicom_series(const std::string& folder, Diagnostics& report);
 
 /// "1: UID 1.2.3, "Bone", CT, 24 slices of 512x512, 0.488x0.488x1.25 mm, kernel B60s; 2: ...".
 std::string list_of(const std::vector<DicomSeries>& series);

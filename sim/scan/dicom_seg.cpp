@@ -7,39 +7,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <memory>
-#include <string>
-#include <tuple>
-#include <utility>
-#include <vector>
 
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"
 #include "sim/scan/aligned_image.h"
-#include "sim/scan/dicom_files.h"
 #include "sim/scan/dicom_stack.h"
 #include "sim/scan/dicom_values.h"
 #include "sim/scan/image_io.h"
-#include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 
 namespace {
-
-constexpr DicomTag kCharacterSet{0x0008, 0x0005};
-constexpr DicomTag kCodeMeaning{0x0008, 0x0104};
-constexpr DicomTag kSegBits{0x0028, 0x0100};
-constexpr DicomTag kSegmentationType{0x0062, 0x0001};
-constexpr DicomTag kSegments{0x0062, 0x0002};
-constexpr DicomTag kSegmentNumber{0x0062, 0x0004};
-constexpr DicomTag kSegmentLabel{0x0062, 0x0005};
-constexpr DicomTag kSegmentDescription{0x0062, 0x0006};
-constexpr DicomTag kMaximumFraction{0x0062, 0x000e};
-constexpr DicomTag kPropertyType{0x0062, 0x000f};
-constexpr DicomTag kTypeModifier{0x0062, 0x0011};
-constexpr DicomTag kSegPixels{0x7fe0, 0x0010};
 
 bool is_segmentation(const DicomHeader& header) {
   return header.modality == "SEG" || header.sop_class == "1.2.840.10008.5.1.4.1.1.66.4" ||
@@ -47,7 +25,7 @@ bool is_segmentation(const DicomHeader& header) {
 }
 
 /// A text of any character set as UTF-8; other sets than UTF-8 and Latin-1 lose their special characters.
-std::string utf8_text(const DicomValues& values, const DicomTag& tag, const std::string& set) {
+std::string utf8_text(const DicomValues& values, const gdcm::Tag& tag, const std::string& set) {
   std::string raw = values.bytes(tag);
   raw.erase(std::find(raw.begin(), raw.end(), '\0'), raw.end());
   if (set == "ISO_IR 192" && is_printable(raw)) return raw.substr(0, raw.find_last_not_of(' ') + 1);
@@ -65,38 +43,126 @@ std::string utf8_text(const DicomValues& values, const DicomTag& tag, const std:
   return out.substr(0, out.find_last_not_of(' ') + 1);
 }
 
-struct SegFacts {
-  ScanGeometry geometry;
-  std::string type;
-  int layers = 1;
-  std::vector<NamedSegment> segments;  ///< their values are their numbers
+/// A mistake in a DICOM segmentation, with what to do about it.
+InputError bad_seg(const ForeignFile& file, const std::string& found) {
+  return file.error(found, "export the segmentation again, or save it as NRRD (3D Slicer)");
+}
 
-  static auto fields(auto& self) { return std::tie(self.geometry, self.type, self.layers, self.segments); }
+/// The evenly spaced planes on which the frames of a segmentation lie; SEG leaves empty planes out.
+struct SegPlanes {
+  ScanGeometry geometry;
+  std::vector<int> plane_of_frame;
 };
+
+/// Each frame says where it lies; all have the same axes and pixel spacing.
+void check_frames(const std::vector<DicomHeader>& frames, const ForeignFile& file) {
+  const DicomHeader& first = frames.front();
+  for (const DicomHeader& frame : frames) {
+    if (frame.frame < 0 || !frame.position_mm || !frame.axes || !frame.pixel_spacing_mm) {
+      throw bad_seg(file, fmt::format("frame {} does not say where it lies", std::max(frame.frame, 0) + 1));
+    }
+    if ((*frame.axes - *first.axes).cwiseAbs().maxCoeff() > 1e-3 ||
+        (*frame.pixel_spacing_mm - *first.pixel_spacing_mm).cwiseAbs().maxCoeff() > 1e-3) {
+      throw bad_seg(file, "its frames differ in orientation or pixel spacing");
+    }
+  }
+}
+
+/// The finest distance of planes, of which the others are multiples; else the spacing in the header.
+double plane_step(std::vector<double> heights, double header_mm, const ForeignFile& file) {
+  constexpr double kLeast_mm = 1e-3;
+  std::ranges::sort(heights);
+  std::vector<double> gaps;
+  for (std::size_t n = 1; n < heights.size(); ++n) {
+    if (heights[n] - heights[n - 1] > kLeast_mm) gaps.push_back(heights[n] - heights[n - 1]);
+  }
+  if (gaps.empty()) return header_mm > 0 ? header_mm : 1;
+  for (double step : {std::ranges::min(gaps), header_mm}) {
+    if (!(step > kLeast_mm)) continue;
+    const auto is_multiple = [step](double gap) {
+      constexpr double kTolerance = 0.1;
+      return std::lround(gap / step) >= 1 && std::abs(gap / step - std::round(gap / step)) <= kTolerance;
+    };
+    if (!std::ranges::all_of(gaps, is_multiple)) continue;
+    double planes = 0;
+    for (const double gap : gaps) planes += std::round(gap / step);
+    constexpr double kMostPlanes = 1e6;
+    if (planes > kMostPlanes) throw bad_seg(file, "its frames lie implausibly far apart");
+    return (heights.back() - heights.front()) / planes;
+  }
+  throw bad_seg(file, "its frames are not evenly spaced");
+}
+
+void check_planes(const SegPlanes& planes, const std::vector<DicomHeader>& frames, const ForeignFile& file) {
+  const ScanGeometry& geometry = planes.geometry;
+  if (!geometry.is_valid()) throw bad_seg(file, "voxel spacing or axes are degenerate");
+  check_fits_in_memory(static_cast<double>(geometry.size()), sizeof(float), file);
+  const double reach = 0.5 * geometry.spacing_mm().minCoeff();
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const double off =
+        (geometry.point_mm({0, 0, double{1} * planes.plane_of_frame[n]}) - *frames[n].position_mm).norm();
+    if (off <= reach) continue;
+    throw bad_seg(file, fmt::format("frame {} is displaced by {:.2f} mm against evenly spaced planes", n + 1, off));
+  }
+}
+
+SegPlanes seg_planes(const std::vector<DicomHeader>& frames, const ForeignFile& file) {
+  check_frames(frames, file);
+  SegPlanes out;
+  const DicomHeader& first = frames.front();
+  const Vec3 normal = first.normal();
+  std::vector<double> heights;
+  for (const DicomHeader& frame : frames) heights.push_back(normal.dot(*frame.position_mm));
+  const double lowest = std::ranges::min(heights);
+  const double step = plane_step(heights, first.slice_spacing_mm, file);
+  std::map<int, Vec3> positions;
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    out.plane_of_frame.push_back(static_cast<int>(std::lround((heights[n] - lowest) / step)));
+    positions.emplace(out.plane_of_frame.back(), *frames[n].position_mm);
+  }
+  out.geometry.dims = Vec3i(first.columns, first.rows, positions.rbegin()->first + 1);
+  out.geometry.step_mm.col(0) = first.axes->col(0) * first.pixel_spacing_mm->x();
+  out.geometry.step_mm.col(1) = first.axes->col(1) * first.pixel_spacing_mm->y();
+  out.geometry.step_mm.col(2) = step * normal;
+  out.geometry.origin_mm = positions.begin()->second;
+  if (positions.size() > 1) {
+    std::vector<Vec3> place;
+    std::vector<double> at;
+    for (const auto& [plane, position] : positions) {
+      place.push_back(position);
+      at.push_back(plane);
+    }
+    const SliceLine line = line_through(place, at);
+    out.geometry.step_mm.col(2) = line.step_mm;
+    out.geometry.origin_mm = line.point_mm;
+  }
+  check_planes(out, frames, file);
+  return out;
+}
 
 /// A segmentation in memory, for child processes.
 class SegFile {
  public:
-  SegFile(const std::string& path, const std::string& key) : path_(path), key_(key) {
+  explicit SegFile(const ForeignFile& file) : file_(file) {
     const QuietLibraries quiet;
     gdcm::Trace::WarningOn();  // GDCM reports missing pixels in no other way
-    DicomFile file = read_dicom_header(path);
-    frames_ = std::move(file.images);
-    reader_.SetFileName(path.c_str());
+    frames_ = read_dicom_header(file.path).images;
+    reader_.SetFileName(file.path.c_str());
     if (frames_.empty() || !reader_.Read() || quiet.reports_missing_voxels())
-      throw bad_seg(path, key, "the segmentation is truncated or damaged");
+      throw bad_seg(file, "the segmentation is truncated or damaged");
     const DicomValues values(reader_.GetFile().GetDataSet());
-    facts_.type = values.text(kSegmentationType);
+    facts_.pixel_type = values.text({0x0062, 0x0001});  // BINARY, FRACTIONAL or LABELMAP
+    facts_.bytes_per_voxel = sizeof(float);
     read_segments(values);
-    SegPlanes planes = seg_planes(frames_, path, key);
+    SegPlanes planes = seg_planes(frames_, file);
     facts_.geometry = planes.geometry;
     plane_ = std::move(planes.plane_of_frame);
     open_pixels(values);
   }
 
-  [[nodiscard]] const SegFacts& facts() const { return facts_; }
+  [[nodiscard]] const ImageFacts& facts() const { return facts_; }
 
-  /// Puts segments that do not overlap into one layer.
+  /// Puts segments that do not overlap into one layer; their values are their numbers.
   void assign_layers() {
     if (is_label_map()) return;
     std::vector<std::vector<bool>> taken;
@@ -132,23 +198,24 @@ class SegFile {
   }
 
  private:
-  [[nodiscard]] bool is_label_map() const { return facts_.type == "LABELMAP"; }
+  [[nodiscard]] bool is_label_map() const { return facts_.pixel_type == "LABELMAP"; }
 
   void read_segments(const DicomValues& values) {
-    const std::string set = values.text(kCharacterSet);
+    const std::string set = values.text({0x0008, 0x0005});
+    const gdcm::Tag code_meaning(0x0008, 0x0104);
     std::map<std::string, int> uses;
     std::vector<std::string> sides;  // of each segment
-    const std::vector<DicomValues> items = values.items(kSegments);
-    if (items.empty()) throw bad_seg(path_, key_, "the segmentation has no segments");
+    const std::vector<DicomValues> items = values.items({0x0062, 0x0002});
+    if (items.empty()) throw bad_seg(file_, "the segmentation has no segments");
     for (const DicomValues& item : items) {
-      const int number = item.short_integer(kSegmentNumber);
+      const int number = item.short_integer({0x0062, 0x0004});
       if (number == 0 && is_label_map()) continue;  // the background
-      const std::vector<DicomValues> type = item.items(kPropertyType);
-      std::string name = utf8_text(item, kSegmentLabel, set);
-      if (name.empty()) name = utf8_text(item, kSegmentDescription, set);
-      if (name.empty() && !type.empty()) name = utf8_text(type.front(), kCodeMeaning, set);
-      const std::vector<DicomValues> side = type.empty() ? type : type.front().items(kTypeModifier);
-      sides.push_back(side.empty() ? std::to_string(number) : utf8_text(side.front(), kCodeMeaning, set));
+      const std::vector<DicomValues> type = item.items({0x0062, 0x000f});
+      std::string name = utf8_text(item, {0x0062, 0x0005}, set);
+      if (name.empty()) name = utf8_text(item, {0x0062, 0x0006}, set);
+      if (name.empty() && !type.empty()) name = utf8_text(type.front(), code_meaning, set);
+      const std::vector<DicomValues> side = type.empty() ? type : type.front().items({0x0062, 0x0011});
+      sides.push_back(side.empty() ? std::to_string(number) : utf8_text(side.front(), code_meaning, set));
       ++uses[name];
       facts_.segments.push_back({std::move(name), {0, double(number)}});
     }
@@ -161,23 +228,22 @@ class SegFile {
 
   void open_pixels(const DicomValues& values) {
     const Vec3i& dims = facts_.geometry.dims;
-    if (values.short_integer(kSegBits) != 1) {
-      decoded_ = std::make_unique<DicomFrames>(path_, key_);
+    if (values.short_integer({0x0028, 0x0100}) != 1) {
+      decoded_ = std::make_unique<DicomFrames>(file_);
       const Vec3i& found = decoded_->dims();
       if (found.x() != dims.x() || found.y() != dims.y() || found.z() < static_cast<int>(frames_.size())) {
-        throw bad_seg(path_, key_, "the segmentation is truncated or damaged");
+        throw bad_seg(file_, "the segmentation is truncated or damaged");
       }
-      if (facts_.type == "FRACTIONAL") least_ = 0.5 * std::max(1, values.short_integer(kMaximumFraction));
+      if (facts_.pixel_type == "FRACTIONAL") least_ = 0.5 * std::max(1, values.short_integer({0x0062, 0x000e}));
       return;
     }
-    packed_ = values.raw(kSegPixels);
+    packed_ = values.raw({0x7fe0, 0x0010});
     if (packed_ == nullptr) {
-      const std::string syntax = syntax_in_file(path_);
-      throw bad_seg(path_, key_,
-                    "single bits compressed as " + name_of_syntax(syntax) + " (" + syntax + ") are not read");
+      const std::string syntax = syntax_in_file(file_.path);
+      throw bad_seg(file_, "single bits compressed as " + name_of_syntax(syntax) + " (" + syntax + ") are not read");
     }
     const double pixels = double{1} * dims.x() * dims.y() * static_cast<double>(frames_.size());
-    if (8.0 * packed_->GetLength() < pixels) throw bad_seg(path_, key_, "the segmentation is truncated");
+    if (8.0 * packed_->GetLength() < pixels) throw bad_seg(file_, "the segmentation is truncated");
   }
 
   /// Calls visit(voxel, value) for all pixels above 0 of the frames that `wanted` accepts.
@@ -211,10 +277,9 @@ class SegFile {
     for_each_pixel(is_wanted, [&](std::size_t voxel, float) { visit(voxel); });
   }
 
-  std::string path_;
-  std::string key_;
+  ForeignFile file_;
   gdcm::Reader reader_;
-  SegFacts facts_;
+  ImageFacts facts_;
   std::vector<DicomHeader> frames_;
   std::vector<int> plane_;                   ///< of each frame
   double least_ = 0;                         ///< value from which a pixel belongs to a fractional segment
@@ -222,109 +287,86 @@ class SegFile {
   const gdcm::ByteValue* packed_ = nullptr;  ///< single bits
 };
 
-void put_seg(ResultWriter& out, const std::string& path, const std::string& key) {
-  SegFile seg(path, key);
+void put_seg(ResultWriter& out, const ForeignFile& file) {
+  SegFile seg(file);
   seg.assign_layers();
   out.put(seg.facts());
 }
 
-void put_seg_layer(ResultWriter& out, const std::string& path, const std::string& key,
-                   const std::vector<double>& numbers, const Vec3i& dims, const IndexBox& box) {
-  const SegFile seg(path, key);
-  if (seg.facts().geometry.dims != dims) {
-    throw InputError({path}, key, "the file has changed while it was read", "start again");
-  }
+void put_seg_layer(ResultWriter& out, const ForeignFile& file, const std::vector<double>& numbers, const Vec3i& dims,
+                   const IndexBox& box) {
+  const SegFile seg(file);
+  if (seg.facts().geometry.dims != dims) throw file.error("the file has changed while it was read", "start again");
   seg.fill(numbers, box, out.array<float>(static_cast<std::size_t>(box.voxels())));
 }
 
-class SegSource : public LabelSource {
- public:
-  SegSource(const std::string& path, const std::string& key, double pixels, Diagnostics& report)
-      : path_(path), key_(key), pixels_(pixels) {
-    ChildResult result = read_in_child<put_seg>({path, key}, limits(), path, key);
-    facts_ = result.reader().take<SegFacts>();
-    if (facts_.type == "FRACTIONAL") {
-      report.warn(path + ": a fractional segmentation; voxels of at least half of the maximum belong to a segment");
-    }
+/// The segmentation in a file of `pixels` pixels in all frames.
+ScanSource seg_source(const ForeignFile& file, double pixels, Diagnostics& report) {
+  constexpr double kBytesPerPixel = 16;  // of the coded and decoded frames, and of the voxels of a segment
+  const ReadLimits limits =
+      ReadLimits().with(bytes_of_file(file.path), static_cast<std::uint64_t>(kBytesPerPixel * pixels) + (1U << 28));
+  const auto facts = read_in_child<put_seg>(file, limits, file).reader().take<ImageFacts>();
+  if (facts.pixel_type == "FRACTIONAL") {
+    report.warn(file.path + ": a fractional segmentation; voxels of at least half of the maximum belong to a segment");
   }
-
-  [[nodiscard]] const ScanGeometry& geometry() const override { return facts_.geometry; }
-  [[nodiscard]] std::string description() const override {
-    return fmt::format("DICOM SEG, {} segments", facts_.segments.size());
-  }
-  [[nodiscard]] Scan read(const IndexBox& box) const override { return read_layer(box, 0); }
-  [[nodiscard]] int layers() const override { return facts_.layers; }
-  [[nodiscard]] bool has_whole_numbers() const override { return true; }
-
-  [[nodiscard]] Scan read_layer(const IndexBox& box, int layer) const override {
+  const auto read = [file, limits, facts](const IndexBox& box, int layer) {
     std::vector<double> numbers;
-    for (const NamedSegment& segment : facts_.segments) {
+    for (const NamedSegment& segment : facts.segments) {
       if (segment.label.layer == layer) numbers.push_back(segment.label.value);
     }
     const auto voxels = static_cast<std::size_t>(box.voxels());
-    ReadLimits most = limits();
+    ReadLimits most = limits;
     most.result_bytes += voxels * sizeof(float);
-    const Vec3i& dims = facts_.geometry.dims;
-    ChildResult result = read_in_child<put_seg_layer>({path_, key_}, most, path_, key_, numbers, dims, box);
-    Scan out{part_of(facts_.geometry, box), result.reader().array<float>()};
-    if (out.value.size() != voxels) result.reader().fail();
-    return out;
-  }
+    ChildResult result = read_in_child<put_seg_layer>(file, most, file, numbers, facts.geometry.dims, box);
+    return Scan{part_of(facts.geometry, box), result.reader().array_of<float>(voxels)};
+  };
+  return {.geometry = facts.geometry,
+          .description = fmt::format("DICOM SEG, {} segments", facts.segments.size()),
+          .layers = facts.layers,
+          .segments = facts.segments,
+          .read = read};
+}
 
-  [[nodiscard]] const std::vector<NamedSegment>& segments() const override { return facts_.segments; }
-
- private:
-  [[nodiscard]] ReadLimits limits() const {
-    constexpr double kBytesPerPixel = 16;  // of the coded and decoded frames, and of the voxels of a segment
-    return ReadLimits().with(bytes_of_file(path_), static_cast<std::uint64_t>(kBytesPerPixel * pixels_) + (1U << 28));
-  }
-
-  std::string path_;
-  std::string key_;
-  double pixels_;  ///< of all frames
-  SegFacts facts_;
-};
-
-[[noreturn]] void refuse_no_seg(const DicomFile& file, const std::string& path, const std::string& key) {
+[[noreturn]] void refuse_no_seg(const DicomFile& found, const ForeignFile& file) {
   const std::string expected = "give a DICOM SEG, or save the segmentation as NRRD (3D Slicer)";
-  if (file.kind == DicomKind::unsupported) {
-    throw InputError({path}, key, "coded as " + file.note + ", which GDCM cannot decode", how_to_decode(file.note));
+  if (found.kind == DicomKind::unsupported) {
+    throw file.error("coded as " + found.note + ", which GDCM cannot decode", how_to_decode(found.note));
   }
-  if (file.kind == DicomKind::no_image && file.note == "RTSTRUCT") {
-    throw InputError({path}, key, "a DICOM RT structure set: contours, not voxels",
-                     "convert it to DICOM SEG or NRRD (3D Slicer)");
+  if (found.kind == DicomKind::no_image && found.note == "RTSTRUCT") {
+    throw file.error("a DICOM RT structure set: contours, not voxels", "convert it to DICOM SEG or NRRD (3D Slicer)");
   }
-  const std::string modality = file.images.empty() ? file.note : file.images.front().modality;
-  if (file.kind == DicomKind::damaged || file.kind == DicomKind::other) {
-    throw InputError({path}, key, "a truncated or damaged DICOM file", expected);
+  if (found.kind == DicomKind::damaged || found.kind == DicomKind::other) {
+    throw file.error("a truncated or damaged DICOM file", expected);
   }
-  throw InputError({path}, key, "a DICOM file of modality " + modality + ", not a segmentation (SEG)", expected);
+  const std::string modality = found.images.empty() ? found.note : found.images.front().modality;
+  throw file.error("a DICOM file of modality " + modality + ", not a segmentation (SEG)", expected);
 }
 
 }  // namespace
 
-std::unique_ptr<LabelSource> open_dicom_seg(const std::string& path, const std::string& key, Diagnostics& report) {
-  const std::vector<std::string> files = files_below(path);
-  const std::vector<DicomFile> read = read_dicom_headers(files, path, key);
+ScanSource open_dicom_seg(const ForeignFile& given, Diagnostics& report) {
+  const std::vector<std::string> files = files_below(given.path);
+  const std::vector<DicomFile> read = read_dicom_headers(files, given);
   std::vector<std::size_t> found;
   for (std::size_t n = 0; n < files.size(); ++n) {
     if (!read[n].images.empty() && is_segmentation(read[n].images.front())) found.push_back(n);
   }
-  if (found.empty() && files.size() == 1) refuse_no_seg(read.front(), files.front(), key);
+  if (found.empty() && files.size() == 1) refuse_no_seg(read.front(), {files.front(), given.key});
   if (found.empty()) {
-    throw InputError({path}, key, "no DICOM segmentation (SEG) in this folder",
-                     "give a label map: NRRD, NIfTI, MetaImage or DICOM SEG");
+    throw given.error("no DICOM segmentation (SEG) in this folder",
+                      "give a label map: NRRD, NIfTI, MetaImage or DICOM SEG");
   }
   if (found.size() > 1) {
     std::string list;
     for (const std::size_t n : found) list += (list.empty() ? "" : ", ") + files[n];
-    throw InputError({path}, key, fmt::format("{} DICOM segmentations in this folder", found.size()),
-                     "give the file of one: " + list);
+    throw given.error(fmt::format("{} DICOM segmentations in this folder", found.size()),
+                      "give the file of one: " + list);
   }
+  const ForeignFile file{files[found.front()], given.key};
   const DicomHeader& header = read[found.front()].images.front();
   const double pixels = double{1} * header.rows * header.columns * std::max(header.frames, 1);
-  check_fits_in_memory(pixels, 1, files[found.front()], key);
-  return std::make_unique<SegSource>(files[found.front()], key, pixels, report);
+  check_fits_in_memory(pixels, 1, file);
+  return seg_source(file, pixels, report);
 }
 
 }  // namespace reamsim::ct

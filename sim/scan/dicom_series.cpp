@@ -7,13 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
-#include <tuple>
 
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/scan/dicom_values.h"
-#include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 
@@ -25,14 +21,14 @@ constexpr double kSameSpacing = 0.01;
 
 /// Files whose coding GDCM does not have. Skipped with a warning where others are images: a folder may hold videos.
 void report_unsupported(const std::vector<std::string>& files, const std::vector<DicomFile>& read, bool has_images,
-                        const std::string& key, Diagnostics& report) {
+                        Diagnostics& report) {
   const auto first = std::ranges::find(read, DicomKind::unsupported, &DicomFile::kind);
   if (first == read.end()) return;
   const std::string& path = files[static_cast<std::size_t>(first - read.begin())];
   const auto count = std::ranges::count(read, DicomKind::unsupported, &DicomFile::kind);
   std::string found = "coded as " + first->note + ", which GDCM cannot decode";
   if (count > 1) found += fmt::format(", as {} more files are", count - 1);
-  if (!has_images) throw InputError({path}, key, found, how_to_decode(first->note));
+  if (!has_images) throw InputError({path}, kScanKey, found, how_to_decode(first->note));
   report.warn(path + ": skipped: " + found + "; " + how_to_decode(first->note));
 }
 
@@ -62,7 +58,8 @@ DicomSeries series_from(std::vector<DicomHeader> images) {
 std::string words_of(const DicomSeries& series) {
   const DicomHeader& first = series.first();
   const Vec3& s = series.spacing_mm;
-  std::string out = "UID " + series.uid() + ", \"" + first.description + "\", " + series.modality() + ", ";
+  std::string out =
+      "UID " + series.first().series_uid + ", \"" + first.description + "\", " + series.first().modality + ", ";
   out += std::to_string(series.slices()) + (first.frames > 1 ? " frames" : " slices");
   out += fmt::format(" of {}x{}, {:.4g}x{:.4g}x{:.4g} mm", first.columns, first.rows, s.x(), s.y(), s.z());
   if (!first.kernel.empty()) out += ", kernel " + first.kernel;
@@ -94,7 +91,7 @@ const DicomSeries& named_series(const std::vector<DicomSeries>& all, const std::
     const std::size_t number = std::stoul(name);
     if (number >= 1 && number <= all.size()) return all[number - 1];
   } else {
-    const auto found = std::ranges::find(all, name, &DicomSeries::uid);
+    const auto found = std::ranges::find(all, name, [](const DicomSeries& s) { return s.first().series_uid; });
     if (found != all.end()) return *found;
   }
   throw InputError({folder}, kSeriesKey, "no DICOM series '" + name + "'",
@@ -102,9 +99,10 @@ const DicomSeries& named_series(const std::vector<DicomSeries>& all, const std::
 }
 
 void check_modality(const DicomSeries& series, bool any_modality, const std::string& folder) {
-  if (any_modality || series.modality() == "CT") return;
+  if (any_modality || series.first().modality == "CT") return;
   throw InputError({folder}, kModalityKey,
-                   "the series is " + (series.modality().empty() ? "of unknown modality" : series.modality()) +
+                   "the series is " +
+                       (series.first().modality.empty() ? "of unknown modality" : series.first().modality) +
                        ", not CT: " + words_of(series),
                    "choose a CT series, or set bone.ct.modality: any if its values are HU");
 }
@@ -112,7 +110,7 @@ void check_modality(const DicomSeries& series, bool any_modality, const std::str
 std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, bool any_modality) {
   std::vector<const DicomSeries*> out;
   for (const DicomSeries& series : found.series) {
-    if (any_modality || series.modality() == "CT") out.push_back(&series);
+    if (any_modality || series.first().modality == "CT") out.push_back(&series);
   }
   const auto is_none = [](const DicomSeries* series) { return !may_be_a_volume(*series); };
   if (!std::ranges::all_of(out, is_none)) std::erase_if(out, is_none);
@@ -128,29 +126,17 @@ std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, bool any
 
 }  // namespace
 
-std::vector<std::string> files_below(const std::string& path) {
-  namespace fs = std::filesystem;
-  if (!fs::is_directory(path)) return {path};
-  std::vector<std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(path, fs::directory_options::skip_permission_denied)) {
-    std::error_code ignored;
-    if (entry.is_regular_file(ignored)) files.push_back(entry.path().string());
-  }
-  std::ranges::sort(files);
-  return files;
-}
-
 int DicomSeries::slices() const {
   int out = 0;
   for (const DicomHeader& image : images) out += image.frame >= 0 ? 1 : std::clamp(image.frames, 1, 1'000'000);
   return out;
 }
 
-DicomFolder find_dicom_series(const std::string& folder, const std::string& key, Diagnostics& report) {
+DicomFolder find_dicom_series(const std::string& folder, Diagnostics& report) {
   DicomFolder out;
   out.folder = folder;
   const std::vector<std::string> files = files_below(folder);
-  std::vector<DicomFile> read = read_dicom_headers(files, folder, key);
+  std::vector<DicomFile> read = read_dicom_headers(files, {folder, kScanKey});
   std::map<std::string, std::vector<DicomHeader>> by_uid;
   for (std::size_t n = 0; n < files.size(); ++n) {
     for (DicomHeader& header : read[n].images) by_uid[header.series_uid].push_back(std::move(header));
@@ -164,21 +150,21 @@ DicomFolder find_dicom_series(const std::string& folder, const std::string& key,
   out.damaged = out.unread;
   add_files_of(DicomKind::unsupported);
   add_files_of(DicomKind::other);
-  report_unsupported(files, read, !by_uid.empty(), key, report);
+  report_unsupported(files, read, !by_uid.empty(), report);
   if (!out.damaged.empty()) {
     report.warn(folder + ": damaged DICOM files skipped: " + std::to_string(out.damaged.size()) + ", the first is " +
                 out.damaged.front());
   }
   for (auto& [uid, images] : by_uid) out.series.push_back(series_from(std::move(images)));
-  std::ranges::stable_sort(out.series, {},
-                           [](const DicomSeries& s) { return std::tie(s.first().series_number, s.uid()); });
+  std::ranges::stable_sort(
+      out.series, {}, [](const DicomSeries& s) { return std::tie(s.first().series_number, s.first().series_uid); });
   if (out.series.empty() && !std::filesystem::is_directory(folder)) {
-    throw InputError({folder}, key,
+    throw InputError({folder}, kScanKey,
                      out.unread.empty() ? "a DICOM file without an image" : "the DICOM header is truncated or damaged",
                      "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
   }
   if (out.series.empty()) {
-    throw InputError({folder}, key,
+    throw InputError({folder}, kScanKey,
                      "no DICOM image found in this folder or its subfolders" +
                          (out.damaged.empty() ? "" : " that can be read; damaged: " + out.damaged.front()),
                      "expected a DICOM series");
@@ -239,7 +225,7 @@ const DicomSeries& choose_series(const DicomFolder& found, const SeriesChoice& c
         candidates.size() > 1 ? "; using the one with the most slices (" : "; using the only CT volume (";
     report.warn(folder + ": " + std::to_string(found.series.size()) + " DICOM series" + why +
                 std::to_string(best.slices()) + " slices); select another with bone.ct.series");
-    report.list("DICOM series, the one in use is " + best.uid() + ": " + list_of(found.series));
+    report.list("DICOM series, the one in use is " + best.first().series_uid + ": " + list_of(found.series));
   }
   return best;
 }

@@ -10,7 +10,6 @@
 #include <iterator>
 #include <numeric>
 #include <set>
-#include <utility>
 
 #include "sim/base/text.h"
 #include "sim/scan/dicom_values.h"
@@ -24,38 +23,40 @@ namespace {
 struct DicomStack {
   std::vector<SliceSource> slices;
   std::vector<SliceBlend> blends;  ///< of the slices of the volume, where it is interpolated between `slices`
-  std::string pixel_type;
   ScanGeometry geometry;
-  double kvp = 0;  ///< of the first slice; 0: unknown
-  int files = 0;
+  std::string pixel_type;  ///< of the first slice, as its tube voltage
+  double kvp = 0;          ///< 0: unknown
 };
+
+bool is_placed(const DicomHeader& header) {
+  return header.position_mm && header.axes && header.pixel_spacing_mm;
+}
 
 /// False for screenshots, dose reports and multi-frame files that do not say where their frames lie.
 bool may_be_slice(const DicomHeader& header) {
-  return (header.frames <= 1 || header.frame >= 0) && header.photometric.starts_with("MONOCHROME") &&
-         header.position_mm;
+  return (header.frames <= 1 || header.frame >= 0) && header.photometric.starts_with("MONOCHROME") && is_placed(header);
 }
 
-[[noreturn]] void refuse_image(const DicomHeader& header, const std::string& key) {
-  const SourceLocation where{header.path};
+[[noreturn]] void refuse_image(const DicomHeader& header) {
+  const ForeignFile file{header.path, kScanKey};
   if (header.frames > 1 && header.frame < 0) {
-    throw InputError(
-        where, key,
+    throw file.error(
         fmt::format("a multi-frame DICOM file ({} frames) without functional groups that say where each frame "
                     "lies",
                     header.frames),
         "convert it to NRRD or NIfTI (3D Slicer, dcm2niix), or export single slices");
   }
-  if (!header.position_mm) {
-    throw InputError(where, key, "an image without a position (0020,0032)", "export the original series");
+  if (!is_placed(header)) {
+    throw file.error("an image without position (0020,0032), orientation (0020,0037) or pixel spacing (0028,0030)",
+                     "export the original series");
   }
-  throw InputError(where, key, "pixels of kind '" + header.photometric + "'",
+  throw file.error("pixels of kind '" + header.photometric + "'",
                    "expected MONOCHROME2, as CT slices have; export the original series");
 }
 
 /// The images that may be slices. The others are skipped with a warning and added to `skipped`.
 std::vector<const DicomHeader*> slices_among(const DicomSeries& series, std::vector<std::string>& skipped,
-                                             const std::string& key, Diagnostics& report) {
+                                             Diagnostics& report) {
   std::vector<const DicomHeader*> out;
   std::vector<std::string> others;
   for (const DicomHeader& header : series.images) {
@@ -65,7 +66,7 @@ std::vector<const DicomHeader*> slices_among(const DicomSeries& series, std::vec
       others.push_back(header.path);
     }
   }
-  if (out.empty()) refuse_image(series.images.front(), key);
+  if (out.empty()) refuse_image(series.images.front());
   if (!others.empty()) {
     report.warn("images of the DICOM series skipped because they are not slices: " + std::to_string(others.size()) +
                 ", the first is " + others.front());
@@ -79,12 +80,23 @@ bool belong_together(const ScanGeometry& a, const ScanGeometry& b) {
   return a.dims == b.dims && (a.step_mm - b.step_mm).leftCols<2>().cwiseAbs().maxCoeff() <= kSameAxes * side;
 }
 
+/// The geometry in the header of a slice.
+ScanGeometry geometry_of(const DicomHeader& header) {
+  ScanGeometry out;
+  out.dims = Vec3i(header.columns, header.rows, 1);
+  out.step_mm.col(0) = header.axes->col(0) * header.pixel_spacing_mm->x();
+  out.step_mm.col(1) = header.axes->col(1) * header.pixel_spacing_mm->y();
+  out.step_mm.col(2) = header.normal() * (header.slice_spacing_mm > 0 ? header.slice_spacing_mm : 1);
+  out.origin_mm = *header.position_mm;
+  if (out.is_valid()) return out;
+  throw InputError({header.path}, kScanKey, "voxel spacing or axes are degenerate", "export the original series");
+}
+
 /// Groups of slices of one size, spacing and orientation, the largest group first.
-std::vector<Stack> groups_of(const std::vector<const DicomHeader*>& slices, const std::string& key) {
-  std::vector<SliceFacts> facts = read_slice_facts(slices, key);
+std::vector<Stack> groups_of(const std::vector<const DicomHeader*>& slices) {
   std::vector<Stack> groups;
-  for (std::size_t n = 0; n < slices.size(); ++n) {
-    const Slice slice{std::move(facts[n]), slices[n]};
+  for (const DicomHeader* header : slices) {
+    const Slice slice{geometry_of(*header), header};
     const auto group = std::ranges::find_if(
         groups, [&](const Stack& g) { return belong_together(g.front().geometry, slice.geometry); });
     if (group == groups.end()) {
@@ -97,31 +109,26 @@ std::vector<Stack> groups_of(const std::vector<const DicomHeader*>& slices, cons
   return groups;
 }
 
-/// A volume of the series, and the group of slices to which it belongs.
-struct Candidate {
-  std::size_t group = 0;
-  DicomVolume volume;
-};
-
 /// All volumes of at least two slices. Removes copies from the groups, which stay sorted by size.
-std::vector<Candidate> candidates_in(std::vector<Stack>& groups, Diagnostics& report) {
+std::vector<DicomVolume> candidates_in(std::vector<Stack>& groups, Diagnostics& report) {
   int copies = 0;
   for (Stack& group : groups) copies += sort_slices(group);
   if (copies > 0) report.warn("copies of DICOM slices skipped: " + std::to_string(copies));
   std::ranges::stable_sort(groups, [](const Stack& a, const Stack& b) { return a.size() > b.size(); });
-  std::vector<Candidate> out;
+  std::vector<DicomVolume> out;
   for (std::size_t g = 0; g < groups.size(); ++g) {
     for (DicomVolume& volume : volumes_in(groups[g])) {
-      if (volume.slices.size() >= 2) out.push_back({g, std::move(volume)});
+      volume.group = g;
+      if (volume.slices.size() >= 2) out.push_back(std::move(volume));
     }
   }
   return out;
 }
 
-std::string list_of(const std::vector<Candidate>& candidates, const std::string& series) {
+std::string list_of(const std::vector<DicomVolume>& candidates, const std::string& series) {
   std::string out;
   for (std::size_t n = 0; n < candidates.size(); ++n) {
-    const DicomVolume& volume = candidates[n].volume;
+    const DicomVolume& volume = candidates[n];
     const ScanGeometry& g = volume.slices.front().geometry;
     out += fmt::format("{}{}/{}: ", n == 0 ? "" : "; ", series, n + 1);
     if (!volume.label.empty()) out += volume.label + ", ";
@@ -132,15 +139,15 @@ std::string list_of(const std::vector<Candidate>& candidates, const std::string&
 }
 
 /// What bone.ct.series may say for the first volume, in words for a message.
-std::string way_to_choose(const std::vector<Candidate>& candidates, const std::string& series) {
-  const std::string& label = candidates.front().volume.label;
+std::string way_to_choose(const std::vector<DicomVolume>& candidates, const std::string& series) {
+  const std::string& label = candidates.front().label;
   std::string out = "choose one with bone.ct.series, for example " + series + "/1";
   if (label.find('=') != std::string::npos) out += " or " + series + "#" + label;
   return out;
 }
 
-Candidate chosen_volume(std::vector<Candidate> candidates, const std::vector<Stack>& groups, int wanted,
-                        const std::string& series, const DicomFolder& folder) {
+DicomVolume chosen_volume(std::vector<DicomVolume> candidates, const std::vector<Stack>& groups, int wanted,
+                          const std::string& series, const DicomFolder& folder) {
   if (wanted > 0) {
     const auto at = static_cast<std::size_t>(wanted - 1);
     if (at < candidates.size()) return std::move(candidates[at]);
@@ -150,33 +157,32 @@ Candidate chosen_volume(std::vector<Candidate> candidates, const std::vector<Sta
   const bool divided = candidates.size() > 1 && candidates[1].group == 0;
   const bool rivalled = groups.size() > 1 && groups[1].size() == groups[0].size();
   if (!divided && !rivalled) return std::move(candidates.front());
-  throw InputError({candidates[0].volume.slices.front().path()}, kSeriesKey,
+  throw InputError({candidates[0].slices.front().path()}, kSeriesKey,
                    fmt::format("the series holds {} volumes: ", candidates.size()) + list_of(candidates, series),
                    way_to_choose(candidates, series));
 }
 
-void refuse_one_slice(const std::vector<Stack>& groups, const DicomFolder& folder, const std::string& key) {
-  const std::string& path = groups.front().front().path();
-  if (path == folder.folder) throw InputError({path}, key, "a single DICOM slice", "give the folder of the series");
-  throw InputError({path}, key, "one DICOM slice",
-                   "expected the slices of a volume, at least two of one size and orientation");
+[[noreturn]] void refuse_one_slice(const std::string& path, const DicomFolder& folder) {
+  const ForeignFile file{path, kScanKey};
+  if (path == folder.folder) throw file.error("a single DICOM slice", "give the folder of the series");
+  throw file.error("one DICOM slice", "expected the slices of a volume, at least two of one size and orientation");
 }
 
-void refuse_same_place(const Stack& stack, const std::string& key) {
+void refuse_same_place(const Stack& stack) {
   const std::ptrdiff_t at = same_place(stack);
   if (at < 0) return;
   const Slice& slice = stack[static_cast<std::size_t>(at)];
-  throw InputError({slice.path()}, key,
+  throw InputError({slice.path()}, kScanKey,
                    "has the same position as " + stack[static_cast<std::size_t>(at - 1)].path() +
                        ", and no element of the headers tells two volumes apart",
                    "give each slice once; split a series with two volumes into two folders");
 }
 
 /// A slice that is missing at an end leaves no gap.
-void refuse_damaged_slices(const std::vector<std::string>& damaged, const std::string& key) {
+void refuse_damaged_slices(const std::vector<std::string>& damaged) {
   if (damaged.empty()) return;
   const std::string others = damaged.size() == 1 ? "" : fmt::format(", as {} more", damaged.size() - 1);
-  throw InputError({damaged.front()}, key,
+  throw InputError({damaged.front()}, kScanKey,
                    "cannot be read as a DICOM slice" + others + ", but is named like the slices of the series",
                    "give a complete file, or move it out of the folder if it is no slice of this series");
 }
@@ -248,7 +254,7 @@ void use_spacing_of_header(SliceLine& line, const Stack& stack) {
 }
 
 /// The geometry from the positions, not the slice thickness in the header: a tilted gantry is a shear.
-void set_geometry(DicomStack& out, const Stack& stack, const std::string& key, Diagnostics& report) {
+void set_geometry(DicomStack& out, const Stack& stack, Diagnostics& report) {
   std::vector<Vec3> positions;
   for (const Slice& slice : stack) positions.push_back(slice.geometry.origin_mm);
   std::vector<double> at(stack.size());
@@ -263,34 +269,31 @@ void set_geometry(DicomStack& out, const Stack& stack, const std::string& key, D
   out.geometry.dims.z() = static_cast<int>(slices);
   out.geometry.step_mm.col(2) = line.step_mm * (at.back() / static_cast<double>(slices - 1));
   out.geometry.origin_mm = line.point_mm;
-  check_straight(stack, line, at, key, report);
+  check_straight(stack, line, at, report);
   if (!out.geometry.is_valid()) {
-    throw InputError({stack.front().path()}, key, "voxel spacing or axes are degenerate", "export the original series");
+    throw InputError({stack.front().path()}, kScanKey, "voxel spacing or axes are degenerate",
+                     "export the original series");
   }
 }
 
 DicomStack stack_of(const Stack& stack, const std::vector<Stack>& groups, std::vector<std::string> skipped,
-                    const DicomFolder& folder, const std::string& key, bool resample, Diagnostics& report) {
-  check_values(stack, key);
-  refuse_same_place(stack, key);
+                    const DicomFolder& folder, bool resample, Diagnostics& report) {
+  check_values(stack);
+  refuse_same_place(stack);
   const std::vector<std::string> damaged = named_like_slices(stack, folder.unread);
   skipped.insert(skipped.begin(), damaged.begin(), damaged.end());
-  DicomStack out;
-  const auto fault = spacing_fault(stack, stack.front().header->slice_spacing_mm);
-  if (fault && !resample) refuse_spacing(*fault, stack, groups, skipped, key);
+  const DicomHeader& first = *stack.front().header;
+  DicomStack out{.slices = {}, .blends = {}, .geometry = {}, .pixel_type = first.pixel_type, .kvp = first.kvp};
+  const auto fault = spacing_fault(stack, first.slice_spacing_mm);
+  if (fault && !resample) refuse_spacing(*fault, stack, groups, skipped);
   if (fault) out.blends = blends_of(stack);
-  refuse_damaged_slices(damaged, key);
-  std::set<std::string> files;
+  refuse_damaged_slices(damaged);
   for (const Slice& slice : stack) {
     const DicomHeader& h = *slice.header;
     out.slices.push_back(
         {h.path, h.frame, h.slope, h.intercept, double{1} * h.rows * h.columns * std::max(h.frames, 1)});
-    files.insert(h.path);
   }
-  out.files = static_cast<int>(files.size());
-  out.pixel_type = stack.front().pixel_type;
-  out.kvp = stack.front().header->kvp;
-  set_geometry(out, stack, key, report);
+  set_geometry(out, stack, report);
   if (fault) report_resampling(*fault, stack, out, report);
   return out;
 }
@@ -299,93 +302,74 @@ DicomStack stack_of(const Stack& stack, const std::vector<Stack>& groups, std::v
 /// spacing or orientation (a scout) and copies of a slice. Warns of rounded positions, slices missing at the ends,
 /// lossy compression and mixed volumes. Files of `folder` that cannot be read may be missing slices. `resample`: slices
 /// that are not evenly spaced are interpolated, with a warning. Throws InputError with the file: several volumes,
-/// truncated, damaged, MONOCHROME1, a multi-frame file without positions, missing, unevenly spaced, duplicate,
-/// displaced.
-DicomStack stack_slices(const DicomSeries& series, const SeriesChoice& choice, const DicomFolder& folder,
-                        const std::string& key, bool resample, Diagnostics& report) {
+/// MONOCHROME1, a multi-frame file without positions, missing, unevenly spaced, duplicate, displaced.
+DicomStack stack_slices(const DicomSeries& series, const SeriesChoice& choice, const DicomFolder& folder, bool resample,
+                        Diagnostics& report) {
   std::vector<std::string> skipped = folder.damaged;
-  const std::vector<const DicomHeader*> slices = with_tags(slices_among(series, skipped, key, report), choice, folder);
-  std::vector<Stack> groups = groups_of(slices, key);
-  std::vector<Candidate> candidates = candidates_in(groups, report);
-  if (candidates.empty()) refuse_one_slice(groups, folder, key);
-  const auto number = std::ranges::find(folder.series, series.uid(), &DicomSeries::uid) - folder.series.begin() + 1;
-  const Candidate chosen = chosen_volume(std::move(candidates), groups, choice.volume, std::to_string(number), folder);
-  std::rotate(groups.begin(), groups.begin() + static_cast<std::ptrdiff_t>(chosen.group),
-              groups.begin() + static_cast<std::ptrdiff_t>(chosen.group) + 1);
-  DicomStack out = stack_of(chosen.volume.slices, groups, std::move(skipped), folder, key, resample, report);
+  std::vector<Stack> groups = groups_of(with_tags(slices_among(series, skipped, report), choice, folder));
+  std::vector<DicomVolume> candidates = candidates_in(groups, report);
+  if (candidates.empty()) refuse_one_slice(groups.front().front().path(), folder);
+  const auto number = &series - folder.series.data() + 1;
+  const DicomVolume chosen =
+      chosen_volume(std::move(candidates), groups, choice.volume, std::to_string(number), folder);
+  const auto group = groups.begin() + static_cast<std::ptrdiff_t>(chosen.group);
+  std::rotate(groups.begin(), group, group + 1);
+  DicomStack out = stack_of(chosen.slices, groups, std::move(skipped), folder, resample, report);
   warn_of_other_groups(groups, report);
-  warn_of_missing_ends(chosen.volume.slices, series, report);
-  warn_of_values(chosen.volume.slices, report);
+  warn_of_missing_ends(chosen.slices, series, report);
+  warn_of_values(chosen.slices, report);
   return out;
 }
 
-class DicomScan : public ScanSource {
- public:
-  DicomScan(const std::string& folder, const std::string& key, const DicomChoice& choice, Diagnostics& report)
-      : key_(key) {
-    const SeriesChoice chosen = parse_series_choice(choice.series, folder);
-    const DicomFolder found = find_dicom_series(folder, key, report);
-    const DicomSeries& series = choose_series(found, chosen, choice.any_modality, report);
-    if (series.modality() != "CT") {
-      report.warn(folder + ": modality " + (series.modality().empty() ? "unknown" : series.modality()) +
-                  ", not CT; thresholds and densities are wrong unless its values are HU");
+Scan read_box(const DicomStack& stack, const IndexBox& box) {
+  const IndexBox in_slice{{box.start.x(), box.start.y(), 0}, {box.size.x(), box.size.y(), 1}};
+  const auto slices = [&](std::size_t first, std::size_t last) {
+    const auto begin = stack.slices.begin();
+    return read_slices({begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last) + 1},
+                       in_slice);
+  };
+  const auto first = static_cast<std::size_t>(box.start.z());
+  const std::size_t last = first + static_cast<std::size_t>(box.size.z()) - 1;
+  if (stack.blends.empty()) return {part_of(stack.geometry, box), slices(first, last)};
+  Scan out{part_of(stack.geometry, box), {}};
+  const std::size_t lowest = stack.blends[first].below;
+  const std::vector<float> source = slices(lowest, stack.blends[last].below + 1);
+  const auto pixels = static_cast<std::size_t>(in_slice.voxels());
+  out.value.reserve(static_cast<std::size_t>(box.voxels()));
+  for (std::size_t k = first; k <= last; ++k) {
+    const SliceBlend& blend = stack.blends[k];
+    const float* low = source.data() + (blend.below - lowest) * pixels;
+    for (std::size_t n = 0; n < pixels; ++n) {
+      const double value = (1 - blend.weight) * double{low[n]} + blend.weight * double{low[pixels + n]};
+      out.value.push_back(static_cast<float>(value));
     }
-    stack_ = stack_slices(series, chosen, found, key, choice.resample, report);
-    const std::string& description = series.first().description;
-    name_ = description.empty() ? "" : " \"" + description + "\"";
-    check_fits_in_memory(static_cast<double>(stack_.geometry.size()), sizeof(float), folder, key_);
   }
-
-  [[nodiscard]] const ScanGeometry& geometry() const override { return stack_.geometry; }
-  [[nodiscard]] std::string description() const override {
-    const std::size_t slices = stack_.slices.size();
-    std::string out =
-        "DICOM series" + name_ + " of " + std::to_string(stack_.files) + (stack_.files == 1 ? " file, " : " files, ");
-    if (static_cast<std::size_t>(stack_.files) != slices) out += std::to_string(slices) + " frames, ";
-    return out + stack_.pixel_type;
-  }
-  [[nodiscard]] double kvp() const override { return stack_.kvp; }
-
-  [[nodiscard]] Scan read(const IndexBox& box) const override {
-    const IndexBox in_slice{{box.start.x(), box.start.y(), 0}, {box.size.x(), box.size.y(), 1}};
-    const auto slices = [&](std::size_t first, std::size_t last) {
-      const auto begin = stack_.slices.begin();
-      return read_slices({begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last) + 1},
-                         in_slice, key_);
-    };
-    const auto first = static_cast<std::size_t>(box.start.z());
-    const std::size_t last = first + static_cast<std::size_t>(box.size.z()) - 1;
-    Scan out{part_of(stack_.geometry, box), {}};
-    if (stack_.blends.empty()) {
-      out.value = slices(first, last);
-      return out;
-    }
-    const std::size_t lowest = stack_.blends[first].below;
-    const std::vector<float> source = slices(lowest, stack_.blends[last].below + 1);
-    const auto pixels = static_cast<std::size_t>(in_slice.voxels());
-    out.value.reserve(static_cast<std::size_t>(box.voxels()));
-    for (std::size_t k = first; k <= last; ++k) {
-      const SliceBlend& blend = stack_.blends[k];
-      const float* low = source.data() + (blend.below - lowest) * pixels;
-      for (std::size_t n = 0; n < pixels; ++n) {
-        const double value = (1 - blend.weight) * double{low[n]} + blend.weight * double{low[pixels + n]};
-        out.value.push_back(static_cast<float>(value));
-      }
-    }
-    return out;
-  }
-
- private:
-  std::string key_;
-  std::string name_;
-  DicomStack stack_;
-};
+  return out;
+}
 
 }  // namespace
 
-std::unique_ptr<ScanSource> open_dicom(const std::string& path, const std::string& key, const DicomChoice& choice,
-                                       Diagnostics& report) {
-  return std::make_unique<DicomScan>(path, key, choice, report);
+ScanSource open_dicom(const std::string& path, const DicomChoice& choice, Diagnostics& report) {
+  const SeriesChoice chosen = parse_series_choice(choice.series, path);
+  const DicomFolder found = find_dicom_series(path, report);
+  const DicomSeries& series = choose_series(found, chosen, choice.any_modality, report);
+  const DicomHeader& first = series.first();
+  if (first.modality != "CT") {
+    report.warn(path + ": modality " + (first.modality.empty() ? "unknown" : first.modality) +
+                ", not CT; thresholds and densities are wrong unless its values are HU");
+  }
+  const DicomStack stack = stack_slices(series, chosen, found, choice.resample, report);
+  check_fits_in_memory(static_cast<double>(stack.geometry.size()), sizeof(float), {path, kScanKey});
+  std::set<std::string> files;
+  for (const SliceSource& slice : stack.slices) files.insert(slice.path);
+  std::string description = "DICOM series" + (first.description.empty() ? "" : " \"" + first.description + "\"") +
+                            fmt::format(" of {} {}, ", files.size(), files.size() == 1 ? "file" : "files");
+  if (files.size() != stack.slices.size()) description += fmt::format("{} frames, ", stack.slices.size());
+  return {.geometry = stack.geometry,
+          .description = description + stack.pixel_type,
+          .kvp = stack.kvp,
+          .segments = {},
+          .read = [stack](const IndexBox& box, int) { return read_box(stack, box); }};
 }
 
 }  // namespace reamsim::ct

@@ -7,17 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/error.h"
-#include "sim/base/geometry.h"
 #include "sim/scan/dicom_files.h"
-#include "sim/scan/scan.h"
 
 namespace reamsim::ct {
 
 // The slices of one DICOM series: their spacing, the volumes that they form, and what is checked of these. Private to
 // sim/scan.
 
-struct Slice : SliceFacts {
+struct Slice {
+  ScanGeometry geometry;  ///< its slice thickness may differ from the slice spacing
   const DicomHeader* header = nullptr;
   double height_mm = 0;     ///< of its origin along the slice normal
   double half_unit_mm = 0;  ///< half a unit of the last digit of its position, along the normal
@@ -66,6 +64,9 @@ struct SliceLine {
 /// deviates by less than a thousandth of the step.
 SliceLine line_through(const std::vector<Vec3>& positions, const std::vector<double>& at);
 
+/// The instance numbers of slices, if all have one and they run in one direction without repetition; else empty.
+std::vector<int> instance_numbers(const Stack& stack);
+
 /// Whether slices with this spacing explain all positions within half a unit of their last digit.
 bool explains(const Stack& slices, double spacing_mm);
 
@@ -85,6 +86,7 @@ std::vector<SliceBlend> blends_of(const Stack& slices);
 struct DicomVolume {
   std::string label;  ///< "AcquisitionNumber=1"; empty: the only one
   Stack slices;
+  std::size_t group = 0;  ///< of those by geometry, to which it belongs
 };
 
 /// Sorts by height, finds the rounding of positions, and removes copies of a slice (the same instance). Returns the
@@ -112,7 +114,7 @@ inline constexpr double kSameAxes = 2e-3;
 std::string difference(const ScanGeometry& other, const ScanGeometry& usual);
 
 /// Throws InputError: MONOCHROME1, or slices with and without rescale.
-void check_values(const Stack& stack, const std::string& key);
+void check_values(const Stack& stack);
 
 /// The files that lie beside the slices and are named like them: slices that are damaged beyond recognition.
 std::vector<std::string> named_like_slices(const Stack& stack, const std::vector<std::string>& files);
@@ -120,30 +122,15 @@ std::vector<std::string> named_like_slices(const Stack& stack, const std::vector
 /// Throws InputError for a fault of the spacing. `groups`: all slices of the series by geometry, the stack's first;
 /// one of the others, or a `skipped` file, may be the missing slice.
 [[noreturn]] void refuse_spacing(const SpacingFault& fault, const Stack& stack, const std::vector<Stack>& groups,
-                                 const std::vector<std::string>& skipped, const std::string& key);
+                                 const std::vector<std::string>& skipped);
 
 /// Throws InputError unless the slices lie on the line, at these places along it. Warns of the largest deviation.
-void check_straight(const Stack& stack, const SliceLine& line, const std::vector<double>& at, const std::string& key,
-                    Diagnostics& report);
+void check_straight(const Stack& stack, const SliceLine& line, const std::vector<double>& at, Diagnostics& report);
 
 /// Warns of instance numbers before the first and after the last slice that no image of the series has.
 void warn_of_missing_ends(const Stack& stack, const DicomSeries& series, Diagnostics& report);
 
 /// Warns of lossy compression, and of two volumes that are mixed.
 void warn_of_values(const Stack& stack, Diagnostics& report);
-
-// Segmentations (slice_spacing.cpp).
-
-/// A mistake in a DICOM segmentation, with what to do about it.
-InputError bad_seg(const std::string& path, const std::string& key, const std::string& found);
-
-/// The evenly spaced planes on which the frames of a segmentation lie; SEG leaves empty planes out.
-struct SegPlanes {
-  ScanGeometry geometry;
-  std::vector<int> plane_of_frame;
-};
-
-/// Throws InputError: frames without a place, of different orientations or spacings, not on evenly spaced planes.
-SegPlanes seg_planes(const std::vector<DicomHeader>& frames, const std::string& path, const std::string& key);
 
 }  // namespace reamsim::ct

@@ -33,44 +33,44 @@ std::string plain_text(std::string bytes) {
   return bytes.substr(first, bytes.find_last_not_of(' ') - first + 1);
 }
 
-constexpr SeparatingTag kTags[] = {{"AcquisitionNumber", {0x0020, 0x0012}},
-                                   {"FrameAcquisitionNumber", {0x0020, 0x9156}, DicomType::us},
-                                   {"TemporalPositionIdentifier", {0x0020, 0x0100}},
-                                   {"TemporalPositionIndex", {0x0020, 0x9128}, DicomType::ul},
-                                   {"NominalPercentageOfCardiacPhase", {0x0020, 0x9241}, DicomType::fd},
-                                   {"TriggerTime", {0x0018, 0x1060}},
-                                   {"NominalCardiacTriggerDelayTime", {0x0020, 0x9153}, DicomType::fd},
-                                   {"TemporalPositionTimeOffset", {0x0020, 0x930d}, DicomType::fd},
-                                   {"EchoNumbers", {0x0018, 0x0086}},
-                                   {"EchoTime", {0x0018, 0x0081}},
-                                   {"EffectiveEchoTime", {0x0018, 0x9082}, DicomType::fd},
-                                   {"ConvolutionKernel", {0x0018, 0x1210}},
-                                   {"FilterType", {0x0018, 0x1160}},
-                                   {"ReconstructionAlgorithm", {0x0018, 0x9315}},
-                                   {"ImageType", {0x0008, 0x0008}},
-                                   {"FrameType", {0x0008, 0x9007}},
-                                   {"KVP", {0x0018, 0x0060}},
-                                   {"ReferencedSegmentNumber", {0x0062, 0x000b}, DicomType::us},
-                                   {"StackID", {0x0020, 0x9056}},
-                                   {"SliceThickness", {0x0018, 0x0050}},
-                                   {"ReconstructionDiameter", {0x0018, 0x1100}},
-                                   {"ContrastBolusAgent", {0x0018, 0x0010}},
-                                   {"SeriesNumber", {0x0020, 0x0011}},
-                                   {"SeriesDescription", {0x0008, 0x103e}},
-                                   {"StudyInstanceUID", {0x0020, 0x000d}},
-                                   {"FrameOfReferenceUID", {0x0020, 0x0052}},
-                                   {"IrradiationEventUID", {0x0008, 0x3010}},
-                                   {"AcquisitionDateTime", {0x0008, 0x002a}},
-                                   {"FrameAcquisitionDateTime", {0x0018, 0x9074}},
-                                   {"FrameReferenceDateTime", {0x0018, 0x9151}},
-                                   {"AcquisitionTime", {0x0008, 0x0032}},
-                                   {"ContentTime", {0x0008, 0x0033}},
-                                   {"SeriesTime", {0x0008, 0x0031}},
-                                   {"AcquisitionDate", {0x0008, 0x0022}},
-                                   {"ContentDate", {0x0008, 0x0023}},
-                                   // Of multi-frame files; those of slices all differ.
-                                   {"InstanceNumber", {0x0020, 0x0013}},
-                                   {"SOPInstanceUID", {0x0008, 0x0018}}};
+const SeparatingTag kTags[] = {{"AcquisitionNumber", {0x0020, 0x0012}},
+                               {"FrameAcquisitionNumber", {0x0020, 0x9156}, DicomType::us},
+                               {"TemporalPositionIdentifier", {0x0020, 0x0100}},
+                               {"TemporalPositionIndex", {0x0020, 0x9128}, DicomType::ul},
+                               {"NominalPercentageOfCardiacPhase", {0x0020, 0x9241}, DicomType::fd},
+                               {"TriggerTime", {0x0018, 0x1060}},
+                               {"NominalCardiacTriggerDelayTime", {0x0020, 0x9153}, DicomType::fd},
+                               {"TemporalPositionTimeOffset", {0x0020, 0x930d}, DicomType::fd},
+                               {"EchoNumbers", {0x0018, 0x0086}},
+                               {"EchoTime", {0x0018, 0x0081}},
+                               {"EffectiveEchoTime", {0x0018, 0x9082}, DicomType::fd},
+                               {"ConvolutionKernel", {0x0018, 0x1210}},
+                               {"FilterType", {0x0018, 0x1160}},
+                               {"ReconstructionAlgorithm", {0x0018, 0x9315}},
+                               {"ImageType", {0x0008, 0x0008}},
+                               {"FrameType", {0x0008, 0x9007}},
+                               {"KVP", {0x0018, 0x0060}},
+                               {"ReferencedSegmentNumber", {0x0062, 0x000b}, DicomType::us},
+                               {"StackID", {0x0020, 0x9056}},
+                               {"SliceThickness", {0x0018, 0x0050}},
+                               {"ReconstructionDiameter", {0x0018, 0x1100}},
+                               {"ContrastBolusAgent", {0x0018, 0x0010}},
+                               {"SeriesNumber", {0x0020, 0x0011}},
+                               {"SeriesDescription", {0x0008, 0x103e}},
+                               {"StudyInstanceUID", {0x0020, 0x000d}},
+                               {"FrameOfReferenceUID", {0x0020, 0x0052}},
+                               {"IrradiationEventUID", {0x0008, 0x3010}},
+                               {"AcquisitionDateTime", {0x0008, 0x002a}},
+                               {"FrameAcquisitionDateTime", {0x0018, 0x9074}},
+                               {"FrameReferenceDateTime", {0x0018, 0x9151}},
+                               {"AcquisitionTime", {0x0008, 0x0032}},
+                               {"ContentTime", {0x0008, 0x0033}},
+                               {"SeriesTime", {0x0008, 0x0031}},
+                               {"AcquisitionDate", {0x0008, 0x0022}},
+                               {"ContentDate", {0x0008, 0x0023}},
+                               // Of multi-frame files; those of slices all differ.
+                               {"InstanceNumber", {0x0020, 0x0013}},
+                               {"SOPInstanceUID", {0x0008, 0x0018}}};
 
 struct Syntax {
   std::string_view uid;
@@ -110,20 +110,20 @@ std::uint16_t uint16_at(const std::string& bytes, std::size_t at) {
 
 }  // namespace
 
-const gdcm::ByteValue* DicomValues::raw(const DicomTag& tag) const {
-  return has(tag) ? data_->GetDataElement(gdcm::Tag(tag.group, tag.element)).GetByteValue() : nullptr;
+const gdcm::ByteValue* DicomValues::raw(const gdcm::Tag& tag) const {
+  return has(tag) ? data_->GetDataElement(tag).GetByteValue() : nullptr;
 }
 
-std::string DicomValues::bytes(const DicomTag& tag) const {
+std::string DicomValues::bytes(const gdcm::Tag& tag) const {
   const gdcm::ByteValue* value = raw(tag);
   return value == nullptr ? "" : std::string(value->GetPointer(), value->GetLength());
 }
 
-std::string DicomValues::text(const DicomTag& tag) const {
+std::string DicomValues::text(const gdcm::Tag& tag) const {
   return plain_text(bytes(tag));
 }
 
-std::vector<double> DicomValues::numbers(const DicomTag& tag) const {
+std::vector<double> DicomValues::numbers(const gdcm::Tag& tag) const {
   const std::string list = text(tag);
   std::vector<double> out;
   for (std::size_t at = 0; at < list.size();) {
@@ -138,24 +138,24 @@ std::vector<double> DicomValues::numbers(const DicomTag& tag) const {
   return out;
 }
 
-double DicomValues::number(const DicomTag& tag, double otherwise) const {
+double DicomValues::number(const gdcm::Tag& tag, double otherwise) const {
   const std::vector<double> all = numbers(tag);
   return all.empty() ? otherwise : all[0];
 }
 
-int DicomValues::integer(const DicomTag& tag, int otherwise) const {
+int DicomValues::integer(const gdcm::Tag& tag, int otherwise) const {
   const double value = number(tag, otherwise);
   return std::abs(value) > 1e9 ? otherwise : static_cast<int>(value);
 }
 
-int DicomValues::short_integer(const DicomTag& tag) const {
+int DicomValues::short_integer(const gdcm::Tag& tag) const {
   const std::string raw = bytes(tag);
   std::uint16_t out = 0;
   if (raw.size() >= sizeof out) std::memcpy(&out, raw.data(), sizeof out);
   return out;
 }
 
-std::string DicomValues::text_of(const DicomTag& tag, DicomType type) const {
+std::string DicomValues::text_of(const gdcm::Tag& tag, DicomType type) const {
   switch (type) {
     case DicomType::us:
       return binary_text<std::uint16_t>(bytes(tag));
@@ -169,11 +169,10 @@ std::string DicomValues::text_of(const DicomTag& tag, DicomType type) const {
   return text(tag);
 }
 
-std::vector<DicomValues> DicomValues::items(const DicomTag& tag) const {
+std::vector<DicomValues> DicomValues::items(const gdcm::Tag& tag) const {
   std::vector<DicomValues> out;
   if (!has(tag)) return out;
-  const gdcm::SmartPointer<gdcm::SequenceOfItems> sequence =
-      data_->GetDataElement(gdcm::Tag(tag.group, tag.element)).GetValueAsSQ();
+  const gdcm::SmartPointer<gdcm::SequenceOfItems> sequence = data_->GetDataElement(tag).GetValueAsSQ();
   if (sequence == nullptr) return out;
   for (std::size_t n = 1; n <= sequence->GetNumberOfItems(); ++n) {
     out.push_back(DicomValues(sequence->GetItem(n).GetNestedDataSet(), sequence));

@@ -16,12 +16,6 @@ namespace reamsim::ct {
 
 // Reading with GDCM, for child processes. Private to sim/scan.
 
-/// Group and element.
-struct DicomTag {
-  std::uint16_t group = 0;
-  std::uint16_t element = 0;
-};
-
 /// The binary numbers of DICOM. Text includes the numbers DS and IS.
 enum class DicomType { text, us, ul, fd };
 
@@ -30,25 +24,23 @@ class DicomValues {
  public:
   explicit DicomValues(const gdcm::DataSet& data) : data_(&data) {}
 
-  [[nodiscard]] bool has(const DicomTag& tag) const {
-    return data_->FindDataElement(gdcm::Tag(tag.group, tag.element));
-  }
+  [[nodiscard]] bool has(const gdcm::Tag& tag) const { return data_->FindDataElement(tag); }
   /// The bytes in the file; nullptr without any, as for a sequence or compressed pixels.
-  [[nodiscard]] const gdcm::ByteValue* raw(const DicomTag& tag) const;
-  [[nodiscard]] std::string bytes(const DicomTag& tag) const;
+  [[nodiscard]] const gdcm::ByteValue* raw(const gdcm::Tag& tag) const;
+  [[nodiscard]] std::string bytes(const gdcm::Tag& tag) const;
   /// Without padding; other characters than printable ASCII become "?".
-  [[nodiscard]] std::string text(const DicomTag& tag) const;
+  [[nodiscard]] std::string text(const gdcm::Tag& tag) const;
   /// The numbers of a text "a\b\c"; empty if one of them is invalid.
-  [[nodiscard]] std::vector<double> numbers(const DicomTag& tag) const;
+  [[nodiscard]] std::vector<double> numbers(const gdcm::Tag& tag) const;
   /// The first number of a text.
-  [[nodiscard]] double number(const DicomTag& tag, double otherwise) const;
-  [[nodiscard]] int integer(const DicomTag& tag, int otherwise) const;
+  [[nodiscard]] double number(const gdcm::Tag& tag, double otherwise) const;
+  [[nodiscard]] int integer(const gdcm::Tag& tag, int otherwise) const;
   /// A 16-bit number, in the byte order of this machine.
-  [[nodiscard]] int short_integer(const DicomTag& tag) const;
+  [[nodiscard]] int short_integer(const gdcm::Tag& tag) const;
   /// Any value as a text.
-  [[nodiscard]] std::string text_of(const DicomTag& tag, DicomType type) const;
+  [[nodiscard]] std::string text_of(const gdcm::Tag& tag, DicomType type) const;
   /// The data sets of a sequence.
-  [[nodiscard]] std::vector<DicomValues> items(const DicomTag& tag) const;
+  [[nodiscard]] std::vector<DicomValues> items(const gdcm::Tag& tag) const;
 
  private:
   explicit DicomValues(const gdcm::DataSet& data, gdcm::SmartPointer<gdcm::SequenceOfItems> owner)
@@ -61,7 +53,7 @@ class DicomValues {
 /// An element that may tell volumes of one series apart.
 struct SeparatingTag {
   const char* keyword;
-  DicomTag tag;
+  gdcm::Tag tag;
   DicomType type = DicomType::text;
 };
 

@@ -5,11 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <iterator>
-#include <map>
-#include <optional>
 #include <set>
-#include <tuple>
-#include <utility>
 
 #include "sim/scan/dicom_stack.h"
 #include "sim/scan/dicom_values.h"

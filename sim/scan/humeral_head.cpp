@@ -1,15 +1,12 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/humeral_head.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
-#include "sim/base/geometry.h"
 #include "sim/base/statistics.h"
+#include "sim/scan/ct_import.h"
 
 namespace reamsim::ct {
 

@@ -10,17 +10,11 @@
 #include <cctype>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
 #include <iterator>
-#include <map>
-#include <optional>
 #include <sstream>
-#include <string>
-#include <vector>
 
-#include "sim/base/error.h"
-#include "sim/base/geometry.h"
+#include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/scan/image_io.h"
 
@@ -43,26 +37,12 @@ std::string plain(const std::string& text) {
   return out;
 }
 
-/// The bytes of the header, without the voxels that follow its blank line.
-std::string header_text(const std::string& path) {
-  constexpr std::size_t kMostBytes = 1 << 24;  // of a header, which may hold any texts
-  std::ifstream in(path, std::ios::binary);
-  std::array<char, 4096> chunk{};
-  std::string out;
-  while (out.size() < kMostBytes && (in.read(chunk.data(), chunk.size()) || in.gcount() > 0)) {
-    const std::size_t from = std::max<std::size_t>(out.size(), 2) - 2;  // the blank line may begin in the last chunk
-    out.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
-    const std::size_t end = std::min(out.find("\n\n", from), out.find("\n\r\n", from));
-    if (end != std::string::npos) return out.substr(0, end);
-  }
-  return out;
-}
-
 /// The fields of a header by plain() name; the first counts. `space:=value` and comments are none.
 std::map<std::string, std::string> fields_of(const std::string& path) {
   std::map<std::string, std::string> out;
-  std::istringstream header(header_text(path));
-  for (std::string line; std::getline(header, line);) {
+  constexpr std::size_t kMostBytes = 1 << 22;  // of a header, which may hold any texts; voxels follow its blank line
+  std::istringstream header(read_file_start(path, kMostBytes));
+  for (std::string line; std::getline(header, line) && !line.empty() && line != "\r";) {
     const std::size_t colon = line.starts_with('#') ? std::string::npos : line.find(": ");
     if (colon != std::string::npos) out.try_emplace(plain(line.substr(0, colon)), line.substr(colon + 2));
   }
@@ -134,7 +114,6 @@ std::vector<Vec3> vectors_in(const std::string& text) {
   return out;
 }
 
-/// Reads the header up to its end, the first blank line.
 NrrdHeader read_nrrd_header(const std::string& path) {
   std::map<std::string, std::string> fields = fields_of(path);
   const std::vector<std::string> units = space_units(fields);
@@ -188,24 +167,19 @@ Vec3 signs_of(const NrrdHeader& header, const Mat3& steps_of_itk) {
   return out;
 }
 
+}  // namespace
+
 bool is_nrrd(const itk::ImageIOBase& io) {
   return dynamic_cast<const itk::NrrdImageIO*>(&io) != nullptr;
 }
-}  // namespace
 
-ScanGeometry apply_format_conventions(const itk::ImageIOBase& io, ScanGeometry geometry) {
-  if (!is_nrrd(io)) return geometry;
-  const NrrdHeader header = read_nrrd_header(io.GetFileName());
-  const Vec3 to_mm = signs_of(header, geometry.step_mm).cwiseProduct(header.to_mm);
-  geometry.step_mm = to_mm.asDiagonal() * geometry.step_mm;
-  geometry.origin_mm = to_mm.cwiseProduct(geometry.origin_mm);
-  return geometry;
-}
-
-void describe_header(const itk::ImageIOBase& io, ImageFacts& facts) {
+void apply_conventions(const itk::ImageIOBase& io, ImageFacts& facts) {
   facts.frame = "TransformMatrix, taken as LPS";
   if (!is_nrrd(io)) return;
   const NrrdHeader header = read_nrrd_header(io.GetFileName());
+  const Vec3 to_mm = signs_of(header, facts.geometry.step_mm).cwiseProduct(header.to_mm);
+  facts.geometry.step_mm = to_mm.asDiagonal() * facts.geometry.step_mm;
+  facts.geometry.origin_mm = to_mm.cwiseProduct(facts.geometry.origin_mm);
   constexpr std::size_t kLongestUnit = 40;
   if (!header.unknown_unit.empty()) {
     facts.warnings.push_back(
@@ -218,11 +192,11 @@ void describe_header(const itk::ImageIOBase& io, ImageFacts& facts) {
   facts.warnings.emplace_back(kNoOrientation);
 }
 
-void check_encoding(const std::string& path, const std::string& key) {
+void check_encoding(const ForeignFile& file) {
   static constexpr std::array kKnown{"raw", "txt", "text", "ascii", "hex", "gz", "gzip", ""};
-  const std::string encoding = plain(fields_of(path)["encoding"]);
+  const std::string encoding = plain(fields_of(file.path)["encoding"]);
   if (std::ranges::find(kKnown, encoding) != kKnown.end()) return;
-  throw InputError({path}, key, "the voxels are encoded as " + printable(encoding) + ", which this program cannot read",
+  throw file.error("the voxels are encoded as " + printable(encoding) + ", which this program cannot read",
                    "save the file as raw or gzip (3D Slicer, or unu save -f nrrd -e gzip)");
 }
 

@@ -4,7 +4,6 @@
 #include "sim/scan/image_io.h"
 
 #include <fmt/core.h>
-#include <itkGDCMImageIO.h>
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
@@ -18,7 +17,6 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/scan/label_map.h"
@@ -29,7 +27,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kDicom = "DICOM";
 using Component = itk::IOComponentEnum;
 
 /// Deflate compresses at most 1032 : 1. A file whose header claims more voxels is truncated.
@@ -42,19 +39,23 @@ constexpr double kLeastStep_mm = 1e-3;
 constexpr double kGreatestStep_mm = 1e6;
 constexpr double kMostElongated = 200;
 
-std::string lower_extension(const std::string& path) {
-  const std::string name = lower_case(fs::path(path).filename().string());
-  return name.ends_with(".nii.gz") ? ".nii.gz" : fs::path(name).extension().string();
-}
+/// Formats by the ending of names; `whole`: header and voxels are in one file, so that its length limits their number.
+struct NamedFormat {
+  const char* ending;
+  const char* format;
+  bool whole;
+};
+constexpr std::array kNamedFormats{NamedFormat{".nrrd", "NRRD", true},     NamedFormat{".nhdr", "NRRD", false},
+                                   NamedFormat{".nii", "NIfTI", true},     NamedFormat{".nii.gz", "NIfTI", true},
+                                   NamedFormat{".hdr", "NIfTI", false},    NamedFormat{".img", "NIfTI", false},
+                                   NamedFormat{".mha", "MetaImage", true}, NamedFormat{".dcm", "DICOM", true},
+                                   NamedFormat{".mhd", "MetaImage", false}};
 
-/// For files whose content is too damaged to tell the format.
-std::string format_by_name(const std::string& path) {
-  const std::string extension = lower_extension(path);
-  if (extension == ".nrrd" || extension == ".nhdr") return "NRRD";
-  if (extension == ".nii" || extension == ".nii.gz" || extension == ".hdr" || extension == ".img") return "NIfTI";
-  if (extension == ".mha" || extension == ".mhd") return "MetaImage";
-  if (extension == ".dcm") return kDicom;
-  return "";
+NamedFormat format_by_name(const std::string& path) {
+  const std::string name = lower_case(path);
+  const auto* found =
+      std::ranges::find_if(kNamedFormats, [&](const NamedFormat& f) { return name.ends_with(f.ending); });
+  return found == kNamedFormats.end() ? NamedFormat{"", "", false} : *found;
 }
 
 constexpr std::size_t kHeaderStart = 1 << 16;
@@ -89,45 +90,25 @@ constexpr std::array kKnownStarts{
     KnownStart{"ply", "a PLY mesh", kAsMesh},
     KnownStart{"OFF", "an OFF mesh", kAsMesh}};
 
-/// Formats with header and voxels in one file, so that its length limits the number of voxels.
-bool contains_its_voxels(const std::string& path) {
-  const std::string extension = lower_extension(path);
-  return extension == ".nrrd" || extension == ".nii" || extension == ".nii.gz" || extension == ".mha" ||
-         extension == ".dcm";
-}
-
 /// VTK's own formats, legacy and XML.
 bool is_vtk(const std::string& path) {
   const std::string start = read_file_start(path, 256);
   return start.starts_with("# vtk DataFile") || start.find("<VTKFile") != std::string::npos;
 }
 
-bool can_read(itk::ImageIOBase& io, const std::string& path) {
-  try {
-    return io.CanReadFile(path.c_str());
-  } catch (const std::exception&) {
-    return false;
-  }
-}
-
 template <typename Value>
 void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const IndexBox& box, int layers, int layer,
                  float* out) {
-  const auto start = [&](unsigned axis) { return axis < held.GetImageDimension() ? held.GetIndex(axis) : 0; };
-  const std::int64_t row = static_cast<std::int64_t>(held.GetSize(0));
-  const std::int64_t rows = held.GetImageDimension() > 1 ? static_cast<std::int64_t>(held.GetSize(1)) : 1;
-  for (int k = 0; k < box.size.z(); ++k) {
-    for (int j = 0; j < box.size.y(); ++j) {
-      const std::int64_t first =
-          (box.start.x() - start(0)) + row * ((box.start.y() + j - start(1)) + rows * (box.start.z() + k - start(2)));
-      for (int i = 0; i < box.size.x(); ++i) {
-        Value value;
-        const std::int64_t number = (first + i) * layers + layer;
-        std::memcpy(&value, raw + number * static_cast<std::int64_t>(sizeof(Value)), sizeof(Value));
-        *out++ = static_cast<float>(value);
-      }
-    }
-  }
+  const auto row = static_cast<std::int64_t>(held.GetSize(0)), rows = static_cast<std::int64_t>(held.GetSize(1));
+  const Vec3i start = box.start - Vec3i(static_cast<int>(held.GetIndex(0)), static_cast<int>(held.GetIndex(1)),
+                                        static_cast<int>(held.GetIndex(2)));
+  for_each_voxel(box.size, [&](const Vec3i& voxel) {
+    const Vec3i at = start + voxel;
+    const std::int64_t number = (at.x() + row * (at.y() + rows * at.z())) * layers + layer;
+    Value value;
+    std::memcpy(&value, raw + number * static_cast<std::int64_t>(sizeof(Value)), sizeof(Value));
+    *out++ = static_cast<float>(value);
+  });
 }
 
 /// Copies with the first of `Values` that is the type of the components.
@@ -139,7 +120,7 @@ void copy_as_float(const itk::ImageIOBase& io, const std::byte* raw, const itk::
     copy_region<Value>(raw, held, box, static_cast<int>(io.GetNumberOfComponents()), layer, out);
     return true;
   };
-  if (!(copy_if(Values{}) || ...)) throw std::invalid_argument("pixel type");  // geometry_of() has checked it
+  if (!(copy_if(Values{}) || ...)) throw std::invalid_argument("pixel type");  // check_image() has checked it
 }
 
 itk::ImageIORegion io_region(const itk::ImageIOBase& io, const IndexBox& box) {
@@ -176,11 +157,11 @@ std::string printable_start(const std::string& line) {
 
 /// MetaIO reads as many numbers as the header has dimensions, without end, and takes the header for compressed voxels
 /// where these follow it and have no size.
-void check_meta_image(const std::string& path, const std::string& key) {
+void check_meta_image(const ForeignFile& file) {
   static const Pattern few_dimensions(R"(NDims\s*[=:]\s*[1-9]\s*)");
   static const Pattern is_compressed(R"(CompressedData\s*[=:]\s*[Tt1].*\s*)");
   static const Pattern is_local(R"(ElementDataFile\s*[=:]\s*(LOCAL|Local|local)\s*)");
-  std::istringstream header(read_file_start(path, 1 << 16));
+  std::istringstream header(read_file_start(file.path, kHeaderStart));
   bool compressed = false;
   bool sized = false;
   for (std::string line; std::getline(header, line);) {
@@ -188,100 +169,118 @@ void check_meta_image(const std::string& path, const std::string& key) {
     sized = sized || line.starts_with("CompressedDataSize");
     if (is_local.matches(line.substr(0, kLongestLine))) {  // voxels follow
       if (!compressed || sized) return;
-      throw InputError({path}, key, "the MetaImage header has no CompressedDataSize",
+      throw file.error("the MetaImage header has no CompressedDataSize",
                        "add it, or save the image without compression");
     }
     if (line.find("NDims") == std::string::npos || few_dimensions.matches(line.substr(0, kLongestLine))) continue;
-    throw InputError({path}, key, "the MetaImage header says \"" + printable_start(line) + "\"", "expected NDims = 3");
+    throw file.error("the MetaImage header says \"" + printable_start(line) + "\"", "expected NDims = 3");
   }
 }
 
 /// Throws InputError when the file is shorter than its header claims.
-void check_file_length(const std::string& path, const std::string& key, std::int64_t voxels, double bytes_per_voxel) {
-  if (!contains_its_voxels(path)) return;
+void check_file_length(const ForeignFile& file, std::int64_t voxels, double bytes_per_voxel) {
+  if (!format_by_name(file.path).whole) return;
   const double claimed = static_cast<double>(voxels) * bytes_per_voxel;
-  const std::uintmax_t length = fs::file_size(path);
+  const std::uintmax_t length = fs::file_size(file.path);
   if (claimed <= kMaxCompression * static_cast<double>(length) + kHeaderSlackBytes) return;
-  throw InputError({path}, key,
-                   "the header claims " + std::to_string(voxels) + " voxels, but the file has only " +
-                       std::to_string(length) + " bytes",
+  throw file.error(fmt::format("the header claims {} voxels, but the file has only {} bytes", voxels, length),
                    "give a complete file");
 }
 
 /// Throws the InputError of a file that is none of the formats.
-[[noreturn]] void refuse_format(const std::string& path, const std::string& key, const std::string& start) {
-  if (is_vtk(path)) {
-    throw InputError(
-        {path}, key, "a VTK file",
+[[noreturn]] void refuse_format(const ForeignFile& file, const std::string& start) {
+  if (is_vtk(file.path)) {
+    throw file.error(
+        "a VTK file",
         "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); use bone.mesh for a surface, as STL or PLY");
   }
-  const std::string promised = format_by_name(path);
+  const std::string promised = format_by_name(file.path).format;
   for (const KnownStart& known : kKnownStarts) {
-    if (promised != "NIfTI" && start.starts_with(known.bytes)) throw InputError({path}, key, known.what, known.advice);
+    if (promised != "NIfTI" && start.starts_with(known.bytes)) throw file.error(known.what, known.advice);
   }
-  const std::string found = start.empty()      ? "the file is empty"
-                            : promised.empty() ? "not a readable CT image"
-                                               : "the " + promised + " header is truncated or damaged";
-  throw InputError({path}, key, found, "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
+  throw file.error(start.empty()      ? "the file is empty"
+                   : promised.empty() ? "not a readable CT image"
+                                      : "the " + promised + " header is truncated or damaged",
+                   "expected a folder of DICOM slices, or an NRRD, NIfTI or MetaImage file");
 }
 
-[[noreturn]] void refuse_single_dicom(const itk::ImageIOBase& io, const std::string& path, const std::string& key) {
-  if (io.GetNumberOfDimensions() > 2 && io.GetDimensions(2) > 1) {
-    throw InputError({path}, key, "a multi-frame DICOM file",
-                     "convert it to NRRD or NIfTI (3D Slicer, dcm2niix), or export single slices");
+/// "int16", "float", ...; "" for others than single real numbers.
+std::string pixel_type_of(const itk::ImageIOBase& io) {
+  constexpr std::array kUnsigned{Component::UCHAR, Component::USHORT, Component::UINT, Component::ULONG,
+                                 Component::ULONGLONG};
+  constexpr std::array kSigned{Component::CHAR, Component::SHORT, Component::INT, Component::LONG, Component::LONGLONG};
+  const Component type = io.GetComponentType();
+  const std::string bits = std::to_string(8 * io.GetComponentSize());
+  if (std::ranges::count(kUnsigned, type) > 0) return "uint" + bits;
+  if (std::ranges::count(kSigned, type) > 0) return "int" + bits;
+  return type == Component::FLOAT ? "float" : type == Component::DOUBLE ? "double" : "";
+}
+
+/// The geometry in the header of a volume, as ITK gives it.
+ScanGeometry geometry_of(const itk::ImageIOBase& io) {
+  ScanGeometry geometry;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    geometry.dims[axis] = static_cast<int>(io.GetDimensions(axis));
+    const std::vector<double> direction = io.GetDirection(axis);
+    for (unsigned row = 0; row < std::min<std::size_t>(direction.size(), 3); ++row) {
+      geometry.step_mm(row, axis) = direction[row] * io.GetSpacing(axis);
+    }
+    geometry.origin_mm[axis] = io.GetOrigin(axis);
   }
-  throw InputError({path}, key, "a single DICOM slice", "give the folder of the series");
+  return geometry;
 }
 
 }  // namespace
 
-itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format) {
+itk::ImageIOBase::Pointer open_image_io(const ForeignFile& file) {
   const QuietLibraries quiet;
-  const std::string start = read_file_start(path, kHeaderStart);
+  const std::string start = read_file_start(file.path, kHeaderStart);
   itk::ImageIOBase::Pointer io;
   if (start.starts_with("NRRD")) {
-    check_encoding(path, key);
-    format = "NRRD";
+    check_encoding(file);
     io = itk::NrrdImageIO::New().GetPointer();
   } else if (is_meta_image(start)) {
-    check_meta_image(path, key);
-    format = "MetaImage";
+    check_meta_image(file);
     io = itk::MetaImageIO::New().GetPointer();
-  } else if (const auto dicom = itk::GDCMImageIO::New(); can_read(*dicom, path)) {
-    format = kDicom;
-    io = dicom.GetPointer();
   } else {
-    refuse_format(path, key, start);
+    refuse_format(file, start);
   }
-  io->SetFileName(path);
-  return io;
-}
-
-ImageFacts check_image(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format,
-                       bool allow_layers) {
-  read_header(io, path, key, format);
-  if (format == kDicom) refuse_single_dicom(io, path, key);
-  ImageFacts out;
-  out.format = format;
-  out.geometry = geometry_of(io, path, key, false, allow_layers);
-  out.pixel_type = pixel_type_of(io);
-  out.layers = static_cast<int>(io.GetNumberOfComponents());
-  out.bytes_per_voxel = static_cast<double>(io.GetComponentSize()) * io.GetNumberOfComponents();
-  describe_header(io, out);
-  if (allow_layers) out.segments = segments_of_nrrd(metadata_of(io), out.layers);
-  check_fits_in_memory(static_cast<double>(out.geometry.size()), out.bytes_per_voxel, path, key);
-  check_file_length(path, key, out.geometry.size(), out.bytes_per_voxel);
-  return out;
-}
-
-void read_header(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format) {
-  const QuietLibraries quiet;
+  io->SetFileName(file.path);
   try {
-    io.ReadImageInformation();
-    if (quiet.reports_missing_voxels()) throw std::length_error("header");
-  } catch (const std::exception&) {
-    throw InputError({path}, key, "the " + format + " header cannot be read", "the file is truncated or damaged");
+    io->ReadImageInformation();
+    if (!quiet.reports_missing_voxels()) return io;
+  } catch (const std::exception&) {  // the message for both follows
   }
+  throw file.error(std::string("the ") + (is_nrrd(*io) ? "NRRD" : "MetaImage") + " header cannot be read",
+                   "the file is truncated or damaged");
+}
+
+ImageFacts check_image(const itk::ImageIOBase& io, const ForeignFile& file, bool allow_layers) {
+  std::vector<std::int64_t> sizes;
+  for (unsigned axis = 0; axis < io.GetNumberOfDimensions(); ++axis) {
+    sizes.push_back(static_cast<std::int64_t>(io.GetDimensions(axis)));
+  }
+  check_volume(sizes, file);
+  const unsigned layers = io.GetNumberOfComponents();
+  ImageFacts out;
+  out.pixel_type = pixel_type_of(io);
+  if ((layers != 1 && !allow_layers) || layers == 0 || out.pixel_type.empty()) {
+    throw file.error(std::to_string(layers) + " numbers in each voxel",
+                     "expected one integer or real number (HU) in each voxel");
+  }
+  out.format = is_nrrd(io) ? "NRRD" : "MetaImage";
+  out.layers = static_cast<int>(layers);
+  out.bytes_per_voxel = static_cast<double>(io.GetComponentSize()) * layers;
+  out.geometry = geometry_of(io);
+  apply_conventions(io, out);
+  if (!out.geometry.is_valid()) {
+    throw file.error("voxel spacing, axes or origin are zero, not finite or degenerate",
+                     fmt::format("expected a spacing above {:g} mm and three independent axes", kLeastStep_mm));
+  }
+  if (allow_layers) out.segments = segments_of_nrrd(metadata_of(io), out.layers);
+  check_fits_in_memory(static_cast<double>(out.geometry.size()), out.bytes_per_voxel, file);
+  check_file_length(file, out.geometry.size(), out.bytes_per_voxel);
+  return out;
 }
 
 bool ScanGeometry::is_valid() const {
@@ -294,62 +293,20 @@ bool ScanGeometry::is_valid() const {
          std::abs(step_mm.determinant()) >= kLeastVolume * edge.prod();
 }
 
-void check_volume(const std::vector<std::int64_t>& sizes, bool allow_slice, const std::string& path,
-                  const std::string& key) {
+void check_volume(const std::vector<std::int64_t>& sizes, const ForeignFile& file) {
   std::string shape;
-  bool volume = sizes.size() >= (allow_slice ? 2U : 3U);
+  bool volume = sizes.size() >= 3;
   for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
     shape += (axis == 0 ? "" : "×") + std::to_string(sizes[axis]);
     const bool single = sizes[axis] == 1;
     if (axis >= 3 && !single) volume = false;
-    if (axis == 2 && single && !allow_slice) volume = false;
+    if (axis == 2 && single) volume = false;
     if (sizes[axis] < 1 || sizes[axis] > std::numeric_limits<int>::max()) volume = false;
   }
-  if (!volume) throw InputError({path}, key, "an image of " + shape + " pixels", "expected a volume, three axes");
+  if (!volume) throw file.error("an image of " + shape + " pixels", "expected a volume, three axes");
 }
 
-ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, const std::string& key, bool allow_slice,
-                         bool allow_layers) {
-  const unsigned dimensions = io.GetNumberOfDimensions();
-  std::vector<std::int64_t> sizes;
-  for (unsigned axis = 0; axis < dimensions; ++axis) sizes.push_back(static_cast<std::int64_t>(io.GetDimensions(axis)));
-  check_volume(sizes, allow_slice, path, key);
-  const bool several = io.GetNumberOfComponents() != 1 && !allow_layers;
-  if (several || io.GetNumberOfComponents() == 0 || pixel_type_of(io).empty()) {
-    throw InputError({path}, key, std::to_string(io.GetNumberOfComponents()) + " numbers in each voxel",
-                     "expected one integer or real number (HU) in each voxel");
-  }
-  ScanGeometry geometry;
-  geometry.dims = Vec3i::Ones();
-  for (unsigned axis = 0; axis < std::min(dimensions, 3U); ++axis) {
-    geometry.dims[axis] = static_cast<int>(io.GetDimensions(axis));
-    const std::vector<double> direction = io.GetDirection(axis);
-    for (unsigned row = 0; row < std::min<std::size_t>(direction.size(), 3); ++row) {
-      geometry.step_mm(row, axis) = direction[row] * io.GetSpacing(axis);
-    }
-    geometry.origin_mm[axis] = io.GetOrigin(axis);
-  }
-  geometry = apply_format_conventions(io, geometry);
-  if (!geometry.is_valid()) {
-    throw InputError({path}, key, "voxel spacing, axes or origin are zero, not finite or degenerate",
-                     fmt::format("expected a spacing above {:g} mm and three independent axes", kLeastStep_mm));
-  }
-  return geometry;
-}
-
-std::string pixel_type_of(const itk::ImageIOBase& io) {
-  constexpr std::array kUnsigned{Component::UCHAR, Component::USHORT, Component::UINT, Component::ULONG,
-                                 Component::ULONGLONG};
-  constexpr std::array kSigned{Component::CHAR, Component::SHORT, Component::INT, Component::LONG, Component::LONGLONG};
-  const Component type = io.GetComponentType();
-  const std::string bits = std::to_string(8 * io.GetComponentSize());
-  if (std::ranges::count(kUnsigned, type) > 0) return "uint" + bits;
-  if (std::ranges::count(kSigned, type) > 0) return "int" + bits;
-  return type == Component::FLOAT ? "float" : type == Component::DOUBLE ? "double" : "";
-}
-
-void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std::string& path, const std::string& key,
-                 float* out) {
+void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const ForeignFile& file, float* out) {
   const QuietLibraries quiet;
   auto* meta = dynamic_cast<itk::MetaImageIO*>(&io);
   // ITK loses voxels of a part of a compressed MetaImage.
@@ -365,14 +322,14 @@ void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std
     copy_as_float<unsigned char, signed char, unsigned short, short, unsigned, int, unsigned long, long,
                   unsigned long long, long long, float, double>(io, raw.get(), held, box, layer, out);
   } catch (const std::bad_alloc&) {
-    throw InputError({path}, key, "the voxels exceed the memory of this machine", "use a smaller image, or a crop");
+    throw file.error("the voxels exceed the memory of this machine", "use a smaller image, or a crop");
   } catch (const std::exception&) {
-    throw cut_off(path, key);
+    throw cut_off(file);
   }
 }
 
-InputError cut_off(const std::string& path, const std::string& key) {
-  return {{path}, key, "the voxels cannot be read: the file is truncated or damaged", "give a complete file"};
+InputError cut_off(const ForeignFile& file) {
+  return file.error("the voxels cannot be read: the file is truncated or damaged", "give a complete file");
 }
 
 }  // namespace reamsim::ct

@@ -6,8 +6,6 @@
 #include <itkImageIOBase.h>
 #include <array>
 #include <cstdint>
-#include <map>
-#include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -24,8 +22,7 @@ namespace reamsim::ct {
 /// The warning of a header without orientation.
 inline constexpr const char* kNoOrientation =
     "the header does not say how the axes lie in the body; left, posterior, superior are assumed. Check side and "
-    "glenoid, "
-    "or export the file with its orientation";
+    "glenoid, or export the file with its orientation";
 
 /// What the header of an image file says.
 struct ImageFacts {
@@ -45,51 +42,35 @@ struct ImageFacts {
   }
 };
 
-/// The reader of a file by its content, without ITK's global list of factories. Sets `format`: "NRRD", "MetaImage",
-/// "DICOM". Throws InputError: none of these, or a header on which the libraries would crash.
-itk::ImageIOBase::Pointer open_image_io(const std::string& path, const std::string& key, std::string& format);
+/// The ITK reader of a file by its content, without ITK's global list of factories, after it has read the header.
+/// Throws InputError: neither NRRD nor MetaImage, or damaged.
+itk::ImageIOBase::Pointer open_image_io(const ForeignFile& file);
 
-/// Reads the header and checks the file against it. Throws InputError: damaged, truncated, a single DICOM slice, not a
-/// volume, larger than the memory.
-ImageFacts check_image(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format,
-                       bool allow_layers);
+/// Checks the file against its header. Throws InputError: truncated, no volume of single numbers (of several with
+/// `allow_layers`), larger than the memory.
+ImageFacts check_image(const itk::ImageIOBase& io, const ForeignFile& file, bool allow_layers);
 
-/// Throws InputError when the header is damaged.
-void read_header(itk::ImageIOBase& io, const std::string& path, const std::string& key, const std::string& format);
-
-/// The geometry in the header. Throws InputError unless the image is a volume (or a slice with `allow_slice`) with one
-/// value per voxel (or several with `allow_layers`).
-ScanGeometry geometry_of(const itk::ImageIOBase& io, const std::string& path, const std::string& key, bool allow_slice,
-                         bool allow_layers = false);
-
-/// Throws InputError unless the sizes along the axes are those of a volume, or of a slice where that is allowed.
-void check_volume(const std::vector<std::int64_t>& sizes, bool allow_slice, const std::string& path,
-                  const std::string& key);
-
-/// "int16", "float", ...
-std::string pixel_type_of(const itk::ImageIOBase& io);
+/// Throws InputError unless the sizes along the axes are those of a volume.
+void check_volume(const std::vector<std::int64_t>& sizes, const ForeignFile& file);
 
 /// Writes the values in `box`, of one layer, to `out`. Throws InputError: truncated, damaged.
-void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const std::string& path, const std::string& key,
-                 float* out);
+void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const ForeignFile& file, float* out);
 
 /// The error of a file whose voxels end too early.
-InputError cut_off(const std::string& path, const std::string& key);
+InputError cut_off(const ForeignFile& file);
 
-// What ITK reads otherwise than the format says, by version, and what a header leaves open (image_conventions.cpp). All
-// after ReadImageInformation().
+// What ITK reads otherwise than the format says, by version, and what a header leaves open (image_conventions.cpp).
 
-/// The geometry that ITK gives, mm in LPS, as the file means it: NRRD in the space left-anterior-superior or in one
-/// with time, which versions of ITK convert differently, and NRRD in other units than mm.
-ScanGeometry apply_format_conventions(const itk::ImageIOBase& io, ScanGeometry geometry);
+bool is_nrrd(const itk::ImageIOBase& io);
 
-/// What in the header places the voxels, and warnings of what it leaves open. Orientation: NRRD without an anatomical
-/// space; ITK takes the axes as left, posterior, superior. Units: NRRD in units that are unknown, which are taken as
-/// mm.
-void describe_header(const itk::ImageIOBase& io, ImageFacts& facts);
+/// Corrects the geometry that ITK gives, mm in LPS, to what the file means: NRRD in the space left-anterior-superior or
+/// in one with time, which versions of ITK convert differently, and NRRD in other units than mm. Sets what places the
+/// voxels, and warnings of what the header leaves open: NRRD without an anatomical space, whose axes ITK takes as left,
+/// posterior, superior, or in unknown units, which are taken as mm.
+void apply_conventions(const itk::ImageIOBase& io, ImageFacts& facts);
 
 /// Throws InputError where the voxels of an NRRD are encoded in a way that ITK cannot read.
-void check_encoding(const std::string& path, const std::string& key);
+void check_encoding(const ForeignFile& file);
 
 // NIfTI-1, NIfTI-2 and Analyze 7.5, compressed or not, read from their bytes: the geometry does not depend on the
 // version of a library, and headers that libraries refuse are read. For child processes. Source:
@@ -99,6 +80,8 @@ void check_encoding(const std::string& path, const std::string& key);
 struct NiftiHeader {
   std::array<std::int64_t, 8> dim{};  ///< number of axes, and voxels along each
   int datatype = 0;                   ///< NIFTI_TYPE_…
+  std::string type;                   ///< "uint16", ...; "" where values are no single real numbers
+  int bytes_of_value = 0;             ///< of a stored one
   std::array<double, 8> pixdim{};     ///< qfac, and the spacing along each axis
   double slope = 0, intercept = 0;    ///< value = slope · stored + intercept, unless the slope is 0
   int units = 0;                      ///< of lengths: 1 m, 2 mm, 3 µm, 0 unknown
@@ -119,45 +102,28 @@ struct NiftiHeader {
 
 /// The header of a file; that of NAME.hdr for NAME.img. nullopt where the bytes are none of these formats. Throws
 /// InputError where they are, and cut off or contradictory.
-std::optional<NiftiHeader> read_nifti_header(const std::string& path, const std::string& key);
+std::optional<NiftiHeader> read_nifti_header(const ForeignFile& file);
 
-/// "uint16", ...; "" for a type whose values are no single real numbers.
-std::string type_of(const NiftiHeader& header);
-/// Of a stored value.
-int bytes_of_value(const NiftiHeader& header);
-
-/// Where the voxels lie, in LPS mm, and what the header leaves open or contradicts.
-struct NiftiPlacement {
-  ScanGeometry geometry;
-  std::string frame;  ///< "sform, scanner coordinates (code 1)"
-  std::vector<std::string> warnings;
-};
-
-/// Of sform and qform the one in coordinates of the scanner (codes 1 and 2) before one in those of a template (3 and
-/// more), then the sform before the qform. Warns where the other one, or pixdim, places a voxel more than a tenth of a
-/// voxel elsewhere. Without both, spacings along left, posterior and superior, with a warning. Throws InputError where
-/// no placement is finite.
-NiftiPlacement placement_of(const NiftiHeader& header, const std::string& path, const std::string& key);
-
-/// The header, checked against the file of the voxels, which is read to its end. Throws InputError: no volume of single
-/// real numbers (of several with `allow_layers`), larger than the memory, cut off.
-ImageFacts facts_of(const NiftiHeader& header, const std::string& path, const std::string& key, bool allow_layers);
+/// What the header says. Of sform and qform it takes the one in coordinates of the scanner (codes 1 and 2) before one
+/// in those of a template (3 and more), then the sform before the qform, and warns where the other one, or pixdim,
+/// places a voxel more than a tenth of a voxel elsewhere. Without both, spacings along left, posterior and superior,
+/// with a warning. Throws InputError: no finite placement, no volume of single real numbers (of several with
+/// `allow_layers`), larger than the memory.
+ImageFacts facts_of(const NiftiHeader& header, const ForeignFile& file, bool allow_layers);
 
 /// Whether the file of the voxels has all of them.
 bool is_complete(const NiftiHeader& header);
 
 /// Writes the values in `box` of a layer to `out`, scaled. Throws InputError: cut off.
-void read_nifti_voxels(const NiftiHeader& header, const IndexBox& box, int layer, const std::string& path,
-                       const std::string& key, float* out);
+void read_nifti_voxels(const NiftiHeader& header, const IndexBox& box, int layer, const ForeignFile& file, float* out);
 
 /// Opens a folder of DICOM slices, or a multi-frame file (dicom_stack.cpp). Throws InputError: no DICOM, slices that do
 /// not form a volume.
-std::unique_ptr<ScanSource> open_dicom(const std::string& path, const std::string& key, const DicomChoice& choice,
-                                       Diagnostics& report);
+ScanSource open_dicom(const std::string& path, const DicomChoice& choice, Diagnostics& report);
 
 /// Opens a DICOM segmentation (SEG), or a folder with one (dicom_seg.cpp). Each segment is named by its label; its
 /// value is its number. Throws InputError: no segmentation, several, damaged, frames that do not form a volume.
-std::unique_ptr<LabelSource> open_dicom_seg(const std::string& path, const std::string& key, Diagnostics& report);
+ScanSource open_dicom_seg(const ForeignFile& file, Diagnostics& report);
 
 /// Suppresses the output of ITK, GDCM and MetaIO during its lifetime. These libraries print warnings about
 /// damaged files, where a user should see only the message of the exception. Not for concurrent use.

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/scan/aligned_image.h"
-#include "sim/scan/scan.h"
 #include "sim/scan/segment.h"
 
 namespace reamsim::ct {

@@ -3,10 +3,7 @@
 
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,32 +33,6 @@ std::string words_of_labels(const std::vector<std::string>& labels);
 struct LabelImages {
   AlignedImage selected;  ///< 1 in voxels with one of the wanted labels, 0 elsewhere
   AlignedImage other;     ///< 1 in voxels with another label of the same layer
-};
-
-/// The nearest voxel of a label map to a voxel of an image, in patient space. Halfway points, to within a tolerance,
-/// belong to the voxel further along LPS, so that the result does not depend on the storage order of the map.
-class NearestVoxel {
- public:
-  NearestVoxel(const ScanGeometry& labels, const ScanGeometry& image);
-
-  [[nodiscard]] Vec3i operator()(const Vec3i& voxel) const {
-    const Vec3 at = first_ + step_ * voxel.cast<double>();
-    Vec3i out;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double up = std::floor(at[axis] + 0.5 + kTie_voxels);
-      const double down = std::ceil(at[axis] - 0.5 - kTie_voxels);
-      out[axis] = static_cast<int>(std::clamp(forward_[axis] ? up : down, -1.0, last_[axis] + 1));
-    }
-    return out;
-  }
-
- private:
-  static constexpr double kTie_voxels = 0.01;  ///< tolerance of a halfway point
-
-  Mat3 step_;   ///< a step in the image, in voxels of the map
-  Vec3 first_;  ///< the first voxel of the image, in voxels of the map
-  Vec3 last_;
-  bool forward_[3] = {true, true, true};  ///< whether an axis of the map has the direction of LPS
 };
 
 /// Reads the map of the scenario, finds the wanted labels and resamples them to the voxels of `hu`, which were read

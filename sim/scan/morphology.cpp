@@ -43,14 +43,9 @@ typename itk::Image<Value, 3>::Pointer view(std::vector<Value>& values, const Ve
   return importer->GetOutput();
 }
 
-template <typename Value>
-typename itk::Image<Value, 3>::Pointer view(std::vector<Value>& values, const Lattice& lattice) {
-  return view(values, lattice.dims, lattice.spacing_mm);
-}
-
 template <class Filter>
 void apply(Filter& filter, AlignedImage& image) {
-  filter.SetInput(view(image.value, image.lattice));
+  filter.SetInput(view(image.value, image.lattice.dims, image.lattice.spacing_mm));
   filter.Update();
   std::copy_n(filter.GetOutput()->GetBufferPointer(), image.value.size(), image.value.begin());
 }
@@ -165,7 +160,7 @@ IndexBox box_around(const Vec3i& first, const Vec3i& last, const Vec3i& margin, 
 Pieces connected_pieces(const Mask& mask, const Lattice& lattice) {
   Mask input = mask;
   const auto label = itk::ConnectedComponentImageFilter<MaskImage, LabelImage>::New();
-  label->SetInput(view(input, lattice));
+  label->SetInput(view(input, lattice.dims));
   const auto by_size = itk::RelabelComponentImageFilter<LabelImage, LabelImage>::New();
   by_size->SetInput(label->GetOutput());
   by_size->Update();
@@ -190,7 +185,7 @@ void close_mask(Mask& mask, const Lattice& lattice, double radius_mm) {
   }
   if (!moves) return;
   const auto filter = itk::BinaryMorphologicalClosingImageFilter<MaskImage, MaskImage, Ball>::New();
-  filter->SetInput(view(mask, lattice));
+  filter->SetInput(view(mask, lattice.dims));
   filter->SetKernel(Ball::Ball(radius));
   filter->SetForegroundValue(1);
   filter->SafeBorderOn();

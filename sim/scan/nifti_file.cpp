@@ -7,9 +7,7 @@
 #include <bit>
 #include <cstring>
 #include <filesystem>
-#include <memory>
 
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/scan/image_io.h"
 
@@ -133,6 +131,10 @@ std::vector<std::string> extensions_of(PackedFile& file, bool swapped, std::int6
   return out;
 }
 
+bool has_axes(const NiftiHeader& header) {
+  return header.dim[0] >= 1 && header.dim[0] <= 7;
+}
+
 /// Fields, and the order of their bytes, of the first bytes of a file; nullopt for another format.
 std::optional<NiftiHeader> parsed(const std::string& bytes) {
   for (const bool swapped : {false, true}) {
@@ -144,11 +146,11 @@ std::optional<NiftiHeader> parsed(const std::string& bytes) {
       take_fields<std::int16_t, float, float, std::int16_t, char>(in, kLayout1, out);
       const std::string magic = bytes.substr(344, 3);
       out.is_analyze = magic != "n+1" && magic != "ni1";
-      return out.dim[0] >= 1 && out.dim[0] <= 7 ? std::optional(out) : std::nullopt;
+      return has_axes(out) ? std::optional(out) : std::nullopt;
     }
     if (size == kBytes2 && bytes.size() >= kBytes2 && (bytes.substr(4, 3) == "n+2" || bytes.substr(4, 3) == "ni2")) {
       take_fields<std::int64_t, double, std::int64_t, std::int32_t, std::int32_t>(in, kLayout2, out);
-      return out;
+      return has_axes(out) ? std::optional(out) : std::nullopt;
     }
   }
   return std::nullopt;
@@ -196,8 +198,8 @@ std::int64_t size_of(const NiftiHeader& header, std::size_t axis) {
 
 }  // namespace
 
-std::optional<NiftiHeader> read_nifti_header(const std::string& path, const std::string& key) {
-  const std::string header_file = partner_of(path, ".img", ".hdr");
+std::optional<NiftiHeader> read_nifti_header(const ForeignFile& given) {
+  const std::string header_file = partner_of(given.path, ".img", ".hdr");
   std::string bytes(kBytes2, '\0');
   PackedFile file(header_file);
   const std::size_t first = file.read(bytes.data(), kBytes1);
@@ -210,31 +212,24 @@ std::optional<NiftiHeader> read_nifti_header(const std::string& path, const std:
   out->voxel_file = single ? header_file : partner_of(header_file, ".hdr", ".img");
   const auto header_bytes = static_cast<std::int64_t>(bytes.size());
   if (!single && out->voxel_file == header_file) {
-    throw InputError({path}, key, "the voxels are in a file .img of the same name, which is missing", "put it beside");
+    throw given.error("the voxels are in a file .img of the same name, which is missing", "put it beside");
   }
   if (out->offset < (single ? header_bytes : 0)) {
-    throw InputError({path}, key, "the NIfTI header says that the voxels begin within it", "the file is damaged");
+    throw given.error("the NIfTI header says that the voxels begin within it", "the file is damaged");
+  }
+  if (const ValueType* type = value_type(out->datatype)) {
+    out->type = out->is_scaled() ? "float" : type->name;
+    out->bytes_of_value = type->bytes;
   }
   if (single) out->extensions = extensions_of(file, out->swapped, out->offset, header_bytes);
   return out;
 }
 
-std::string type_of(const NiftiHeader& header) {
-  const ValueType* type = value_type(header.datatype);
-  return type == nullptr ? "" : header.is_scaled() ? "float" : type->name;
-}
-
-int bytes_of_value(const NiftiHeader& header) {
-  const ValueType* type = value_type(header.datatype);
-  return type == nullptr ? 0 : type->bytes;
-}
-
 bool is_complete(const NiftiHeader& header) {
   PackedFile file(header.voxel_file);
-  double claimed = static_cast<double>(header.offset);
-  double voxels = bytes_of_value(header);
+  double voxels = header.bytes_of_value;
   for (std::size_t axis = 1; axis <= 7; ++axis) voxels *= static_cast<double>(size_of(header, axis));
-  claimed += voxels;
+  const double claimed = static_cast<double>(header.offset) + voxels;
   std::vector<char> chunk(1 << 20);
   double found = 0;
   while (found < claimed) {
@@ -245,11 +240,10 @@ bool is_complete(const NiftiHeader& header) {
   return found >= claimed;
 }
 
-void read_nifti_voxels(const NiftiHeader& header, const IndexBox& box, int layer, const std::string& path,
-                       const std::string& key, float* out) {
+void read_nifti_voxels(const NiftiHeader& header, const IndexBox& box, int layer, const ForeignFile& given,
+                       float* out) {
   const std::int64_t nx = size_of(header, 1), ny = size_of(header, 2), nz = size_of(header, 3);
   const ValueType* type = value_type(header.datatype);
-  if (type == nullptr) throw cut_off(path, key);  // changed since facts_of() checked it
   const std::int64_t bytes = type->bytes, row = box.size.x();
   PackedFile file(header.voxel_file);
   std::vector<std::byte> raw(static_cast<std::size_t>(row * bytes));
@@ -257,7 +251,7 @@ void read_nifti_voxels(const NiftiHeader& header, const IndexBox& box, int layer
     for (int j = 0; j < box.size.y(); ++j) {
       const std::int64_t voxel = box.start.x() + nx * (box.start.y() + j + ny * (box.start.z() + k + nz * layer));
       if (!file.seek(header.offset + voxel * bytes) || file.read(raw.data(), raw.size()) != raw.size()) {
-        throw cut_off(path, key);
+        throw cut_off(given);
       }
       type->convert(header, raw.data(), row, out);
       out += row;

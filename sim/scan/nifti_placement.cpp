@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/error.h"
 #include "sim/scan/image_io.h"
 #include "sim/scan/label_map.h"
 
@@ -26,15 +25,6 @@ double mm_of_unit(int units) {
 bool is_of_template(int code) {
   constexpr int kTalairach = 3;
   return code >= kTalairach;
-}
-
-std::string name_of(const char* form, int code) {
-  const char* of = code == 1   ? "scanner coordinates"
-                   : code == 2 ? "coordinates aligned to another scan"
-                   : code == 3 ? "Talairach coordinates"
-                   : code == 4 ? "MNI 152 coordinates"
-                               : "coordinates of a template";
-  return fmt::format("{} (code {}, {})", form, code, of);
 }
 
 /// The geometry of a transform from indices to RAS in the unit of the file.
@@ -70,17 +60,13 @@ struct Form {
   int code = 0;
 };
 
-std::optional<Form> sform_of(const NiftiHeader& header) {
-  if (header.sform_code <= 0) return std::nullopt;
-  Form out{geometry_of(header, header.srow.leftCols<3>(), header.srow.col(3)), name_of("sform", header.sform_code),
-           header.sform_code};
-  return out;
-}
-
-std::optional<Form> qform_of(const NiftiHeader& header) {
-  if (header.qform_code <= 0) return std::nullopt;
-  const Mat3 steps = rotation_of(header) * spacing_of(header).asDiagonal();
-  return Form{geometry_of(header, steps, header.q_offset), name_of("qform", header.qform_code), header.qform_code};
+Form form_of(const NiftiHeader& header, const char* form, int code, const Mat3& steps, const Vec3& origin) {
+  const char* of = code == 1   ? "scanner coordinates"
+                   : code == 2 ? "coordinates aligned to another scan"
+                   : code == 3 ? "Talairach coordinates"
+                   : code == 4 ? "MNI 152 coordinates"
+                               : "coordinates of a template";
+  return {geometry_of(header, steps, origin), fmt::format("{} (code {}, {})", form, code, of), code};
 }
 
 /// The largest distance between the places that two geometries give a voxel, mm.
@@ -126,62 +112,59 @@ void leave_out_damaged(std::optional<Form>& form, std::vector<std::string>& warn
   form.reset();
 }
 
-NiftiPlacement placed_by_spacing(const NiftiHeader& header, const std::string& path, const std::string& key) {
-  NiftiPlacement out;
+void place_by_spacing(const NiftiHeader& header, const ForeignFile& file, ImageFacts& out) {
   // As ITK reads such files.
   out.geometry = geometry_of(header, Vec3(-1, -1, 1).cwiseProduct(spacing_of(header)).asDiagonal(), Vec3::Zero());
   out.frame = "no orientation in the header";
   out.warnings.emplace_back(kNoOrientation);
-  if (out.geometry.is_valid()) return out;
-  throw InputError({path}, key,
-                   "the spacing of the voxels (pixdim) in the NIfTI header is zero, not finite or degenerate",
+  if (out.geometry.is_valid()) return;
+  throw file.error("the spacing of the voxels (pixdim) in the NIfTI header is zero, not finite or degenerate",
                    "the file is damaged: export it again");
+}
+
+/// Sets where the voxels lie, in LPS mm, and what the header leaves open or contradicts.
+void place(const NiftiHeader& header, const ForeignFile& file, ImageFacts& out) {
+  std::optional<Form> sform, qform;
+  if (header.sform_code > 0) {
+    sform = form_of(header, "sform", header.sform_code, header.srow.leftCols<3>(), header.srow.col(3));
+  }
+  if (header.qform_code > 0) {
+    const Mat3 steps = rotation_of(header) * spacing_of(header).asDiagonal();
+    qform = form_of(header, "qform", header.qform_code, steps, header.q_offset);
+  }
+  if (!sform && !qform) return place_by_spacing(header, file, out);
+  leave_out_damaged(sform, out.warnings);
+  leave_out_damaged(qform, out.warnings);
+  if (!sform && !qform) {
+    throw file.error("the axes or the origin in the NIfTI header (sform, qform) are not finite, zero or degenerate",
+                     "the file is damaged: export it again");
+  }
+  const bool takes_qform = qform && (!sform || (is_of_template(sform->code) && !is_of_template(qform->code)));
+  const Form& taken = takes_qform ? *qform : *sform;
+  if (!takes_qform) compare_with_pixdim(header, taken, out.warnings);
+  if (sform && qform) compare(taken, takes_qform ? *sform : *qform, out.warnings);
+  out.geometry = taken.geometry;
+  out.frame = taken.name;
 }
 
 }  // namespace
 
-NiftiPlacement placement_of(const NiftiHeader& header, const std::string& path, const std::string& key) {
-  std::optional<Form> sform = sform_of(header), qform = qform_of(header);
-  const bool stated = sform.has_value() || qform.has_value();
-  std::vector<std::string> warnings;
-  leave_out_damaged(sform, warnings);
-  leave_out_damaged(qform, warnings);
-  if (!sform && !qform && stated) {
-    throw InputError({path}, key,
-                     "the axes or the origin in the NIfTI header (sform, qform) are not finite, zero or degenerate",
-                     "the file is damaged: export it again");
-  }
-  if (!sform && !qform) return placed_by_spacing(header, path, key);
-  const bool takes_qform = qform && (!sform || (is_of_template(sform->code) && !is_of_template(qform->code)));
-  const Form& taken = takes_qform ? *qform : *sform;
-  if (!takes_qform) compare_with_pixdim(header, taken, warnings);
-  if (sform && qform) compare(taken, takes_qform ? *sform : *qform, warnings);
-  return {taken.geometry, taken.name, std::move(warnings)};
-}
-
-ImageFacts facts_of(const NiftiHeader& header, const std::string& path, const std::string& key, bool allow_layers) {
+ImageFacts facts_of(const NiftiHeader& header, const ForeignFile& file, bool allow_layers) {
   std::vector<std::int64_t> sizes(header.dim.begin() + 1, header.dim.begin() + 1 + header.dim[0]);
-  const int layers = header.layers();
   if (allow_layers && sizes.size() >= 5) sizes[4] = 1;
-  check_volume(sizes, false, path, key);
-  const std::string type = type_of(header);
-  if (type.empty()) {
-    throw InputError({path}, key,
-                     fmt::format("values of NIfTI datatype {}, which are no single real numbers", header.datatype),
-                     "expected one integer or real number (HU) in each voxel");
-  }
-  NiftiPlacement placement = placement_of(header, path, key);
+  check_volume(sizes, file);
   ImageFacts out;
   out.format = header.is_analyze ? "Analyze" : "NIfTI";
-  out.pixel_type = type;
-  out.geometry = placement.geometry;
-  out.layers = layers;
-  out.bytes_per_voxel = double(bytes_of_value(header)) * layers;
-  out.frame = std::move(placement.frame);
-  out.warnings = std::move(placement.warnings);
-  check_fits_in_memory(static_cast<double>(out.geometry.size()), out.bytes_per_voxel, path, key);
+  out.pixel_type = header.type;
+  if (out.pixel_type.empty()) {
+    throw file.error(fmt::format("values of NIfTI datatype {}, which are no single real numbers", header.datatype),
+                     "expected one integer or real number (HU) in each voxel");
+  }
+  place(header, file, out);
+  out.layers = header.layers();
+  out.bytes_per_voxel = double(header.bytes_of_value) * out.layers;
+  check_fits_in_memory(static_cast<double>(out.geometry.size()), out.bytes_per_voxel, file);
   if (allow_layers) out.segments = segments_of_nifti(header.extensions);
-  if (!is_complete(header)) throw cut_off(path, key);
   return out;
 }
 

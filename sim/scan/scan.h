@@ -5,13 +5,14 @@
 
 #include <fmt/core.h>
 #include <cstdint>
-#include <memory>
+#include <functional>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
+#include "sim/isolation/child_result.h"
 
 namespace reamsim::ct {
 
@@ -58,19 +59,6 @@ struct Scan {
   std::vector<float> value;
 };
 
-/// An image file whose header has been read. Its voxels are read on demand.
-class ScanSource {
- public:
-  virtual ~ScanSource() = default;
-  [[nodiscard]] virtual const ScanGeometry& geometry() const = 0;
-  /// Format and pixel type for the report: "NRRD, int16".
-  [[nodiscard]] virtual std::string description() const = 0;
-  /// Tube voltage, kV; 0: the file does not say.
-  [[nodiscard]] virtual double kvp() const { return 0; }
-  /// The values of the voxels in `box`, which lies inside the image. Throws InputError: truncated, damaged.
-  [[nodiscard]] virtual Scan read(const IndexBox& box) const = 0;
-};
-
 /// A value of a label map and its layer.
 struct LabelValue {
   int layer = 0;
@@ -84,15 +72,16 @@ struct NamedSegment {
   static auto fields(auto& self) { return std::tie(self.name, self.label); }
 };
 
-/// A label map file. Its voxels may have several values, the layers.
-class LabelSource : public ScanSource {
- public:
-  [[nodiscard]] virtual int layers() const = 0;
-  [[nodiscard]] virtual bool has_whole_numbers() const = 0;
-  /// As read(), for one layer.
-  [[nodiscard]] virtual Scan read_layer(const IndexBox& box, int layer) const = 0;
-  /// The labels that the file names.
-  [[nodiscard]] virtual const std::vector<NamedSegment>& segments() const = 0;
+/// A scan or label map whose header has been read. Its voxels are read on demand.
+struct ScanSource {
+  ScanGeometry geometry;
+  std::string description;  ///< format and pixel type for the report: "NRRD, int16"
+  double kvp = 0;           ///< tube voltage, kV; 0: the file does not say
+  int layers = 1;           ///< of a label map: the values that a voxel has
+  bool has_whole_numbers = true;
+  std::vector<NamedSegment> segments;  ///< the labels that the file names
+  /// The values of a layer in `box`, which lies inside the image. Throws InputError: truncated, damaged.
+  std::function<Scan(const IndexBox& box, int layer)> read;
 };
 
 /// Selects a DICOM series of a folder.
@@ -102,20 +91,30 @@ struct DicomChoice {
   bool resample = false;  ///< slices that are not evenly spaced are interpolated
 };
 
-/// Opens a DICOM folder, a multi-frame DICOM file, NRRD, NIfTI or MetaImage. `key` is the scenario key of `path`, for
-/// messages. Throws InputError: no such file, none of these formats, not a volume of single numbers, larger than the
-/// memory, or shorter than its header claims; for DICOM see choose_series() and stack_slices().
-std::unique_ptr<ScanSource> open_scan(const std::string& path, const std::string& key, const DicomChoice& choice,
-                                      Diagnostics& report);
+/// The scenario keys of the files, for messages.
+inline constexpr const char* kScanKey = "bone.ct.path";
+inline constexpr const char* kLabelPathKey = "bone.ct.label_map.path";
+
+/// Opens a DICOM folder, a multi-frame DICOM file, NRRD, NIfTI or MetaImage. Throws InputError: no such file, none of
+/// these formats, not a volume of single numbers, larger than the memory, or shorter than its header claims; for DICOM
+/// see choose_series() and stack_slices().
+ScanSource open_scan(const std::string& path, const DicomChoice& choice, Diagnostics& report);
 
 /// Opens an NRRD, NIfTI, MetaImage or DICOM SEG. Throws InputError as open_scan() does.
-std::unique_ptr<LabelSource> open_labels(const std::string& path, const std::string& key, Diagnostics& report);
+ScanSource open_labels(const std::string& path, Diagnostics& report);
 
 /// Throws InputError when `voxels` voxels of `bytes_per_voxel` are more than half of this machine's memory.
-void check_fits_in_memory(double voxels, double bytes_per_voxel, const std::string& path, const std::string& key);
+void check_fits_in_memory(double voxels, double bytes_per_voxel, const ForeignFile& file);
 
 inline std::string point_text(const Vec3& p) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
+}
+
+/// "26x30x24 voxels of 1x1x1.25 mm".
+inline std::string shape_text(const ScanGeometry& g) {
+  const Vec3 spacing = g.spacing_mm();
+  return fmt::format("{}x{}x{} voxels of {:.4g}x{:.4g}x{:.4g} mm", g.dims.x(), g.dims.y(), g.dims.z(), spacing.x(),
+                     spacing.y(), spacing.z());
 }
 
 inline std::string box_text(const Aabb& box) {

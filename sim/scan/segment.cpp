@@ -7,9 +7,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/error.h"
-#include "sim/scan/scan.h"
-
 namespace reamsim::ct {
 
 namespace {
@@ -158,15 +155,7 @@ void warn_of_second_piece(const Segmentation& facts, Diagnostics& report) {
       facts.largest_mm3, facts.second_mm3));
 }
 
-/// The sums that all methods of segmentation have.
-void finish_facts(BoneField& bone, const Lattice& lattice, double threshold_hu) {
-  bone.facts.threshold_hu = threshold_hu;
-  bone.facts.bone_mm3 = static_cast<double>(bone.voxels) * lattice.voxel_mm3();
-  bone.facts.below_threshold_fraction =
-      bone.voxels > 0 ? static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels) : 0;
-}
-
-/// Number of bone voxels, their bounds, and the trabecular ones among them.
+/// Sets the number of bone voxels, their bounds, the trabecular ones among them, and the facts that follow.
 void measure(BoneField& bone, const Mask& mask, const AlignedImage& hu, double threshold_hu) {
   Piece whole;
   hu.lattice.for_each([&](const Vec3i& c, std::size_t at) {
@@ -177,6 +166,10 @@ void measure(BoneField& bone, const Mask& mask, const AlignedImage& hu, double t
   bone.voxels = whole.voxels;
   bone.min = whole.min;
   bone.max = whole.max;
+  bone.facts.threshold_hu = threshold_hu;
+  bone.facts.bone_mm3 = static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3();
+  bone.facts.below_threshold_fraction =
+      bone.voxels > 0 ? static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels) : 0;
 }
 
 }  // namespace
@@ -215,7 +208,6 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
   bone.facts = facts_of(pieces, solid, removed, settings, lattice);
   warn_of_second_piece(bone.facts, report);
   measure(bone, kept, hu, settings.threshold_hu);
-  finish_facts(bone, lattice, settings.threshold_hu);
   bone.field.lattice = lattice;
   bone.field.value = signed_field(hu, settings.threshold_hu, with_cut_margin(kept, dense, after_cuts, lattice));
   return bone;
@@ -237,9 +229,8 @@ BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtS
                      "choose another label, or move the crop");
   }
   bone.facts.method = "label_map";
-  finish_facts(bone, hu.lattice, settings.threshold_hu);
-  report.note(fmt::format("label {}: {} voxels, {:.0f} mm3", words_of_labels(map.label), bone.voxels,
-                          static_cast<double>(bone.voxels) * hu.lattice.voxel_mm3()));
+  report.note(
+      fmt::format("label {}: {} voxels, {:.0f} mm3", words_of_labels(map.label), bone.voxels, bone.facts.bone_mm3));
   bone.field = std::move(selected);
   return bone;
 }
@@ -248,31 +239,18 @@ BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtS
 
 namespace reamsim {
 
-namespace {
-
-std::string bone_of(const Segmentation& s) {
-  if (s.method == "label_map") {
-    return fmt::format("segmentation: label map, {:.0f} mm3 of bone, {:.1f} % below {:.0f} HU", s.bone_mm3,
-                       100 * s.below_threshold_fraction, s.threshold_hu);
-  }
-  return fmt::format(
-      "segmentation: threshold {:.0f} HU, {} pieces, kept {} (rank {} by size); {:.0f} mm3 of bone, {:.1f} % "
-      "below the threshold",
-      s.threshold_hu, s.pieces, s.by_seed ? "the one with the seed" : "the largest", s.kept_rank, s.bone_mm3,
-      100 * s.below_threshold_fraction);
-}
-
-std::string steps_of(const Segmentation& s) {
-  if (s.method == "label_map") return "";
-  return fmt::format("; discarded {:.0f} mm3, cut {:.0f} mm3, added by closing {:.0f} mm3, by filling {:.0f} mm3",
-                     s.dropped_mm3, s.cut_mm3, s.closed_mm3, s.filled_mm3);
-}
-
-}  // namespace
-
 std::string sentence_of(const Segmentation& s) {
-  return bone_of(s) + steps_of(s) +
-         fmt::format("; on {:.1f} % of its surface the density is a lower bound", 100 * s.lower_bound_fraction);
+  const std::string bone =
+      s.method == "label_map"
+          ? fmt::format("label map, {:.0f} mm3 of bone, {:.1f} % below {:.0f} HU", s.bone_mm3,
+                        100 * s.below_threshold_fraction, s.threshold_hu)
+          : fmt::format(
+                "threshold {:.0f} HU, {} pieces, kept {} (rank {} by size); {:.0f} mm3 of bone, {:.1f} % below the "
+                "threshold; discarded {:.0f} mm3, cut {:.0f} mm3, added by closing {:.0f} mm3, by filling {:.0f} mm3",
+                s.threshold_hu, s.pieces, s.by_seed ? "the one with the seed" : "the largest", s.kept_rank, s.bone_mm3,
+                100 * s.below_threshold_fraction, s.dropped_mm3, s.cut_mm3, s.closed_mm3, s.filled_mm3);
+  return fmt::format("segmentation: {}; on {:.1f} % of its surface the density is a lower bound", bone,
+                     100 * s.lower_bound_fraction);
 }
 
 }  // namespace reamsim

@@ -31,13 +31,11 @@ struct BoneField {
 /// Whether a cut sphere or plane removes this point.
 bool is_cut_away(const CtSettings& settings, const Vec3& point_mm);
 
-/// Threshold, cuts, the piece with the seed, closing, hole filling.
-///
-/// The piece is chosen before closing, so that closing never bridges a joint to the next bone. The seed may lie in
-/// trabecular bone, because each piece is closed and filled for that test.
-/// The field is signed_field(). Where the threshold determines the surface, its zero is the isosurface of the
-/// interpolated HU; elsewhere it lies halfway between voxels.
-/// Throws InputError: nothing above the threshold, all bone cut away, seed outside the crop or outside bone.
+/// Threshold, cuts, the piece with the seed, closing, hole filling. The piece is chosen before closing, so that closing
+/// never bridges a joint to the next bone. The seed may lie in trabecular bone: each piece is closed and filled for
+/// that test. The field is signed_field(). Where the threshold determines the surface, its zero is the isosurface of
+/// the interpolated HU; elsewhere it lies halfway between voxels. Throws InputError: nothing above the threshold, all
+/// bone cut away, seed outside the crop or outside bone.
 BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& settings, Diagnostics& report);
 
 /// The field is the mask of the labels after a narrow Gaussian, which smooths the voxel steps, minus a half; with
@@ -76,17 +74,14 @@ struct BoundaryDensity {
 };
 
 /// Corrects the radiodensity of voxels at the boundary of the bone for partial volume, on the lattice of the scan and
-/// before any resampling.
-///
-/// A voxel is *trusted* if all voxels within the point spread around it are bone, so that its value is that of bone
-/// alone. Trusted values are extrapolated linearly along the outward normal (Aslam 2004, J. Comput. Phys. 193:349, §2:
-/// multidimensional extrapolation), with the smaller of two consecutive slopes (minmod). Each value is a mean over nine
-/// points across the normal. The result is limited to the largest value measured within two voxels below the boundary,
-/// so that a dense plate over soft bone does not overshoot. If a measured value exceeds the extrapolation by more than
-/// three standard deviations of the noise, or no trusted voxel lies below, the scan does not resolve the cortex: then
-/// the largest measured value is used, as a lower bound. A corrected value never exceeds a measured one.
-///
-/// Voxels outside the bone get values as well, `reach_voxels` deep, for interpolation and averaging at the boundary.
+/// before any resampling. A voxel is *trusted* if all voxels within the point spread around it are bone, so that its
+/// value is that of bone alone. Trusted values are extrapolated linearly along the outward normal (Aslam 2004, J.
+/// Comput. Phys. 193:349, §2: multidimensional extrapolation), with the smaller of two consecutive slopes (minmod).
+/// Each value is a mean over nine points across the normal. The result is limited to the largest value measured within
+/// two voxels below the boundary, so that a dense plate over soft bone does not overshoot. If a measured value exceeds
+/// the extrapolation by more than three standard deviations of the noise, or no trusted voxel lies below, the scan does
+/// not resolve the cortex: then the largest measured value is used, as a lower bound. A corrected value never exceeds a
+/// measured one. Voxels outside the bone get values as well, for interpolation and averaging at the boundary.
 /// @param hu           the scan, HU; corrected in place
 /// @param bone         on the lattice of `hu`; above 0 in bone, including adjacent bone that a cut removed
 /// @param psf_mm       full width of the scanner's point spread along each axis of LPS, mm; 0: the voxel spacing

@@ -6,13 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/base/error.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/bone/voxmap/sparse_bricks.h"
-#include "sim/scan/aligned_image.h"
-#include "sim/scan/scan.h"
 #include "sim/scan/segment.h"
 
 namespace reamsim::ct {
@@ -55,7 +52,7 @@ VoxelGrid grid_of(const Lattice& image, const BoneField& bone, const BoneSetting
     grid.dims[axis] = static_cast<int>(bricks) * FillBricks::kSide;
     grid.origin_mm[axis] = corner[axis] + low * voxel_mm;
   }
-  check_fits_in_memory(grid.dims.cast<double>().prod(), sizeof(std::uint8_t), path, "bone.voxel_mm");
+  check_fits_in_memory(grid.dims.cast<double>().prod(), sizeof(std::uint8_t), {path, "bone.voxel_mm"});
   return grid;
 }
 
@@ -80,13 +77,12 @@ class InsideTest {
   }
 
   [[nodiscard]] bool operator()(const Vec3i& voxel) const {
-    const Vec3i samples(samples_[0], samples_[1], samples_[2]);
-    const Vec3i first = voxel.cwiseProduct(samples);
+    const Vec3i first = voxel.cwiseProduct(samples_);
     const auto sample = [this](const Vec3i& s, int axis) { return sample_[axis][static_cast<std::size_t>(s[axis])]; };
     int hits = 0;
-    for_each_voxel(first, first + samples - Vec3i::Ones(),
+    for_each_voxel(first, first + samples_ - Vec3i::Ones(),
                    [&](const Vec3i& s) { hits += inside(sample(s, 0), sample(s, 1), sample(s, 2)); });
-    return 2 * hits >= samples.prod() && hits > 0;
+    return 2 * hits >= samples_.prod() && hits > 0;
   }
 
  private:
@@ -113,7 +109,7 @@ class InsideTest {
   static constexpr double kMaxSamples = 16;  ///< of one voxel along one axis
 
   const AlignedImage& field_;
-  int samples_[3] = {1, 1, 1};     ///< per voxel
+  Vec3i samples_ = Vec3i::Ones();  ///< per voxel, along each axis
   std::vector<Sample> sample_[3];  ///< of voxel n: samples_ from n·samples_
 };
 

@@ -42,52 +42,6 @@ inline constexpr double kSlabThreshold_hu = 226;
 /// PSF of the scan.
 constexpr double kAbove_mm = 4, kBeside_mm = 4;
 
-/// The scan of the slab, computed on reading.
-class SlabScan final : public ct::ScanSource {
- public:
-  explicit SlabScan(const CtSlab& slab) : slab_(slab) {
-    const double half = slab.radius_mm + slab.depth_mm + kBeside_mm;
-    geometry_.dims = Vec3i::Constant(2 * static_cast<int>(std::ceil(half / slab.spacing_mm)));
-    geometry_.step_mm = slab.spacing_mm * Mat3::Identity();
-    geometry_.origin_mm = -0.5 * slab.spacing_mm * (geometry_.dims - Vec3i::Ones()).cast<double>();
-  }
-
-  [[nodiscard]] const ct::ScanGeometry& geometry() const override { return geometry_; }
-  [[nodiscard]] std::string description() const override { return "slab"; }
-  [[nodiscard]] ct::Scan read(const ct::IndexBox& box) const override {
-    ct::Scan out{ct::part_of(geometry_, box), {}};
-    out.value.reserve(static_cast<std::size_t>(box.voxels()));
-    for_each_voxel(box.size, [&](const Vec3i& index) {
-      out.value.push_back(static_cast<float>(mean_hu(out.geometry.point_mm(index.cast<double>()))));
-    });
-    return out;
-  }
-
- private:
-  [[nodiscard]] double depth_of(const Vec3& point) const { return slab_.outward().dot(slab_.face_mm() - point); }
-  [[nodiscard]] double hu_at(double depth) const { return depth < 0 ? kSoftTissue_hu : slab_.hu(depth); }
-
-  /// Mean over the voxel, from many points where the profile is not linear across it.
-  [[nodiscard]] double mean_hu(const Vec3& center) const {
-    constexpr int kAcross = 6, kAlong = 24;
-    const double depth = depth_of(center);
-    const double reach = 0.5 * slab_.spacing_mm * slab_.outward().cwiseAbs().sum() + 1e-9;
-    const auto crossed = [&](double mm) { return std::abs(depth - mm) < reach; };
-    if (!crossed(0) && std::ranges::none_of(slab_.breaks_mm, crossed)) return hu_at(depth);
-    double sum = 0;
-    for (int n = 0; n < kAcross * kAcross * kAlong; ++n) {
-      const Vec3i cell(n % kAcross, n / kAcross % kAcross, n / kAcross / kAcross);
-      const Vec3 at = cell.cast<double>() + Vec3::Constant(0.5);
-      const Vec3 part = at.cwiseQuotient(Vec3(kAcross, kAcross, kAlong)) - Vec3::Constant(0.5);
-      sum += hu_at(depth_of(center + slab_.spacing_mm * part));
-    }
-    return sum / (kAcross * kAcross * kAlong);
-  }
-
-  CtSlab slab_;
-  ct::ScanGeometry geometry_;
-};
-
 Vec3 CtSlab::outward() const {
   const double tilt = tilt_deg * std::numbers::pi / 180;
   return {0.8 * std::sin(tilt), 0.6 * std::sin(tilt), std::cos(tilt)};
@@ -107,6 +61,43 @@ double CtSlab::specific_energy_to(double depth) const {
   return sum / kParts;
 }
 
+/// The mean over the voxel about a point, from many points where the profile is not linear across it.
+double mean_hu(const CtSlab& slab, const Vec3& center) {
+  constexpr int kAcross = 6, kAlong = 24;
+  const auto depth_of = [&](const Vec3& point) { return slab.outward().dot(slab.face_mm() - point); };
+  const auto hu_at = [&](double depth) { return depth < 0 ? kSoftTissue_hu : slab.hu(depth); };
+  const double depth = depth_of(center);
+  const double reach = 0.5 * slab.spacing_mm * slab.outward().cwiseAbs().sum() + 1e-9;
+  const auto crossed = [&](double mm) { return std::abs(depth - mm) < reach; };
+  if (!crossed(0) && std::ranges::none_of(slab.breaks_mm, crossed)) return hu_at(depth);
+  double sum = 0;
+  for (int n = 0; n < kAcross * kAcross * kAlong; ++n) {
+    const Vec3i cell(n % kAcross, n / kAcross % kAcross, n / kAcross / kAcross);
+    const Vec3 at = cell.cast<double>() + Vec3::Constant(0.5);
+    const Vec3 part = at.cwiseQuotient(Vec3(kAcross, kAcross, kAlong)) - Vec3::Constant(0.5);
+    sum += hu_at(depth_of(center + slab.spacing_mm * part));
+  }
+  return sum / (kAcross * kAcross * kAlong);
+}
+
+/// The scan of the slab, computed on reading.
+ct::ScanSource scan_of(const CtSlab& slab) {
+  const double half = slab.radius_mm + slab.depth_mm + kBeside_mm;
+  ct::ScanGeometry geometry;
+  geometry.dims = Vec3i::Constant(2 * static_cast<int>(std::ceil(half / slab.spacing_mm)));
+  geometry.step_mm = slab.spacing_mm * Mat3::Identity();
+  geometry.origin_mm = -0.5 * slab.spacing_mm * (geometry.dims - Vec3i::Ones()).cast<double>();
+  const auto read = [slab, geometry](const ct::IndexBox& box, int) {
+    ct::Scan out{ct::part_of(geometry, box), {}};
+    out.value.reserve(static_cast<std::size_t>(box.voxels()));
+    for_each_voxel(box.size, [&](const Vec3i& index) {
+      out.value.push_back(static_cast<float>(mean_hu(slab, out.geometry.point_mm(index.cast<double>()))));
+    });
+    return out;
+  };
+  return {.geometry = geometry, .description = "slab", .segments = {}, .read = read};
+}
+
 /// Scans the slab and imports it at `voxel_mm`, as `bone.source: ct` does.
 FilledVoxmap scan_and_import(const CtSlab& slab, double voxel_mm) {
   BoneSettings settings;
@@ -117,7 +108,7 @@ FilledVoxmap scan_and_import(const CtSlab& slab, double voxel_mm) {
   settings.ct.threshold_hu = kSlabThreshold_hu;
   settings.ct.closing_mm = 0;
   Diagnostics report;
-  return voxmap_from_scan(SlabScan(slab), settings, report);
+  return voxmap_from_scan(scan_of(slab), settings, report);
 }
 
 using std::numbers::pi;
