@@ -9,8 +9,6 @@
 #include "reach.h"
 #include "visit.h"
 
-#if defined(RS_LANES)
-
 /* The eight blocks of a brick: a section of its list with the pieces that can be nearest to a voxel of the block, and
  * whether that is a single piece with its ends out of reach. */
 typedef struct {
@@ -187,7 +185,5 @@ RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView*
   c->count = count;
   finish_candidates(a, outline, v, blocks, shift_mm, c);
 }
-
-#endif
 
 #endif
