@@ -9,7 +9,7 @@
 
 #include "sim/bench/scene.h"
 #include "sim/device/opencl.h"
-#include "sim/engine/common/engine.h"
+#include "sim/engine/make_engine.h"
 #include "sim/engine/common/substep.h"
 
 namespace reamsim::bench {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/cube_fraction.h"
+#include "kernels/clip.h"
 #include "sim/bone/implicit.h"
 
 namespace reamsim {

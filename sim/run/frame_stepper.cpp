@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "sim/bone/voxmap/density.h"
-#include "sim/engine/common/engine.h"
 #include "sim/engine/common/substep.h"
 #include "sim/record/results.h"
 #include "sim/tool/outline.h"

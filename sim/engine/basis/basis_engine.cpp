@@ -15,6 +15,9 @@ namespace reamsim {
 
 namespace {
 
+/// Units per mm², mm³ and, of the edge, mm: fine against a voxel's part, and room for 8·10⁶ of them.
+constexpr double kBasisScale = 1099511627776.0;  // 2^40
+
 /// Force, torque and energy of the sums, in N, N·mm and mJ.
 void add_edge(const LaneSums& sums, std::size_t first, BasisValues& out) {
   for (std::size_t i = 0; i < 3; ++i) {
@@ -58,29 +61,17 @@ BasisValues edge_response(const UnitArgs& args, const Clip& clip, rs_i32 remaini
   return out;
 }
 
-namespace {
-
-/// Units per mm², mm³ and, of the edge, mm: fine against a voxel's part, and room for 8·10⁶ of them.
-constexpr double kBasisScale = 1099511627776.0;  // 2^40
-
-}  // namespace
-
-void BrickBasis::add(int substep, int grade, double factor, const BasisValues& values) {
-  auto found = std::ranges::find(grades_, grade, &Grade::grade);
-  if (found == grades_.end()) {
-    grades_.push_back({grade, std::vector<BasisValues>(static_cast<std::size_t>(substeps_))});
-    found = grades_.end() - 1;
-  }
-  BasisValues& sum = found->sums[static_cast<std::size_t>(substep)];
+void BrickBasis::add(std::size_t substep, int grade, double factor, const BasisValues& values) {
+  BasisValues& sum = by_grade.try_emplace(grade, static_cast<std::size_t>(substeps)).first->second[substep];
   for (std::size_t i = 0; i < kBasisValues; ++i) sum[i] += factor * values[i];
 }
 
 void VisitBasis::add(const BrickBasis& brick) {
   const std::lock_guard lock(mutex_);
-  for (const BrickBasis::Grade& grade : brick.grades_) {
-    for (std::size_t s = 0; s < grade.sums.size(); ++s) {
-      Units& to = sums_[s * kGrades + static_cast<std::size_t>(grade.grade)];
-      for (std::size_t i = 0; i < kBasisValues; ++i) to[i] += std::llround(grade.sums[s][i] * kBasisScale);
+  for (const auto& [grade, sums] : brick.by_grade) {
+    for (std::size_t s = 0; s < sums.size(); ++s) {
+      Units& to = sums_[s * kGrades + static_cast<std::size_t>(grade)];
+      for (std::size_t i = 0; i < kBasisValues; ++i) to[i] += std::llround(sums[s][i] * kBasisScale);
     }
   }
 }
@@ -138,7 +129,7 @@ class TouchedBasisEngine final : public BasisEngine {
       const auto end = std::ranges::upper_bound(begin, ordered.end(), static_cast<std::int32_t>(slot), {}, slot_of);
       if (begin == end) return;
       const UnitArgs units(args[slot], 0);
-      BrickBasis sums(1);
+      BrickBasis sums{1};
       for (auto at = begin; at != end; ++at) {
         const Vec3i voxel = voxmap_.grid.coord(at->first);
         sums.add(0, voxmap_.grade.get(voxel), RS_WHOLE_FILL, response(units, voxel));

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/common/engines.h"
+#include "sim/engine/make_engine.h"
 
 #include <algorithm>
 #include <array>
@@ -148,7 +148,7 @@ class BrickedEngine final : public Engine {
   Batch collect() override {
     removed_.clear();
     for (int slot = batch_.first_waiting(); slot >= 0; slot = batch_.first_waiting()) resume(slot);
-    return {.sums = batch_.collect(), .times = stage_times(detect_.take_seconds(), cut_.take_seconds())};
+    return {.sums = batch_.collect(), .times = stage_times(detect_, cut_)};
   }
 
   RemovedFrames take_removed() override {

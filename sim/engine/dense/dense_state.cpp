@@ -65,7 +65,7 @@ void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double vox
                        megabytes(plan.largest_bytes()) + " of it in one allocation; " + device.name + " has " +
                        megabytes(device.global_memory_bytes) + " in total and at most " +
                        megabytes(device.max_allocation_bytes) + " in one allocation",
-                   std::string(fits) + ", or engine.type: bricked, which stores only bricks with bone");
+                   fits + ", or engine.type: bricked, which stores only bricks with bone");
 }
 
 void upload_hu(const cl::Device& device, const std::vector<std::uint8_t>& grades, const HuScale& scale,
@@ -82,8 +82,7 @@ void upload_hu(const cl::Device& device, const std::vector<std::uint8_t>& grades
 
 namespace {
 
-std::vector<cl_uint> code_words(const PointShell& shell) {
-  const bool wide = has_wide_codes(shell);
+std::vector<cl_uint> code_words(const PointShell& shell, bool wide) {
   std::vector<cl_uint> words;
   words.reserve(shell.codes.size() * (wide ? 2 : 1));
   for (const std::uint64_t code : shell.codes) {
@@ -111,7 +110,7 @@ void upload_shell(const cl::Device& device, const DensePlan& plan, const PointSh
                   DenseState& state) {
   state.point_count = static_cast<cl_uint>(plan.points);
   if (plan.layout == VoxelLayout::claimed_grade)
-    state.codes = cl::upload(device, code_words(shell), "the point shell", "tool.shell_resolution");
+    state.codes = cl::upload(device, code_words(shell, plan.wide_codes), "the point shell", "tool.shell_resolution");
   if (!plan.has_hu()) return;
   state.points = cl::upload(device, cell_numbers(shell), "the point shell", "tool.shell_resolution");
   state.children = cl::upload(device, octree_children(grid), "the look-up tables");
@@ -169,10 +168,6 @@ void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView
   if (!plan.fill) return;
   const auto fill = dense_fill(bone);
   state.fill.write(device, fill.data(), fill.size());
-}
-
-bool has_wide_codes(const PointShell& shell) {
-  return shell.resolution > kNarrowResolution;
 }
 
 int octree_levels(const VoxelGrid& grid) {
