@@ -36,28 +36,15 @@ RS_INLINE float16 offset_z(const int16 place) {
   return convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3));
 }
 
+/* Whether the surface is a single piece near the brick while the tool moves by `shift` mm: never asked of cutting
+ * edges. */
+RS_INLINE bool brick_is_smooth(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
+                               const float shift) {
 #ifdef RS_DISTANCE_GRID
-
-/* Whether the surface is a single piece near the brick: never asked of cutting edges. */
-RS_INLINE bool brick_is_smooth(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
-                               const float shift) {
   return false;
-}
-
-/* Distance of a voxel's centre from the cutting edges minus the reach while the tool moves by `shift`, voxels. */
-RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
-                                        const PieceList near, const bool smooth, const float16 x, const float16 y,
-                                        const float16 z, const float shift) {
-  const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + RS_POSITION_SLACK * a->per_voxel_mm;
-  return rs_clip_grid_distance(a, &v->teeth, &v->middle, x, y, z) * a->per_voxel_mm - slack;
-}
-
 #else
-
-/* Whether the surface is a single piece near the brick while the tool moves by `shift` mm. */
-RS_INLINE bool brick_is_smooth(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
-                               const float shift) {
   return rs_brick_is_smooth(a, outline, v->list, &v->middle, shift) != 0;
+#endif
 }
 
 /* Distance of a voxel's centre from the surface minus the reach while the tool moves by `shift`, voxels. `near`: the
@@ -65,11 +52,14 @@ RS_INLINE bool brick_is_smooth(__global const SubstepArgs* a, const OutlineView*
 RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
                                         const PieceList near, const bool smooth, const float16 x, const float16 y,
                                         const float16 z, const float shift) {
+#ifdef RS_DISTANCE_GRID
+  const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + RS_POSITION_SLACK * a->per_voxel_mm;
+  return rs_clip_grid_distance(a, &v->teeth, &v->middle, x, y, z) * a->per_voxel_mm - slack;
+#else
   if (smooth) return rs_distance_beyond_reach_of_piece(a, outline, near, &v->middle, x, y, z, shift);
   return rs_distance_beyond_reach(a, outline, near, &v->middle, x, y, z, shift);
-}
-
 #endif
+}
 
 /* Pads the brick's candidates, and finds the pieces that can be nearest while the tool moves by `shift` mm. */
 RS_INLINE void finish_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/clip.h"
+#include "kernels/cube_fraction.h"
 #include "sim/bone/implicit.h"
 
 namespace reamsim {
