@@ -55,17 +55,12 @@ constexpr double kMostSeconds = 0.2;
 
 }  // namespace
 
-namespace library {
-
-class Rows final : public FrameSink {
- public:
-  void frame(const FrameResult& result, const FrameTimes&) override { rows.push_back(result_of(result)); }
-  std::vector<StepResult> rows;
-};
-
-}  // namespace library
-
 struct Simulation::Core {
+  struct Rows final : FrameSink {
+    void frame(const FrameResult& result, const FrameTimes&) override { rows.push_back(result_of(result)); }
+    std::vector<StepResult> rows;
+  };
+
   explicit Core(const std::string& path, const std::vector<std::string>& set)
       : scene(load(parse_scenario(path, set), report)),
         engine(load_engine(scene)),
@@ -191,7 +186,7 @@ struct Simulation::Core {
   Diagnostics report;
   SimulationInput scene;
   std::unique_ptr<Engine> engine;
-  library::Rows rows;
+  Rows rows;
   FrameStepper stepper;
   BoneIdentity identity;
   FillBricks fill_before;  ///< the first step
