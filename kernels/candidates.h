@@ -105,8 +105,7 @@ RS_INLINE void find_block_pieces(__global const SubstepArgs* a, const OutlineVie
   if (v->list.count == 1) return;
   uint begin[8], end[8] = {0};
   float16 p[3];
-  rs_voxel_in_tool(a, &v->middle, x, y, z, p);
-  const float16 r = sqrt(p[0] * p[0] + p[1] * p[1]);
+  const float16 r = rs_voxel_in_tool(a, &v->middle, x, y, z, p);
   const float slack = (RS_BLOCK_RADIUS + shift) * a->voxel_mm + RS_POSITION_SLACK;
   const float out_of_reach = slack + RS_CLIP_REACH * a->voxel_mm;
   uint ends_near = 0;

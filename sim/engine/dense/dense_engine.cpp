@@ -15,11 +15,8 @@
 namespace reamsim {
 
 namespace embedded {
+extern const char* const kernel_dense;
 extern const char* const kernel_restore_voxels;
-extern const char* const kernel_cut_voxels;
-extern const char* const kernel_detect_direct;
-extern const char* const kernel_detect_implicit;
-extern const char* const kernel_detect_octree;
 }  // namespace embedded
 
 namespace {
@@ -52,8 +49,7 @@ cl::SlotKernel make_detect_kernel(const cl::Device& device, const DensePlan& pla
                                   const DeviceBatch& batch, bool per_point, std::size_t work_group) {
   if (plan.layout == VoxelLayout::bare_grade) {
     constexpr cl_uint kAfterVoi = 3;
-    cl::SlotKernel out(device, device.build("detect_implicit.cl", embedded::kernel_detect_implicit), "detect_implicit",
-                       work_group);
+    cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense), "detect_implicit", work_group);
     out.set_from(kAfterVoi, batch.args(), state.grades, state.contacts, batch.contact_count(),
                  state.outline.arguments());
     return out;
@@ -62,16 +58,16 @@ cl::SlotKernel make_detect_kernel(const cl::Device& device, const DensePlan& pla
     constexpr std::size_t kMaxPerGroup = 256;  // the reduction takes 48 bytes of local memory per work-item
     const std::size_t group = std::min(work_group, kMaxPerGroup);
     const std::string defines = per_point ? "-DREAMSIM_GROUP_SIZE=" + std::to_string(group) : "";
-    cl::SlotKernel out(device, device.build("detect_octree.cl", embedded::kernel_detect_octree, defines),
-                       "detect_octree", group, state.point_count);
+    cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense, defines), "detect_octree", group,
+                       state.point_count);
     out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.points, state.point_count, state.hu,
                  static_cast<cl_float>(state.scale.of_air), state.claims, state.contacts, batch.contact_count(),
                  batch.sums(), state.outline.arguments(), state.children, state.levels);
     return out;
   }
   const char* defines = plan.wide_codes ? "-DRS_WIDE_CODES" : "";
-  cl::SlotKernel out(device, device.build("detect_direct.cl", embedded::kernel_detect_direct, defines), "detect_direct",
-                     work_group, state.point_count);
+  cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense, defines), "detect_direct", work_group,
+                     state.point_count);
   out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.codes, state.point_count, state.grades, state.claims,
                state.contacts, batch.contact_count(), batch.sums(), state.outline.arguments());
   return out;
@@ -94,8 +90,8 @@ cl::SlotKernel make_cut_kernel(const cl::Device& device, const DensePlan& plan, 
   if (plan.layout == VoxelLayout::bare_grade) defines = "-DREAMSIM_BARE_GRADE";
   // Enough work-items to fill the device: few long ones on a CPU, many on a GPU.
   const std::size_t items = std::size_t{device.info().compute_units} * (device.info().gpu ? 1024 : 64);
-  cl::SlotKernel out(device, device.build("cut_voxels.cl", embedded::kernel_cut_voxels, defines), "cut_voxels",
-                     work_group, items);
+  cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense, defines), "cut_voxels", work_group,
+                     items);
   out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), hu ? state.hu.get() : state.grades.get(), state.fill,
                cl_int{state.has_fill ? 1 : 0}, state.claims, state.contacts, batch.contact_count(), batch.sums(),
                batch.removed(), batch.removed_count(), state.energy_of_grade, state.density_of_grade,

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <string>
 
 #include "kernels/shared.h"
 #include "sim/bone/voxmap/density.h"
