@@ -5,14 +5,12 @@
 
 #include <sys/stat.h>
 #include <unistd.h>
-#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <numeric>
 #include <sstream>
 #include <system_error>

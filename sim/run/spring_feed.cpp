@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "sim/run/balance.h"
 #include "sim/run/feed.h"
@@ -176,41 +175,6 @@ class SpringSolver {
   bool limited_ = false;
 };
 
-}  // namespace
-
-bool SpringBalance::is_rigid(int axis) const {
-  return stiffness_n_mm[axis] >= ComplianceSettings::kRigid_n_mm;
-}
-
-Deflection balanced_deflection(const SpringBalance& balance, const BoneForces& bone, const SpringState& before) {
-  return SpringSolver(balance, bone, before).solve(before);
-}
-
-void add_spring_energies(const SpringBalance& b, const Deflection& now, const PartWork& work, SpringState& state) {
-  const Vec3 change = now.mm - vec_of(state.deflection_mm), advance = b.planned_mm + change;
-  Vec3 spring_n = -work.bone_n;  // on the tool
-  double spring_mj = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (b.is_rigid(axis)) continue;
-    const double k = b.stiffness_n_mm[axis], damper_n = b.damping_n_s_mm * change[axis] / b.duration_s;
-    spring_n[axis] = -k * now.mm[axis] - damper_n;
-    spring_mj += 0.5 * k * now.mm[axis] * now.mm[axis];
-    state.damping_mj += damper_n * change[axis];
-    state.lost_mj += 0.5 * k * change[axis] * change[axis];
-  }
-  state.spring_mj = spring_mj;
-  state.carriage_mj += spring_n.dot(b.planned_mm) - (work.torque_nmm + now.mm.cross(work.bone_n)).dot(work.tilt_rad);
-  state.drill_mj += work.torque_nmm.z() * work.spin_rad;
-  state.unbalanced_mj += (spring_n + work.bone_n).dot(advance);
-  state.deflection_mm = array_of(now.mm);
-  state.bone_n = array_of(now.bone_n);
-  state.tool_mm_s = array_of(advance / b.duration_s);
-  Eigen::Map<Mat3>(state.bone_n_s_mm.data()) = now.bone_n_s_mm;
-  state.unbalanced_n = std::max(state.unbalanced_n, now.balanced || now.limited ? 0 : now.missing_n);
-}
-
-namespace {
-
 /// The part of engine.max_step_voxels that is left for the change of the deflection in a substep.
 constexpr double kStepOfDeflection = 0.5;
 
@@ -377,6 +341,37 @@ class SpringFeed : public PlannedFeed {
 };
 
 }  // namespace
+
+bool SpringBalance::is_rigid(int axis) const {
+  return stiffness_n_mm[axis] >= ComplianceSettings::kRigid_n_mm;
+}
+
+Deflection balanced_deflection(const SpringBalance& balance, const BoneForces& bone, const SpringState& before) {
+  return SpringSolver(balance, bone, before).solve(before);
+}
+
+void add_spring_energies(const SpringBalance& b, const Deflection& now, const PartWork& work, SpringState& state) {
+  const Vec3 change = now.mm - vec_of(state.deflection_mm), advance = b.planned_mm + change;
+  Vec3 spring_n = -work.bone_n;  // on the tool
+  double spring_mj = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (b.is_rigid(axis)) continue;
+    const double k = b.stiffness_n_mm[axis], damper_n = b.damping_n_s_mm * change[axis] / b.duration_s;
+    spring_n[axis] = -k * now.mm[axis] - damper_n;
+    spring_mj += 0.5 * k * now.mm[axis] * now.mm[axis];
+    state.damping_mj += damper_n * change[axis];
+    state.lost_mj += 0.5 * k * change[axis] * change[axis];
+  }
+  state.spring_mj = spring_mj;
+  state.carriage_mj += spring_n.dot(b.planned_mm) - (work.torque_nmm + now.mm.cross(work.bone_n)).dot(work.tilt_rad);
+  state.drill_mj += work.torque_nmm.z() * work.spin_rad;
+  state.unbalanced_mj += (spring_n + work.bone_n).dot(advance);
+  state.deflection_mm = array_of(now.mm);
+  state.bone_n = array_of(now.bone_n);
+  state.tool_mm_s = array_of(advance / b.duration_s);
+  Eigen::Map<Mat3>(state.bone_n_s_mm.data()) = now.bone_n_s_mm;
+  state.unbalanced_n = std::max(state.unbalanced_n, now.balanced || now.limited ? 0 : now.missing_n);
+}
 
 std::unique_ptr<Feed> spring_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report) {
   return std::make_unique<SpringFeed>(scene, stepper, report);

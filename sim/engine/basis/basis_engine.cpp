@@ -27,6 +27,74 @@ void add_edge(const LaneSums& sums, std::size_t first, BasisValues& out) {
   out[12] += static_cast<double>(sums.energy) / RS_ENERGY_SCALE;
 }
 
+/// `erosion: remove`: the basis of the voxels that the engine removed. The engine gets the place of a substep in the
+/// batch as its frame, and so tells which substep removed a voxel.
+class TouchedBasisEngine final : public BasisEngine {
+ public:
+  TouchedBasisEngine(std::unique_ptr<Engine> engine, const BoneView& bone, const Tool& tool)
+      : BasisEngine(std::move(engine)),
+        voxmap_(bone.voxmap),
+        outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)) {}
+
+  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override {
+    SubstepArgs placed = args;
+    placed.frame = static_cast<std::int32_t>(args_.size());
+    args_.push_back(args);
+    engine_->enqueue(placed, std::move(window));
+  }
+  Batch collect() override {
+    Batch out = engine_->collect();
+    removed_ = engine_->take_removed();
+    out.basis = basis_of(args_, removed_);
+    for (auto& [voxel, place] : removed_) place = args_[static_cast<std::size_t>(place)].frame;
+    args_.clear();
+    return out;
+  }
+  RemovedFrames take_removed() override { return std::exchange(removed_, {}); }
+
+ private:
+  /// The basis of each substep. `removed`: voxels, and the places in `args` of the substeps that removed them.
+  [[nodiscard]] std::vector<SubstepBasis> basis_of(std::span<const SubstepArgs> args,
+                                                   const RemovedFrames& removed) const {
+    RemovedFrames ordered = removed;
+    std::ranges::sort(ordered, {}, [](const auto& voxel) { return std::pair(voxel.second, voxel.first); });
+    std::vector<SubstepBasis> out(args.size());
+    parallel_items(args.size(), [&](std::size_t slot) {
+      const auto slot_of = [](const auto& voxel) { return voxel.second; };
+      const auto begin = std::ranges::lower_bound(ordered, static_cast<std::int32_t>(slot), {}, slot_of);
+      const auto end = std::ranges::upper_bound(begin, ordered.end(), static_cast<std::int32_t>(slot), {}, slot_of);
+      if (begin == end) return;
+      const UnitArgs units(args[slot], 0);
+      BrickBasis sums{1};
+      for (auto at = begin; at != end; ++at) {
+        const Vec3i voxel = voxmap_.grid.coord(at->first);
+        sums.add(0, voxmap_.grade.get(voxel), RS_WHOLE_FILL, response(units, voxel));
+      }
+      VisitBasis whole(1);
+      whole.add(sums);
+      out[slot] = std::move(whole.substeps().front());
+    });
+    return out;
+  }
+
+  /// As rs_voxel_force().
+  [[nodiscard]] BasisValues response(const UnitArgs& args, const Vec3i& voxel) const {
+    const OutlineView outline = view_of(outline_);
+    const SubstepArgs& a = args.without_normal;
+    BrickMiddle brick;
+    rs_brick_in_tool(&a, voxel.x(), voxel.y(), voxel.z(), &brick);
+    Clip clip{};
+    const float r = rs_voxel_in_tool(&a, &brick, static_cast<float>(voxel.x() & 7), static_cast<float>(voxel.y() & 7),
+                                     static_cast<float>(voxel.z() & 7), clip.p);
+    rs_outline_normal(&outline, rs_pieces_near(&outline, r, clip.p[2]), clip.p, clip.n);
+    return unit_response(args, clip, static_cast<float>(voxmap_.grid.voxel_mm3()));
+  }
+
+  const Voxmap& voxmap_;
+  OutlineTable outline_;
+  RemovedFrames removed_;
+};
+
 }  // namespace
 
 UnitArgs::UnitArgs(const SubstepArgs& args, float edges_per_turn)
@@ -88,79 +156,6 @@ std::vector<SubstepBasis> VisitBasis::substeps() const {
   }
   return out;
 }
-
-namespace {
-
-/// `erosion: remove`: the basis of the voxels that the engine removed. The engine gets the place of a substep in the
-/// batch as its frame, and so tells which substep removed a voxel.
-class TouchedBasisEngine final : public BasisEngine {
- public:
-  TouchedBasisEngine(std::unique_ptr<Engine> engine, const BoneView& bone, const Tool& tool)
-      : BasisEngine(std::move(engine)),
-        voxmap_(bone.voxmap),
-        outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)) {}
-
-  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override {
-    SubstepArgs placed = args;
-    placed.frame = static_cast<std::int32_t>(args_.size());
-    args_.push_back(args);
-    engine_->enqueue(placed, std::move(window));
-  }
-  Batch collect() override {
-    Batch out = engine_->collect();
-    removed_ = engine_->take_removed();
-    out.basis = basis_of(args_, removed_);
-    for (auto& [voxel, place] : removed_) place = args_[static_cast<std::size_t>(place)].frame;
-    args_.clear();
-    return out;
-  }
-  RemovedFrames take_removed() override { return std::exchange(removed_, {}); }
-
- private:
-  /// The basis of each substep. `removed`: voxels, and the places in `args` of the substeps that removed them.
-  [[nodiscard]] std::vector<SubstepBasis> basis_of(std::span<const SubstepArgs> args,
-                                                   const RemovedFrames& removed) const {
-    RemovedFrames ordered = removed;
-    std::ranges::sort(ordered, {}, [](const auto& voxel) { return std::pair(voxel.second, voxel.first); });
-    std::vector<SubstepBasis> out(args.size());
-    parallel_items(args.size(), [&](std::size_t slot) {
-      const auto slot_of = [](const auto& voxel) { return voxel.second; };
-      const auto begin = std::ranges::lower_bound(ordered, static_cast<std::int32_t>(slot), {}, slot_of);
-      const auto end = std::ranges::upper_bound(begin, ordered.end(), static_cast<std::int32_t>(slot), {}, slot_of);
-      if (begin == end) return;
-      const UnitArgs units(args[slot], 0);
-      BrickBasis sums{1};
-      for (auto at = begin; at != end; ++at) {
-        const Vec3i voxel = voxmap_.grid.coord(at->first);
-        sums.add(0, voxmap_.grade.get(voxel), RS_WHOLE_FILL, response(units, voxel));
-      }
-      VisitBasis whole(1);
-      whole.add(sums);
-      out[slot] = std::move(whole.substeps().front());
-    });
-    return out;
-  }
-
-  /// As rs_voxel_force().
-  [[nodiscard]] BasisValues response(const UnitArgs& args, const Vec3i& voxel) const {
-    const OutlineView outline = view_of(outline_);
-    const SubstepArgs& a = args.without_normal;
-    BrickMiddle brick;
-    rs_brick_in_tool(&a, voxel.x(), voxel.y(), voxel.z(), &brick);
-    Clip clip{};
-    rs_voxel_in_tool(&a, &brick, static_cast<float>(voxel.x() & 7), static_cast<float>(voxel.y() & 7),
-                     static_cast<float>(voxel.z() & 7), clip.p);
-    const float r = RS_SQRT(clip.p[0] * clip.p[0] + clip.p[1] * clip.p[1]);
-    rs_outline_normal(&outline, rs_pieces_near(&outline, r, clip.p[2]), clip.p, clip.n);
-    return unit_response(args, clip, static_cast<float>(voxmap_.grid.voxel_mm3()));
-  }
-
-  const Voxmap& voxmap_;
-  OutlineTable outline_;
-  RemovedFrames removed_;
-};
-
-}  // namespace
 
 std::unique_ptr<Engine> make_basis_engine(std::unique_ptr<Engine> engine, const Scenario& scenario,
                                           const BoneView& bone, const Tool& tool) {

@@ -75,32 +75,6 @@ void append_runs(ShellCells& out) {
   }
 }
 
-}  // namespace
-
-int shell_cell_side(double shell_cell_voxels) {
-  int side = kLargestSide;
-  // The largest extent along an axis is the block's diagonal.
-  while (side > 1 && (side - 1) * shell_cell_voxels * std::sqrt(3.0) > kWindowVoxels) side /= 2;
-  return side;
-}
-
-ShellCells make_shell_cells(const PointShell& shell, int side) {
-  ShellCells out;
-  const int shift = 3 * std::countr_zero(static_cast<unsigned>(side));
-  std::vector<Vec3i> points;
-  for (std::size_t i = 0; i < shell.codes.size(); ++i) {
-    points.push_back(morton_decode(shell.codes[i]));
-    const bool last = i + 1 == shell.codes.size() || shell.codes[i + 1] >> shift != shell.codes[i] >> shift;
-    if (!last) continue;
-    append_cell(out, points);
-    points.clear();
-  }
-  append_runs(out);
-  return out;
-}
-
-namespace {
-
 /// The data of `bricked` on the device: the bone's bricks, the lists of those that a substep touches, the shell's
 /// points in cells, and tables.
 struct BrickedState {
@@ -274,6 +248,28 @@ class BrickedEngine final : public Engine {
 };
 
 }  // namespace
+
+int shell_cell_side(double shell_cell_voxels) {
+  int side = kLargestSide;
+  // The largest extent along an axis is the block's diagonal.
+  while (side > 1 && (side - 1) * shell_cell_voxels * std::sqrt(3.0) > kWindowVoxels) side /= 2;
+  return side;
+}
+
+ShellCells make_shell_cells(const PointShell& shell, int side) {
+  ShellCells out;
+  const int shift = 3 * std::countr_zero(static_cast<unsigned>(side));
+  std::vector<Vec3i> points;
+  for (std::size_t i = 0; i < shell.codes.size(); ++i) {
+    points.push_back(morton_decode(shell.codes[i]));
+    const bool last = i + 1 == shell.codes.size() || shell.codes[i + 1] >> shift != shell.codes[i] >> shift;
+    if (!last) continue;
+    append_cell(out, points);
+    points.clear();
+  }
+  append_runs(out);
+  return out;
+}
 
 std::unique_ptr<Engine> make_bricked_engine(const cl::Device& device, const Scenario& scenario, const BoneView& bone,
                                             const Tool& tool, const BrickedLimits& limits) {

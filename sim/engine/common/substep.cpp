@@ -221,16 +221,12 @@ struct PointMotion {
   Vec3 velocity;
 };
 
-Mat3 step_of(const SubstepArgs& args) {
-  return Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();  // stored row by row
-}
-
 Vec3 vector_of(const float* values) {
   return Eigen::Map<const Eigen::Vector3f>(values).cast<double>();
 }
 
 PointMotion motion_of(const SubstepArgs& args, const Vec3& lattice_point, const Vec3& tool_point) {
-  return {step_of(args) * lattice_point + Eigen::Map<const Vec3>(args.tool_origin),
+  return {tool_from_voxel(args) * lattice_point + Eigen::Map<const Vec3>(args.tool_origin),
           vector_of(args.origin_velocity) + vector_of(args.angular_velocity).cross(tool_point)};
 }
 
@@ -245,7 +241,7 @@ Vec3 between(const MotionWindow& w, const Vec3& first, const Vec3& middle, const
 /// Whether a corner of the tool's box moves as the nodes say, in all frames, and by less than `longest_mm`.
 bool is_smooth(const MotionWindow& w, std::span<const std::optional<SubstepArgs>> frames, const Vec3& corner,
                double longest_mm) {
-  const Vec3 point = step_of(w.middle).inverse() * (corner - Eigen::Map<const Vec3>(w.middle.tool_origin));
+  const Vec3 point = tool_from_voxel(w.middle).inverse() * (corner - Eigen::Map<const Vec3>(w.middle.tool_origin));
   const PointMotion first = motion_of(w.first, point, corner), middle = motion_of(w.middle, point, corner),
                     last = motion_of(w.last, point, corner);
   const double way = (middle.place - first.place).norm() + (last.place - middle.place).norm();

@@ -12,10 +12,6 @@ namespace reamsim {
 
 namespace {
 
-Mat3 tool_from_voxel(const SubstepArgs& args) {
-  return Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();  // stored row by row
-}
-
 /// The rotation of resolved cutting edges about the spin axis.
 Mat3 spin_rotation(const SubstepArgs& args) {
   const double c = double{args.spin_cos}, s = double{args.spin_sin};
