@@ -64,10 +64,8 @@ RS_INLINE int rs_brick_is_smooth(RS_GLOBAL const SubstepArgs* a, const OutlineVi
   RS_GLOBAL const OutlinePiece* e = outline->pieces + outline->numbers[list.first];
   const float* p = brick->p;
   const float r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
-  const float past = (r - e->r1) * e->along_r1 + (p[2] - e->z1) * e->along_z1;
-  const float short_of = -((r - e->r0) * e->along_r0 + (p[2] - e->z0) * e->along_z0);
-  const float beyond = past > short_of ? past : short_of; /* as rs_distance_to_ends() */
-  return -beyond > (RS_BRICK_RADIUS + RS_CLIP_REACH) * a->voxel_mm + shift + RS_POSITION_SLACK;
+  const float margin = (RS_BRICK_RADIUS + RS_CLIP_REACH) * a->voxel_mm + shift + RS_POSITION_SLACK;
+  return !RS_ANY(rs_distance_to_ends(e, RS_REAL(r), RS_REAL(p[2])) <= margin);
 }
 
 /* rs_distance_beyond_reach() in such a brick. The width of the voxels is found only where it decides. */

@@ -50,8 +50,6 @@ Volume empty_volume(const VoxelGrid& grid) {
 }
 
 constexpr const char* kFailed = "an earlier step failed: make a new simulation";
-/// Wall time between two calls of stop().
-constexpr double kMostSeconds = 0.2;
 
 }  // namespace
 
@@ -162,25 +160,16 @@ struct Simulation::Core {
     const bool windowed = stepper.can_use_windows();
     const FrameMotion* last = nullptr;
     compute([&] {
-      stepper.begin_batch();
       for (const FrameMotion& motion : motions) {
         stepper.add(motion, windowed ? windows.of(motion.frame) : nullptr);
         last = &motion;
-        if (!is_batch()) continue;
+        if (!stepper.is_full(scene.scenario.engine.batch_frames)) continue;
         stepper.finish_batch();
-        stepper.begin_batch();
         if (stop && stop()) break;
       }
       stepper.finish_batch();
     });
     return take(*last);
-  }
-
-  /// Whether the pending frames are a batch. Results do not depend on batches.
-  [[nodiscard]] bool is_batch() const {
-    const std::size_t count = stepper.batch_frames();
-    return count >= static_cast<std::size_t>(scene.scenario.engine.batch_frames) ||
-           static_cast<double>(count) * stepper.frame_wall_s() > kMostSeconds;
   }
 
   Diagnostics report;

@@ -100,7 +100,7 @@ FrameResult EnergyBalance::close(const PendingFrame& frame, const std::vector<Su
     const Mat3 bone_from_sums = bone_from_shell(substep.pose, sums_rotate_).linear();
     const Vec3 force = bone_from_sums * force_of(sum);
     const Vec3 torque = bone_from_sums * torque_of(sum);
-    run_.work_mj += work_of(substep, force, torque);
+    run.work_mj += work_of(substep, force, torque);
     out.force_n += force / frame.substeps;
     out.torque_nmm += torque / frame.substeps;
     out.energy_mj += static_cast<double>(sum.energy) / RS_ENERGY_SCALE;
@@ -110,8 +110,8 @@ FrameResult EnergyBalance::close(const PendingFrame& frame, const std::vector<Su
     removed += sum.removed;
   }
   out.removed_mm3 = static_cast<double>(removed) / RS_WHOLE_FILL * voxel_mm3_;
-  run_.floor_mj += out.floor_energy_mj;
-  run_.cut_mj += out.energy_mj;
+  run.floor_mj += out.floor_energy_mj;
+  run.cut_mj += out.energy_mj;
   out.balance = balance();
 
   const Vec3 tool_z = frame.pose.orientation * Vec3::UnitZ();
@@ -119,8 +119,8 @@ FrameResult EnergyBalance::close(const PendingFrame& frame, const std::vector<Su
   // The tool spins about −z of T, so the torque of the bone on it is about +z.
   out.spin_torque_nmm = out.torque_nmm.dot(tool_z);
   if (out.push) out.push->drill_power_w = 1e-3 * out.spin_torque_nmm * out.pose.spin_rpm * kRadPerRpm_s;
-  if (touched_from_mm && !run_.first_contact_mm) run_.first_contact_mm = contact_mm_.value_or(*touched_from_mm);
-  if (run_.first_contact_mm) out.depth_mm = -(frame.pose.position_mm - *run_.first_contact_mm).dot(tool_z);
+  if (touched_from_mm && !run.first_contact_mm) run.first_contact_mm = contact_mm_.value_or(*touched_from_mm);
+  if (run.first_contact_mm) out.depth_mm = -(frame.pose.position_mm - *run.first_contact_mm).dot(tool_z);
   return out;
 }
 
@@ -144,9 +144,9 @@ FrameStepper::FrameStepper(SimulationInput& scene, Engine& engine, FrameSink& si
       max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
 
 void FrameStepper::start(const FrameMotion& motion) {
-  energy_.begin_pass();
+  energy_.run.first_contact_mm.reset();  // of another tool
   state_.touched = false;
-  PendingFrame& pending = pending_.emplace_back(pending_of(motion));
+  PendingFrame& pending = begin_frame(motion);
   const Substep rest{.pose = motion.pose, .duration_s = motion.duration_s};
   if (exact_) {
     if (const auto voi = broad_phase(rest, pending)) {
@@ -161,11 +161,11 @@ void FrameStepper::start(const FrameMotion& motion) {
 
 void FrameStepper::add(const FrameMotion& motion, const std::shared_ptr<const MotionWindow>& window) {
   enqueue_motion(motion, count_substeps(motion.before, motion.pose, scene_.tool, resolved_, max_step_mm_), window,
-                 pending_.emplace_back(pending_of(motion)));
+                 begin_frame(motion));
 }
 
 SubstepSums FrameStepper::add_part(const FrameMotion& part, int i, int parts) {
-  if (i == 0) pending_.emplace_back(pending_of(part)).substeps = parts;
+  if (i == 0) begin_frame(part).substeps = parts;
   PendingFrame& pending = pending_.back();
   pending.pose = part.pose;
   pending.time_s = part.time_s;
@@ -175,6 +175,11 @@ SubstepSums FrameStepper::add_part(const FrameMotion& part, int i, int parts) {
   enqueue(substep, args_of(substep, *voi), nullptr, pending);
   collect();
   return batch_.sums.back();
+}
+
+bool FrameStepper::is_full(int most) const {
+  constexpr double kMostSeconds = 0.2;
+  return std::ssize(pending_) >= most || static_cast<double>(pending_.size()) * frame_wall_s_ > kMostSeconds;
 }
 
 void FrameStepper::snapshot(std::int64_t frame) {
@@ -229,18 +234,23 @@ std::optional<SubstepArgs> FrameStepper::single_args(const FrameMotion& m) const
 
 StepState FrameStepper::state() const {
   StepState out = state_;
-  out.energy = energy_.sums();
+  out.energy = energy_.run;
   return out;
 }
 
 void FrameStepper::resume(const StepState& from) {
   state_ = from;
-  energy_.restore(from.energy);
+  energy_.run = from.energy;
 }
 
 std::string FrameStepper::name_of_pass() const {
   const bool several = scene_.motion.pass > 1 || !scene_.later_passes.empty();
   return several ? "pass " + std::to_string(scene_.motion.pass) + ": " : "";
+}
+
+PendingFrame& FrameStepper::begin_frame(const FrameMotion& motion) {
+  if (pending_.empty()) batch_watch_ = Stopwatch();
+  return pending_.emplace_back(pending_of(motion));
 }
 
 void FrameStepper::enqueue_motion(const FrameMotion& motion, int substeps,
@@ -299,7 +309,7 @@ void FrameStepper::record() {
     state_.frame = pending.frame;
     last_ = result;
   }
-  frame_wall_s_ = batch_watch_.seconds() / static_cast<double>(std::max<std::size_t>(pending_.size(), 1));
+  if (!pending_.empty()) frame_wall_s_ = batch_watch_.seconds() / static_cast<double>(pending_.size());
   pending_.clear();
   clear_batch();
 }

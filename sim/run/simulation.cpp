@@ -27,12 +27,9 @@ class PrescribedFeed : public PlannedFeed {
 
   void start() override { stepper_.start(motion_of(scene().motion.first_frame)); }
   void add(std::int64_t frame) override { stepper_.add(motion_of(frame), windowed_ ? windows_.of(frame) : nullptr); }
-  /// Slow frames make small batches, so that a run stops soon when it is asked to.
   [[nodiscard]] bool ends_batch(std::int64_t frame) const override {
-    constexpr double kMostSeconds = 0.2;
-    const auto count = static_cast<double>(stepper_.batch_frames());
-    return has_ended(frame) || (frame + 1) % scene().scenario.engine.batch_frames == 0 ||
-           count * stepper_.frame_wall_s() > kMostSeconds;
+    const int most = scene().scenario.engine.batch_frames;
+    return has_ended(frame) || (frame + 1) % most == 0 || stepper_.is_full(most);
   }
   [[nodiscard]] SimulationState state() const override { return {stepper_.state()}; }
 
@@ -79,7 +76,6 @@ bool begin_pass(const SimulationInput& scene, FrameStepper& stepper, Feed& feed,
 
 /// Saves the state where that is due, and ends the run where that is asked for. Throws Interrupted.
 void end_batch(FrameStepper& stepper, const Feed& feed, const RunControl& control) {
-  stepper.begin_batch();
   const bool stop = control.stop();
   if (stop || control.save_due()) {
     stepper.read_fill();

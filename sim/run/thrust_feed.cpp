@@ -41,17 +41,15 @@ class Search {
     if (std::abs(p.excess) <= tolerance) return false;
     if (p.excess < 0) {
       if (p.feed >= max_feed_) return false;
-      if (has_high_ && kept_high_) high_.excess /= 2;
+      if (kept_ == Kept::high) high_.excess /= 2;
       before_ = low_;
       low_ = p;
-      kept_high_ = has_high_;
-      kept_low_ = false;
+      if (has_high_) kept_ = Kept::high;
     } else {
-      if (has_high_ && kept_low_) low_.excess /= 2;
+      if (kept_ == Kept::low) low_.excess /= 2;
       high_ = p;
       has_high_ = true;
-      kept_low_ = true;
-      kept_high_ = false;
+      kept_ = Kept::low;
     }
     if (!has_high_ || high_.feed - low_.feed > kFeedTolerance * high_.feed) return true;
     // A jump: the side of contact, where the tool then rests.
@@ -72,10 +70,12 @@ class Search {
   [[nodiscard]] const Point& found() const { return found_; }
 
  private:
+  enum class Kept { none, low, high };  ///< the end of the bracket that the last step has kept
+
   Point low_, before_, found_, high_;
   bool has_high_ = false;
   double max_feed_;
-  bool kept_low_ = false, kept_high_ = false;
+  Kept kept_ = Kept::none;
 };
 
 /// The feed for a given θ.

@@ -115,8 +115,7 @@ std::size_t fill_pages_bytes(std::size_t bricks, std::size_t pages);
 
 /// How the kernels over bricks run; the results do not depend on it.
 struct KernelOptions {
-  KernelShape shape =
-      KernelShape::cpu;  ///< not `automatic`: a work-item that does much, in vectors, or many that do little
+  KernelShape shape = KernelShape::cpu;  ///< not `automatic`; cpu: long work-items in vectors, gpu: many short ones
   std::size_t work_group = 1;
   bool culling = true;  ///< pass over cells that cannot touch; off only to prove that it changes nothing
 };

@@ -40,7 +40,6 @@ void restore_values(const cl::Device& device, const RemovedFrames& removed, cons
 
 /// The narrow phase: writes the voxels that the tool touches in a substep to the contact list, each once, and changes
 /// nothing that the cut writes. Results do not depend on the size of a group.
-///
 /// `direct` is the paper's (§3.5): one work-item per shell point, a Morton code. `octree` is that of Zheng et al. as
 /// Faieghi et al. (2020, §4.3.1) rebuilt it: one work-item per shell point, three floats, that descends the grid
 /// through look-up tables. `implicit` is that of Yau et al., rebuilt likewise (§4.3.2): one work-item per voxel of the
