@@ -42,11 +42,18 @@ StepResult result_of(const FrameResult& r) {
           .pose = pose_of(r.pose)};
 }
 
-Volume empty_volume(const VoxelGrid& grid) {
-  return {{grid.dims.x(), grid.dims.y(), grid.dims.z()},
-          grid.voxel_mm,
-          array_of(grid.origin_mm),
-          std::vector<float>(static_cast<std::size_t>(grid.size()))};
+/// value(grade, fill) of the voxels with bone before the first step, 0 elsewhere.
+template <class Value>
+Volume volume_of(const BoneView& bone, const Value& value) {
+  const VoxelGrid& grid = bone.voxmap.grid;
+  Volume out{{grid.dims.x(), grid.dims.y(), grid.dims.z()},
+             grid.voxel_mm,
+             array_of(grid.origin_mm),
+             std::vector<float>(static_cast<std::size_t>(grid.size()))};
+  for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
+    out.values[static_cast<std::size_t>(grid.index(voxel))] = value(grade, fill);
+  });
+  return out;
 }
 
 constexpr const char* kFailed = "an earlier step failed: make a new simulation";
@@ -257,25 +264,17 @@ StepResult Simulation::peek(const Pose& pose, std::optional<double> dt) {
 Volume Simulation::fill() {
   return guarded([&] {
     core_->stepper.read_fill();
-    const VoxelGrid& grid = core_->scene.bone.voxmap->grid;
-    Volume out = empty_volume(grid);
-    for_each_bone_voxel(core_->scene.bone.view(), [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
-      out.values[static_cast<std::size_t>(grid.index(voxel))] = static_cast<float>(fill) / float{FillBricks::kWhole};
+    return volume_of(core_->scene.bone.view(), [](std::uint8_t, std::uint16_t fill) {
+      return static_cast<float>(fill) / float{FillBricks::kWhole};
     });
-    return out;
   });
 }
 
 Volume Simulation::density() const {
   return guarded([&] {
-    const Voxmap& voxmap = *core_->scene.bone.voxmap;
-    const VoxelGrid& grid = voxmap.grid;
-    Volume out = empty_volume(grid);
-    for (std::int64_t e = 0; e < grid.size(); ++e) {
-      out.values[static_cast<std::size_t>(e)] =
-          static_cast<float>(DensityMapping::density_from_grade(voxmap.grade.get(grid.coord(e))));
-    }
-    return out;
+    return volume_of(core_->scene.bone.view(), [](std::uint8_t grade, std::uint16_t) {
+      return static_cast<float>(DensityMapping::density_from_grade(grade));
+    });
   });
 }
 

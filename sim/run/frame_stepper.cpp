@@ -4,7 +4,6 @@
 #include "sim/run/frame_stepper.h"
 
 #include <fmt/core.h>
-#include <algorithm>
 #include <map>
 #include <numbers>
 #include <stdexcept>

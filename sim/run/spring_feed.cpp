@@ -222,7 +222,7 @@ class SpringFeed : public PlannedFeed {
 
   void add(std::int64_t frame) override {
     const ToolPose begin = scene().motion.pose_of(frame - 1), end = scene().motion.pose_of(frame);
-    const double planned_mm = bound_mm(begin, end, deflection_mm().norm());
+    const double planned_mm = bound_mm(begin, end, vec_of(springs_.deflection_mm).norm());
     const int parts = std::max(1, static_cast<int>(std::ceil(planned_mm / ((1 - kStepOfDeflection) * step_mm_))));
     bool limited = false, balanced = true;
     for (int i = 0; i < parts; ++i) {
@@ -237,7 +237,7 @@ class SpringFeed : public PlannedFeed {
     }
     springs_.limited_frames += limited ? 1 : 0;
     springs_.unbalanced_frames += balanced ? 0 : 1;
-    stepper_.set_deflection(deflection_mm());
+    stepper_.set_deflection(vec_of(springs_.deflection_mm));
   }
   void warn_at_end() override {
     if (!scene().later_passes.empty()) return;
@@ -261,8 +261,6 @@ class SpringFeed : public PlannedFeed {
   }
 
  private:
-  [[nodiscard]] Vec3 deflection_mm() const { return Vec3(springs_.deflection_mm.data()); }
-
   /// Bound of the motion between two poses of the tool or, with the deflection as a lever, of the plan.
   [[nodiscard]] double bound_mm(const ToolPose& a, const ToolPose& b, double lever_mm) const {
     const double spin_mm =
@@ -278,7 +276,7 @@ class SpringFeed : public PlannedFeed {
 
   Deflection cut_part(const FrameMotion& plan, int i, int parts) {
     const Mat3 tool_from_bone = plan.pose.orientation.toRotationMatrix().transpose();
-    const Vec3 before_mm = deflection_mm();
+    const Vec3 before_mm = vec_of(springs_.deflection_mm);
     const SpringBalance balance{.stiffness_n_mm = settings_.stiffness_n_mm,
                                 .damping_n_s_mm = settings_.damping_n_s_mm,
                                 .planned_mm = tool_from_bone * (plan.pose.position_mm - plan.before.position_mm),

@@ -12,7 +12,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/engine/common/device_batch.h"
 
 namespace reamsim {
 
@@ -110,11 +109,6 @@ cl::Buffer<T> grown(const cl::Device& device, const cl::Buffer<T>& old, std::siz
 }
 
 }  // namespace
-
-std::string BrickLayout::defines() const {
-  return "-DRS_POOLS=" + std::to_string(pools) + " -DRS_POOL_BITS=" + std::to_string(bits) +
-         (fill == FillStore::bricks ? " -DRS_BRICK_FILL" : "");
-}
 
 std::vector<cl_mem> DeviceBricks::pool_arguments() const {
   std::vector<cl_mem> out;
@@ -334,7 +328,9 @@ std::size_t cut_items(const cl::DeviceInfo& info, const KernelOptions& options) 
 }
 
 std::string kernel_defines(const BrickLayout& layout, KernelShape shape) {
-  return layout.defines() + (shape == KernelShape::cpu ? " -DRS_CPU_SHAPE" : "");
+  return fmt::format("-DRS_POOLS={} -DRS_POOL_BITS={}{}{}", layout.pools, layout.bits,
+                     layout.fill == FillStore::bricks ? " -DRS_BRICK_FILL" : "",
+                     shape == KernelShape::cpu ? " -DRS_CPU_SHAPE" : "");
 }
 
 std::string cut_defines(const BrickLayout& layout, KernelShape shape) {

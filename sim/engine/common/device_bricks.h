@@ -29,8 +29,6 @@ struct BrickLayout {
   std::size_t brick_bytes = 0;
   FillStore fill = FillStore::none;
 
-  /// Compiler options of the kernels.
-  [[nodiscard]] std::string defines() const;
   [[nodiscard]] std::size_t pool_of(std::size_t slot) const { return slot >> bits; }
   [[nodiscard]] std::size_t place_in_pool(std::size_t slot) const { return slot & ((std::size_t{1} << bits) - 1); }
 };
