@@ -243,7 +243,7 @@ void check_plunge(const LoadedBone& loaded, const PlungeSettings& plunge, const 
   motion.plunge = counted_from(contact, plunge);
   Diagnostics ignored;
   scene.motion = build_motion(motion, scene.bone.glenoid, ignored);
-  warn_of_contact(scene, forecast_contact(scene), report);
+  warn_of_contact(scene, forecast_passes(scene), report);
 }
 
 /// Takes the landmarks of the markups, and says which.

@@ -9,8 +9,6 @@
 #include "reach.h"
 #include "visit.h"
 
-#if defined(RS_LANES)
-
 /* The eight blocks of a brick: a section of its list with the pieces that can be nearest to a voxel of the block, and
  * whether that is a single piece with its ends out of reach. */
 typedef struct {
@@ -38,28 +36,15 @@ RS_INLINE float16 offset_z(const int16 place) {
   return convert_float16((place >> 8 & 1) << 2 | (place >> 4 & 3));
 }
 
+/* Whether the surface is a single piece near the brick while the tool moves by `shift` mm: never asked of cutting
+ * edges. */
+RS_INLINE bool brick_is_smooth(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
+                               const float shift) {
 #ifdef RS_DISTANCE_GRID
-
-/* Whether the surface is a single piece near the brick: never asked of cutting edges. */
-RS_INLINE bool brick_is_smooth(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
-                               const float shift) {
   return false;
-}
-
-/* Distance of a voxel's centre from the cutting edges minus the reach while the tool moves by `shift`, voxels. */
-RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
-                                        const PieceList near, const bool smooth, const float16 x, const float16 y,
-                                        const float16 z, const float shift) {
-  const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + RS_POSITION_SLACK * a->per_voxel_mm;
-  return rs_clip_grid_distance(a, &v->teeth, &v->middle, x, y, z) * a->per_voxel_mm - slack;
-}
-
 #else
-
-/* Whether the surface is a single piece near the brick while the tool moves by `shift` mm. */
-RS_INLINE bool brick_is_smooth(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
-                               const float shift) {
   return rs_brick_is_smooth(a, outline, v->list, &v->middle, shift) != 0;
+#endif
 }
 
 /* Distance of a voxel's centre from the surface minus the reach while the tool moves by `shift`, voxels. `near`: the
@@ -67,11 +52,14 @@ RS_INLINE bool brick_is_smooth(__global const SubstepArgs* a, const OutlineView*
 RS_INLINE float16 distance_beyond_reach(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
                                         const PieceList near, const bool smooth, const float16 x, const float16 y,
                                         const float16 z, const float shift) {
+#ifdef RS_DISTANCE_GRID
+  const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + RS_POSITION_SLACK * a->per_voxel_mm;
+  return rs_clip_grid_distance(a, &v->teeth, &v->middle, x, y, z) * a->per_voxel_mm - slack;
+#else
   if (smooth) return rs_distance_beyond_reach_of_piece(a, outline, near, &v->middle, x, y, z, shift);
   return rs_distance_beyond_reach(a, outline, near, &v->middle, x, y, z, shift);
-}
-
 #endif
+}
 
 /* Pads the brick's candidates, and finds the pieces that can be nearest while the tool moves by `shift` mm. */
 RS_INLINE void finish_candidates(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v,
@@ -117,8 +105,7 @@ RS_INLINE void find_block_pieces(__global const SubstepArgs* a, const OutlineVie
   if (v->list.count == 1) return;
   uint begin[8], end[8] = {0};
   float16 p[3];
-  rs_voxel_in_tool(a, &v->middle, x, y, z, p);
-  const float16 r = sqrt(p[0] * p[0] + p[1] * p[1]);
+  const float16 r = rs_voxel_in_tool(a, &v->middle, x, y, z, p);
   const float slack = (RS_BLOCK_RADIUS + shift) * a->voxel_mm + RS_POSITION_SLACK;
   const float out_of_reach = slack + RS_CLIP_REACH * a->voxel_mm;
   uint ends_near = 0;
@@ -187,7 +174,5 @@ RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView*
   c->count = count;
   finish_candidates(a, outline, v, blocks, shift_mm, c);
 }
-
-#endif
 
 #endif

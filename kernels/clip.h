@@ -105,8 +105,8 @@ RS_INLINE void rs_apply_corner(RS_GLOBAL const SubstepArgs* a, const OutlineView
 RS_INLINE rs_real rs_clip_distance(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, PieceList list,
                                    const BrickMiddle* brick, rs_real x, rs_real y, rs_real z) {
   rs_real p[3];
-  rs_voxel_in_tool(a, brick, x, y, z, p);
-  return rs_outline_nearest(outline, list, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]).distance;
+  const rs_real r = rs_voxel_in_tool(a, brick, x, y, z, p);
+  return rs_outline_nearest(outline, list, r, p[2]).distance;
 }
 
 /* The tool next to the voxel centre `p` (T, mm) of a brick, from the nearest piece alone. */
@@ -131,8 +131,7 @@ RS_INLINE Clip rs_clip_at(RS_GLOBAL const SubstepArgs* a, const BrickMiddle* bri
 RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, PieceList list,
                        const BrickMiddle* brick, rs_real x, rs_real y, rs_real z) {
   rs_real p[3];
-  rs_voxel_in_tool(a, brick, x, y, z, p);
-  const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
+  const rs_real r = rs_voxel_in_tool(a, brick, x, y, z, p);
   const rs_real per_r = r > 0.0f ? RS_REAL(1.0f) / r : RS_REAL(0.0f);
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, p[2]);
   Clip clip = rs_clip_at(a, brick, &nearest, p, r, per_r);
@@ -151,8 +150,7 @@ RS_INLINE Clip rs_clip(RS_GLOBAL const SubstepArgs* a, const OutlineView* outlin
 RS_INLINE Clip rs_clip_smooth(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const OutlinePiece* piece,
                               const BrickMiddle* brick, rs_real x, rs_real y, rs_real z) {
   rs_real p[3];
-  rs_voxel_in_tool(a, brick, x, y, z, p);
-  const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
+  const rs_real r = rs_voxel_in_tool(a, brick, x, y, z, p);
   const rs_real per_r = r > 0.0f ? RS_REAL(1.0f) / r : RS_REAL(0.0f);
   const PieceDistance away = rs_circle_distance(piece, r, p[2]);
   const NearestPiece nearest = rs_nearest_piece(&away, RS_REAL(piece->curvature), RS_INT(0));

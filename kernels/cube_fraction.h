@@ -11,17 +11,24 @@
  * allowance for curvature. */
 #define RS_CLIP_REACH (0.8660254f + 1.0f / 24.0f)
 
+/* The magnitudes of three components in ascending order, the first two at least 1e-9. */
+RS_INLINE void rs_sort_components(const rs_real* n, rs_real* m1, rs_real* m2, rs_real* m3) {
+  const rs_real least = RS_REAL(1e-9f);
+  const rs_real a = rs_abs(n[0]), b = rs_abs(n[1]), c = rs_abs(n[2]);
+  const rs_real low = rs_min(a, b), high = rs_max(a, b), other = rs_max(low, c);
+  *m1 = rs_max(rs_min(low, c), least);
+  *m2 = rs_max(rs_min(other, high), least);
+  *m3 = rs_max(other, high);
+}
+
 /* Fraction of a unit cube on the outer side of a plane with outward unit normal `n`, when the cube's centre lies
  * `distance` outside. The smaller part is a sum of pyramids (Scardovelli and Zaleski 2000, J. Comput. Phys. 164:228,
  * eq. 16-19), in a form without cancellation where the plane is nearly perpendicular to an axis. */
 RS_INLINE rs_real rs_outside_fraction(const rs_real* n, rs_real distance) {
-  const rs_real zero = RS_REAL(0.0f), middle = RS_REAL(0.5f), least = RS_REAL(1e-9f);
-  const rs_real a = rs_abs(n[0]), b = rs_abs(n[1]), c = rs_abs(n[2]);
-  const rs_real low = rs_min(a, b), high = rs_max(a, b), other = rs_max(low, c);
-  /* Components in ascending order; `depth` of the plane from the nearest corner, half their sum at the centre. */
-  const rs_real m1 = rs_max(rs_min(low, c), least);
-  const rs_real m2 = rs_max(rs_min(other, high), least);
-  const rs_real m3 = rs_max(other, high);
+  const rs_real zero = RS_REAL(0.0f), middle = RS_REAL(0.5f);
+  rs_real m1, m2, m3;
+  rs_sort_components(n, &m1, &m2, &m3);
+  /* Of the plane from the nearest corner, half the sum of the components at the centre. */
   const rs_real depth = rs_max(middle * (m1 + m2 + m3) - rs_abs(distance), zero);
   /* One division instead of three. */
   const rs_real m23 = m2 * m3, per_all = RS_REAL(1.0f) / (m1 * m23);

@@ -4,11 +4,11 @@
 /* Exact erosion over bricks (docs/erosion.md, 3): a voxel keeps the part outside the tool. A brick passes through all
  * substeps of a visit at once, because no voxel depends on another; forces are added to the slots of the substeps. The
  * substeps form windows, in which the tool moves so little that one list of candidate voxels serves all of them. Where
- * the motion of a window is smooth, its voxels are cut in all of its frames at once (cut_window.h).
+ * the motion of a window is smooth, its voxels are cut in all of its frames at once (window.h).
  *
  * Compiled with RS_POOLS and RS_POOL_BITS, and with RS_DISTANCE_GRID where the cutting edges are resolved: the tool's
  * distance then comes from their grid instead of the envelope's outline. */
-#include "cut_window.h"
+#include "visit.h"
 
 #if defined(RS_LANES)
 #include "cut_lanes.h"
@@ -50,9 +50,23 @@ __kernel void cut_exact(PARAMETERS) {
     v.brick = pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK);
     v.at = brick_position(report.brick, bricks);
     v.teeth = teeth;
-    if (cut_brick(args, windows, window_count, motions, &outline, slot, page_of_slot, slot_of_page, pages, counts,
-                  energy_of_grade, &v, &work, &report))
-      clear_if_empty(v.brick, occupancy, v.at, bricks);
+    bool any_cut = false;
+    for (uint w = 0; w < window_count; ++w) {
+      const SubstepWindow window = windows[w];
+      set_window(args + window.first, &outline, &v);
+      const int page = page_of_slot[slot];
+      find_candidates(args + window.first, &outline, &v, window.shift_mm * args->per_voxel_mm,
+                      page < 0 ? 0 : pages + (ulong)page * RS_BRICK_VOXELS, energy_of_grade, &work.blocks,
+                      &work.candidates);
+      if (work.candidates.count == 0) continue;
+      if (!cut_in_window(args, &window, motions, &outline, &v, &work, &report, work.sums + (window.first - first)))
+        continue;
+      any_cut = true;
+      __global ushort* fills = find_or_add_page(slot, page_of_slot, slot_of_page, pages, counts);
+      write_fill(&work.candidates, fills);
+      write_fill(&work.framed, fills);
+    }
+    if (any_cut) clear_if_empty(v.brick, occupancy, v.at, bricks);
   }
   flush_report(&report);
   for (uint s = first; s < end; ++s) {

@@ -5,7 +5,69 @@
 #ifndef REAMSIM_KERNELS_CUT_GROUP_H
 #define REAMSIM_KERNELS_CUT_GROUP_H
 
-#include "cut_window.h"
+#include "visit.h"
+
+/* Voxels that a work-group fits and cuts before it sums their losses. */
+#define VOXELS_AT_ONCE 64
+
+/* A work-group in a window: losses and coefficients of some voxels, and sums of frames over all of the brick. */
+typedef struct {
+  ushort lost[RS_WINDOW_SUBSTEPS * VOXELS_AT_ONCE];
+  float basis[VOXELS_AT_ONCE * 2 * RS_WINDOW_SUMS];
+  float sums[RS_WINDOW_SUBSTEPS * 2 * RS_WINDOW_SUMS];
+  int lost_fill[RS_WINDOW_SUBSTEPS], contacts[RS_WINDOW_SUBSTEPS];
+} WindowSums;
+
+/* Fits a voxel, and lowers its fill through the frames. `lost`, `basis`: of the voxel; the losses of consecutive frames
+ * are VOXELS_AT_ONCE apart. Returns false where it must be cut frame by frame. */
+RS_INLINE bool cut_smooth_voxel(__global const SubstepArgs* args, const SubstepWindow* window,
+                                __global const MotionWindow* w, const OutlineView* outline, Visit* v,
+                                const NodeMiddles* middles, const int place, const float whole, __global ushort* page,
+                                __local ushort* lost, __local float* basis, __global SubstepSums* sums) {
+  const float x = (float)rs_offset_x(place), y = (float)rs_offset_y(place), z = (float)rs_offset_z(place);
+  const Clip c0 = rs_clip(&w->first, outline, v->list, &middles->first, x, y, z);
+  const Clip c1 = rs_clip(&w->middle, outline, v->list, &middles->middle, x, y, z);
+  const Clip c2 = rs_clip(&w->last, outline, v->list, &middles->last, x, y, z);
+  WindowVoxel fit;
+  rs_fit_voxel(w, &c0, &c1, &c2, whole, &fit);
+  if (fit.pieces == 0.0f) return false;
+  int fill = page[place];
+  for (uint s = window->first; s < window->end; ++s) {
+    __global const SubstepArgs* a = args + s;
+    const int outside = rs_window_outside(&fit, rs_window_time(w, a->frame), RS_WINDOW_PIECES);
+    const int loss = rs_clip_loss(a, fill, outside);
+    fill -= loss;
+    lost[VOXELS_AT_ONCE * (s - window->first)] = (ushort)loss;
+    if (!rs_has_edge(a)) continue;
+    set_substep(a, v);
+    const Clip clip = rs_clip(a, outline, v->list, &v->middle, x, y, z);
+    LaneSums edge = zero_sums();
+    rs_edge_force(a, &clip, fill, outside, &edge);
+    add_brick_sums(sums + s, &edge, 0, 0, 0);
+  }
+  page[place] = (ushort)fill;
+  for (int i = 0; i < RS_WINDOW_SUMS; ++i) {
+    basis[i] = fit.base[i];
+    basis[RS_WINDOW_SUMS + i] = fit.slope[i];
+  }
+  return true;
+}
+
+/* Adds the losses of the voxels in frame `f`. */
+RS_INLINE void add_losses(const uint f, __local WindowSums* sums) {
+  float total[2 * RS_WINDOW_SUMS];
+  __local float* to = sums->sums + 2 * RS_WINDOW_SUMS * f;
+  for (int i = 0; i < 2 * RS_WINDOW_SUMS; ++i) total[i] = to[i];
+  for (int voxel = 0; voxel < VOXELS_AT_ONCE; ++voxel) {
+    const int lost = sums->lost[VOXELS_AT_ONCE * f + voxel];
+    if (lost == 0) continue;
+    const __local float* basis = sums->basis + 2 * RS_WINDOW_SUMS * voxel;
+    for (int i = 0; i < 2 * RS_WINDOW_SUMS; ++i) total[i] = fma((float)lost, basis[i], total[i]);
+    sums->lost_fill[f] += lost;
+    sums->contacts[f] += 1;
+  }
+  for (int i = 0; i < 2 * RS_WINDOW_SUMS; ++i) to[i] = total[i];
+}
 
 /* Cuts the work-item's voxels of the brick in one substep, of those in `places` (a bit each). */
 void cut_voxels(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, __global ushort* page,

@@ -110,13 +110,14 @@ RS_INLINE PieceList rs_pieces_near_brick(const OutlineView* outline, const Brick
 }
 
 /* Centre in T of the voxel (x, y, z), counted within its brick, without the brick's `rest`. Single precision, with an
- * error of at most 10^-5 mm. */
-RS_INLINE void rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, const BrickMiddle* brick, rs_real x, rs_real y,
-                                rs_real z, rs_real* p) {
+ * error of at most 10^-5 mm. Returns its distance from the spin axis, mm. */
+RS_INLINE rs_real rs_voxel_in_tool(RS_GLOBAL const SubstepArgs* a, const BrickMiddle* brick, rs_real x, rs_real y,
+                                   rs_real z, rs_real* p) {
   const rs_real dx = x - RS_BRICK_MIDDLE, dy = y - RS_BRICK_MIDDLE, dz = z - RS_BRICK_MIDDLE;
   p[0] = brick->p[0] + (a->tool_step[0] * dx + a->tool_step[1] * dy + a->tool_step[2] * dz);
   p[1] = brick->p[1] + (a->tool_step[3] * dx + a->tool_step[4] * dy + a->tool_step[5] * dz);
   p[2] = brick->p[2] + (a->tool_step[6] * dx + a->tool_step[7] * dy + a->tool_step[8] * dz);
+  return RS_SQRT(p[0] * p[0] + p[1] * p[1]);
 }
 
 /* Velocity of the tool at a point, mm/s, T; its magnitude and inverse, which is 0 at rest: the force is then zero. */
@@ -231,9 +232,9 @@ RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const OutlineView*
   BrickMiddle brick;
   float p[3];
   rs_brick_in_tool(a, x, y, z, &brick);
-  rs_voxel_in_tool(a, &brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
+  const float r = rs_voxel_in_tool(a, &brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
   float n[3];
-  rs_outline_normal(outline, rs_pieces_near(outline, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, n);
+  rs_outline_normal(outline, rs_pieces_near(outline, r, p[2]), p, n);
   rs_cut_force(a, n, p, energy, sums);
 }
 
@@ -243,8 +244,8 @@ RS_INLINE int rs_contains_voxel(RS_GLOBAL const SubstepArgs* a, const OutlineVie
   BrickMiddle brick;
   float p[3];
   rs_brick_in_tool(a, x, y, z, &brick);
-  rs_voxel_in_tool(a, &brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
-  return rs_inside_outline(outline, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]);
+  const float r = rs_voxel_in_tool(a, &brick, (float)(x & 7), (float)(y & 7), (float)(z & 7), p);
+  return rs_inside_outline(outline, r, p[2]);
 }
 
 /* The paper's force law: each touching point exerts a given elemental force along its inward normal. In the shell's

@@ -50,8 +50,7 @@ RS_INLINE rs_real rs_half_width(RS_GLOBAL const SubstepArgs* a, const OutlineVie
 RS_INLINE rs_real rs_distance_beyond_reach(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, PieceList list,
                                            const BrickMiddle* brick, rs_real x, rs_real y, rs_real z, float shift) {
   rs_real p[3];
-  rs_voxel_in_tool(a, brick, x, y, z, p);
-  const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
+  const rs_real r = rs_voxel_in_tool(a, brick, x, y, z, p);
   const NearestPiece nearest = rs_outline_nearest(outline, list, r, p[2]);
   const float slack = shift + RS_POSITION_SLACK * a->per_voxel_mm;
   return nearest.distance * a->per_voxel_mm - rs_half_width(a, outline, list, &nearest, p, r, slack) - slack;
@@ -65,10 +64,8 @@ RS_INLINE int rs_brick_is_smooth(RS_GLOBAL const SubstepArgs* a, const OutlineVi
   RS_GLOBAL const OutlinePiece* e = outline->pieces + outline->numbers[list.first];
   const float* p = brick->p;
   const float r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
-  const float past = (r - e->r1) * e->along_r1 + (p[2] - e->z1) * e->along_z1;
-  const float short_of = -((r - e->r0) * e->along_r0 + (p[2] - e->z0) * e->along_z0);
-  const float beyond = past > short_of ? past : short_of; /* as rs_distance_to_ends() */
-  return -beyond > (RS_BRICK_RADIUS + RS_CLIP_REACH) * a->voxel_mm + shift + RS_POSITION_SLACK;
+  const float margin = (RS_BRICK_RADIUS + RS_CLIP_REACH) * a->voxel_mm + shift + RS_POSITION_SLACK;
+  return !RS_ANY(rs_distance_to_ends(e, RS_REAL(r), RS_REAL(p[2])) <= margin);
 }
 
 /* rs_distance_beyond_reach() in such a brick. The width of the voxels is found only where it decides. */
@@ -78,8 +75,7 @@ RS_INLINE rs_real rs_distance_beyond_reach_of_piece(RS_GLOBAL const SubstepArgs*
   const float narrowest = 0.5f, slack = shift + RS_POSITION_SLACK * a->per_voxel_mm;
   RS_GLOBAL const OutlinePiece* piece = outline->pieces + outline->numbers[list.first];
   rs_real p[3];
-  rs_voxel_in_tool(a, brick, x, y, z, p);
-  const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
+  const rs_real r = rs_voxel_in_tool(a, brick, x, y, z, p);
   const PieceDistance away = rs_circle_distance(piece, r, p[2]);
   const rs_real distance = away.distance * a->per_voxel_mm - slack;
   const rs_real undecided = distance > narrowest ? RS_REAL(RS_CLIP_REACH) - distance : RS_REAL(-1.0f);
@@ -94,8 +90,7 @@ RS_INLINE int rs_find_nearest_pieces(RS_GLOBAL const SubstepArgs* a, const Outli
                                      const BrickMiddle* brick, rs_real x, rs_real y, rs_real z, float shift,
                                      PieceList* near) {
   rs_real p[3];
-  rs_voxel_in_tool(a, brick, x, y, z, p);
-  const rs_real r = RS_SQRT(p[0] * p[0] + p[1] * p[1]);
+  const rs_real r = rs_voxel_in_tool(a, brick, x, y, z, p);
   const rs_real limit =
       rs_abs(rs_outline_nearest(outline, list, r, p[2]).distance) + 2.0f * (shift + RS_POSITION_SLACK);
   rs_u32 begin = list.count, end = 0;

@@ -8,6 +8,7 @@
 
 #include "brick_report.h"
 #include "distance_grid.h"
+#include "window.h"
 
 #ifdef RS_DISTANCE_GRID
 #define TEETH_PARAMETERS \
@@ -37,6 +38,20 @@ RS_INLINE void set_substep(__global const SubstepArgs* a, Visit* v) {
 RS_INLINE void set_window(__global const SubstepArgs* a, const OutlineView* outline, Visit* v) {
   set_substep(a, v);
   v->list = rs_pieces_near_brick(outline, &v->middle);
+}
+
+/* The middle of a brick at the nodes of a window. */
+typedef struct {
+  BrickMiddle first, middle, last;
+} NodeMiddles;
+
+RS_INLINE NodeMiddles node_middles(__global const MotionWindow* w, const Visit* v) {
+  const int x = 8 * v->at.x, y = 8 * v->at.y, z = 8 * v->at.z;
+  NodeMiddles out;
+  rs_brick_in_tool(&w->first, x, y, z, &out.first);
+  rs_brick_in_tool(&w->middle, x, y, z, &out.middle);
+  rs_brick_in_tool(&w->last, x, y, z, &out.last);
+  return out;
 }
 
 /* The tool next to voxel (x, y, z) of the brick, by the pieces in `list`. */

@@ -65,41 +65,13 @@ typedef struct {
 } CubeDepths;
 
 RS_INLINE CubeDepths rs_cube_depths(const rs_real* n) {
-  const rs_real least = RS_REAL(1e-9f);
-  const rs_real a = rs_abs(n[0]), b = rs_abs(n[1]), c = rs_abs(n[2]);
-  const rs_real low = rs_min(a, b), high = rs_max(a, b), other = rs_max(low, c);
   CubeDepths out;
-  out.m1 = rs_max(rs_min(low, c), least);
-  out.m2 = rs_max(rs_min(other, high), least);
-  out.m3 = rs_max(other, high);
+  rs_sort_components(n, &out.m1, &out.m2, &out.m3);
   out.whole = out.m1 + out.m2 + out.m3;
   out.third = rs_min(out.m1 + out.m2, out.m3);
   out.per_pair = 0.5f / (out.m2 * out.m3);
   out.per_all = out.per_pair / (3.0f * out.m1);
   return out;
-}
-
-/* Where region 1, 2, ... 8 begins. */
-RS_INLINE rs_real rs_region_begin(const CubeDepths* d, int region) {
-  const rs_real zero = RS_REAL(0.0f);
-  switch (region) {
-    case 1:
-      return zero;
-    case 2:
-      return d->m1;
-    case 3:
-      return d->m2;
-    case 4:
-      return d->third;
-    case 5:
-      return d->whole - d->third;
-    case 6:
-      return d->whole - d->m2;
-    case 7:
-      return d->whole - d->m1;
-    default:
-      return d->whole;
-  }
 }
 
 /* Subtracts scale·(e + y)^3. */
@@ -154,10 +126,10 @@ RS_INLINE void rs_set_pieces(const CubeDepths* d, rs_real low, rs_real high, rs_
     for (int k = 0; k < 4; ++k) v->piece[i].c[k] = zero;
     if (i > 0) v->begin[i - 1] = far;
   }
+  const rs_real begins[RS_CUBE_REGIONS + 1] = {
+      -far, zero, d->m1, d->m2, d->third, d->whole - d->third, d->whole - d->m2, d->whole - d->m1, d->whole, far};
   for (int region = 0; region < RS_CUBE_REGIONS; ++region) {
-    const rs_real begin = region == 0 ? -far : rs_region_begin(d, region);
-    const rs_real end = region == RS_CUBE_REGIONS - 1 ? far : rs_region_begin(d, region + 1);
-    const rs_real lower = rs_max(from, begin), upper = rs_min(to, end);
+    const rs_real begin = begins[region], lower = rs_max(from, begin), upper = rs_min(to, begins[region + 1]);
     const rs_real there = upper - lower > narrow ? one : zero;
     if (!RS_ANY(there > 0.0f)) continue;
     const Cubic f = rs_region_cubic(d, region, 0.5f * (lower + upper));

@@ -42,30 +42,30 @@ StepResult result_of(const FrameResult& r) {
           .pose = pose_of(r.pose)};
 }
 
-Volume empty_volume(const VoxelGrid& grid) {
-  return {{grid.dims.x(), grid.dims.y(), grid.dims.z()},
-          grid.voxel_mm,
-          array_of(grid.origin_mm),
-          std::vector<float>(static_cast<std::size_t>(grid.size()))};
+/// value(grade, fill) of the voxels with bone before the first step, 0 elsewhere.
+template <class Value>
+Volume volume_of(const BoneView& bone, const Value& value) {
+  const VoxelGrid& grid = bone.voxmap.grid;
+  Volume out{{grid.dims.x(), grid.dims.y(), grid.dims.z()},
+             grid.voxel_mm,
+             array_of(grid.origin_mm),
+             std::vector<float>(static_cast<std::size_t>(grid.size()))};
+  for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
+    out.values[static_cast<std::size_t>(grid.index(voxel))] = value(grade, fill);
+  });
+  return out;
 }
 
 constexpr const char* kFailed = "an earlier step failed: make a new simulation";
-/// Wall time between two calls of stop().
-constexpr double kMostSeconds = 0.2;
 
 }  // namespace
 
-namespace library {
-
-class Rows final : public FrameSink {
- public:
-  void frame(const FrameResult& result, const FrameTimes&) override { rows.push_back(result_of(result)); }
-  std::vector<StepResult> rows;
-};
-
-}  // namespace library
-
 struct Simulation::Core {
+  struct Rows final : FrameSink {
+    void frame(const FrameResult& result, const FrameTimes&) override { rows.push_back(result_of(result)); }
+    std::vector<StepResult> rows;
+  };
+
   explicit Core(const std::string& path, const std::vector<std::string>& set)
       : scene(load(parse_scenario(path, set), report)),
         engine(load_engine(scene)),
@@ -167,13 +167,11 @@ struct Simulation::Core {
     const bool windowed = stepper.can_use_windows();
     const FrameMotion* last = nullptr;
     compute([&] {
-      stepper.begin_batch();
       for (const FrameMotion& motion : motions) {
         stepper.add(motion, windowed ? windows.of(motion.frame) : nullptr);
         last = &motion;
-        if (!is_batch()) continue;
+        if (!stepper.is_full(scene.scenario.engine.batch_frames)) continue;
         stepper.finish_batch();
-        stepper.begin_batch();
         if (stop && stop()) break;
       }
       stepper.finish_batch();
@@ -181,17 +179,10 @@ struct Simulation::Core {
     return take(*last);
   }
 
-  /// Whether the pending frames are a batch. Results do not depend on batches.
-  [[nodiscard]] bool is_batch() const {
-    const std::size_t count = stepper.batch_frames();
-    return count >= static_cast<std::size_t>(scene.scenario.engine.batch_frames) ||
-           static_cast<double>(count) * stepper.frame_wall_s() > kMostSeconds;
-  }
-
   Diagnostics report;
   SimulationInput scene;
   std::unique_ptr<Engine> engine;
-  library::Rows rows;
+  Rows rows;
   FrameStepper stepper;
   BoneIdentity identity;
   FillBricks fill_before;  ///< the first step
@@ -273,25 +264,17 @@ StepResult Simulation::peek(const Pose& pose, std::optional<double> dt) {
 Volume Simulation::fill() {
   return guarded([&] {
     core_->stepper.read_fill();
-    const VoxelGrid& grid = core_->scene.bone.voxmap->grid;
-    Volume out = empty_volume(grid);
-    for_each_bone_voxel(core_->scene.bone.view(), [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) {
-      out.values[static_cast<std::size_t>(grid.index(voxel))] = static_cast<float>(fill) / float{FillBricks::kWhole};
+    return volume_of(core_->scene.bone.view(), [](std::uint8_t, std::uint16_t fill) {
+      return static_cast<float>(fill) / float{FillBricks::kWhole};
     });
-    return out;
   });
 }
 
 Volume Simulation::density() const {
   return guarded([&] {
-    const Voxmap& voxmap = *core_->scene.bone.voxmap;
-    const VoxelGrid& grid = voxmap.grid;
-    Volume out = empty_volume(grid);
-    for (std::int64_t e = 0; e < grid.size(); ++e) {
-      out.values[static_cast<std::size_t>(e)] =
-          static_cast<float>(DensityMapping::density_from_grade(voxmap.grade.get(grid.coord(e))));
-    }
-    return out;
+    return volume_of(core_->scene.bone.view(), [](std::uint8_t grade, std::uint16_t) {
+      return static_cast<float>(DensityMapping::density_from_grade(grade));
+    });
   });
 }
 

@@ -70,6 +70,24 @@ Simulation::State::Parts read_values(std::string_view text) {
   return out;
 }
 
+class CallerMonitor final : public RunMonitor {
+ public:
+  explicit CallerMonitor(const RunOptions& options) : options_(options) {}
+
+  void take(const Diagnostics& report) override {
+    warnings.insert(warnings.end(), report.warnings.begin(), report.warnings.end());
+  }
+  void progress(std::int64_t done, std::int64_t total) override {
+    if (options_.progress) options_.progress(done, total);
+  }
+  [[nodiscard]] bool stop_requested() override { return options_.stop && options_.stop(); }
+
+  std::vector<std::string> warnings;
+
+ private:
+  const RunOptions& options_;
+};
+
 }  // namespace
 
 BoneIdentity identity_of(const Bone& bone) {
@@ -127,28 +145,6 @@ Simulation::State Simulation::State::load(const std::string& path) {
     }
   });
 }
-
-namespace {
-
-class CallerMonitor final : public RunMonitor {
- public:
-  explicit CallerMonitor(const RunOptions& options) : options_(options) {}
-
-  void take(const Diagnostics& report) override {
-    warnings.insert(warnings.end(), report.warnings.begin(), report.warnings.end());
-  }
-  void progress(std::int64_t done, std::int64_t total) override {
-    if (options_.progress) options_.progress(done, total);
-  }
-  [[nodiscard]] bool stop_requested() override { return options_.stop && options_.stop(); }
-
-  std::vector<std::string> warnings;
-
- private:
-  const RunOptions& options_;
-};
-
-}  // namespace
 
 RunResults run_scenario(const std::string& scenario, const RunOptions& options) {
   return guarded([&]() -> RunResults {

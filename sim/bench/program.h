@@ -9,8 +9,8 @@
 
 #include "sim/bench/scene.h"
 #include "sim/device/opencl.h"
-#include "sim/engine/common/engine.h"
 #include "sim/engine/common/substep.h"
+#include "sim/engine/make_engine.h"
 
 namespace reamsim::bench {
 

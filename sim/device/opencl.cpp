@@ -5,18 +5,20 @@
 
 #include <sys/stat.h>
 #include <unistd.h>
+#include <cctype>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <numeric>
 #include <sstream>
-#include <string>
 #include <system_error>
-#include <vector>
+#include <thread>
+#include <utility>
 
 #include "sim/base/error.h"
+#include "sim/base/process.h"
 #include "sim/base/text.h"
 
 namespace reamsim::cl {
@@ -72,6 +74,138 @@ Program build_program(const DeviceInfo& info, cl_context context, const std::str
   status = clBuildProgram(program.get(), 1, &info.id, all_options.c_str(), nullptr, nullptr);
   if (status == CL_SUCCESS) return program;
   throw RunError("kernel " + name + " does not build on " + info.name + ": " + build_log(program.get(), info.id));
+}
+
+template <class Id, class Query>
+std::string info_text(Id id, cl_uint parameter, Query query) {
+  std::size_t size = 0;
+  if (query(id, parameter, 0, nullptr, &size) != CL_SUCCESS || size == 0) return {};
+  std::string text(size, '\0');
+  query(id, parameter, size, text.data(), nullptr);
+  text.resize(text.find('\0') == std::string::npos ? text.size() : text.find('\0'));
+  return text;
+}
+
+template <class T>
+T info_value(cl_device_id id, cl_device_info parameter) {
+  T value{};
+  clGetDeviceInfo(id, parameter, sizeof(T), &value, nullptr);
+  return value;
+}
+
+std::string missing_extensions(cl_device_id id) {
+  const std::vector<std::string> have = split(info_text(id, CL_DEVICE_EXTENSIONS, clGetDeviceInfo), ' ');
+  std::string missing;
+  for (const char* extension : {"cl_khr_fp64", "cl_khr_int64_base_atomics"}) {
+    if (std::ranges::count(have, extension) == 0) missing += (missing.empty() ? "" : ", ") + std::string(extension);
+  }
+  return missing;
+}
+
+/// Limit of the work-items in a group. On a CPU, PoCL keeps the private memory of all work-items of a group on one
+/// thread's stack, here some 4 kB each: 2048 of them overflow it, although the device reports that limit.
+std::size_t max_work_items(cl_device_id id, bool gpu) {
+  constexpr std::size_t kMaxOnCpu = 256;
+  const auto most = info_value<std::size_t>(id, CL_DEVICE_MAX_WORK_GROUP_SIZE);
+  return gpu ? most : std::min(most, kMaxOnCpu);
+}
+
+DeviceInfo describe(cl_platform_id platform, cl_device_id id) {
+  DeviceInfo info;
+  info.platform = platform;
+  info.id = id;
+  info.platform_name = info_text(platform, CL_PLATFORM_NAME, clGetPlatformInfo);
+  info.name = info_text(id, CL_DEVICE_NAME, clGetDeviceInfo);
+  info.driver = info_text(id, CL_DRIVER_VERSION, clGetDeviceInfo);
+  info.gpu = (info_value<cl_device_type>(id, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_GPU) != 0;
+  info.compute_units = info_value<cl_uint>(id, CL_DEVICE_MAX_COMPUTE_UNITS);
+  info.max_parts = info_value<cl_uint>(id, CL_DEVICE_PARTITION_MAX_SUB_DEVICES);
+  info.max_work_group = max_work_items(id, info.gpu);
+  info.global_memory_bytes = info_value<cl_ulong>(id, CL_DEVICE_GLOBAL_MEM_SIZE);
+  info.max_allocation_bytes = info_value<cl_ulong>(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+  info.rounds_division =
+      (info_value<cl_device_fp_config>(id, CL_DEVICE_SINGLE_FP_CONFIG) & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+  info.missing = missing_extensions(id);
+  return info;
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+std::string names(const std::vector<DeviceInfo>& devices) {
+  std::string out;
+  for (const auto& device : devices) out += (out.empty() ? "\"" : ", \"") + device.name + "\"";
+  return out;
+}
+
+DeviceInfo choose_automatically(const std::vector<DeviceInfo>& devices) {
+  for (const bool gpu : {true, false}) {
+    for (const auto& device : devices) {
+      if (device.gpu == gpu && device.missing.empty()) return device;
+    }
+  }
+  throw RunError("no OpenCL device meets the requirements of the engine (" + devices.front().name + " lacks " +
+                 devices.front().missing + "); --device serial runs without OpenCL");
+}
+
+/// Address space that a driver takes beside a small scenario, mostly without using it: libraries of the compiler and a
+/// first compilation, 0.7 GB with PoCL 3.1, and the stacks of a thread for each core.
+std::uint64_t driver_address_space() {
+  constexpr std::uint64_t kLibraries = 800'000'000, kStack = 16'000'000;
+  return kLibraries + kStack * std::thread::hardware_concurrency();
+}
+
+/// A driver that runs out of address space hides its devices, or aborts the program.
+void require_address_space() {
+  const auto limit = address_space_limit();
+  const std::uint64_t used = address_space_in_use();
+  if (!limit || *limit >= used + driver_address_space()) return;
+  throw RunError(address_space_note() + ", of which " + megabytes(used) + " are taken; OpenCL needs " +
+                 megabytes(driver_address_space()) + " more: raise the limit, or use --device serial");
+}
+
+namespace fs = std::filesystem;
+
+constexpr const char* kVariable = "POCL_CACHE_DIR";
+
+struct CacheFolder {
+  std::string path;
+  std::string variable;  ///< that gives it
+};
+
+/// The folder that PoCL takes; no path where that is /tmp/pocl, which anybody may have made, with code in it.
+CacheFolder usual_folder() {
+  using Place = std::pair<const char*, const char*>;
+  for (const auto& [variable, below] :
+       {Place{kVariable, ""}, Place{"XDG_CACHE_HOME", "/pocl/kcache"}, Place{"HOME", "/.cache/pocl/kcache"}}) {
+    const char* value = std::getenv(variable);
+    if (value != nullptr && *value != '\0') return {std::string(value) + below, variable};
+  }
+  return {"", "HOME"};
+}
+
+/// Whether a file can be made in the folder, which is created. Permissions do not say so of /proc, or for root.
+bool is_writable(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  std::string name = folder + "/reamsim-XXXXXX";
+  const int file = mkstemp(name.data());
+  if (file < 0) return false;
+  close(file);
+  unlink(name.c_str());
+  return true;
+}
+
+/// A folder, perhaps of an earlier run, that only this user can have filled, and can write; "": impossible.
+std::string private_folder(const std::string& parent) {
+  const std::string name = parent + "/reamsim-kernels-" + std::to_string(geteuid());
+  if (mkdir(name.c_str(), S_IRWXU) != 0 && errno != EEXIST) return "";
+  struct stat status {};
+  const bool own = lstat(name.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == geteuid() &&
+                   (status.st_mode & (S_IRWXG | S_IRWXO)) == 0;
+  return own && is_writable(name) ? name : "";
 }
 
 }  // namespace
@@ -172,74 +306,68 @@ std::vector<double> SlotKernel::take_seconds() {
   return by_slot;
 }
 
-namespace {
-
-namespace fs = std::filesystem;
-
-constexpr const char* kVariable = "POCL_CACHE_DIR";
-
-struct CacheFolder {
-  std::string path;
-  std::string variable;  ///< that gives it
-};
-
-/// The folder that PoCL takes; no path where that is /tmp/pocl, which anybody may have made, with code in it.
-CacheFolder usual_folder() {
-  const auto given = [](const char* name) {
-    const char* value = std::getenv(name);
-    return std::string(value == nullptr ? "" : value);
-  };
-  if (const std::string folder = given(kVariable); !folder.empty()) return {folder, kVariable};
-  if (const std::string folder = given("XDG_CACHE_HOME"); !folder.empty())
-    return {folder + "/pocl/kcache", "XDG_CACHE_HOME"};
-  if (const std::string folder = given("HOME"); !folder.empty()) return {folder + "/.cache/pocl/kcache", "HOME"};
-  return {"", "HOME"};
+std::vector<DeviceInfo> list_devices() {
+  require_address_space();
+  if (!std::filesystem::exists("/sys/devices/system"))  // PoCL ends the program
+    throw RunError("/sys is not mounted, and OpenCL drivers need it: mount it, or use --device serial");
+  std::vector<DeviceInfo> devices;
+  cl_uint platform_count = 0;
+  if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS || platform_count == 0) return devices;
+  std::vector<cl_platform_id> platforms(platform_count);
+  check(clGetPlatformIDs(platform_count, platforms.data(), nullptr), "clGetPlatformIDs");
+  for (cl_platform_id platform : platforms) {
+    cl_uint count = 0;
+    if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &count) != CL_SUCCESS || count == 0) continue;
+    std::vector<cl_device_id> ids(count);
+    check(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, count, ids.data(), nullptr), "clGetDeviceIDs");
+    for (cl_device_id id : ids) devices.push_back(describe(platform, id));
+  }
+  return devices;
 }
 
-/// Whether a file can be made in the folder, which is created. Permissions do not say so of /proc, or for root.
-bool is_writable(const std::string& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  std::string name = folder + "/reamsim-XXXXXX";
-  const int file = mkstemp(name.data());
-  if (file < 0) return false;
-  close(file);
-  unlink(name.c_str());
-  return true;
+DeviceInfo choose_device(const std::string& wanted) {
+  const auto devices = list_devices();
+  if (devices.empty()) {
+    throw RunError(
+        "no OpenCL platform found: install a driver (Debian: pocl-opencl-icd, or that of the GPU), or use --device "
+        "serial");
+  }
+  if (wanted == "auto") return choose_automatically(devices);
+  for (const auto& device : devices) {
+    if (lower(device.name).find(lower(wanted)) == std::string::npos) continue;
+    if (device.missing.empty()) return device;
+    throw InputError({}, "engine.device", "\"" + wanted + "\" is " + device.name + ", which lacks " + device.missing,
+                     "choose another device or serial");
+  }
+  throw InputError({}, "engine.device", "\"" + wanted + "\" matches no OpenCL device",
+                   "expected auto, serial or part of one of " + names(devices));
 }
 
-std::vector<std::string> temporary_places() {
-  std::error_code error;
-  const std::string variable = fs::temp_directory_path(error).string();  // TMPDIR, unless it is no folder
-  return variable.empty() || variable == "/tmp" ? std::vector<std::string>{"/tmp"}
-                                                : std::vector<std::string>{variable, "/tmp"};
+DeviceInfo part_of(const DeviceInfo& device, unsigned compute_units) {
+  if (device.max_parts == 0) throw RunError(device.name + ": the device cannot be divided");
+  const cl_device_partition_property by_count[] = {CL_DEVICE_PARTITION_BY_COUNTS,
+                                                   static_cast<cl_device_partition_property>(compute_units),
+                                                   CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+  cl_device_id id = nullptr;
+  check(clCreateSubDevices(device.id, by_count, 1, &id, nullptr), "clCreateSubDevices");
+  DeviceInfo out = device;
+  out.id = id;
+  out.compute_units = compute_units;
+  out.part = std::shared_ptr<void>(id, [](void* part) { clReleaseDevice(static_cast<cl_device_id>(part)); });
+  return out;
 }
-
-/// A folder, perhaps of an earlier run, that only this user can have filled, and can write; "": impossible.
-std::string private_folder(const std::string& parent) {
-  const std::string name = parent + "/reamsim-kernels-" + std::to_string(geteuid());
-  if (mkdir(name.c_str(), S_IRWXU) != 0 && errno != EEXIST) return "";
-  struct stat status {};
-  const bool own = lstat(name.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == geteuid() &&
-                   (status.st_mode & (S_IRWXG | S_IRWXO)) == 0;
-  return own && is_writable(name) ? name : "";
-}
-
-/// A new folder, where the name of private_folder() is taken.
-std::string new_folder(const std::string& parent) {
-  std::string name = parent + "/reamsim-kernels-XXXXXX";
-  return mkdtemp(name.data()) != nullptr ? name : "";
-}
-
-}  // namespace
 
 KernelCache::KernelCache() {
   const CacheFolder usual = usual_folder();
   if (!usual.path.empty() && is_writable(usual.path)) return;
   std::string folder;
-  for (const std::string& parent : temporary_places()) {
-    if (folder.empty()) folder = private_folder(parent);
-    if (folder.empty()) folder = temporary_ = new_folder(parent);
+  std::error_code error;
+  const std::string variable = fs::temp_directory_path(error).string();  // TMPDIR, unless it is no folder
+  for (const std::string& parent : {variable.empty() ? "/tmp" : variable, std::string("/tmp")}) {
+    folder = private_folder(parent);
+    std::string name = parent + "/reamsim-kernels-XXXXXX";  // where the name of private_folder() is taken
+    if (folder.empty() && mkdtemp(name.data()) != nullptr) folder = temporary_ = name;
+    if (!folder.empty()) break;
   }
   const std::string found =
       usual.path.empty() ? usual.variable + " is not set" : usual.path + " (" + usual.variable + ") cannot be written";

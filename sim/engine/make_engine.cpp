@@ -3,8 +3,6 @@
 
 #include "sim/engine/make_engine.h"
 
-#include <utility>
-
 #include "sim/base/error.h"
 
 namespace reamsim {
@@ -16,23 +14,6 @@ cl::DeviceInfo chosen(const EngineSettings& engine) {
   if (engine.tuning.compute_units > 0) info = cl::part_of(info, static_cast<unsigned>(engine.tuning.compute_units));
   return info;
 }
-
-}  // namespace
-
-cl::Device EngineDevices::of(const EngineSettings& engine) {
-  const std::pair key{engine.device, engine.tuning.compute_units};
-  auto opened = opened_.find(key);
-  if (opened == opened_.end()) opened = opened_.emplace(key, cl::Device(chosen(engine))).first;
-  const cl::DeviceInfo& info = opened->second.info();
-  const int wanted = engine.tuning.work_group_size;
-  if (wanted > 0 && static_cast<std::size_t>(wanted) > info.max_work_group) {
-    throw InputError({}, "REAMSIM_ENGINE_TUNING", "found work_group_size=" + std::to_string(wanted),
-                     "expected at most " + std::to_string(info.max_work_group) + " on " + info.name);
-  }
-  return opened->second;
-}
-
-namespace {
 
 std::unique_ptr<Engine> make_plain_engine(EngineDevices& devices, const Scenario& scenario, const BoneView& bone,
                                           const Tool& tool) {
@@ -49,6 +30,19 @@ std::unique_ptr<Engine> make_plain_engine(EngineDevices& devices, const Scenario
 }
 
 }  // namespace
+
+cl::Device EngineDevices::of(const EngineSettings& engine) {
+  const std::pair key{engine.device, engine.tuning.compute_units};
+  auto opened = opened_.find(key);
+  if (opened == opened_.end()) opened = opened_.emplace(key, cl::Device(chosen(engine))).first;
+  const cl::DeviceInfo& info = opened->second.info();
+  const int wanted = engine.tuning.work_group_size;
+  if (wanted > 0 && static_cast<std::size_t>(wanted) > info.max_work_group) {
+    throw InputError({}, "REAMSIM_ENGINE_TUNING", "found work_group_size=" + std::to_string(wanted),
+                     "expected at most " + std::to_string(info.max_work_group) + " on " + info.name);
+  }
+  return opened->second;
+}
 
 std::unique_ptr<Engine> make_engine_on(EngineDevices& devices, const Scenario& scenario, const BoneView& bone,
                                        const Tool& tool) {

@@ -49,11 +49,10 @@ struct FeedRate {
 using BoneForce = std::function<double(double feed_mm_s)>;
 
 /// The feed at which the forces balance; 0 where the bone holds the thrust at rest. `slope_n_s_mm`: that of the frame
-/// before, for the first guess; 0: none.
-///
-/// Between two frames the velocity approaches its steady value exponentially with the rate (slope + damping)/M. The
-/// mean over the frame is therefore v₀ + θ·(v₁ − v₀) with θ = 1/(1 − e^(−λ)) − 1/λ and λ = rate·Δt: exact for a
-/// constant slope, implicit, of second order for small steps (θ → 1/2) and without oscillation for large ones (θ → 1).
+/// before, for the first guess; 0: none. Between two frames the velocity approaches its steady value exponentially with
+/// the rate (slope + damping)/M. The mean over the frame is therefore v₀ + θ·(v₁ − v₀) with θ = 1/(1 − e^(−λ)) − 1/λ
+/// and λ = rate·Δt: exact for a constant slope, implicit, of second order for small steps (θ → 1/2) and without
+/// oscillation for large ones (θ → 1).
 FeedRate balanced_feed(const ThrustBalance& balance, const BoneForce& bone, double slope_n_s_mm);
 
 /// Adds the energies of a frame, mJ. `frame_s`: its time. Returns the force of the hand, N.
@@ -102,13 +101,11 @@ struct Deflection {
   int evaluations = 0;  ///< calls of BoneForces
 };
 
-/// The deflection at which the forces balance.
-///
-/// The bone resists as a damper, F ≈ −A·v, and A/Δt exceeds the stiffness by orders of magnitude. The first guess
-/// takes force, velocity and resistance of the substep before; steps of Newton with Broyden's update of the resistance
-/// follow (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6). Where a step does not halve what is missing, one call
-/// evaluates differences for a new resistance and shorter steps. Where the force jumps across the balance, the best
-/// point is taken, and `balanced` is false.
+/// The deflection at which the forces balance. The bone resists as a damper, F ≈ −A·v, and A/Δt exceeds the stiffness
+/// by orders of magnitude. The first guess takes force, velocity and resistance of the substep before; steps of Newton
+/// with Broyden's update of the resistance follow (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6). Where a step
+/// does not halve what is missing, one call evaluates differences for a new resistance and shorter steps. Where the
+/// force jumps across the balance, the best point is taken, and `balanced` is false.
 Deflection balanced_deflection(const SpringBalance& balance, const BoneForces& bone, const SpringState& before);
 
 /// What was cut in a substep, in T.

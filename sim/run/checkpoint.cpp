@@ -58,27 +58,7 @@ void require_same_scenario(const std::string& saved, const std::string& current,
   }
 }
 
-}  // namespace
-
-std::vector<PlacedBrick> reamed_bricks(const FillBricks& before, const FillBricks& now) {
-  std::vector<PlacedBrick> out;
-  now.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& brick) {
-    const FillBricks::Brick* old = before.brick(coord);
-    if (old != &brick && (old == nullptr || *old != brick)) out.emplace_back(coord, brick);
-  });
-  return out;
-}
-
-void restore_fill(const Checkpoint& checkpoint, FillBricks& fill, const std::string& dir) {
-  const auto checked = [&, dims = fill.brick_dims()](const Vec3i& coord) -> const Vec3i& {
-    if ((coord.array() >= 0).all() && (coord.array() < dims.array()).all()) return coord;
-    throw InputError({dir, 0, 0}, "checkpoint", "does not fit the bone", kStartAgain);
-  };
-  for (const auto& [coord, brick] : checkpoint.fill) fill.put(checked(coord), brick);
-  fill.take_changed();
-  for (const Vec3i& coord : checkpoint.changed) fill.mark_changed(checked(coord));
-}
-
+/// Throws InputError, with the key or input that differs, where `saved` belongs to another run. The device may differ.
 void require_same_run(const RunIdentity& saved, const RunIdentity& current, const std::string& dir) {
   if (saved.program != current.program) {
     throw InputError({dir, 0, 0}, "checkpoint", "written by " + saved.program,
@@ -92,8 +72,6 @@ void require_same_run(const RunIdentity& saved, const RunIdentity& current, cons
     throw InputError({dir, 0, 0}, input.role, input.path + " has changed since the checkpoint", kStartAgain);
   }
 }
-
-namespace {
 
 constexpr std::string_view kMagic = "reamsim checkpoint 4\n";
 
@@ -130,6 +108,25 @@ std::optional<Checkpoint> read_checkpoint(const std::string& path) {
 }
 
 }  // namespace
+
+std::vector<PlacedBrick> reamed_bricks(const FillBricks& before, const FillBricks& now) {
+  std::vector<PlacedBrick> out;
+  now.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& brick) {
+    const FillBricks::Brick* old = before.brick(coord);
+    if (old != &brick && (old == nullptr || *old != brick)) out.emplace_back(coord, brick);
+  });
+  return out;
+}
+
+void restore_fill(const Checkpoint& checkpoint, FillBricks& fill, const std::string& dir) {
+  const auto checked = [&, dims = fill.brick_dims()](const Vec3i& coord) -> const Vec3i& {
+    if ((coord.array() >= 0).all() && (coord.array() < dims.array()).all()) return coord;
+    throw InputError({dir, 0, 0}, "checkpoint", "does not fit the bone", kStartAgain);
+  };
+  for (const auto& [coord, brick] : checkpoint.fill) fill.put(checked(coord), brick);
+  fill.take_changed();
+  for (const Vec3i& coord : checkpoint.changed) fill.mark_changed(checked(coord));
+}
 
 std::optional<Checkpoint> CheckpointFiles::read() {
   std::optional<Checkpoint> first = read_checkpoint(path(0)), second = read_checkpoint(path(1));

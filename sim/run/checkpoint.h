@@ -59,9 +59,6 @@ class CheckpointFiles {
   int next_ = 0;  ///< number of the next one to write
 };
 
-/// Throws InputError, with the key or input that differs, where `saved` belongs to another run. The device may differ.
-void require_same_run(const RunIdentity& saved, const RunIdentity& current, const std::string& dir);
-
 /// The checkpoints of a run: saves its state from time to time, and continues an interrupted run from the last one.
 class RunCheckpoints {
  public:

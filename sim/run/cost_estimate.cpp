@@ -15,7 +15,6 @@
 #include "sim/engine/common/substep.h"
 #include "sim/engine/dense/dense_state.h"
 #include "sim/engine/exact/brick_batch_plan.h"
-#include "sim/engine/make_engine.h"
 #include "sim/record/force_log.h"
 #include "sim/scenario/picture_frames.h"
 #include "sim/tool/tool_path.h"
@@ -40,91 +39,16 @@ double visit_shift(const SimulationInput& scene) {
   return std::min(RS_VISIT_SUBSTEPS * substep_mm, kVisitShiftVoxels * voxel_mm);
 }
 
-/// Bound of the distance between a point and its sample, mm.
-double sample_slack(const DistanceTable& table) {
-  return std::sqrt(0.5) * table.pitch_mm + 1e-3;
+/// Marks the bricks of the lattice, and counts the partial ones.
+std::vector<BrickMark> marks_of(const Bone& bone, const BrickLattice& lattice, std::size_t& partial) {
+  std::vector<BrickMark> out(lattice.count(), BrickMark::air);
+  bone.voxmap->grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
+    const bool is_partial = bone.fill.brick(coord) != nullptr;
+    out[lattice.index(coord)] = is_partial ? BrickMark::partial : BrickMark::whole;
+    partial += is_partial ? 1 : 0;
+  });
+  return out;
 }
-
-/// Bricks of the lattice, and those that the tool has reached.
-class SweptBricks {
- public:
-  explicit SweptBricks(const SimulationInput& scene)
-      : scene_(scene),
-        visit_shift_mm_(visit_shift(scene)),
-        voxel_mm_(scene.bone.voxmap->grid.voxel_mm),
-        lattice_(BrickLattice::over(scene.bone.voxmap->grid.dims)),
-        marks_(lattice_.count(), BrickMark::air),
-        bone_(bone_extent(*scene.bone.voxmap)),
-        coarse_(brick_distances(scene.tool.profile, voxel_mm_, scene.tool.clip_slack_mm())) {
-    const Voxmap& voxmap = *scene.bone.voxmap;
-    voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
-      const bool partial = scene.bone.fill.brick(coord) != nullptr;
-      marks_[lattice_.index(coord)] = partial ? BrickMark::partial : BrickMark::whole;
-      out_.partial += partial ? 1 : 0;
-    });
-  }
-
-  /// Adds the bricks that the tool reaches within `slack_mm` of a pose.
-  void add(const ToolPose& pose, double slack_mm) {
-    const Substep rest{.pose = pose, .duration_s = scene_.motion.frame_s()};
-    const double reached_mm = RS_BRICK_RADIUS * voxel_mm_ + slack_mm;
-    const double listed_mm = reached_mm + visit_shift_mm_ + sample_slack(coarse_);
-    const Aabb box = scene_.tool.clip_bounds().expanded(listed_mm);
-    const SubstepArgs args =
-        make_args(rest, box, scene_.tool.shell, scene_.bone.voxmap->grid, scene_.scenario.cutting, false);
-    const VoxelBox near = voxel_voi(args, box, bone_);
-    if (near.empty()) return;
-    const Vec3i first = near.first / BrickLattice::kSide, last = near.last / BrickLattice::kSide;
-    std::size_t listed = 0;
-    for_each_voxel(first, last, [&](const Vec3i& brick) {
-      BrickMark& mark = marks_[lattice_.index(brick)];
-      if (mark == BrickMark::air) return;
-      const double distance_mm = distance(args, brick, reached_mm);
-      listed += std::abs(distance_mm) <= listed_mm ? 1 : 0;
-      if (distance_mm > reached_mm || mark == BrickMark::partial) return;
-      ++out_.partial;
-      mark = BrickMark::partial;
-    });
-    out_.listed = std::max(out_.listed, listed);
-  }
-
-  [[nodiscard]] const ExactForecast& forecast() const { return out_; }
-
- private:
-  /// Signed distance of a brick's middle from the tool's surface, mm: that of the profile close to `limit_mm`, that of
-  /// the coarse table elsewhere.
-  [[nodiscard]] double distance(const SubstepArgs& args, const Vec3i& brick, double limit_mm) const {
-    const Vec3 middle = (BrickLattice::kSide * brick).cast<double>() + Vec3::Constant(0.5 * (BrickLattice::kSide - 1));
-    const Mat3 tool_from_voxel = Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();  // stored row by row
-    const Vec2 rz = rz_of(tool_from_voxel * middle + Eigen::Map<const Vec3>(args.tool_origin));
-    const double coarse = coarse_.nearest(rz);
-    return std::abs(coarse - limit_mm) > sample_slack(coarse_) ? coarse : scene_.tool.profile.nearest(rz).distance_mm;
-  }
-
-  const SimulationInput& scene_;
-  double visit_shift_mm_;
-  double voxel_mm_;
-  BrickLattice lattice_;
-  std::vector<BrickMark> marks_;
-  VoxelBox bone_;
-  DistanceTable coarse_;
-  ExactForecast out_;
-};
-
-}  // namespace
-
-ExactForecast forecast_exact(const SimulationInput& scene) {
-  SweptBricks swept(scene);
-  BoundedPath path(scene.tool.reach_mm, kStepVoxels * scene.bone.voxmap->grid.voxel_mm);
-  path.add(scene.motion.poses);
-  const double step_mm = path.step_mm();
-  for (const PathSample& sample : sample_path(path.finish(), scene.tool.reach_mm, step_mm)) {
-    swept.add(sample.pose, step_mm + path.deviation_mm());
-  }
-  return swept.forecast();
-}
-
-namespace {
 
 constexpr int kWindows = 10;
 constexpr std::int64_t kWindowFrames = 64;
@@ -199,50 +123,6 @@ BatchTimes time_window(SimulationInput& scene, Engine& engine, double most_s) {
   return times;
 }
 
-}  // namespace
-
-TimePlan plan_time(SimulationInput& scene, Engine& engine, double budget_s) {
-  const Motion motion = scene.motion;
-  const PoseSequence& poses = motion.poses;
-  std::vector<Pass> later_passes = std::exchange(scene.later_passes, {});
-  scene.motion.first_frame = 0;
-  scene.motion.push.reset();  // its way without resistance is timed
-  const Scenario original = scene.scenario;
-  scene.scenario.render.every_frames = std::numeric_limits<int>::max();  // no snapshots in between
-  if (original.engine.device == "serial") scene.scenario.engine.batch_frames = kSerialBatch;
-  const auto all = static_cast<std::int64_t>(poses.size()) - 1;
-  const std::int64_t window = std::min(all, kWindowFrames);
-  const auto first_of = [&](int i) { return (all - window) * i / (kWindows - 1); };
-  TimePlan plan;
-  std::vector<Timed> timed;
-  double read_s = 0;
-  const Stopwatch watch;
-  for (int i = 0; i < kWindows && window > 0 && watch.seconds() < budget_s; ++i) {
-    const std::int64_t first = first_of(i);
-    if (i > 0 && first == first_of(i - 1)) continue;  // a run shorter than the windows
-    scene.motion.poses = poses.part(static_cast<std::size_t>(first), static_cast<std::size_t>(window) + 1);
-    const BatchTimes times = time_window(scene, engine, budget_s / kWindows);
-    read_s = std::max(read_s, times.read_s());
-    const auto frames = static_cast<double>(times.frames());
-    if (frames == 0) continue;
-    timed.push_back({static_cast<double>(first) + 0.5 * frames, times.seconds_per_frame()});
-    plan.timed_frames += times.frames();
-  }
-  plan.windows = static_cast<int>(timed.size());
-  scene.motion = motion;
-  scene.later_passes = std::move(later_passes);
-  scene.scenario = original;
-  if (timed.empty()) return plan;
-  // A snapshot is read back and written to disk, which takes about as long.
-  const auto in_pass = [&](std::int64_t frame) { return frame >= motion.first_frame && frame <= motion.last_frame(); };
-  const auto snapshots = static_cast<double>(
-      std::ranges::count_if(picture_frames(original.render, scene.last_frame(), scene.contact), in_pass));
-  plan.simulate_s = integrate_s(timed, static_cast<double>(all)) + 2 * snapshots * read_s;
-  return plan;
-}
-
-namespace {
-
 // Measured on a scapula of 0.1 mm voxels (memory_mb.peak_process of its summary).
 
 /// The program and its libraries: a run of a small block peaks at 177 MB with the compiler.
@@ -298,6 +178,86 @@ std::size_t planned_device_bytes(const SimulationInput& scene, const ExactForeca
 }
 
 }  // namespace
+
+ExactForecast forecast_exact(const SimulationInput& scene) {
+  ExactForecast out;
+  const Tool& tool = scene.tool;
+  const VoxelGrid& grid = scene.bone.voxmap->grid;
+  const BrickLattice lattice = BrickLattice::over(grid.dims);
+  const VoxelBox bone = bone_extent(*scene.bone.voxmap);
+  std::vector<BrickMark> marks = marks_of(scene.bone, lattice, out.partial);
+  const DistanceTable coarse = brick_distances(tool.profile, grid.voxel_mm, tool.clip_slack_mm());
+  const double sample_slack_mm = std::sqrt(0.5) * coarse.pitch_mm + 1e-3;  // between a point and its sample
+  BoundedPath path(tool.reach_mm, kStepVoxels * grid.voxel_mm);
+  path.add(scene.motion.poses);
+  const double step_mm = path.step_mm();
+  const std::vector<PathSample> samples = sample_path(path.finish(), tool.reach_mm, step_mm);
+  const double reached_mm = RS_BRICK_RADIUS * grid.voxel_mm + (step_mm + path.deviation_mm());
+  const double listed_mm = reached_mm + visit_shift(scene) + sample_slack_mm;
+  const Aabb box = tool.clip_bounds().expanded(listed_mm);
+  for (const PathSample& sample : samples) {
+    const Substep rest{.pose = sample.pose, .duration_s = scene.motion.frame_s()};
+    const SubstepArgs args = make_args(rest, box, tool.shell, grid, scene.scenario.cutting, false);
+    const VoxelBox near = voxel_voi(args, box, bone);
+    if (near.empty()) continue;
+    std::size_t listed = 0;
+    for_each_voxel(near.first / BrickLattice::kSide, near.last / BrickLattice::kSide, [&](const Vec3i& brick) {
+      BrickMark& mark = marks[lattice.index(brick)];
+      if (mark == BrickMark::air) return;
+      const Vec3 middle =
+          (BrickLattice::kSide * brick).cast<double>() + Vec3::Constant(0.5 * (BrickLattice::kSide - 1));
+      const Vec2 rz = rz_of(tool_from_voxel(args) * middle + Eigen::Map<const Vec3>(args.tool_origin));
+      double distance_mm = coarse.nearest(rz);
+      if (std::abs(distance_mm - reached_mm) <= sample_slack_mm) distance_mm = tool.profile.nearest(rz).distance_mm;
+      listed += std::abs(distance_mm) <= listed_mm ? 1 : 0;
+      if (distance_mm > reached_mm || mark == BrickMark::partial) return;
+      ++out.partial;
+      mark = BrickMark::partial;
+    });
+    out.listed = std::max(out.listed, listed);
+  }
+  return out;
+}
+
+TimePlan plan_time(SimulationInput& scene, Engine& engine, double budget_s) {
+  const Motion motion = scene.motion;
+  const PoseSequence& poses = motion.poses;
+  std::vector<Pass> later_passes = std::exchange(scene.later_passes, {});
+  scene.motion.first_frame = 0;
+  scene.motion.push.reset();  // its way without resistance is timed
+  const Scenario original = scene.scenario;
+  scene.scenario.render.every_frames = std::numeric_limits<int>::max();  // no snapshots in between
+  if (original.engine.device == "serial") scene.scenario.engine.batch_frames = kSerialBatch;
+  const auto all = static_cast<std::int64_t>(poses.size()) - 1;
+  const std::int64_t window = std::min(all, kWindowFrames);
+  const auto first_of = [&](int i) { return (all - window) * i / (kWindows - 1); };
+  TimePlan plan;
+  std::vector<Timed> timed;
+  double read_s = 0;
+  const Stopwatch watch;
+  for (int i = 0; i < kWindows && window > 0 && watch.seconds() < budget_s; ++i) {
+    const std::int64_t first = first_of(i);
+    if (i > 0 && first == first_of(i - 1)) continue;  // a run shorter than the windows
+    scene.motion.poses = poses.part(static_cast<std::size_t>(first), static_cast<std::size_t>(window) + 1);
+    const BatchTimes times = time_window(scene, engine, budget_s / kWindows);
+    read_s = std::max(read_s, times.read_s());
+    const auto frames = static_cast<double>(times.frames());
+    if (frames == 0) continue;
+    timed.push_back({static_cast<double>(first) + 0.5 * frames, times.seconds_per_frame()});
+    plan.timed_frames += times.frames();
+  }
+  plan.windows = static_cast<int>(timed.size());
+  scene.motion = motion;
+  scene.later_passes = std::move(later_passes);
+  scene.scenario = original;
+  if (timed.empty()) return plan;
+  // A snapshot is read back and written to disk, which takes about as long.
+  const auto in_pass = [&](std::int64_t frame) { return frame >= motion.first_frame && frame <= motion.last_frame(); };
+  const auto snapshots = static_cast<double>(
+      std::ranges::count_if(picture_frames(original.render, scene.last_frame(), scene.contact), in_pass));
+  plan.simulate_s = integrate_s(timed, static_cast<double>(all)) + 2 * snapshots * read_s;
+  return plan;
+}
 
 MemoryPlan plan_memory(const SimulationInput& scene) {
   const Voxmap& voxmap = *scene.bone.voxmap;

@@ -18,11 +18,7 @@ namespace reamsim {
 /// on batches and interruptions.
 class Feed {
  public:
-  Feed() = default;
   virtual ~Feed() = default;
-  Feed(const Feed&) = delete;
-  Feed& operator=(const Feed&) = delete;
-
   virtual void start() = 0;
   /// Continues after a frame of this pass, or of one before it.
   virtual void resume(const SimulationState& /*from*/) {}

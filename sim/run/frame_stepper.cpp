@@ -4,17 +4,12 @@
 #include "sim/run/frame_stepper.h"
 
 #include <fmt/core.h>
-#include <algorithm>
 #include <map>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include "sim/bone/voxmap/density.h"
-#include "sim/engine/common/engine.h"
-#include "sim/engine/common/substep.h"
-#include "sim/record/results.h"
 #include "sim/tool/outline.h"
 
 namespace reamsim {
@@ -28,49 +23,6 @@ Vec3 start_of(const Substep& substep, const PendingFrame& frame) {
   if (frame.substeps == 1) return frame.before.position_mm;
   return substep.pose.position_mm - substep.duration_s * substep.origin_velocity_mm_s;
 }
-
-}  // namespace
-
-FrameResult EnergyBalance::close(const PendingFrame& frame, const std::vector<SubstepSums>& sums) {
-  FrameResult out;
-  out.frame = frame.frame;
-  out.pass = frame.pass;
-  out.time_s = frame.time_s;
-  out.push = frame.push;
-  out.deflection_mm = frame.deflection_mm;
-  out.pose = frame.pose;
-  rs_i64 removed = 0;
-  std::optional<Vec3> touched_from_mm;  // where the first substep with contact begins
-  for (const auto& [slot, substep] : frame.cut) {
-    const SubstepSums& sum = sums[slot];
-    const Mat3 bone_from_sums = bone_from_shell(substep.pose, sums_rotate_).linear();
-    const Vec3 force = bone_from_sums * force_of(sum);
-    const Vec3 torque = bone_from_sums * torque_of(sum);
-    run_.work_mj += work_of(substep, force, torque);
-    out.force_n += force / frame.substeps;
-    out.torque_nmm += torque / frame.substeps;
-    out.energy_mj += static_cast<double>(sum.energy) / RS_ENERGY_SCALE;
-    out.floor_energy_mj += static_cast<double>(sum.floor_energy) / RS_ENERGY_SCALE;
-    if ((sum.contacts > 0 || !force.isZero(0)) && !touched_from_mm) touched_from_mm = start_of(substep, frame);
-    out.contacts += sum.contacts;
-    removed += sum.removed;
-  }
-  out.removed_mm3 = static_cast<double>(removed) / RS_WHOLE_FILL * voxel_mm3_;
-  run_.floor_mj += out.floor_energy_mj;
-  run_.cut_mj += out.energy_mj;
-  out.balance = balance();
-
-  const Vec3 tool_z = frame.pose.orientation * Vec3::UnitZ();
-  out.axial_force_n = out.force_n.dot(tool_z);
-  // The tool spins about −z of T, so the torque of the bone on it is about +z.
-  out.spin_torque_nmm = out.torque_nmm.dot(tool_z);
-  if (out.push) out.push->drill_power_w = 1e-3 * out.spin_torque_nmm * out.pose.spin_rpm * kRadPerRpm_s;
-  if (touched_from_mm && !run_.first_contact_mm) run_.first_contact_mm = contact_mm_.value_or(*touched_from_mm);
-  if (run_.first_contact_mm) out.depth_mm = -(frame.pose.position_mm - *run_.first_contact_mm).dot(tool_z);
-  return out;
-}
-
-namespace {
 
 /// The values of a BasisRow from p_mm2 on, summed over the substeps of a frame, in B.
 using BasisSums = Eigen::Matrix<double, kBasisRowValues, 1>;
@@ -132,6 +84,45 @@ std::optional<Vec3> contact_of(const SimulationInput& scene) {
 
 }  // namespace
 
+FrameResult EnergyBalance::close(const PendingFrame& frame, const std::vector<SubstepSums>& sums) {
+  FrameResult out;
+  out.frame = frame.frame;
+  out.pass = frame.pass;
+  out.time_s = frame.time_s;
+  out.push = frame.push;
+  out.deflection_mm = frame.deflection_mm;
+  out.pose = frame.pose;
+  rs_i64 removed = 0;
+  std::optional<Vec3> touched_from_mm;  // where the first substep with contact begins
+  for (const auto& [slot, substep] : frame.cut) {
+    const SubstepSums& sum = sums[slot];
+    const Mat3 bone_from_sums = bone_from_shell(substep.pose, sums_rotate_).linear();
+    const Vec3 force = bone_from_sums * force_of(sum);
+    const Vec3 torque = bone_from_sums * torque_of(sum);
+    run.work_mj += work_of(substep, force, torque);
+    out.force_n += force / frame.substeps;
+    out.torque_nmm += torque / frame.substeps;
+    out.energy_mj += static_cast<double>(sum.energy) / RS_ENERGY_SCALE;
+    out.floor_energy_mj += static_cast<double>(sum.floor_energy) / RS_ENERGY_SCALE;
+    if ((sum.contacts > 0 || !force.isZero(0)) && !touched_from_mm) touched_from_mm = start_of(substep, frame);
+    out.contacts += sum.contacts;
+    removed += sum.removed;
+  }
+  out.removed_mm3 = static_cast<double>(removed) / RS_WHOLE_FILL * voxel_mm3_;
+  run.floor_mj += out.floor_energy_mj;
+  run.cut_mj += out.energy_mj;
+  out.balance = balance();
+
+  const Vec3 tool_z = frame.pose.orientation * Vec3::UnitZ();
+  out.axial_force_n = out.force_n.dot(tool_z);
+  // The tool spins about −z of T, so the torque of the bone on it is about +z.
+  out.spin_torque_nmm = out.torque_nmm.dot(tool_z);
+  if (out.push) out.push->drill_power_w = 1e-3 * out.spin_torque_nmm * out.pose.spin_rpm * kRadPerRpm_s;
+  if (touched_from_mm && !run.first_contact_mm) run.first_contact_mm = contact_mm_.value_or(*touched_from_mm);
+  if (run.first_contact_mm) out.depth_mm = -(frame.pose.position_mm - *run.first_contact_mm).dot(tool_z);
+  return out;
+}
+
 bool is_moved_by_spin(const Scenario& scenario, const Tool& tool) {
   if (scenario.cutting.erosion == ErosionMode::exact) return tool.teeth.has_value();
   return tool.spin == ToolSpin::resolved;
@@ -152,9 +143,9 @@ FrameStepper::FrameStepper(SimulationInput& scene, Engine& engine, FrameSink& si
       max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}
 
 void FrameStepper::start(const FrameMotion& motion) {
-  energy_.begin_pass();
+  energy_.run.first_contact_mm.reset();  // of another tool
   state_.touched = false;
-  PendingFrame& pending = pending_.emplace_back(pending_of(motion));
+  PendingFrame& pending = begin_frame(motion);
   const Substep rest{.pose = motion.pose, .duration_s = motion.duration_s};
   if (exact_) {
     if (const auto voi = broad_phase(rest, pending)) {
@@ -169,11 +160,11 @@ void FrameStepper::start(const FrameMotion& motion) {
 
 void FrameStepper::add(const FrameMotion& motion, const std::shared_ptr<const MotionWindow>& window) {
   enqueue_motion(motion, count_substeps(motion.before, motion.pose, scene_.tool, resolved_, max_step_mm_), window,
-                 pending_.emplace_back(pending_of(motion)));
+                 begin_frame(motion));
 }
 
 SubstepSums FrameStepper::add_part(const FrameMotion& part, int i, int parts) {
-  if (i == 0) pending_.emplace_back(pending_of(part)).substeps = parts;
+  if (i == 0) begin_frame(part).substeps = parts;
   PendingFrame& pending = pending_.back();
   pending.pose = part.pose;
   pending.time_s = part.time_s;
@@ -183,6 +174,11 @@ SubstepSums FrameStepper::add_part(const FrameMotion& part, int i, int parts) {
   enqueue(substep, args_of(substep, *voi), nullptr, pending);
   collect();
   return batch_.sums.back();
+}
+
+bool FrameStepper::is_full(int most) const {
+  constexpr double kMostSeconds = 0.2;
+  return std::ssize(pending_) >= most || static_cast<double>(pending_.size()) * frame_wall_s_ > kMostSeconds;
 }
 
 void FrameStepper::snapshot(std::int64_t frame) {
@@ -237,18 +233,23 @@ std::optional<SubstepArgs> FrameStepper::single_args(const FrameMotion& m) const
 
 StepState FrameStepper::state() const {
   StepState out = state_;
-  out.energy = energy_.sums();
+  out.energy = energy_.run;
   return out;
 }
 
 void FrameStepper::resume(const StepState& from) {
   state_ = from;
-  energy_.restore(from.energy);
+  energy_.run = from.energy;
 }
 
 std::string FrameStepper::name_of_pass() const {
   const bool several = scene_.motion.pass > 1 || !scene_.later_passes.empty();
   return several ? "pass " + std::to_string(scene_.motion.pass) + ": " : "";
+}
+
+PendingFrame& FrameStepper::begin_frame(const FrameMotion& motion) {
+  if (pending_.empty()) batch_watch_ = Stopwatch();
+  return pending_.emplace_back(pending_of(motion));
 }
 
 void FrameStepper::enqueue_motion(const FrameMotion& motion, int substeps,
@@ -307,7 +308,7 @@ void FrameStepper::record() {
     state_.frame = pending.frame;
     last_ = result;
   }
-  frame_wall_s_ = batch_watch_.seconds() / static_cast<double>(std::max<std::size_t>(pending_.size(), 1));
+  if (!pending_.empty()) frame_wall_s_ = batch_watch_.seconds() / static_cast<double>(pending_.size());
   pending_.clear();
   clear_batch();
 }

@@ -68,18 +68,15 @@ class EnergyBalance {
 
   /// (work + E_floor − cut)/cut; 0 before contact.
   [[nodiscard]] double balance() const {
-    return run_.cut_mj > 0 ? (run_.work_mj + run_.floor_mj - run_.cut_mj) / run_.cut_mj : 0;
+    return run.cut_mj > 0 ? (run.work_mj + run.floor_mj - run.cut_mj) / run.cut_mj : 0;
   }
-  [[nodiscard]] const EnergySums& sums() const { return run_; }
-  /// The next frame is the first one of another tool.
-  void begin_pass() { run_.first_contact_mm.reset(); }
-  void restore(const EnergySums& sums) { run_ = sums; }
+
+  EnergySums run;
 
  private:
   double voxel_mm3_;
   bool sums_rotate_;
   std::optional<Vec3> contact_mm_;
-  EnergySums run_;
 };
 
 /// What a simulation has to know to go on after a frame, besides the fill of the bone and the hand that pushes.
@@ -114,11 +111,8 @@ class FrameStepper {
     collect();
     record();
   }
-  /// Number of frames in the batch, and the wall time of one in the last batch.
-  [[nodiscard]] std::size_t batch_frames() const { return pending_.size(); }
-  [[nodiscard]] double frame_wall_s() const { return frame_wall_s_; }
-  /// The time of the caller between two batches does not count.
-  void begin_batch() { batch_watch_ = Stopwatch(); }
+  /// Whether the batch has `most` frames, or takes so long that a run would not stop soon when it is asked to.
+  [[nodiscard]] bool is_full(int most) const;
 
   /// Gives the fill of the bone to the sink, as a snapshot of `frame`.
   void snapshot(std::int64_t frame);
@@ -149,6 +143,7 @@ class FrameStepper {
   [[nodiscard]] PendingFrame pending_of(const FrameMotion& motion) const {
     return {motion, scene_.motion.pass, 1, {}, 0};
   }
+  PendingFrame& begin_frame(const FrameMotion& motion);
   void enqueue_motion(const FrameMotion& motion, int substeps, const std::shared_ptr<const MotionWindow>& window,
                       PendingFrame& pending);
   std::optional<Aabb> broad_phase(const Substep& substep, PendingFrame& pending) const;
@@ -175,9 +170,9 @@ class FrameStepper {
   std::size_t enqueued_ = 0;  ///< substeps of these frames
   bool uncut_ = false;        ///< some of them wait in the engine
   RemovedFrames removed_;
-  Stopwatch batch_watch_;
-  double frame_wall_s_ = 0;
-  StepState state_;  ///< without the energy sums
+  Stopwatch batch_watch_;    ///< since the first frame of the batch was added
+  double frame_wall_s_ = 0;  ///< of the last batch
+  StepState state_;          ///< without the energy sums
   FrameResult last_;
 };
 

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <new>
 
-#include "sim/base/error.h"
 #include "sim/base/process.h"
 #include "sim/base/stopwatch.h"
 #include "sim/bone/bone.h"

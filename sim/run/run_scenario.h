@@ -36,11 +36,7 @@ struct RunResources {
 /// Pictures, plots, meshes and report of a run. `sim` has no renderer, so the caller of run_scenario() gives one.
 class PictureSink {
  public:
-  PictureSink() = default;
   virtual ~PictureSink() = default;
-  PictureSink(const PictureSink&) = delete;
-  PictureSink& operator=(const PictureSink&) = delete;
-
   /// The bone comes from a CT that was segmented as `scene.bone.segmentation` says.
   virtual void draw_segmentation(const SimulationInput& scene, const std::string& dir) = 0;
   /// The run is about to begin, along poses that are known. DIR/snapshots/tool.stl exists.

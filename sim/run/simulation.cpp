@@ -8,9 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/error.h"
 #include "sim/engine/common/substep.h"
-#include "sim/engine/make_engine.h"
 #include "sim/run/feed.h"
 #include "sim/scenario/picture_frames.h"
 
@@ -29,12 +27,9 @@ class PrescribedFeed : public PlannedFeed {
 
   void start() override { stepper_.start(motion_of(scene().motion.first_frame)); }
   void add(std::int64_t frame) override { stepper_.add(motion_of(frame), windowed_ ? windows_.of(frame) : nullptr); }
-  /// Slow frames make small batches, so that a run stops soon when it is asked to.
   [[nodiscard]] bool ends_batch(std::int64_t frame) const override {
-    constexpr double kMostSeconds = 0.2;
-    const auto count = static_cast<double>(stepper_.batch_frames());
-    return has_ended(frame) || (frame + 1) % scene().scenario.engine.batch_frames == 0 ||
-           count * stepper_.frame_wall_s() > kMostSeconds;
+    const int most = scene().scenario.engine.batch_frames;
+    return has_ended(frame) || (frame + 1) % most == 0 || stepper_.is_full(most);
   }
   [[nodiscard]] SimulationState state() const override { return {stepper_.state()}; }
 
@@ -57,17 +52,6 @@ class PrescribedFeed : public PlannedFeed {
   MotionWindows windows_;
   bool windowed_;
 };
-
-}  // namespace
-
-PlannedFeed::PlannedFeed(const SimulationInput& scene)
-    : scene_(scene), pictures_(picture_frames(scene.scenario.render, scene.last_frame(), scene.contact)) {}
-
-bool PlannedFeed::has_picture(std::int64_t frame) const {
-  return std::ranges::binary_search(pictures_, frame);
-}
-
-namespace {
 
 std::unique_ptr<Feed> make_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report) {
   if (scene.motion.push) return thrust_feed(scene, stepper, report);
@@ -92,7 +76,6 @@ bool begin_pass(const SimulationInput& scene, FrameStepper& stepper, Feed& feed,
 
 /// Saves the state where that is due, and ends the run where that is asked for. Throws Interrupted.
 void end_batch(FrameStepper& stepper, const Feed& feed, const RunControl& control) {
-  stepper.begin_batch();
   const bool stop = control.stop();
   if (stop || control.save_due()) {
     stepper.read_fill();
@@ -109,7 +92,44 @@ void warn_at_end(FrameStepper& stepper, Feed& feed, const RunControl& control, D
   feed.warn_at_end();
 }
 
+/// More than teeth cause that come and go within a voxel of travel.
+constexpr double kRagged = 0.15;
+
+std::string two_digits_below(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1);
+  return fmt::format("{:.10g}", std::floor(value / unit) * unit);
+}
+
+/// The rounding of losses counts where the tool hardly advances in the frame of the peak force.
+void warn_of_rounding(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report) {
+  const double enough_mm = kFirstLosses * smallest_advance_mm(scene.bone.voxmap->grid.voxel_mm);
+  if (totals.peak_advance_mm == 0 || totals.peak_advance_mm >= enough_mm) return;
+  report.warn(fmt::format(
+      "the tool advances {:.2g} um in the frame of the peak force, near the smallest loss of a voxel: peaks "
+      "of single frames are too large, while volume, energy and means are right; set "
+      "motion.frame_rate_hz to {} or less",
+      1000 * totals.peak_advance_mm,
+      two_digits_below(scene.scenario.motion.frame_rate_hz * totals.peak_advance_mm / enough_mm)));
+}
+
+void warn_of_edges(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report) {
+  const double over_mean = totals.peak_axial_force_n / totals.peak_layer_axial_force_n - 1;
+  if (scene.scenario.tool.spin != ToolSpin::resolved || !(over_mean > kRagged)) return;
+  report.warn(
+      fmt::format("the peak axial force of a single frame is {:.0f} % above the greatest mean over a voxel of "
+                  "travel, {:.1f} N: a resolved edge that lies along the voxels cuts a whole row of them at "
+                  "once; take forces.peak_layer_axial_force_n, or a smaller bone.voxel_mm",
+                  100 * over_mean, totals.peak_layer_axial_force_n));
+}
+
 }  // namespace
+
+PlannedFeed::PlannedFeed(const SimulationInput& scene)
+    : scene_(scene), pictures_(picture_frames(scene.scenario.render, scene.last_frame(), scene.contact)) {}
+
+bool PlannedFeed::has_picture(std::int64_t frame) const {
+  return std::ranges::binary_search(pictures_, frame);
+}
 
 std::unique_ptr<Engine> load_engine(const SimulationInput& scene, EngineDevices& devices) {
   try {
@@ -158,40 +178,6 @@ RunCost estimate_cost(const SimulationInput& scene) {
   for (const Pass& pass : scene.later_passes) add(pass.tool, pass.motion.poses);
   return cost;
 }
-
-namespace {
-
-/// More than teeth cause that come and go within a voxel of travel.
-constexpr double kRagged = 0.15;
-
-std::string two_digits_below(double value) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1);
-  return fmt::format("{:.10g}", std::floor(value / unit) * unit);
-}
-
-/// The rounding of losses counts where the tool hardly advances in the frame of the peak force.
-void warn_of_rounding(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report) {
-  const double enough_mm = kFirstLosses * smallest_advance_mm(scene.bone.voxmap->grid.voxel_mm);
-  if (totals.peak_advance_mm == 0 || totals.peak_advance_mm >= enough_mm) return;
-  report.warn(fmt::format(
-      "the tool advances {:.2g} um in the frame of the peak force, near the smallest loss of a voxel: peaks "
-      "of single frames are too large, while volume, energy and means are right; set "
-      "motion.frame_rate_hz to {} or less",
-      1000 * totals.peak_advance_mm,
-      two_digits_below(scene.scenario.motion.frame_rate_hz * totals.peak_advance_mm / enough_mm)));
-}
-
-void warn_of_edges(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report) {
-  const double over_mean = totals.peak_axial_force_n / totals.peak_layer_axial_force_n - 1;
-  if (scene.scenario.tool.spin != ToolSpin::resolved || !(over_mean > kRagged)) return;
-  report.warn(
-      fmt::format("the peak axial force of a single frame is {:.0f} % above the greatest mean over a voxel of "
-                  "travel, {:.1f} N: a resolved edge that lies along the voxels cuts a whole row of them at "
-                  "once; take forces.peak_layer_axial_force_n, or a smaller bone.voxel_mm",
-                  100 * over_mean, totals.peak_layer_axial_force_n));
-}
-
-}  // namespace
 
 void warn_of_peaks(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report) {
   if (scene.scenario.cutting.erosion != ErosionMode::exact) return;

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "sim/run/balance.h"
 #include "sim/run/feed.h"
@@ -176,41 +175,6 @@ class SpringSolver {
   bool limited_ = false;
 };
 
-}  // namespace
-
-bool SpringBalance::is_rigid(int axis) const {
-  return stiffness_n_mm[axis] >= ComplianceSettings::kRigid_n_mm;
-}
-
-Deflection balanced_deflection(const SpringBalance& balance, const BoneForces& bone, const SpringState& before) {
-  return SpringSolver(balance, bone, before).solve(before);
-}
-
-void add_spring_energies(const SpringBalance& b, const Deflection& now, const PartWork& work, SpringState& state) {
-  const Vec3 change = now.mm - vec_of(state.deflection_mm), advance = b.planned_mm + change;
-  Vec3 spring_n = -work.bone_n;  // on the tool
-  double spring_mj = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (b.is_rigid(axis)) continue;
-    const double k = b.stiffness_n_mm[axis], damper_n = b.damping_n_s_mm * change[axis] / b.duration_s;
-    spring_n[axis] = -k * now.mm[axis] - damper_n;
-    spring_mj += 0.5 * k * now.mm[axis] * now.mm[axis];
-    state.damping_mj += damper_n * change[axis];
-    state.lost_mj += 0.5 * k * change[axis] * change[axis];
-  }
-  state.spring_mj = spring_mj;
-  state.carriage_mj += spring_n.dot(b.planned_mm) - (work.torque_nmm + now.mm.cross(work.bone_n)).dot(work.tilt_rad);
-  state.drill_mj += work.torque_nmm.z() * work.spin_rad;
-  state.unbalanced_mj += (spring_n + work.bone_n).dot(advance);
-  state.deflection_mm = array_of(now.mm);
-  state.bone_n = array_of(now.bone_n);
-  state.tool_mm_s = array_of(advance / b.duration_s);
-  Eigen::Map<Mat3>(state.bone_n_s_mm.data()) = now.bone_n_s_mm;
-  state.unbalanced_n = std::max(state.unbalanced_n, now.balanced || now.limited ? 0 : now.missing_n);
-}
-
-namespace {
-
 /// The part of engine.max_step_voxels that is left for the change of the deflection in a substep.
 constexpr double kStepOfDeflection = 0.5;
 
@@ -258,7 +222,7 @@ class SpringFeed : public PlannedFeed {
 
   void add(std::int64_t frame) override {
     const ToolPose begin = scene().motion.pose_of(frame - 1), end = scene().motion.pose_of(frame);
-    const double planned_mm = bound_mm(begin, end, deflection_mm().norm());
+    const double planned_mm = bound_mm(begin, end, vec_of(springs_.deflection_mm).norm());
     const int parts = std::max(1, static_cast<int>(std::ceil(planned_mm / ((1 - kStepOfDeflection) * step_mm_))));
     bool limited = false, balanced = true;
     for (int i = 0; i < parts; ++i) {
@@ -273,7 +237,7 @@ class SpringFeed : public PlannedFeed {
     }
     springs_.limited_frames += limited ? 1 : 0;
     springs_.unbalanced_frames += balanced ? 0 : 1;
-    stepper_.set_deflection(deflection_mm());
+    stepper_.set_deflection(vec_of(springs_.deflection_mm));
   }
   void warn_at_end() override {
     if (!scene().later_passes.empty()) return;
@@ -297,8 +261,6 @@ class SpringFeed : public PlannedFeed {
   }
 
  private:
-  [[nodiscard]] Vec3 deflection_mm() const { return Vec3(springs_.deflection_mm.data()); }
-
   /// Bound of the motion between two poses of the tool or, with the deflection as a lever, of the plan.
   [[nodiscard]] double bound_mm(const ToolPose& a, const ToolPose& b, double lever_mm) const {
     const double spin_mm =
@@ -314,7 +276,7 @@ class SpringFeed : public PlannedFeed {
 
   Deflection cut_part(const FrameMotion& plan, int i, int parts) {
     const Mat3 tool_from_bone = plan.pose.orientation.toRotationMatrix().transpose();
-    const Vec3 before_mm = deflection_mm();
+    const Vec3 before_mm = vec_of(springs_.deflection_mm);
     const SpringBalance balance{.stiffness_n_mm = settings_.stiffness_n_mm,
                                 .damping_n_s_mm = settings_.damping_n_s_mm,
                                 .planned_mm = tool_from_bone * (plan.pose.position_mm - plan.before.position_mm),
@@ -377,6 +339,37 @@ class SpringFeed : public PlannedFeed {
 };
 
 }  // namespace
+
+bool SpringBalance::is_rigid(int axis) const {
+  return stiffness_n_mm[axis] >= ComplianceSettings::kRigid_n_mm;
+}
+
+Deflection balanced_deflection(const SpringBalance& balance, const BoneForces& bone, const SpringState& before) {
+  return SpringSolver(balance, bone, before).solve(before);
+}
+
+void add_spring_energies(const SpringBalance& b, const Deflection& now, const PartWork& work, SpringState& state) {
+  const Vec3 change = now.mm - vec_of(state.deflection_mm), advance = b.planned_mm + change;
+  Vec3 spring_n = -work.bone_n;  // on the tool
+  double spring_mj = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (b.is_rigid(axis)) continue;
+    const double k = b.stiffness_n_mm[axis], damper_n = b.damping_n_s_mm * change[axis] / b.duration_s;
+    spring_n[axis] = -k * now.mm[axis] - damper_n;
+    spring_mj += 0.5 * k * now.mm[axis] * now.mm[axis];
+    state.damping_mj += damper_n * change[axis];
+    state.lost_mj += 0.5 * k * change[axis] * change[axis];
+  }
+  state.spring_mj = spring_mj;
+  state.carriage_mj += spring_n.dot(b.planned_mm) - (work.torque_nmm + now.mm.cross(work.bone_n)).dot(work.tilt_rad);
+  state.drill_mj += work.torque_nmm.z() * work.spin_rad;
+  state.unbalanced_mj += (spring_n + work.bone_n).dot(advance);
+  state.deflection_mm = array_of(now.mm);
+  state.bone_n = array_of(now.bone_n);
+  state.tool_mm_s = array_of(advance / b.duration_s);
+  Eigen::Map<Mat3>(state.bone_n_s_mm.data()) = now.bone_n_s_mm;
+  state.unbalanced_n = std::max(state.unbalanced_n, now.balanced || now.limited ? 0 : now.missing_n);
+}
 
 std::unique_ptr<Feed> spring_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report) {
   return std::make_unique<SpringFeed>(scene, stepper, report);

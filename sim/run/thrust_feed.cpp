@@ -41,17 +41,15 @@ class Search {
     if (std::abs(p.excess) <= tolerance) return false;
     if (p.excess < 0) {
       if (p.feed >= max_feed_) return false;
-      if (has_high_ && kept_high_) high_.excess /= 2;
+      if (kept_ == Kept::high) high_.excess /= 2;
       before_ = low_;
       low_ = p;
-      kept_high_ = has_high_;
-      kept_low_ = false;
+      if (has_high_) kept_ = Kept::high;
     } else {
-      if (has_high_ && kept_low_) low_.excess /= 2;
+      if (kept_ == Kept::low) low_.excess /= 2;
       high_ = p;
       has_high_ = true;
-      kept_low_ = true;
-      kept_high_ = false;
+      kept_ = Kept::low;
     }
     if (!has_high_ || high_.feed - low_.feed > kFeedTolerance * high_.feed) return true;
     // A jump: the side of contact, where the tool then rests.
@@ -72,10 +70,12 @@ class Search {
   [[nodiscard]] const Point& found() const { return found_; }
 
  private:
+  enum class Kept { none, low, high };  ///< the end of the bracket that the last step has kept
+
   Point low_, before_, found_, high_;
   bool has_high_ = false;
   double max_feed_;
-  bool kept_low_ = false, kept_high_ = false;
+  Kept kept_ = Kept::none;
 };
 
 /// The feed for a given θ.
@@ -107,50 +107,6 @@ FeedRate feed_for(const ThrustBalance& b, const BoneForce& bone, double slope, d
   out.bone_n_s_mm = std::max(0.0, (out.bone_n - b.standing_n) / out.mm_s);
   return out;
 }
-
-}  // namespace
-
-FeedRate balanced_feed(const ThrustBalance& b, const BoneForce& bone, double slope_n_s_mm) {
-  if (b.inertia_n_s_mm <= 0) {
-    FeedRate out = feed_for(b, bone, slope_n_s_mm, 1);
-    out.end_mm_s = out.mm_s;
-    return out;
-  }
-  const auto middle_for = [&](double slope) { return middle_of((slope + b.damping_n_s_mm) / b.inertia_n_s_mm); };
-  double middle = middle_for(slope_n_s_mm);
-  FeedRate out;
-  int evaluations = 0;
-  for (int i = 0; i < kMostMiddles; ++i) {
-    out = feed_for(b, bone, slope_n_s_mm, middle);
-    evaluations += out.evaluations;
-    if (out.mm_s == 0) break;
-    slope_n_s_mm = out.bone_n_s_mm;
-    const double better = middle_for(slope_n_s_mm);
-    if (std::abs(better - middle) < kMiddleTolerance) break;
-    middle = better;
-  }
-  out.evaluations = evaluations;
-  const double end = b.velocity_mm_s + (out.mm_s - b.velocity_mm_s) / out.middle;
-  out.end_mm_s = out.mm_s == 0 ? 0 : std::clamp(end, 0.0, b.max_feed_mm_s);
-  return out;
-}
-
-double add_thrust_energies(const ThrustBalance& b, const FeedRate& feed, double frame_s, FeedState& state) {
-  const double per_mj = 1e-3;  // of kg·mm²/s²; N·mm are mJ
-  const double mass_kg = b.inertia_n_s_mm * frame_s / per_mj, change = feed.end_mm_s - b.velocity_mm_s;
-  const double damping_n = b.damping_n_s_mm * feed.mm_s, inertia_n = b.inertia_n_s_mm * change;
-  const double hand_n = feed.limited ? feed.bone_n + damping_n + inertia_n : b.thrust_n;
-  const double kinetic_mj = 0.5 * per_mj * mass_kg * feed.end_mm_s * feed.end_mm_s;
-  state.hand_mj += hand_n * feed.mm_s * frame_s;
-  state.damping_mj += damping_n * feed.mm_s * frame_s;
-  // M·Δv·v̄ = ΔE + M·(θ − ½)·Δv², and all of E where the tool is stopped.
-  const double gained_mj = kinetic_mj - state.kinetic_mj;
-  state.lost_mj += feed.mm_s == 0 ? -gained_mj : inertia_n * feed.mm_s * frame_s - gained_mj;
-  state.kinetic_mj = kinetic_mj;
-  return hand_n;
-}
-
-namespace {
 
 class ThrustFeed : public Feed {
  public:
@@ -282,6 +238,46 @@ class ThrustFeed : public Feed {
 };
 
 }  // namespace
+
+FeedRate balanced_feed(const ThrustBalance& b, const BoneForce& bone, double slope_n_s_mm) {
+  if (b.inertia_n_s_mm <= 0) {
+    FeedRate out = feed_for(b, bone, slope_n_s_mm, 1);
+    out.end_mm_s = out.mm_s;
+    return out;
+  }
+  const auto middle_for = [&](double slope) { return middle_of((slope + b.damping_n_s_mm) / b.inertia_n_s_mm); };
+  double middle = middle_for(slope_n_s_mm);
+  FeedRate out;
+  int evaluations = 0;
+  for (int i = 0; i < kMostMiddles; ++i) {
+    out = feed_for(b, bone, slope_n_s_mm, middle);
+    evaluations += out.evaluations;
+    if (out.mm_s == 0) break;
+    slope_n_s_mm = out.bone_n_s_mm;
+    const double better = middle_for(slope_n_s_mm);
+    if (std::abs(better - middle) < kMiddleTolerance) break;
+    middle = better;
+  }
+  out.evaluations = evaluations;
+  const double end = b.velocity_mm_s + (out.mm_s - b.velocity_mm_s) / out.middle;
+  out.end_mm_s = out.mm_s == 0 ? 0 : std::clamp(end, 0.0, b.max_feed_mm_s);
+  return out;
+}
+
+double add_thrust_energies(const ThrustBalance& b, const FeedRate& feed, double frame_s, FeedState& state) {
+  const double per_mj = 1e-3;  // of kg·mm²/s²; N·mm are mJ
+  const double mass_kg = b.inertia_n_s_mm * frame_s / per_mj, change = feed.end_mm_s - b.velocity_mm_s;
+  const double damping_n = b.damping_n_s_mm * feed.mm_s, inertia_n = b.inertia_n_s_mm * change;
+  const double hand_n = feed.limited ? feed.bone_n + damping_n + inertia_n : b.thrust_n;
+  const double kinetic_mj = 0.5 * per_mj * mass_kg * feed.end_mm_s * feed.end_mm_s;
+  state.hand_mj += hand_n * feed.mm_s * frame_s;
+  state.damping_mj += damping_n * feed.mm_s * frame_s;
+  // M·Δv·v̄ = ΔE + M·(θ − ½)·Δv², and all of E where the tool is stopped.
+  const double gained_mj = kinetic_mj - state.kinetic_mj;
+  state.lost_mj += feed.mm_s == 0 ? -gained_mj : inertia_n * feed.mm_s * frame_s - gained_mj;
+  state.kinetic_mj = kinetic_mj;
+  return hand_n;
+}
 
 std::unique_ptr<Feed> thrust_feed(const SimulationInput& scene, FrameStepper& stepper, Diagnostics& report) {
   return std::make_unique<ThrustFeed>(scene, stepper, report);

@@ -15,8 +15,6 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 #include "sim/base/file.h"
 #include "sim/base/geometry.h"

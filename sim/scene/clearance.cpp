@@ -16,8 +16,7 @@
 #include "sim/bone/voxel_surface.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/scenario/passes.h"
-#include "sim/scene/scene.h"
-#include "sim/scene/voxel_cuts.h"
+#include "sim/scene/swept_bone.h"
 #include "sim/tool/tool_path.h"
 
 namespace reamsim {

@@ -5,9 +5,9 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
+#include <string>
 
 #include "sim/base/parallel.h"
 #include "sim/tool/outline.h"
@@ -273,10 +273,6 @@ ContactForecast forecast_pass(const SimulationInput& scene, const FillBricks& fi
 
 }  // namespace
 
-ContactForecast forecast_contact(const SimulationInput& scene) {
-  return forecast_pass(scene, scene.bone.fill, scene.bone.fill, scene.tool, scene.motion);
-}
-
 std::vector<ContactForecast> forecast_passes(const SimulationInput& scene) {
   std::vector<ContactForecast> out;
   const bool predictable = leaves_as_predicted(scene);
@@ -312,28 +308,24 @@ std::optional<FrameSpan> forecast_contact_frames(const Voxmap& voxmap, const Fil
   return ContactSearch(voxmap, fill, tool, path).frames();
 }
 
-void warn_of_contact(const SimulationInput& scene, const ContactForecast& forecast, Diagnostics& report,
-                     const std::string& pass) {
-  if (forecast.start_mm3 > scene.bone.voxmap->grid.voxel_mm3()) {
-    const bool exact = scene.scenario.cutting.erosion == ErosionMode::exact;
-    report.warn(fmt::format(
-        "{}the tool starts in the bone: at its first pose it contains about {:.3g} mm3 of bone{}; start further out "
-        "(motion)",
-        pass, forecast.start_mm3,
-        exact ? ", which is removed without force" : ", so the force of the first frames is not meaningful"));
-  }
-  if (!forecast.touches) {
+void warn_of_contact(const SimulationInput& scene, const std::vector<ContactForecast>& forecasts, Diagnostics& report) {
+  const bool exact = scene.scenario.cutting.erosion == ErosionMode::exact;
+  for (std::size_t i = 0; i < forecasts.size(); ++i) {
+    const ContactForecast& forecast = forecasts[i];
+    const std::string pass = forecasts.size() > 1 ? "pass " + std::to_string(i + 1) + ": " : "";
+    if (forecast.start_mm3 > scene.bone.voxmap->grid.voxel_mm3()) {
+      report.warn(fmt::format(
+          "{}the tool starts in the bone: at its first pose it contains about {:.3g} mm3 of bone{}; start further out "
+          "(motion)",
+          pass, forecast.start_mm3,
+          exact ? ", which is removed without force" : ", so the force of the first frames is not meaningful"));
+    }
+    if (forecast.touches) continue;
     const Vec3& p = forecast.bone_mm;
     report.warn(fmt::format(
         "{}the tool never touches the bone: its smallest distance is {:.2f} mm, in frame {}, from the bone at "
         "({:.1f}, {:.1f}, {:.1f}) mm; check motion and, if it is used, the glenoid frame",
         pass, forecast.nearest_mm, forecast.frame, p.x(), p.y(), p.z()));
-  }
-}
-
-void warn_of_contact(const SimulationInput& scene, const std::vector<ContactForecast>& forecasts, Diagnostics& report) {
-  for (std::size_t i = 0; i < forecasts.size(); ++i) {
-    warn_of_contact(scene, forecasts[i], report, forecasts.size() > 1 ? "pass " + std::to_string(i + 1) + ": " : "");
   }
 }
 

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "sim/scenario/picture_frames.h"
@@ -25,8 +24,6 @@ struct ContactForecast {
   std::optional<FrameSpan> frames;
 };
 
-/// For the present pass.
-ContactForecast forecast_contact(const SimulationInput& scene);
 /// For the present pass and the later ones, with the bone that the passes before are predicted to leave.
 std::vector<ContactForecast> forecast_passes(const SimulationInput& scene);
 
@@ -38,9 +35,7 @@ FrameSpans contact_frames(const std::vector<ContactForecast>& passes);
 std::optional<FrameSpan> forecast_contact_frames(const Voxmap& voxmap, const FillBricks& fill, const Profile& tool,
                                                  const ToolPath& path);
 
-/// Warns of a tool that starts in the bone or never touches it. `pass` begins the messages.
-void warn_of_contact(const SimulationInput& scene, const ContactForecast& forecast, Diagnostics& report,
-                     const std::string& pass = "");
+/// Warns of a tool that starts in the bone or never touches it, pass by pass.
 void warn_of_contact(const SimulationInput& scene, const std::vector<ContactForecast>& forecasts, Diagnostics& report);
 
 }  // namespace reamsim

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scene/first_contact.h"
+#include "sim/scene/scene.h"
 
 #include <fmt/core.h>
 #include <algorithm>

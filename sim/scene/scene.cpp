@@ -4,16 +4,12 @@
 #include "sim/scene/scene.h"
 
 #include <utility>
-#include <vector>
 
 #include "sim/anatomy/frame_check.h"
-#include "sim/base/error.h"
 #include "sim/bone/voxmap/voxel_grid.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/passes.h"
-#include "sim/scene/load_bone.h"
 #include "sim/scene/swept_bone.h"
-#include "sim/tool/tool.h"
 #include "sim/tool/tool_path.h"
 
 namespace reamsim {
@@ -103,6 +99,20 @@ void check_camera_frames(const SimulationInput& scene) {
   }
 }
 
+/// Motion of the tool between two poses of a long motion, voxels.
+constexpr double kPassStep_voxels = 0.5;
+
+FillBricks predicted_after(const SimulationInput& scene, const FillBricks& fill, const Tool& tool,
+                           const Motion& motion) {
+  if (motion.poses.empty()) return fill;
+  BoundedPath path(tool.reach_mm, kPassStep_voxels * scene.bone.voxmap->grid.voxel_mm);
+  path.add(motion.poses);
+  std::vector<ToolPose> poses;
+  for (const PathSample& sample : path.finish()) poses.push_back(sample.pose);
+  const bool whole_voxels = scene.scenario.cutting.erosion != ErosionMode::exact;
+  return predict_swept_bone(*scene.bone.voxmap, fill, tool.profile, poses, whole_voxels).fill;
+}
+
 }  // namespace
 
 bool begin_next_pass(SimulationInput& scene) {
@@ -152,24 +162,6 @@ SimulationInput load_scene(const Scenario& scenario, Diagnostics& report, BoneCa
   mistakes.throw_if_any();
   return scene;
 }
-
-namespace {
-
-/// Motion of the tool between two poses of a long motion, voxels.
-constexpr double kPassStep_voxels = 0.5;
-
-FillBricks predicted_after(const SimulationInput& scene, const FillBricks& fill, const Tool& tool,
-                           const Motion& motion) {
-  if (motion.poses.empty()) return fill;
-  BoundedPath path(tool.reach_mm, kPassStep_voxels * scene.bone.voxmap->grid.voxel_mm);
-  path.add(motion.poses);
-  std::vector<ToolPose> poses;
-  for (const PathSample& sample : path.finish()) poses.push_back(sample.pose);
-  const bool whole_voxels = scene.scenario.cutting.erosion != ErosionMode::exact;
-  return predict_swept_bone(*scene.bone.voxmap, fill, tool.profile, poses, whole_voxels).fill;
-}
-
-}  // namespace
 
 void for_each_predicted_pass(const SimulationInput& scene, const VisitPass& visit) {
   visit(scene.bone.fill, scene.tool, scene.motion);

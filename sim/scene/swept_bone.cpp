@@ -5,13 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <optional>
 
 #include "kernels/bricks.h"
 #include "sim/base/parallel.h"
-#include "sim/tool/distance_grid.h"
 #include "sim/tool/tool_path.h"
 
 namespace reamsim {
@@ -22,7 +19,15 @@ constexpr double kStepVoxels = 0.5;
 /// Pitch of the distance table, voxels.
 constexpr double kTablePitchVoxels = 0.5;
 /// Margin around the tool's box, voxels: larger than a brick's radius and a voxel.
-constexpr double kMarginVoxels = 9;
+constexpr double kToolMarginVoxels = 9;
+/// Poses of VoxelCuts, at most.
+constexpr std::size_t kMostCutPoses = 4000;
+/// Half the diagonal of a voxel, an allowance for the table, and a decrease of the distance that is rounding, voxels.
+constexpr double kHalfDiagonal = 0.8660254, kTableSlack = 0.1, kNoNearer = 1e-3;
+
+Vec3 brick_middle(const VoxelGrid& grid, const Vec3i& brick) {
+  return grid.origin_mm + grid.voxel_mm * BrickLattice::kSide * (brick.cast<double>() + Vec3::Constant(0.5));
+}
 
 /// A tested pose of the tool.
 struct TestedPose {
@@ -72,8 +77,8 @@ class SweptBone {
         before_(before),
         whole_voxels_(whole_voxels),
         table_(distance_table_around(tool, kTablePitchVoxels * voxmap.grid.voxel_mm,
-                                     kMarginVoxels * voxmap.grid.voxel_mm)),
-        tested_poses_(sample_poses(poses, tool.bounds().expanded(kMarginVoxels * voxmap.grid.voxel_mm),
+                                     kToolMarginVoxels * voxmap.grid.voxel_mm)),
+        tested_poses_(sample_poses(poses, tool.bounds().expanded(kToolMarginVoxels * voxmap.grid.voxel_mm),
                                    kStepVoxels * voxmap.grid.voxel_mm)) {}
 
   [[nodiscard]] std::vector<BrickLoss> losses() const {
@@ -82,7 +87,7 @@ class SweptBone {
     for (const TestedPose& tested : tested_poses_) {
       path_box = {path_box.min.cwiseMin(tested.box.min), path_box.max.cwiseMax(tested.box.max)};
     }
-    std::erase_if(bricks, [&](const Vec3i& coord) { return !contains(path_box, middle_of(coord)); });
+    std::erase_if(bricks, [&](const Vec3i& coord) { return !contains(path_box, brick_middle(grid_, coord)); });
     std::vector<std::optional<BrickLoss>> found(bricks.size());
     parallel_items(bricks.size(), [&](std::size_t i) { found[i] = loss_of(bricks[i]); });
     std::vector<BrickLoss> out;
@@ -93,12 +98,8 @@ class SweptBone {
   }
 
  private:
-  [[nodiscard]] Vec3 middle_of(const Vec3i& brick) const {
-    return grid_.origin_mm + grid_.voxel_mm * BrickLattice::kSide * (brick.cast<double>() + Vec3::Constant(0.5));
-  }
-
   [[nodiscard]] std::optional<BrickLoss> loss_of(const Vec3i& coord) const {
-    const Vec3 middle = middle_of(coord);
+    const Vec3 middle = brick_middle(grid_, coord);
     const double radius_mm = RS_BRICK_RADIUS * grid_.voxel_mm;
     std::vector<NearPose> near;
     for (const TestedPose& tested : tested_poses_) {
@@ -186,6 +187,59 @@ PredictedBone predict_swept_bone(const Voxmap& voxmap, const FillBricks& before,
   out.touches = contact < poses.size();
   if (out.touches) out.deepest = deepest_from(poses, contact);
   return out;
+}
+
+std::optional<VoxelPlane> plane_beside(const Profile& tool, const Rigid& tool_from_bone, const Vec3& center_mm,
+                                       double voxel_mm) {
+  const Vec3 p = tool_from_bone * center_mm;
+  const double r = p.head<2>().norm();
+  const Profile::Nearest near = tool.nearest({r, p.z()});
+  if (near.distance_mm < -kHalfDiagonal * voxel_mm) return std::nullopt;
+  const Vec3 outward = r > kOnAxisMm ? Vec3(p.x() / r, p.y() / r, 0) : Vec3::Zero();
+  const Vec3 normal_t = near.normal.x() * outward + near.normal.y() * Vec3::UnitZ();
+  return VoxelPlane{-(tool_from_bone.linear().transpose() * normal_t).normalized(), near.distance_mm};
+}
+
+VoxelCuts::VoxelCuts(const VoxelGrid& grid, const Profile& tool, const PoseSequence& poses)
+    : grid_(grid),
+      tool_(tool),
+      table_(distance_table_around(tool, kTablePitchVoxels * grid.voxel_mm, kToolMarginVoxels * grid.voxel_mm)) {
+  const Aabb box = tool.bounds();
+  const double reach_mm = box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs()).norm();
+  const double step_mm = kStepVoxels * grid.voxel_mm;
+  BoundedPath path(reach_mm, step_mm, {}, kMostCutPoses);
+  path.add(poses);
+  for (const PathSample& sample : sample_path(path.finish(), reach_mm, step_mm)) {
+    poses_.push_back({sample.pose.bone_from_tool().inverse(), static_cast<std::int64_t>(sample.frame)});
+  }
+}
+
+VoxelCuts::Brick VoxelCuts::of_brick(const Vec3i& brick) const {
+  Brick out;
+  const Vec3 middle = brick_middle(grid_, brick);
+  std::vector<const Pose*> near;
+  for (const Pose& pose : poses_) {
+    if (table_.at(rz_of(pose.tool_from_bone * middle)) < (RS_BRICK_RADIUS + 1) * grid_.voxel_mm) near.push_back(&pose);
+  }
+  if (near.empty()) return out;
+  for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
+    out[static_cast<std::size_t>(offset)] = cut_of(grid_.center_mm(BrickLattice::voxel_at(brick, offset)), near);
+  }
+  return out;
+}
+
+VoxelCut VoxelCuts::cut_of(const Vec3& center_mm, const std::vector<const Pose*>& near) const {
+  const Pose* nearest = nullptr;
+  double least = kHalfDiagonal + kTableSlack;
+  for (const Pose* pose : near) {
+    const double away = table_.at(rz_of(pose->tool_from_bone * center_mm)) / grid_.voxel_mm;
+    if (away >= least - kNoNearer) continue;
+    least = away;
+    nearest = pose;
+    if (away < -kHalfDiagonal - kTableSlack) break;
+  }
+  if (nearest == nullptr) return {};
+  return {nearest->frame, plane_beside(tool_, nearest->tool_from_bone, center_mm, grid_.voxel_mm)};
 }
 
 }  // namespace reamsim

@@ -144,7 +144,7 @@ std::optional<Rigid> bone_from_frame(PoseFrame frame, const std::optional<Glenoi
 /// Resamples keyframes, plunge or recorded CSV to the frame rate, in B. Position and spindle speed are interpolated
 /// linearly, orientation spherically; the spin angle is the integral of the speed. The last frame ends at or after the
 /// motion: the tool rests at its last pose, with spin, until then. Rows of a long CSV are read again from the file,
-/// which must not change. `from: contact` must have been resolved (sim/scene/first_contact.h). Throws InputError where
+/// which must not change. `from: contact` must have been resolved (sim/scene/scene.h). Throws InputError where
 /// `frame: glenoid` has no glenoid frame.
 Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Diagnostics& report);
 

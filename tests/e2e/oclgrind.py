@@ -21,8 +21,8 @@ DEVICE = "Oclgrind Simulator"
 COMPLAINT = re.compile(r"data race|invalid (read|write|memory)|uninitialized|out of bounds|divergence", re.IGNORECASE)
 # What to plant: the kernel's file, a passage of it, what takes its place, and what oclgrind has to say.
 PLANTED = {
-    "race": ("detect_direct.cl", "atomic_inc(&contact_count[substep])", "(contact_count[substep]++)", "data race"),
-    "overrun": ("cut_voxels.cl", "bone[e] = AIR;", "bone[e + 100000000u] = AIR;", "Invalid write"),
+    "race": ("dense.cl", "atomic_inc(&contact_count[substep])", "(contact_count[substep]++)", "data race"),
+    "overrun": ("dense.cl", "bone[e] = AIR;", "bone[e + 100000000u] = AIR;", "Invalid write"),
 }
 
 

@@ -86,6 +86,10 @@ SimulationInput upright(const Vec3& from, const Vec3& to) {
   return scene;
 }
 
+ContactForecast forecast_contact(const SimulationInput& scene) {
+  return forecast_passes(scene).front();
+}
+
 TEST(ContactForecast, HowCloseTheToolComes) {
   const ContactForecast above = forecast_contact(upright({0, 1, 9}, {0, 1, 6}));
   EXPECT_FALSE(above.touches);

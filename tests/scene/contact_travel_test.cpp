@@ -8,7 +8,7 @@
 #include <iostream>
 
 #include "sim/base/error.h"
-#include "sim/scene/first_contact.h"
+#include "sim/scene/scene.h"
 #include "tests/bone/bone_fixture.h"
 #include "tests/engine/outcome.h"
 

@@ -5,13 +5,14 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>
 
 #include "kernels/window.h"
-#include "sim/engine/common/engines.h"
+#include "sim/engine/make_engine.h"
 
 namespace reamsim {
 
@@ -35,23 +36,13 @@ BasisValues unit_response(const UnitArgs& args, const Clip& clip, float volume_m
 /// The basis of cutting edges in contact with a voxel; see rs_edge_force().
 BasisValues edge_response(const UnitArgs& args, const Clip& clip, rs_i32 remaining, rs_i32 outside);
 
-/// Sums of one brick by substep and grade, added voxel by voxel.
-class BrickBasis {
- public:
-  explicit BrickBasis(int substeps) : substeps_(substeps) {}
+/// Sums of one brick, added voxel by voxel.
+struct BrickBasis {
+  int substeps;
+  std::map<int, std::vector<BasisValues>> by_grade{};  ///< by substep
 
   /// Adds `factor` times `values` to a grade in a substep.
-  void add(int substep, int grade, double factor, const BasisValues& values);
-
- private:
-  friend class VisitBasis;
-  struct Grade {
-    int grade;
-    std::vector<BasisValues> sums;  ///< by substep
-  };
-
-  int substeps_;
-  std::vector<Grade> grades_;
+  void add(std::size_t substep, int grade, double factor, const BasisValues& values);
 };
 
 /// Sums over the bricks, by substep and grade. A brick's are rounded to integers once: their order does not matter.

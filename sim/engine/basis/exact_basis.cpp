@@ -128,8 +128,7 @@ class ExactBasis {
     std::vector<UnitArgs> units;        ///< by substep of the visit
     std::vector<NodeUnits> nodes;       ///< of the plan's motions
 
-    [[nodiscard]] int place(rs_u32 slot) const { return static_cast<int>(slot) - plan.first; }
-    [[nodiscard]] const UnitArgs& units_of(int place) const { return units[static_cast<std::size_t>(place)]; }
+    [[nodiscard]] std::size_t place(rs_u32 slot) const { return slot - static_cast<rs_u32>(plan.first); }
   };
 
   /// A brick in a visit.
@@ -140,8 +139,6 @@ class ExactBasis {
     BrickBasis sums;
     std::vector<BrickMiddle> middles;  ///< by substep of the visit
     PieceList list{};                  ///< pieces of the outline that can be nearest in the current window
-
-    [[nodiscard]] const BrickMiddle& middle(int place) const { return middles[static_cast<std::size_t>(place)]; }
   };
 
   /// As kernels/list_bricks.cl.
@@ -173,12 +170,12 @@ class ExactBasis {
   }
 
   void cut_brick(const Visit& visit, const Vec3i& at, VisitBasis& sums) {
-    BrickVisit brick{*grades_->brick(at), page_of(at), at, BrickBasis(visit.plan.end - visit.plan.first), {}, {}};
+    BrickVisit brick{*grades_->brick(at), page_of(at), at, {visit.plan.end - visit.plan.first}, {}, {}};
     for (int slot = visit.plan.first; slot < visit.plan.end; ++slot)
       brick.middles.push_back(middle_of(visit.args[static_cast<std::size_t>(slot)], at));
     for (const SubstepWindow& window : visit.plan.windows) {
       const SubstepArgs& args = visit.args[window.first];
-      const BrickMiddle& middle = brick.middle(visit.place(window.first));
+      const BrickMiddle& middle = brick.middles[visit.place(window.first)];
       brick.list = rs_pieces_near_brick(&view_, &middle);
       const float shift = window.shift_mm * args.per_voxel_mm;
       const unsigned blocks = blocks_in_reach(args, shift, brick, middle);
@@ -244,14 +241,14 @@ class ExactBasis {
     rs_i32 fill = brick.fill[i];
     for (rs_u32 slot = window.first; slot < window.end; ++slot) {
       const SubstepArgs& args = visit.args[slot];
-      const int place = visit.place(slot);
+      const std::size_t place = visit.place(slot);
       const float time = rs_window_time(&w, args.frame);
       const rs_i32 outside = rs_window_outside(&fit, time, RS_WINDOW_PIECES);
       const rs_i32 lost = rs_clip_loss(&args, fill, outside);
       fill -= lost;
       if (rs_has_edge(&args) != 0) {
-        const Clip now = clip(args, brick, brick.middle(place), offset);
-        brick.sums.add(place, kEdge, 1, edge_response(visit.units_of(place), now, fill, outside));
+        const Clip now = clip(args, brick, brick.middles[place], offset);
+        brick.sums.add(place, kEdge, 1, edge_response(visit.units[place], now, fill, outside));
       }
       if (lost == 0) continue;
       if (!line) line.emplace(w, visit.nodes[number], first, middle, last, volume_mm3_);
@@ -265,16 +262,16 @@ class ExactBasis {
     const auto i = static_cast<std::size_t>(offset);
     for (rs_u32 slot = window.first; slot < window.end && brick.fill[i] > 0; ++slot) {
       const SubstepArgs& args = visit.args[slot];
-      const int place = visit.place(slot);
-      Clip now = clip(args, brick, brick.middle(place), offset);
+      const std::size_t place = visit.place(slot);
+      Clip now = clip(args, brick, brick.middles[place], offset);
       const rs_i32 outside = rs_fill_outside(&now), lost = rs_clip_loss(&args, brick.fill[i], outside);
       brick.fill[i] = static_cast<std::uint16_t>(brick.fill[i] - lost);
       if (args.law != RS_LAW_ENERGY) continue;
       if (rs_has_edge(&args) != 0)
-        brick.sums.add(place, kEdge, 1, edge_response(visit.units_of(place), now, brick.fill[i], outside));
+        brick.sums.add(place, kEdge, 1, edge_response(visit.units[place], now, brick.fill[i], outside));
       if (lost == 0) continue;
       if (tool_->teeth) rs_use_envelope_normal(&view_, brick.list, &now);
-      brick.sums.add(place, brick.grades[i], lost, unit_response(visit.units_of(place), now, volume_mm3_));
+      brick.sums.add(place, brick.grades[i], lost, unit_response(visit.units[place], now, volume_mm3_));
     }
   }
 

@@ -100,6 +100,13 @@ std::size_t DeviceBatch::bytes(const RemovedList& removed) {
          kMaxSlots * (sizeof(SubstepArgs) + sizeof(SubstepSums) + 2 * sizeof(cl_uint));
 }
 
+std::vector<StageTimes> stage_times(cl::SlotKernel& detect, cl::SlotKernel& cut) {
+  const std::vector<double> detect_s = detect.take_seconds(), cut_s = cut.take_seconds();
+  std::vector<StageTimes> out;
+  for (std::size_t i = 0; i < cut_s.size(); ++i) out.push_back({detect_s[i], cut_s[i]});
+  return out;
+}
+
 void copy_fill(const std::vector<std::uint16_t>& dense, const Voxmap& voxmap, FillBricks& fill) {
   voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {

@@ -11,6 +11,7 @@
 #include "kernels/shared.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/device/opencl.h"
+#include "sim/engine/make_engine.h"
 
 namespace reamsim {
 
@@ -95,6 +96,9 @@ class DeviceBatch {
   int used_ = 0;
   bool has_removed_ = false;  // the list is that of the last batch
 };
+
+/// The times of two stages since the last call, by slot.
+std::vector<StageTimes> stage_times(cl::SlotKernel& detect, cl::SlotKernel& cut);
 
 /// Copies every fill of a dense array (an entry per voxel, in the order of VoxelGrid::index) that is not whole into
 /// `fill`. Air is unchanged.

@@ -8,12 +8,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstddef>
 #include <cstring>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/engine/common/device_batch.h"
 
 namespace reamsim {
 
@@ -87,12 +85,30 @@ std::size_t bytes_of(const BrickLayout& layout, const BoneView& bone) {
       "about " + std::to_string(bone.voxmap.grid.voxel_mm * std::max(1.0, factor) * 1.05) + " mm would fit");
 }
 
-}  // namespace
+constexpr std::size_t kMinRoom = 64;  // pages
 
-std::string BrickLayout::defines() const {
-  return "-DRS_POOLS=" + std::to_string(pools) + " -DRS_POOL_BITS=" + std::to_string(bits) +
-         (fill == FillStore::bricks ? " -DRS_BRICK_FILL" : "");
+/// 1.5 times the need, so that a growing cut does not move its pages at every visit.
+std::size_t most_room(std::size_t needed) {
+  return needed + needed / 2;
 }
+
+[[noreturn]] void pages_do_not_fit(const cl::Device& device, std::size_t pages, std::size_t largest, double voxel_mm) {
+  const double factor = std::cbrt(static_cast<double>(pages) / static_cast<double>(std::max<std::size_t>(1, largest)));
+  throw RunError(fmt::format(
+      "the fill of cut bricks needs {} in one allocation, but {} supports at most {}; bone.voxel_mm of {:.3g} or more "
+      "would fit, or a smaller crop",
+      megabytes(pages * kFillBytes), device.info().name, megabytes(largest * kFillBytes), 1.05 * factor * voxel_mm));
+}
+
+template <class T>
+cl::Buffer<T> grown(const cl::Device& device, const cl::Buffer<T>& old, std::size_t count, std::size_t used,
+                    const char* what) {
+  cl::Buffer<T> out(device, count, what);
+  if (used > 0) out.copy(device, old, used);
+  return out;
+}
+
+}  // namespace
 
 std::vector<cl_mem> DeviceBricks::pool_arguments() const {
   std::vector<cl_mem> out;
@@ -224,45 +240,8 @@ void read_brick_fill(const cl::Device& device, const DeviceBricks& out, const Vo
   });
 }
 
-namespace {
-
-constexpr std::size_t kMinRoom = 64;  // pages
-
-/// 1.5 times the need, so that a growing cut does not move its pages at every visit.
-std::size_t most_room(std::size_t needed) {
-  return needed + needed / 2;
-}
-
-[[noreturn]] void pages_do_not_fit(const cl::Device& device, std::size_t pages, std::size_t largest, double voxel_mm) {
-  const double factor = std::cbrt(static_cast<double>(pages) / static_cast<double>(std::max<std::size_t>(1, largest)));
-  throw RunError(fmt::format(
-      "the fill of cut bricks needs {} in one allocation, but {} supports at most {}; bone.voxel_mm of {:.3g} or more "
-      "would fit, or a smaller crop",
-      megabytes(pages * kFillBytes), device.info().name, megabytes(largest * kFillBytes), 1.05 * factor * voxel_mm));
-}
-
-std::size_t bricks_with_fill(const BoneView& bone) {
-  std::size_t count = 0;
-  bone.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick&) {
-    count += bone.voxmap.grade.brick(coord) != nullptr ? 1 : 0;
-  });
-  return count;
-}
-
-template <class T>
-cl::Buffer<T> grown(const cl::Device& device, const cl::Buffer<T>& old, std::size_t count, std::size_t used,
-                    const char* what) {
-  cl::Buffer<T> out(device, count, what);
-  if (used > 0) out.copy(device, old, used);
-  return out;
-}
-
-}  // namespace
-
 FillPages make_fill_pages(const cl::Device& device, const BoneView& bone) {
   FillPages fill;
-  fill.used = bricks_with_fill(bone);
-  const std::size_t room = std::max(kMinRoom, fill.used);
   std::vector<cl_int> page_of_slot;
   std::vector<cl_uint> slot_of_page;
   std::vector<cl_ushort> fills;
@@ -278,6 +257,8 @@ FillPages make_fill_pages(const cl::Device& device, const BoneView& bone) {
       page[device_place(offset)] = (*brick)[static_cast<std::size_t>(offset)];
     }
   });
+  fill.used = slot_of_page.size();
+  const std::size_t room = std::max(kMinRoom, fill.used);
   fill.page_of_slot = cl::upload(device, page_of_slot, "the table of fill");
   fill.slot_of_page = {device, room, "the table of fill"};
   fill.fills = {device, room * RS_BRICK_VOXELS, "the fill of cut bricks"};
@@ -347,7 +328,9 @@ std::size_t cut_items(const cl::DeviceInfo& info, const KernelOptions& options) 
 }
 
 std::string kernel_defines(const BrickLayout& layout, KernelShape shape) {
-  return layout.defines() + (shape == KernelShape::cpu ? " -DRS_CPU_SHAPE" : "");
+  return fmt::format("-DRS_POOLS={} -DRS_POOL_BITS={}{}{}", layout.pools, layout.bits,
+                     layout.fill == FillStore::bricks ? " -DRS_BRICK_FILL" : "",
+                     shape == KernelShape::cpu ? " -DRS_CPU_SHAPE" : "");
 }
 
 std::string cut_defines(const BrickLayout& layout, KernelShape shape) {

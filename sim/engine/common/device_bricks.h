@@ -29,8 +29,6 @@ struct BrickLayout {
   std::size_t brick_bytes = 0;
   FillStore fill = FillStore::none;
 
-  /// Compiler options of the kernels.
-  [[nodiscard]] std::string defines() const;
   [[nodiscard]] std::size_t pool_of(std::size_t slot) const { return slot >> bits; }
   [[nodiscard]] std::size_t place_in_pool(std::size_t slot) const { return slot & ((std::size_t{1} << bits) - 1); }
 };
@@ -115,8 +113,7 @@ std::size_t fill_pages_bytes(std::size_t bricks, std::size_t pages);
 
 /// How the kernels over bricks run; the results do not depend on it.
 struct KernelOptions {
-  KernelShape shape =
-      KernelShape::cpu;  ///< not `automatic`: a work-item that does much, in vectors, or many that do little
+  KernelShape shape = KernelShape::cpu;  ///< not `automatic`; cpu: long work-items in vectors, gpu: many short ones
   std::size_t work_group = 1;
   bool culling = true;  ///< pass over cells that cannot touch; off only to prove that it changes nothing
 };

@@ -66,6 +66,70 @@ void set_law(const CuttingSettings& cutting, double duration_s, double spin_rate
   }
 }
 
+/// Rounding allowance for axes that are cross products of nearly parallel edges.
+constexpr double kParallelEpsilon = 1e-12;
+/// Rounding allowance of the voxel box: more than the error of the kernels' single precision, voxels.
+constexpr double kVoxelSlack = 0.05;
+
+constexpr std::int64_t kBlock = RS_WINDOW_SUBSTEPS;
+/// Fewer frames do not repay the fit.
+constexpr std::int64_t kFewestFrames = 8;
+/// Largest deviation of a frame's motion and velocity from the polynomials through the nodes, as a fraction; the loss
+/// and the force of a single frame are wrong by as much.
+constexpr double kDeviation = 1e-4;
+/// Longest way in a window, voxels: on a longer one more voxels pass more depths than a window has cubics.
+constexpr double kLongestVoxels = 0.2;
+static_assert(2 * kLongestVoxels < kWindowShiftVoxels);
+/// Rounding of positions in double precision, mm.
+constexpr double kRoundingMm = 1e-10;
+
+/// Motion of a corner of the tool's box through a frame: place of the lattice point that lies there in the middle node,
+/// T, mm, and velocity of the tool there, mm/s.
+struct PointMotion {
+  Vec3 place;
+  Vec3 velocity;
+};
+
+Vec3 vector_of(const float* values) {
+  return Eigen::Map<const Eigen::Vector3f>(values).cast<double>();
+}
+
+PointMotion motion_of(const SubstepArgs& args, const Vec3& lattice_point, const Vec3& tool_point) {
+  return {tool_from_voxel(args) * lattice_point + Eigen::Map<const Vec3>(args.tool_origin),
+          vector_of(args.origin_velocity) + vector_of(args.angular_velocity).cross(tool_point)};
+}
+
+/// The quadratic through the nodes at `first` and `last`, about the middle one.
+Vec3 between(const MotionWindow& w, const Vec3& first, const Vec3& middle, const Vec3& last, double time) {
+  const double t0 = double{w.first_time}, t1 = double{w.last_time};
+  const Vec3 a = (first - middle) / t0, b = (last - middle) / t1;
+  const Vec3 c2 = (b - a) / (t1 - t0);
+  return middle + time * (a - t0 * c2 + time * c2);
+}
+
+/// Whether a corner of the tool's box moves as the nodes say, in all frames, and by less than `longest_mm`.
+bool is_smooth(const MotionWindow& w, std::span<const std::optional<SubstepArgs>> frames, const Vec3& corner,
+               double longest_mm) {
+  const Vec3 point = tool_from_voxel(w.middle).inverse() * (corner - Eigen::Map<const Vec3>(w.middle.tool_origin));
+  const PointMotion first = motion_of(w.first, point, corner), middle = motion_of(w.middle, point, corner),
+                    last = motion_of(w.last, point, corner);
+  const double way = (middle.place - first.place).norm() + (last.place - middle.place).norm();
+  if (way > longest_mm) return false;
+  const double most_mm = kDeviation * way / static_cast<double>(frames.size()) + kRoundingMm;
+  const double most_mm_s = kDeviation * middle.velocity.norm() + kRoundingMm;
+  Vec3 before = Vec3::Zero();
+  for (const std::optional<SubstepArgs>& args : frames) {
+    const double time = double{rs_window_time(&w, args->frame)};
+    const PointMotion here = motion_of(*args, point, corner);
+    const Vec3 off = here.place - between(w, first.place, middle.place, last.place, time);
+    if ((off - before).norm() > most_mm) return false;
+    const Vec3 velocity = between(w, first.velocity, middle.velocity, last.velocity, time);
+    if ((here.velocity - velocity).norm() > most_mm_s) return false;
+    before = off;
+  }
+  return true;
+}
+
 }  // namespace
 
 rs_i32 least_loss(double voxel_mm) {
@@ -140,15 +204,6 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
   return args;
 }
 
-namespace {
-
-/// Rounding allowance for axes that are cross products of nearly parallel edges.
-constexpr double kParallelEpsilon = 1e-12;
-/// Rounding allowance of the voxel box: more than the error of the kernels' single precision, voxels.
-constexpr double kVoxelSlack = 0.05;
-
-}  // namespace
-
 bool boxes_overlap(const Aabb& a, const Aabb& b, const Rigid& a_from_b) {
   const Mat3 rotation = a_from_b.linear();
   const Mat3 abs_rotation = rotation.cwiseAbs().array() + kParallelEpsilon;
@@ -199,73 +254,6 @@ VoxelBox voxel_voi(const SubstepArgs& args, const Aabb& tool_box, const VoxelBox
   }
   return voi;
 }
-
-namespace {
-
-constexpr std::int64_t kBlock = RS_WINDOW_SUBSTEPS;
-/// Fewer frames do not repay the fit.
-constexpr std::int64_t kFewestFrames = 8;
-/// Largest deviation of a frame's motion and velocity from the polynomials through the nodes, as a fraction; the loss
-/// and the force of a single frame are wrong by as much.
-constexpr double kDeviation = 1e-4;
-/// Longest way in a window, voxels: on a longer one more voxels pass more depths than a window has cubics.
-constexpr double kLongestVoxels = 0.2;
-static_assert(2 * kLongestVoxels < kWindowShiftVoxels);
-/// Rounding of positions in double precision, mm.
-constexpr double kRoundingMm = 1e-10;
-
-/// Motion of a corner of the tool's box through a frame: place of the lattice point that lies there in the middle node,
-/// T, mm, and velocity of the tool there, mm/s.
-struct PointMotion {
-  Vec3 place;
-  Vec3 velocity;
-};
-
-Mat3 step_of(const SubstepArgs& args) {
-  return Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();  // stored row by row
-}
-
-Vec3 vector_of(const float* values) {
-  return Eigen::Map<const Eigen::Vector3f>(values).cast<double>();
-}
-
-PointMotion motion_of(const SubstepArgs& args, const Vec3& lattice_point, const Vec3& tool_point) {
-  return {step_of(args) * lattice_point + Eigen::Map<const Vec3>(args.tool_origin),
-          vector_of(args.origin_velocity) + vector_of(args.angular_velocity).cross(tool_point)};
-}
-
-/// The quadratic through the nodes at `first` and `last`, about the middle one.
-Vec3 between(const MotionWindow& w, const Vec3& first, const Vec3& middle, const Vec3& last, double time) {
-  const double t0 = double{w.first_time}, t1 = double{w.last_time};
-  const Vec3 a = (first - middle) / t0, b = (last - middle) / t1;
-  const Vec3 c2 = (b - a) / (t1 - t0);
-  return middle + time * (a - t0 * c2 + time * c2);
-}
-
-/// Whether a corner of the tool's box moves as the nodes say, in all frames, and by less than `longest_mm`.
-bool is_smooth(const MotionWindow& w, std::span<const std::optional<SubstepArgs>> frames, const Vec3& corner,
-               double longest_mm) {
-  const Vec3 point = step_of(w.middle).inverse() * (corner - Eigen::Map<const Vec3>(w.middle.tool_origin));
-  const PointMotion first = motion_of(w.first, point, corner), middle = motion_of(w.middle, point, corner),
-                    last = motion_of(w.last, point, corner);
-  const double way = (middle.place - first.place).norm() + (last.place - middle.place).norm();
-  if (way > longest_mm) return false;
-  const double most_mm = kDeviation * way / static_cast<double>(frames.size()) + kRoundingMm;
-  const double most_mm_s = kDeviation * middle.velocity.norm() + kRoundingMm;
-  Vec3 before = Vec3::Zero();
-  for (const std::optional<SubstepArgs>& args : frames) {
-    const double time = double{rs_window_time(&w, args->frame)};
-    const PointMotion here = motion_of(*args, point, corner);
-    const Vec3 off = here.place - between(w, first.place, middle.place, last.place, time);
-    if ((off - before).norm() > most_mm) return false;
-    const Vec3 velocity = between(w, first.velocity, middle.velocity, last.velocity, time);
-    if ((here.velocity - velocity).norm() > most_mm_s) return false;
-    before = off;
-  }
-  return true;
-}
-
-}  // namespace
 
 MotionWindows::MotionWindows(ArgsOfFrame args_of, std::int64_t last, const Aabb& tool_box)
     : args_of_(std::move(args_of)), last_(last), tool_box_(tool_box) {}

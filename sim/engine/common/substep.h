@@ -41,6 +41,11 @@ Rigid bone_from_shell(const ToolPose& pose, bool spin_resolved);
 /// The fill that a tool at rest could remove by errors of single precision; smaller losses are put off.
 rs_i32 least_loss(double voxel_mm);
 
+/// From voxel coordinates to T, mm, without the shift; `args` has it row by row.
+inline Mat3 tool_from_voxel(const SubstepArgs& args) {
+  return Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();
+}
+
 /// The arguments of a substep. `voi` is in the shell's frame, mm.
 SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell& shell, const VoxelGrid& grid,
                       const CuttingSettings& cutting, bool spin_resolved);

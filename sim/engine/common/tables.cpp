@@ -4,7 +4,6 @@
 #include "sim/engine/common/tables.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -168,6 +167,15 @@ OutlineTable table_of(const Outline& outline, double voxel_mm) {
   return table;
 }
 
+double interpolated(const std::vector<SpecificEnergySettings>& table, double density_g_cm3) {
+  const auto above = std::ranges::upper_bound(table, density_g_cm3, {}, &SpecificEnergySettings::density_g_cm3);
+  if (above == table.begin()) return table.front().energy_j_mm3;
+  if (above == table.end()) return table.back().energy_j_mm3;
+  const SpecificEnergySettings& below = *(above - 1);
+  const double t = (density_g_cm3 - below.density_g_cm3) / (above->density_g_cm3 - below.density_g_cm3);
+  return below.energy_j_mm3 + t * (above->energy_j_mm3 - below.energy_j_mm3);
+}
+
 }  // namespace
 
 OutlineTable full_outline_table(const Profile& profile, double voxel_mm) {
@@ -219,19 +227,6 @@ DeviceTeeth::DeviceTeeth(const cl::Device& device, const DistanceGrid& grid, dou
   slots_ = cl::upload(device, grid.slot_of_brick, kWhat);
   samples_ = cl::upload(device, grid.samples, kWhat);
 }
-
-namespace {
-
-double interpolated(const std::vector<SpecificEnergySettings>& table, double density_g_cm3) {
-  const auto above = std::ranges::upper_bound(table, density_g_cm3, {}, &SpecificEnergySettings::density_g_cm3);
-  if (above == table.begin()) return table.front().energy_j_mm3;
-  if (above == table.end()) return table.back().energy_j_mm3;
-  const SpecificEnergySettings& below = *(above - 1);
-  const double t = (density_g_cm3 - below.density_g_cm3) / (above->density_g_cm3 - below.density_g_cm3);
-  return below.energy_j_mm3 + t * (above->energy_j_mm3 - below.energy_j_mm3);
-}
-
-}  // namespace
 
 double cutting_energy_mj(const CuttingSettings& cutting, double density_g_cm3, double voxel_mm) {
   constexpr double kMillijoulePerJoule = 1000;

@@ -66,7 +66,6 @@ DistanceLattice distance_lattice(const DistanceGrid& grid);
 /// The distance grid of resolved cutting edges on the device.
 class DeviceTeeth {
  public:
-  DeviceTeeth() = default;
   /// `bulge_mm`: largest distance of the tool's outline from its profile (kernels/outline.h). `bone_bytes`: device
   /// memory of the bone. Throws InputError with the voxel size that would fit where the device has no room for both.
   DeviceTeeth(const cl::Device& device, const DistanceGrid& grid, double voxel_mm, double bulge_mm,

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/common/engines.h"
+#include "sim/engine/make_engine.h"
 
 #include <algorithm>
 #include <bit>
@@ -15,82 +15,60 @@
 namespace reamsim {
 
 namespace embedded {
+extern const char* const kernel_dense;
 extern const char* const kernel_restore_voxels;
-extern const char* const kernel_cut_voxels;
-extern const char* const kernel_detect_direct;
-extern const char* const kernel_detect_implicit;
-extern const char* const kernel_detect_octree;
 }  // namespace embedded
 
 namespace {
 
-/// A voxel's index and its value, the bits of a float.
-struct VoxelValue {
-  cl_uint voxel;
-  cl_uint value;
-};
+/// Writes value(voxel index) of the removed voxels into an array of 8, 16 or 32 bits per voxel, and waits, so that a
+/// benchmark need not upload the whole bone before each repetition.
+template <class T, class Value>
+void restore_values(const cl::Device& device, const RemovedFrames& removed, const Value& value,
+                    const cl::Buffer<T>& array) {
+  constexpr const char* kName = sizeof(T) == 1 ? "restore_bytes" : sizeof(T) == 2 ? "restore_halves" : "restore_words";
+  constexpr std::size_t kGroup = 64;
+  if (removed.empty()) return;
+  std::vector<cl_uint2> values;
+  for (const auto& [voxel, frame] : removed) values.push_back({{static_cast<cl_uint>(voxel), value(voxel)}});
+  cl::Kernel kernel(device.build("restore_voxels.cl", embedded::kernel_restore_voxels), kName);
+  const auto list = cl::upload(device, values, "the voxels to restore");
+  kernel.set_from(0, list, static_cast<cl_uint>(values.size()), array);
+  const cl::Event done = kernel.launch(device, values.size(), kGroup);
+  device.finish();
+}
 
-/// Restores single voxels of dense arrays, so that a benchmark need not upload the whole bone before each repetition.
-class VoxelRestorer {
- public:
-  explicit VoxelRestorer(const cl::Device& device)
-      : device_(device),
-        program_(device.build("restore_voxels.cl", embedded::kernel_restore_voxels)),
-        bytes_(program_, "restore_bytes"),
-        halves_(program_, "restore_halves"),
-        words_(program_, "restore_words") {}
-
-  /// Writes value(voxel index) of the removed voxels into an array of 8, 16 or 32 bits per voxel, and waits.
-  template <class T, class Value>
-  void write(const RemovedFrames& removed, const Value& value, const cl::Buffer<T>& array) {
-    static_assert(sizeof(T) == 1 || sizeof(T) == 2 || sizeof(T) == 4);
-    constexpr std::size_t kGroup = 64;
-    if (removed.empty()) return;
-    std::vector<VoxelValue> values;
-    for (const auto& [voxel, frame] : removed) values.push_back({static_cast<cl_uint>(voxel), value(voxel)});
-    cl::Kernel& kernel = sizeof(T) == 1 ? bytes_ : sizeof(T) == 2 ? halves_ : words_;
-    const auto list = cl::upload(device_, values, "the voxels to restore");
-    kernel.set_from(0, list, static_cast<cl_uint>(values.size()), array);
-    const cl::Event done = kernel.launch(device_, values.size(), kGroup);
-    device_.finish();
+/// The narrow phase: writes the voxels that the tool touches in a substep to the contact list, each once, and changes
+/// nothing that the cut writes. Results do not depend on the size of a group.
+/// `direct` is the paper's (§3.5): one work-item per shell point, a Morton code. `octree` is that of Zheng et al. as
+/// Faieghi et al. (2020, §4.3.1) rebuilt it: one work-item per shell point, three floats, that descends the grid
+/// through look-up tables. `implicit` is that of Yau et al., rebuilt likewise (§4.3.2): one work-item per voxel of the
+/// VOI, which set_voi() sets, against the tool's solid of revolution.
+cl::SlotKernel make_detect_kernel(const cl::Device& device, const DensePlan& plan, const DenseState& state,
+                                  const DeviceBatch& batch, bool per_point, std::size_t work_group) {
+  if (plan.layout == VoxelLayout::bare_grade) {
+    constexpr cl_uint kAfterVoi = 3;
+    cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense), "detect_implicit", work_group);
+    out.set_from(kAfterVoi, batch.args(), state.grades, state.contacts, batch.contact_count(),
+                 state.outline.arguments());
+    return out;
   }
-
- private:
-  const cl::Device& device_;
-  cl::Program program_;
-  cl::Kernel bytes_, halves_, words_;
-};
-
-cl::SlotKernel make_detect_direct(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
-                                  bool wide_codes, std::size_t work_group) {
-  const cl::Program program =
-      device.build("detect_direct.cl", embedded::kernel_detect_direct, wide_codes ? "-DRS_WIDE_CODES" : "");
-  cl::SlotKernel out(device, program, "detect_direct", work_group, state.point_count);
+  if (plan.has_hu()) {
+    constexpr std::size_t kMaxPerGroup = 256;  // the reduction takes 48 bytes of local memory per work-item
+    const std::size_t group = std::min(work_group, kMaxPerGroup);
+    const std::string defines = per_point ? "-DREAMSIM_GROUP_SIZE=" + std::to_string(group) : "";
+    cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense, defines), "detect_octree", group,
+                       state.point_count);
+    out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.points, state.point_count, state.hu,
+                 static_cast<cl_float>(state.scale.of_air), state.claims, state.contacts, batch.contact_count(),
+                 batch.sums(), state.outline.arguments(), state.children, state.levels);
+    return out;
+  }
+  const char* defines = plan.wide_codes ? "-DRS_WIDE_CODES" : "";
+  cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense, defines), "detect_direct", work_group,
+                     state.point_count);
   out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.codes, state.point_count, state.grades, state.claims,
                state.contacts, batch.contact_count(), batch.sums(), state.outline.arguments());
-  return out;
-}
-
-cl::SlotKernel make_detect_octree(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
-                                  bool per_point, std::size_t work_group) {
-  constexpr std::size_t kMaxPerGroup = 256;  // the reduction takes 48 bytes of local memory per work-item
-  const std::size_t group = std::min(work_group, kMaxPerGroup);
-  const std::string defines = per_point ? "-DREAMSIM_GROUP_SIZE=" + std::to_string(group) : "";
-  cl::SlotKernel out(device, device.build("detect_octree.cl", embedded::kernel_detect_octree, defines), "detect_octree",
-                     group, state.point_count);
-  out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.points, state.point_count, state.hu,
-               static_cast<cl_float>(state.scale.of_air), state.claims, state.contacts, batch.contact_count(),
-               batch.sums(), state.outline.arguments(), state.children, state.levels);
-  return out;
-}
-
-/// Runs over the voxels of a VOI, which set_voi() sets.
-cl::SlotKernel make_detect_implicit(const cl::Device& device, const DenseState& state, const DeviceBatch& batch,
-                                    std::size_t work_group) {
-  constexpr cl_uint kAfterVoi = 3;
-  cl::SlotKernel out(device, device.build("detect_implicit.cl", embedded::kernel_detect_implicit), "detect_implicit",
-                     work_group);
-  out.set_from(kAfterVoi, batch.args(), state.grades, state.contacts, batch.contact_count(), state.outline.arguments());
   return out;
 }
 
@@ -103,24 +81,6 @@ std::size_t set_voi(const VoxelBox& voi, cl::SlotKernel& kernel) {
   return static_cast<std::size_t>(size.cast<std::int64_t>().prod());
 }
 
-/// The narrow phase: writes the voxels that the tool touches in a substep to the contact list, each once, and changes
-/// nothing that the cut writes. `work_group` is the size of a group; results do not depend on it.
-///
-/// `direct` is the paper's (§3.5): one work-item per shell point, a Morton code. `octree` is that of Zheng et al. as
-/// Faieghi et al. (2020, §4.3.1) rebuilt it: one work-item per shell point, three floats, that descends the grid
-/// through look-up tables. `implicit` is that of Yau et al., rebuilt likewise (§4.3.2): one work-item per voxel of the
-/// VOI against the tool's solid of revolution.
-cl::SlotKernel make_detect_kernel(const cl::Device& device, const Scenario& scenario, const DenseState& state,
-                                  const DeviceBatch& batch, const Tool& tool, std::size_t work_group) {
-  if (engine_of(scenario) == EngineKind::octree) {
-    return make_detect_octree(device, state, batch, scenario.cutting.law == CuttingLaw::per_point, work_group);
-  }
-  if (engine_of(scenario) == EngineKind::implicit) {
-    return make_detect_implicit(device, state, batch, work_group);
-  }
-  return make_detect_direct(device, state, batch, has_wide_codes(tool.shell), work_group);
-}
-
 /// The cut for `remove` and `wear`: work-items stride over the contact list.
 cl::SlotKernel make_cut_kernel(const cl::Device& device, const DensePlan& plan, const DenseState& state,
                                const DeviceBatch& batch, std::size_t work_group) {
@@ -129,8 +89,8 @@ cl::SlotKernel make_cut_kernel(const cl::Device& device, const DensePlan& plan, 
   if (plan.layout == VoxelLayout::bare_grade) defines = "-DREAMSIM_BARE_GRADE";
   // Enough work-items to fill the device: few long ones on a CPU, many on a GPU.
   const std::size_t items = std::size_t{device.info().compute_units} * (device.info().gpu ? 1024 : 64);
-  cl::SlotKernel out(device, device.build("cut_voxels.cl", embedded::kernel_cut_voxels, defines), "cut_voxels",
-                     work_group, items);
+  cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense, defines), "cut_voxels", work_group,
+                     items);
   out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), hu ? state.hu.get() : state.grades.get(), state.fill,
                cl_int{state.has_fill ? 1 : 0}, state.claims, state.contacts, batch.contact_count(), batch.sums(),
                batch.removed(), batch.removed_count(), state.energy_of_grade, state.density_of_grade,
@@ -161,11 +121,10 @@ class DenseEngine final : public Engine {
         batch_(device_, plan_.removed_list()),
         tool_box_(tool.profile.bounds()),
         extent_(bone_extent(bone.voxmap)),
-        detect_(make_detect_kernel(device_, scenario, state_, batch_, tool,
+        detect_(make_detect_kernel(device_, plan_, state_, batch_, scenario.cutting.law == CuttingLaw::per_point,
                                    group_size(device.info(), scenario.engine, 256))),
         cut_(make_cut_kernel(device_, plan_, state_, batch_,
-                             group_size(device.info(), scenario.engine, device.info().gpu ? 256 : 16))),
-        restorer_(device_) {}
+                             group_size(device.info(), scenario.engine, device.info().gpu ? 256 : 16))) {}
 
   void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> /*window*/) override {
     const int slot = batch_.begin(args);
@@ -178,10 +137,7 @@ class DenseEngine final : public Engine {
   }
   [[nodiscard]] bool full() const override { return batch_.full(); }
 
-  Batch collect() override {
-    std::vector<SubstepSums> sums = batch_.collect();
-    return {.sums = std::move(sums), .times = stage_times(detect_.take_seconds(), cut_.take_seconds())};
-  }
+  Batch collect() override { return {.sums = batch_.collect(), .times = stage_times(detect_, cut_)}; }
 
   RemovedFrames take_removed() override {
     RemovedFrames removed;
@@ -209,11 +165,11 @@ class DenseEngine final : public Engine {
       return std::bit_cast<cl_uint>(state_.scale.hu(static_cast<std::uint8_t>(grade(voxel))));
     };
     if (plan_.has_hu()) {
-      restorer_.write(removed, hu, state_.hu);
+      restore_values(device_, removed, hu, state_.hu);
     } else {
-      restorer_.write(removed, grade, state_.grades);
+      restore_values(device_, removed, grade, state_.grades);
     }
-    if (state_.has_fill) restorer_.write(removed, fill, state_.fill);
+    if (state_.has_fill) restore_values(device_, removed, fill, state_.fill);
   }
 
   [[nodiscard]] std::string device() const override { return device_.info().name; }
@@ -232,7 +188,6 @@ class DenseEngine final : public Engine {
   Aabb tool_box_;    ///< T, mm
   VoxelBox extent_;  ///< of the bone
   cl::SlotKernel detect_, cut_;
-  VoxelRestorer restorer_;
 };
 
 }  // namespace

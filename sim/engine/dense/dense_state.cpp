@@ -4,13 +4,9 @@
 #include "sim/engine/dense/dense_state.h"
 
 #include <fmt/core.h>
-#include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/engine/common/device_batch.h"
 #include "sim/tool/point_shell.h"
 
 namespace reamsim {
@@ -28,6 +24,27 @@ std::size_t voxels_in_tool(const Profile& profile, double voxel_mm) {
   const Aabb box = profile.bounds();
   const Vec3 grown = (box.max - box.min) / voxel_mm + Vec3::Constant(std::sqrt(3.0));
   return static_cast<std::size_t>(std::ceil(std::min(grown.prod(), static_cast<double>(kMaxVoxels))));
+}
+
+std::vector<cl_uint> code_words(const PointShell& shell, bool wide) {
+  std::vector<cl_uint> words;
+  words.reserve(shell.codes.size() * (wide ? 2 : 1));
+  for (const std::uint64_t code : shell.codes) {
+    words.push_back(static_cast<cl_uint>(code));
+    if (wide) words.push_back(static_cast<cl_uint>(code >> 32));
+  }
+  return words;
+}
+
+void upload_shell(const cl::Device& device, const DensePlan& plan, const PointShell& shell, const VoxelGrid& grid,
+                  DenseState& state) {
+  state.point_count = static_cast<cl_uint>(plan.points);
+  if (plan.layout == VoxelLayout::claimed_grade)
+    state.codes = cl::upload(device, code_words(shell, plan.wide_codes), "the point shell", "tool.shell_resolution");
+  if (!plan.has_hu()) return;
+  state.points = cl::upload(device, cell_numbers(shell), "the point shell", "tool.shell_resolution");
+  state.children = cl::upload(device, octree_children(grid), "the look-up tables");
+  state.levels = octree_levels(grid);
 }
 
 }  // namespace
@@ -65,7 +82,7 @@ void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double vox
                        megabytes(plan.largest_bytes()) + " of it in one allocation; " + device.name + " has " +
                        megabytes(device.global_memory_bytes) + " in total and at most " +
                        megabytes(device.max_allocation_bytes) + " in one allocation",
-                   std::string(fits) + ", or engine.type: bricked, which stores only bricks with bone");
+                   fits + ", or engine.type: bricked, which stores only bricks with bone");
 }
 
 void upload_hu(const cl::Device& device, const std::vector<std::uint8_t>& grades, const HuScale& scale,
@@ -80,21 +97,6 @@ void upload_hu(const cl::Device& device, const std::vector<std::uint8_t>& grades
   }
 }
 
-namespace {
-
-std::vector<cl_uint> code_words(const PointShell& shell) {
-  const bool wide = has_wide_codes(shell);
-  std::vector<cl_uint> words;
-  words.reserve(shell.codes.size() * (wide ? 2 : 1));
-  for (const std::uint64_t code : shell.codes) {
-    words.push_back(static_cast<cl_uint>(code));
-    if (wide) words.push_back(static_cast<cl_uint>(code >> 32));
-  }
-  return words;
-}
-
-}  // namespace
-
 std::vector<cl_float> cell_numbers(const PointShell& shell) {
   std::vector<cl_float> out;
   out.reserve(3 * shell.codes.size());
@@ -104,21 +106,6 @@ std::vector<cl_float> cell_numbers(const PointShell& shell) {
   }
   return out;
 }
-
-namespace {
-
-void upload_shell(const cl::Device& device, const DensePlan& plan, const PointShell& shell, const VoxelGrid& grid,
-                  DenseState& state) {
-  state.point_count = static_cast<cl_uint>(plan.points);
-  if (plan.layout == VoxelLayout::claimed_grade)
-    state.codes = cl::upload(device, code_words(shell), "the point shell", "tool.shell_resolution");
-  if (!plan.has_hu()) return;
-  state.points = cl::upload(device, cell_numbers(shell), "the point shell", "tool.shell_resolution");
-  state.children = cl::upload(device, octree_children(grid), "the look-up tables");
-  state.levels = octree_levels(grid);
-}
-
-}  // namespace
 
 bool HuScale::exact() const {
   for (int g = 0; g <= 255; ++g) {
@@ -169,10 +156,6 @@ void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView
   if (!plan.fill) return;
   const auto fill = dense_fill(bone);
   state.fill.write(device, fill.data(), fill.size());
-}
-
-bool has_wide_codes(const PointShell& shell) {
-  return shell.resolution > kNarrowResolution;
 }
 
 int octree_levels(const VoxelGrid& grid) {

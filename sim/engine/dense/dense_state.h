@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <string>
 
 #include "kernels/shared.h"
 #include "sim/bone/voxmap/density.h"
@@ -116,9 +115,6 @@ std::vector<cl_float> cell_numbers(const PointShell& shell);
 
 /// Uploads the bone again. Throws RunError where it is not the bone that `plan` was made for.
 void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView& bone, DenseState& state);
-
-/// Whether the codes of the shell's points need 8 bytes each instead of the paper's 4.
-bool has_wide_codes(const PointShell& shell);
 
 /// Levels of the octree descent: the cube around the lattice has 2^levels voxels along a side.
 int octree_levels(const VoxelGrid& grid);

@@ -12,10 +12,6 @@ namespace reamsim {
 
 namespace {
 
-Mat3 tool_from_voxel(const SubstepArgs& args) {
-  return Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();  // stored row by row
-}
-
 /// The rotation of resolved cutting edges about the spin axis.
 Mat3 spin_rotation(const SubstepArgs& args) {
   const double c = double{args.spin_cos}, s = double{args.spin_sin};
@@ -60,7 +56,6 @@ float shift_of(const MotionWindow& window, const Aabb& box) {
 /// Adds a substep to the last window of the plan, or to a new one.
 void add_to_window(std::span<const SubstepArgs> args, const MotionsOfSlots& motions, int slot, const Aabb& box,
                    BrickBatchPlan& plan) {
-  const auto at = [&](std::size_t i) -> const SubstepArgs& { return args[i]; };
   const auto here = static_cast<std::size_t>(slot);
   const MotionWindow* motion = motions[here].get();
   SubstepWindow* window = plan.windows.empty() ? nullptr : &plan.windows.back();
@@ -72,8 +67,8 @@ void add_to_window(std::span<const SubstepArgs> args, const MotionsOfSlots& moti
       plan.motions.push_back(*motion);
     }
   } else {
-    const double moved = same ? motion_bound_with_spin(at(window->first), at(here), box) : 0;
-    if (!same || moved > kWindowShiftVoxels * double{at(here).voxel_mm}) {
+    const double moved = same ? motion_bound_with_spin(args[window->first], args[here], box) : 0;
+    if (!same || moved > kWindowShiftVoxels * double{args[here].voxel_mm}) {
       plan.windows.push_back({static_cast<rs_u32>(slot), 0, 0, -1});
     } else {
       window->shift_mm = std::max(window->shift_mm, static_cast<float>(moved));

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/common/engines.h"
+#include "sim/engine/make_engine.h"
 
 #include <algorithm>
 #include <array>
@@ -119,11 +119,16 @@ class ExactEngine final : public Engine {
     batch_.write_args();  // at once: a write for each substep takes longer than all other calls
     out.times.resize(static_cast<std::size_t>(batch_.used()));
     for (int first = 0; first < batch_.used();) {
-      const BrickBatchPlan plan = visit(first);
-      const double per_substep = 1.0 / (plan.end - plan.first);
+      const auto [visit, listed] = plan_visit(first);
+      if (listed > 0) {
+        set_visit(visit, listed);
+        cut_.run(visit.first);
+        read_removed();
+      }
+      const double per_substep = 1.0 / (visit.end - visit.first);
       const StageTimes times{list_.take_total_s() * per_substep, cut_.take_total_s() * per_substep};
-      std::fill(out.times.begin() + plan.first, out.times.begin() + plan.end, times);
-      first = plan.end;
+      std::fill(out.times.begin() + visit.first, out.times.begin() + visit.end, times);
+      first = visit.end;
     }
     out.sums = batch_.collect();
     motions_.clear();
@@ -147,13 +152,10 @@ class ExactEngine final : public Engine {
   }
 
  private:
-  [[nodiscard]] BrickBatchPlan plan(int first, int most) const {
-    return plan_brick_batch(batch_.args_used(), motions_, first, most, tool_box_, extent_);
-  }
-
   /// Lists the bricks in reach in a visit, and returns their number.
-  std::size_t list_bricks(const BrickBatchPlan& visit, VisitCounts counts) {
+  std::size_t list_bricks(const BrickBatchPlan& visit) {
     if (visit.superbricks.empty()) return 0;
+    VisitCounts counts{.listed = 0, .pages = static_cast<rs_u32>(fill_.used), .removed = 0, .taken = 0};
     counts_.write(device_, &counts, 1, 0, false);
     const Vec3i first = visit.superbricks.first, size = visit.superbricks.size();
     list_.set_from(cl::SlotKernel::kAfterSlot, cl_int4{{first.x(), first.y(), first.z(), 0}},
@@ -163,24 +165,29 @@ class ExactEngine final : public Engine {
     return counts.listed;
   }
 
-  /// Cuts the bricks in reach in as many substeps from `first` on as one visit can have. Returns the visit.
-  BrickBatchPlan visit(int first) {
-    BrickBatchPlan visit = plan(first, RS_VISIT_SUBSTEPS);
-    VisitCounts counts{.listed = 0, .pages = static_cast<rs_u32>(fill_.used), .removed = 0, .taken = 0};
-    std::size_t listed = list_bricks(visit, counts);
-    while (max_records(listed, visit.end - first) > kMaxRecords && visit.end - first > 1) {
-      visit = plan(first, (visit.end - first) / 2);
-      listed = list_bricks(visit, counts);
+  /// As many substeps from `first` on as one visit can have, and the number of bricks in reach.
+  std::pair<BrickBatchPlan, std::size_t> plan_visit(int first) {
+    for (int most = RS_VISIT_SUBSTEPS;; most /= 2) {
+      BrickBatchPlan visit = plan_brick_batch(batch_.args_used(), motions_, first, most, tool_box_, extent_);
+      most = visit.end - first;
+      const std::size_t listed = list_bricks(visit);
+      if (most == 1 || max_records(listed, most) <= kMaxRecords) return {std::move(visit), listed};
     }
-    if (listed == 0) return visit;
+  }
+
+  /// Makes room for what a visit cuts, and sets the arguments of its cut.
+  void set_visit(const BrickBatchPlan& visit, std::size_t listed) {
     reserve_pages(device_, fill_.used + listed, grid_.voxel_mm, fill_);
-    const std::size_t records = max_records(listed, visit.end - first);
+    const std::size_t records = max_records(listed, visit.end - visit.first);
     if (records > records_.count()) records_ = {device_, records, "the list of removed voxels"};
     windows_.write(device_, visit.windows.data(), visit.windows.size(), 0, false);
     if (!visit.motions.empty()) motion_windows_.write(device_, visit.motions.data(), visit.motions.size(), 0, false);
     cut_.set_from(cl::SlotKernel::kAfterSlot, static_cast<cl_uint>(visit.windows.size()), fill_.page_of_slot,
                   fill_.slot_of_page, fill_.fills, records_);
-    cut_.run(visit.first);
+  }
+
+  void read_removed() {
+    VisitCounts counts{};
     counts_.read(device_, &counts, 1);
     fill_.used = counts.pages;
     std::vector<RemovedBlock> blocks(counts.removed);
@@ -188,7 +195,6 @@ class ExactEngine final : public Engine {
     for (const RemovedBlock& block : blocks) {
       append_removed(block, grid_, batch_.args_of(static_cast<int>(block.detail >> 3)).frame, removed_);
     }
-    return visit;
   }
 
   cl::Device device_;
