@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,17 +16,9 @@ namespace reamsim {
 
 /// The gnuplot scripts, by their files.
 namespace embedded {
-extern const char* const script_style;
-extern const char* const script_forces;
-extern const char* const script_forces_depth;
-extern const char* const script_energy;
-extern const char* const script_push;
-extern const char* const script_deflection;
-extern const char* const script_removed_density;
-extern const char* const script_spectrum;
-extern const char* const script_compare;
-extern const char* const script_bench;
-extern const char* const script_verify;
+using Script = const char* const;
+extern Script script_style, script_forces, script_forces_depth, script_energy, script_push, script_deflection,
+    script_removed_density, script_spectrum, script_compare, script_bench, script_verify;
 }  // namespace embedded
 
 // The functions below throw RunError when gnuplot is missing or fails, or a file cannot be written.
@@ -48,8 +39,12 @@ void write_deflection_plot(const std::string& dir);
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
                            const FillBricks& after);
 
-/// Calls a function with each row of a log, in order.
-using RowPass = std::function<void(const std::function<void(const ForceRow&)>&)>;
+/// What the spectrum needs of a row of forces.csv.
+struct TorqueSample {
+  double time_s = 0;
+  double angle_rad = 0;   ///< of the spin
+  double torque_nmm = 0;  ///< about the spin axis
+};
 
 /// One-sided amplitude spectrum of the spin torque in contact.
 struct TorqueSpectrum {
@@ -66,7 +61,7 @@ struct TorqueSpectrum {
 /// Hann windows that overlap by half, zero-padded. The mean over one revolution is subtracted, which removes the feed's
 /// trend and no multiple of the spin. Empty without spin, or when fewer than three revolutions remain, or for a
 /// revolution of more than 100,000 frames.
-TorqueSpectrum torque_spectrum(const RowPass& pass);
+TorqueSpectrum torque_spectrum(const std::vector<TorqueSample>& samples);
 
 /// Writes the spectrum as DIR/plots/spectrum.csv and draws it with labelled peaks. Returns false if it is empty.
 bool write_torque_spectrum(const std::string& dir);

@@ -55,9 +55,6 @@ class LayerMean {
     double axial_force_n = 0;
     double spin_torque_nmm = 0;
     std::size_t frames = 0;  ///< number of frames in the means
-
-    Means& operator+=(const Means& other);
-    Means& operator-=(const Means& other);
   };
 
   /// Adds a frame (position in B). Returns the means over the last voxel of travel, zero until there is one. While the
@@ -65,24 +62,19 @@ class LayerMean {
   Means add(const Vec3& position_mm, double axial_force_n, double spin_torque_nmm);
 
  private:
-  /// A frame, or several successive ones where there are very many: their sums.
   struct Frame {
-    double path_mm = 0;  ///< length of the path at the end of the frame
-    Means values;
+    double path_mm;  ///< length of the path at its end
+    double axial_force_n;
+    double spin_torque_nmm;
   };
 
   void drop_oldest();
-  /// Keeps the number of frames constant for one more that the tool stands still.
-  void drop_while_still();
-  void append(double path_mm, const Means& frame);
-  void merge_pairs();
 
   double voxel_mm_;
   Vec3 last_mm_ = Vec3::Zero();
-  std::deque<Frame> frames_;
-  std::size_t frames_per_entry_ = 1;
-  std::size_t still_frames_ = 0;  ///< for which no frame has been dropped yet
-  Means sums_;
+  std::deque<Frame> frames_;  ///< of the last voxel of travel
+  double axial_force_sum_n_ = 0;
+  double spin_torque_sum_nmm_ = 0;
   bool full_ = false;
 };
 
