@@ -34,12 +34,11 @@ std::string mean_block(const ForceLog& log) {
   const std::size_t step = 1 + log.rows.size() / kMaxPoints;
   const double travel_mm = log.mean_travel_mm;
   const KeyResults run = key_results_of(log, travel_mm > 0);
+  const auto text = [](const KeyResults::Figure& figure) { return gnuplot_string(figure.name + " " + figure.value()); };
   std::ostringstream out;
   out << "# Headline figures, as in pictures, summary.json and report\n"
-      << "headline_force = " << gnuplot_string(run.force_name() + " " + run.force_text() + " N") << '\n'
-      << "headline_torque = " << gnuplot_string(run.torque_name() + " " + run.torque_text() + " N·mm") << '\n'
-      << "headline_depth = " << gnuplot_string(std::string(KeyResults::kDepthName) + " " + run.depth_text() + " mm")
-      << "\n\n"
+      << "headline_force = " << text(run.force()) << "\nheadline_torque = " << text(run.torque())
+      << "\nheadline_depth = " << text(run.depth()) << "\n\n"
       << "# Means over the last " << travel_mm
       << " mm of travel (0: single frames): time (s), axial force (N), spin torque (N·mm), depth (mm), cutting power "
          "(W)\n"

@@ -23,14 +23,18 @@ struct KeyResults {
   double peak_spin_torque_nmm = 0;  ///< magnitude
   double tool_depth_mm = 0;         ///< greatest travel along the tool's axis since first contact
 
-  static constexpr const char* kDepthName = "tool depth";
-  [[nodiscard]] std::string force_name() const { return means ? "peak mean axial force" : "peak axial force"; }
-  [[nodiscard]] std::string torque_name() const { return means ? "peak mean spin torque" : "peak spin torque"; }
+  struct Figure {
+    std::string name, number, unit;
 
-  /// The numbers as text, without their units (N, N·mm, mm).
-  [[nodiscard]] std::string force_text() const { return fixed_text(peak_axial_force_n, 1); }
-  [[nodiscard]] std::string torque_text() const { return fixed_text(peak_spin_torque_nmm, 0); }
-  [[nodiscard]] std::string depth_text() const { return fixed_text(tool_depth_mm, 2); }
+    [[nodiscard]] std::string value() const { return number + " " + unit; }
+  };
+  [[nodiscard]] Figure force() const {
+    return {means ? "peak mean axial force" : "peak axial force", fixed_text(peak_axial_force_n, 1), "N"};
+  }
+  [[nodiscard]] Figure torque() const {
+    return {means ? "peak mean spin torque" : "peak spin torque", fixed_text(peak_spin_torque_nmm, 0), "N·mm"};
+  }
+  [[nodiscard]] Figure depth() const { return {"tool depth", fixed_text(tool_depth_mm, 2), "mm"}; }
 
   [[nodiscard]] std::string force_definition() const {
     return std::string(
