@@ -14,7 +14,7 @@
 #include "sim/base/text.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/record/snapshot.h"
+#include "sim/record/recorder.h"
 #include "sim/scene/contact_forecast.h"
 #include "sim/tool/profile.h"
 

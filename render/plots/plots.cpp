@@ -224,12 +224,10 @@ void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log) {
   draw_plot(dir, "plots/energy", data, embedded::script_energy);
 }
 
-void write_push_plot(const std::string& dir) {
-  draw_plot(dir, "plots/push", "csv = \"forces.csv\"\n\n", embedded::script_push);
-}
-
-void write_deflection_plot(const std::string& dir) {
-  draw_plot(dir, "plots/deflection", "csv = \"forces.csv\"\n\n", embedded::script_deflection);
+void write_feedback_plots(const std::string& dir, PoseFeedback feedback) {
+  const std::string data = "csv = \"forces.csv\"\n\n";
+  if (feedback.push) draw_plot(dir, "plots/push", data, embedded::script_push);
+  if (feedback.springs) draw_plot(dir, "plots/deflection", data, embedded::script_deflection);
 }
 
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,

@@ -31,9 +31,8 @@ void write_force_plots(const std::string& dir, const ForceLog& log);
 /// Draws DIR/plots/forces_depth and DIR/plots/energy. Arguments as for write_force_plots().
 void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log);
 
-/// Draws DIR/plots/push or deflection, from the columns of forces.csv that a push or a tool on springs adds.
-void write_push_plot(const std::string& dir);
-void write_deflection_plot(const std::string& dir);
+/// Draws DIR/plots/push and deflection, from the columns of forces.csv that a push or a tool on springs adds.
+void write_feedback_plots(const std::string& dir, PoseFeedback feedback);
 
 /// Writes the removed volume per density class as DIR/plots/removed_density.csv and draws it. `before`, `after`: fill.
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
@@ -154,16 +153,10 @@ std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& ru
 /// of its SHA-256. Throws InputError: missing or damaged.
 std::vector<ComparedParameter> compare_scenarios(const std::vector<ComparedRun>& runs);
 
-/// What a colour ramp shows: a number per run.
-struct RampKey {
-  std::string key;  ///< "" for the number of the run
-  std::vector<double> values;
-};
-
 /// The number that colours the curves: `color_by`; otherwise, with more runs than there are line styles, the numeric
-/// parameter that correlates most with the peak axial force by rank, or the number of the run. None: each run has a
-/// line style of its own. Throws InputError when `color_by` is no number in these runs.
-std::optional<RampKey> colored_by(const Comparison& comparison);
+/// parameter that correlates most with the peak axial force by rank, or the number of the run (key ""). None: each run
+/// has a line style of its own. Throws InputError when `color_by` is no number in these runs.
+std::optional<ComparedMetric> colored_by(const Comparison& comparison);
 
 /// The number of line styles that can be told apart.
 constexpr std::size_t kLineStyles = 20;
