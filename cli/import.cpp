@@ -19,7 +19,6 @@
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/vdb/vdb_archive.h"
 #include "sim/bone/voxmap/voxmap.h"
-#include "sim/record/manifest.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/scenario.h"

@@ -8,10 +8,10 @@
 
 #include "render/pictures/figures.h"
 #include "render/plots/plots.h"
-#include "render/viewer/report.h"
+#include "render/viewer/report_data.h"
 #include "sim/base/error.h"
+#include "sim/record/recorder.h"
 #include "sim/record/run_totals.h"
-#include "sim/record/snapshot.h"
 #include "sim/run/checkpoint.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/picture_frames.h"
@@ -154,8 +154,9 @@ void Outputs::make_figures(Diagnostics& report) const {
   if (options_.meshes && options_.finished) write_meshes(*run_, options_.pictures.settings.depth_max_mm, report);
   if (!options_.all_plots) return;
   write_depth_and_energy_plots(dir, log_with_means());
-  if (std::filesystem::exists(dir + "/events.csv")) write_push_plot(dir);  // only a push has events
-  if (run_->log().rows.front().deflection_mm) write_deflection_plot(dir);
+  // Only a push has events.
+  write_feedback_plots(dir, {.push = std::filesystem::exists(dir + "/events.csv"),
+                             .springs = run_->log().rows.front().deflection_mm.has_value()});
   write_removed_density(dir, run_->voxmap(), run_->inputs().fill, run_->last_fill());
   if (options_.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
 }

@@ -18,7 +18,6 @@
 #include "render/render.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/record/manifest.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/run_totals.h"
 #include "sim/scenario/parse.h"

@@ -10,7 +10,7 @@
 #include <system_error>
 
 #include "cli/lab.h"
-#include "render/viewer/study_page.h"
+#include "render/viewer/page.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"

@@ -76,26 +76,19 @@ RenderThread::RenderThread(const RunData& run, const PictureOptions& options)
       thread_([this, run, options] { work(run, options); }) {}
 
 RenderThread::~RenderThread() {
-  {
-    const std::lock_guard lock(mutex_);
-    stop_ = true;
-  }
-  changed_.notify_all();
+  stop_ = true;
+  snapshots_written(std::numeric_limits<std::int64_t>::max());  // wakes the thread
   queue_.close();
   thread_.join();
 }
 
 void RenderThread::snapshots_written(std::int64_t frame) {
-  {
-    const std::lock_guard lock(mutex_);
-    written_ = std::max(written_, frame);
-  }
-  changed_.notify_all();
+  written_ = std::max(written_.load(), frame);
+  written_.notify_all();
 }
 
 void RenderThread::wait_for_snapshot(std::int64_t frame) {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return stop_ || written_ >= frame; });
+  for (std::int64_t written = written_; written < frame; written = written_) written_.wait(written);
   if (stop_) throw Stopped();
 }
 

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -98,10 +99,8 @@ class RenderThread {
   void render(const RunView& view, const std::vector<Shot>& shots);
   void wait_for_snapshot(std::int64_t frame);
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::int64_t written_ = -1;
-  bool stop_ = false;
+  std::atomic<std::int64_t> written_ = -1;  ///< frame of the last snapshot on disk
+  std::atomic<bool> stop_ = false;
   FrameQueue queue_;
   std::string warning_;
   std::string context_;

@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "render/pictures/contour_lines.h"
-#include "sim/record/snapshot.h"
+#include "sim/record/recorder.h"
 
 namespace reamsim {
 namespace {

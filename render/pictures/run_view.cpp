@@ -14,7 +14,7 @@
 #include "sim/base/text.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/record/snapshot.h"
+#include "sim/record/recorder.h"
 #include "sim/scene/contact_forecast.h"
 #include "sim/tool/profile.h"
 
@@ -328,9 +328,9 @@ Captions::Values Captions::at(const ForceRow& row) const {
 
 Captions::Values Captions::after(double deepest_mm) const {
   const KeyResults run = key_results_of(log_, !mean_.empty());
-  return {{KeyResults::kDepthName, run.depth_text() + " mm"},
-          {run.force_name(), run.force_text() + " N"},
-          {run.torque_name(), run.torque_text() + " N·mm"},
+  return {{run.depth().name, run.depth().value()},
+          {run.force().name, run.force().value()},
+          {run.torque().name, run.torque().value()},
           {"removed", fixed_text(log_.rows.back().removed_mm3, 1) + " mm³"},
           {"greatest reamed depth", fixed_text(deepest_mm, 2) + " mm"}};
 }

@@ -85,26 +85,25 @@ std::string single_styles(const Comparison& comparison) {
 }
 
 /// The parameter that dash types show beside the ramp: the first other one with few values. nullptr: none.
-const ComparedParameter* dashed_by(const Comparison& comparison, const RampKey& ramp) {
+const ComparedParameter* dashed_by(const Comparison& comparison, const ComparedMetric& ramp) {
   const auto found = std::ranges::find_if(comparison.parameters, [&](const ComparedParameter& parameter) {
     return parameter.key != ramp.key && parameter.distinct() <= kDashes;
   });
   return found == comparison.parameters.end() ? nullptr : &*found;
 }
 
-/// Dash of each run and the legend of the dash types.
+/// Dash of each run and the legend of the dash types; one dash for all without a parameter.
 std::string dash_styles(const ComparedParameter* parameter, std::size_t runs) {
-  std::vector<std::string> seen, dashes, entries, entry_dashes;
+  std::vector<std::string> seen, entries, entry_dashes, dashes(runs, "1");
   for (std::size_t i = 0; i < runs && parameter != nullptr; ++i) {
     const auto found = std::ranges::find(seen, parameter->shown[i]);
-    dashes.push_back(std::to_string(found - seen.begin() + 1));
+    dashes[i] = std::to_string(found - seen.begin() + 1);
     if (found != seen.end()) continue;
     seen.push_back(parameter->shown[i]);
-    entry_dashes.push_back(dashes.back());
+    entry_dashes.push_back(dashes[i]);
     entries.push_back(gnuplot_string(shortened(parameter->key + " = " + parameter->shown[i])));
   }
   if (parameter == nullptr) {
-    dashes.assign(runs, "1");
     entries = {"''"};
     entry_dashes = {"1"};
   }
@@ -113,7 +112,7 @@ std::string dash_styles(const ComparedParameter* parameter, std::size_t runs) {
          array_text("entry_dash", entry_dashes);
 }
 
-std::string ramp_styles(const Comparison& comparison, const RampKey& ramp) {
+std::string ramp_styles(const Comparison& comparison, const ComparedMetric& ramp) {
   std::vector<double> finite;
   std::ranges::copy_if(ramp.values, std::back_inserter(finite), [](double value) { return std::isfinite(value); });
   const auto [low, high] = std::ranges::minmax(finite);
@@ -232,17 +231,15 @@ void write_curves(const std::string& path, const std::vector<ComparedRun>& runs)
 
 }  // namespace
 
-std::optional<RampKey> colored_by(const Comparison& comparison) {
-  const auto has_number = [](const std::vector<double>& values) {
-    return std::ranges::any_of(values, [](double value) { return std::isfinite(value); });
-  };
+std::optional<ComparedMetric> colored_by(const Comparison& comparison) {
   if (!comparison.color_by.empty()) {
-    for (const ComparedParameter& parameter : comparison.parameters) {
-      if (parameter.key == comparison.color_by && has_number(parameter.numbers))
-        return {{parameter.key, parameter.numbers}};
-    }
-    for (const ComparedMetric& metric : comparison.metrics) {
-      if (metric.key == comparison.color_by && has_number(metric.values)) return {{metric.key, metric.values}};
+    std::vector<ComparedMetric> columns;
+    for (const ComparedParameter& parameter : comparison.parameters)
+      columns.push_back({parameter.key, parameter.numbers});
+    columns.insert(columns.end(), comparison.metrics.begin(), comparison.metrics.end());
+    for (const ComparedMetric& column : columns) {
+      const bool has_number = std::ranges::any_of(column.values, [](double value) { return std::isfinite(value); });
+      if (column.key == comparison.color_by && has_number) return column;
     }
     throw InputError({}, "--color-by", comparison.color_by + " is no number that differs between the runs",
                      "give a numeric column of runs.csv, such as removed_mm3");
@@ -260,7 +257,7 @@ std::optional<RampKey> colored_by(const Comparison& comparison) {
     best_correlation = correlation;
   }
   if (best != nullptr) return {{best->key, best->numbers}};
-  RampKey order;
+  ComparedMetric order;
   for (std::size_t i = 0; i < comparison.runs.size(); ++i) order.values.push_back(static_cast<double>(i + 1));
   return order;
 }
@@ -268,7 +265,7 @@ std::optional<RampKey> colored_by(const Comparison& comparison) {
 void write_comparison(const std::string& dir, const Comparison& comparison) {
   // How the curves look, as arrays for the script: `shade` (colour) and `dash` (1 to 4) of each run, the entries of the
   // legend, and the colour ramp if there is one.
-  const std::optional<RampKey> ramp = colored_by(comparison);
+  const std::optional<ComparedMetric> ramp = colored_by(comparison);
   const std::string styles = "runs = " + std::to_string(comparison.runs.size()) + "\n" +
                              (ramp ? ramp_styles(comparison, *ramp) : single_styles(comparison)) + "\n";
   write_curves(dir + "/curves.csv", comparison.runs);

@@ -5,7 +5,6 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -191,13 +190,6 @@ void leave_out_sums(std::vector<ComparedParameter>& parameters) {
   });
 }
 
-double as_number(const std::string& text) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, value);
-  return read.ec == std::errc() && read.ptr == end && std::isfinite(value) ? value : kNone;
-}
-
 /// File names where they tell the paths apart.
 std::vector<std::string> shown_values(const std::vector<std::string>& values) {
   std::map<std::string, std::set<std::string>> paths_of;
@@ -270,7 +262,10 @@ std::vector<ComparedParameter> compare_scenarios(const std::vector<ComparedRun>&
   std::erase_if(all, [](const ComparedParameter& parameter) { return parameter.distinct() == 1; });
   leave_out_sums(all);
   for (ComparedParameter& parameter : all) {
-    for (const std::string& value : parameter.values) parameter.numbers.push_back(as_number(value));
+    for (const std::string& value : parameter.values) {
+      const double number = parse_number(value).value_or(kNone);
+      parameter.numbers.push_back(std::isfinite(number) ? number : kNone);
+    }
     parameter.shown = shown_values(parameter.values);
   }
   return all;

@@ -34,12 +34,11 @@ std::string mean_block(const ForceLog& log) {
   const std::size_t step = 1 + log.rows.size() / kMaxPoints;
   const double travel_mm = log.mean_travel_mm;
   const KeyResults run = key_results_of(log, travel_mm > 0);
+  const auto text = [](const KeyResults::Figure& figure) { return gnuplot_string(figure.name + " " + figure.value()); };
   std::ostringstream out;
   out << "# Headline figures, as in pictures, summary.json and report\n"
-      << "headline_force = " << gnuplot_string(run.force_name() + " " + run.force_text() + " N") << '\n'
-      << "headline_torque = " << gnuplot_string(run.torque_name() + " " + run.torque_text() + " N·mm") << '\n'
-      << "headline_depth = " << gnuplot_string(std::string(KeyResults::kDepthName) + " " + run.depth_text() + " mm")
-      << "\n\n"
+      << "headline_force = " << text(run.force()) << "\nheadline_torque = " << text(run.torque())
+      << "\nheadline_depth = " << text(run.depth()) << "\n\n"
       << "# Means over the last " << travel_mm
       << " mm of travel (0: single frames): time (s), axial force (N), spin torque (N·mm), depth (mm), cutting power "
          "(W)\n"
@@ -225,12 +224,10 @@ void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log) {
   draw_plot(dir, "plots/energy", data, embedded::script_energy);
 }
 
-void write_push_plot(const std::string& dir) {
-  draw_plot(dir, "plots/push", "csv = \"forces.csv\"\n\n", embedded::script_push);
-}
-
-void write_deflection_plot(const std::string& dir) {
-  draw_plot(dir, "plots/deflection", "csv = \"forces.csv\"\n\n", embedded::script_deflection);
+void write_feedback_plots(const std::string& dir, PoseFeedback feedback) {
+  const std::string data = "csv = \"forces.csv\"\n\n";
+  if (feedback.push) draw_plot(dir, "plots/push", data, embedded::script_push);
+  if (feedback.springs) draw_plot(dir, "plots/deflection", data, embedded::script_deflection);
 }
 
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,

@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,17 +16,9 @@ namespace reamsim {
 
 /// The gnuplot scripts, by their files.
 namespace embedded {
-extern const char* const script_style;
-extern const char* const script_forces;
-extern const char* const script_forces_depth;
-extern const char* const script_energy;
-extern const char* const script_push;
-extern const char* const script_deflection;
-extern const char* const script_removed_density;
-extern const char* const script_spectrum;
-extern const char* const script_compare;
-extern const char* const script_bench;
-extern const char* const script_verify;
+using Script = const char* const;
+extern Script script_style, script_forces, script_forces_depth, script_energy, script_push, script_deflection,
+    script_removed_density, script_spectrum, script_compare, script_bench, script_verify;
 }  // namespace embedded
 
 // The functions below throw RunError when gnuplot is missing or fails, or a file cannot be written.
@@ -40,16 +31,19 @@ void write_force_plots(const std::string& dir, const ForceLog& log);
 /// Draws DIR/plots/forces_depth and DIR/plots/energy. Arguments as for write_force_plots().
 void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log);
 
-/// Draws DIR/plots/push or deflection, from the columns of forces.csv that a push or a tool on springs adds.
-void write_push_plot(const std::string& dir);
-void write_deflection_plot(const std::string& dir);
+/// Draws DIR/plots/push and deflection, from the columns of forces.csv that a push or a tool on springs adds.
+void write_feedback_plots(const std::string& dir, PoseFeedback feedback);
 
 /// Writes the removed volume per density class as DIR/plots/removed_density.csv and draws it. `before`, `after`: fill.
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
                            const FillBricks& after);
 
-/// Calls a function with each row of a log, in order.
-using RowPass = std::function<void(const std::function<void(const ForceRow&)>&)>;
+/// What the spectrum needs of a row of forces.csv.
+struct TorqueSample {
+  double time_s = 0;
+  double angle_rad = 0;   ///< of the spin
+  double torque_nmm = 0;  ///< about the spin axis
+};
 
 /// One-sided amplitude spectrum of the spin torque in contact.
 struct TorqueSpectrum {
@@ -66,7 +60,7 @@ struct TorqueSpectrum {
 /// Hann windows that overlap by half, zero-padded. The mean over one revolution is subtracted, which removes the feed's
 /// trend and no multiple of the spin. Empty without spin, or when fewer than three revolutions remain, or for a
 /// revolution of more than 100,000 frames.
-TorqueSpectrum torque_spectrum(const RowPass& pass);
+TorqueSpectrum torque_spectrum(const std::vector<TorqueSample>& samples);
 
 /// Writes the spectrum as DIR/plots/spectrum.csv and draws it with labelled peaks. Returns false if it is empty.
 bool write_torque_spectrum(const std::string& dir);
@@ -159,16 +153,10 @@ std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& ru
 /// of its SHA-256. Throws InputError: missing or damaged.
 std::vector<ComparedParameter> compare_scenarios(const std::vector<ComparedRun>& runs);
 
-/// What a colour ramp shows: a number per run.
-struct RampKey {
-  std::string key;  ///< "" for the number of the run
-  std::vector<double> values;
-};
-
 /// The number that colours the curves: `color_by`; otherwise, with more runs than there are line styles, the numeric
-/// parameter that correlates most with the peak axial force by rank, or the number of the run. None: each run has a
-/// line style of its own. Throws InputError when `color_by` is no number in these runs.
-std::optional<RampKey> colored_by(const Comparison& comparison);
+/// parameter that correlates most with the peak axial force by rank, or the number of the run (key ""). None: each run
+/// has a line style of its own. Throws InputError when `color_by` is no number in these runs.
+std::optional<ComparedMetric> colored_by(const Comparison& comparison);
 
 /// The number of line styles that can be told apart.
 constexpr std::size_t kLineStyles = 20;

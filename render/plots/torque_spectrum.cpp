@@ -8,8 +8,8 @@
 #include <bit>
 #include <cmath>
 #include <complex>
-#include <deque>
 #include <numbers>
+#include <span>
 #include <unsupported/Eigen/FFT>
 
 #include "sim/base/text.h"
@@ -33,86 +33,65 @@ struct Contact {
   double begin_rad = 0, end_rad = 0;
 };
 
-Contact longest_contact(const RowPass& pass) {
+Contact longest_contact(const std::vector<TorqueSample>& samples) {
   Contact longest, now;
-  std::size_t i = 0;
-  pass([&](const ForceRow& row) {
-    const std::size_t at = i++;
-    if (row.spin_torque_nmm == 0) return;
-    const double angle_rad = row.pose.spin_angle_rad;
-    const bool near = now.count > 0 && std::abs(angle_rad - now.end_rad) < 2 * std::numbers::pi;
-    if (!near) now = {.first = at, .begin_s = row.time_s, .begin_rad = angle_rad};
-    now.end_s = row.time_s;
-    now.end_rad = angle_rad;
-    now.count = at - now.first + 1;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const TorqueSample& sample = samples[i];
+    if (sample.torque_nmm == 0) continue;
+    const bool near = now.count > 0 && std::abs(sample.angle_rad - now.end_rad) < 2 * std::numbers::pi;
+    if (!near) now = {.first = i, .begin_s = sample.time_s, .begin_rad = sample.angle_rad};
+    now.end_s = sample.time_s;
+    now.end_rad = sample.angle_rad;
+    now.count = i - now.first + 1;
     if (now.count > longest.count) longest = now;
-  });
+  }
   return longest;
 }
 
-/// Calls visit() with the torque of the contact minus its centred mean over `turn` frames, half a `turn` from each end.
-template <class Visit>
-void for_each_without_mean(const RowPass& pass, const Contact& contact, std::size_t turn, const Visit& visit) {
-  std::deque<double> torque_nmm;  // of the last revolution
+/// The torque of the contact minus its centred mean over `turn` frames, half a `turn` from each end.
+std::vector<double> without_mean(std::span<const TorqueSample> contact, std::size_t turn) {
+  std::vector<double> out;
   double sum = 0;
-  std::size_t i = 0;
-  pass([&](const ForceRow& row) {
-    const std::size_t at = i++;
-    if (at < contact.first || at >= contact.first + contact.count) return;
-    torque_nmm.push_back(row.spin_torque_nmm);
-    sum += row.spin_torque_nmm;
-    if (torque_nmm.size() < turn) return;
-    visit(torque_nmm[turn - 1 - turn / 2] - sum / static_cast<double>(turn));
-    sum -= torque_nmm.front();
-    torque_nmm.pop_front();
-  });
+  for (std::size_t i = 0; i < contact.size(); ++i) {
+    sum += contact[i].torque_nmm;
+    if (i + 1 < turn) continue;
+    out.push_back(contact[i - turn / 2].torque_nmm - sum / static_cast<double>(turn));
+    sum -= contact[i + 1 - turn].torque_nmm;
+  }
+  return out;
 }
 
-/// Welch's method for values that come one by one.
-class Welch {
- public:
-  explicit Welch(std::size_t window)
-      : window_(window), length_(std::bit_ceil(4 * window)), power_(length_ / 2 + 1, 0.0) {}
-
-  void add(double value) {
-    values_.push_back(value);
-    if (values_.size() < window_) return;
-    add_window();
-    values_.erase(values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(window_ / 2));
+/// Adds the power of a window of values to that of the lines of its spectrum.
+void add_window(std::span<const double> values, std::size_t length, std::vector<double>& power) {
+  std::vector<double> windowed(length, 0.0);
+  double weights = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double hann = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * (static_cast<double>(i) + 0.5) /
+                                             static_cast<double>(values.size()));
+    windowed[i] = hann * values[i];
+    weights += hann;
   }
+  Eigen::FFT<double> transform;
+  std::vector<std::complex<double>> lines;
+  transform.fwd(lines, windowed);
+  for (std::size_t i = 0; i < power.size(); ++i) power[i] += std::norm(2.0 / weights * lines[i]);
+}
 
-  [[nodiscard]] std::vector<TorqueSpectrum::Line> lines(double rate_hz) const {
-    std::vector<TorqueSpectrum::Line> out;
-    for (std::size_t i = 0; i < power_.size(); ++i) {
-      out.push_back({static_cast<double>(i) * rate_hz / static_cast<double>(length_),
-                     std::sqrt(power_[i] / static_cast<double>(windows_))});
-    }
-    return out;
+/// Welch's method: the mean over windows that overlap by half.
+std::vector<TorqueSpectrum::Line> welch(std::span<const double> values, std::size_t window, double rate_hz) {
+  const std::size_t length = std::bit_ceil(4 * window);
+  std::vector<double> power(length / 2 + 1, 0.0);
+  std::size_t windows = 0;
+  for (std::size_t at = 0; at + window <= values.size(); at += window / 2, ++windows) {
+    add_window(values.subspan(at, window), length, power);
   }
-
- private:
-  void add_window() {
-    std::vector<double> windowed(length_, 0.0);
-    double weights = 0;
-    for (std::size_t i = 0; i < window_; ++i) {
-      const double hann =
-          0.5 - 0.5 * std::cos(2 * std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(window_));
-      windowed[i] = hann * values_[i];
-      weights += hann;
-    }
-    Eigen::FFT<double> transform;
-    std::vector<std::complex<double>> lines;
-    transform.fwd(lines, windowed);
-    for (std::size_t i = 0; i < power_.size(); ++i) power_[i] += std::norm(2.0 / weights * lines[i]);
-    ++windows_;
+  std::vector<TorqueSpectrum::Line> out;
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    out.push_back({static_cast<double>(i) * rate_hz / static_cast<double>(length),
+                   std::sqrt(power[i] / static_cast<double>(windows))});
   }
-
-  std::size_t window_;
-  std::size_t length_;
-  std::vector<double> values_;
-  std::vector<double> power_;
-  std::size_t windows_ = 0;
-};
+  return out;
+}
 
 /// The highest lines at multiples of the spin, where cutting edges have theirs, ascending in frequency. Other lines are
 /// artefacts of the voxels.
@@ -148,9 +127,9 @@ std::string peaks_block(const TorqueSpectrum& spectrum) {
 
 }  // namespace
 
-TorqueSpectrum torque_spectrum(const RowPass& pass) {
+TorqueSpectrum torque_spectrum(const std::vector<TorqueSample>& samples) {
   TorqueSpectrum out;
-  const Contact contact = longest_contact(pass);
+  const Contact contact = longest_contact(samples);
   if (contact.count < 2) return out;
   const double duration_s = contact.end_s - contact.begin_s;
   const double rate_hz = static_cast<double>(contact.count - 1) / duration_s;
@@ -159,17 +138,19 @@ TorqueSpectrum torque_spectrum(const RowPass& pass) {
   if (!(frames_per_turn >= 2) || frames_per_turn > kMaxFramesPerTurn) return out;
   if (static_cast<double>(contact.count) < (kMinTurns + 1) * frames_per_turn) return out;
   const auto turn = static_cast<std::size_t>(std::lround(frames_per_turn));
-  Welch welch(std::min(contact.count + 1 - turn, kWindowTurns * turn));
-  for_each_without_mean(pass, contact, turn, [&](double value) { welch.add(value); });
+  const std::vector<double> torque_nmm = without_mean(std::span(samples).subspan(contact.first, contact.count), turn);
   out.spin_hz = spin_hz;
-  out.lines = welch.lines(rate_hz);
+  out.lines = welch(torque_nmm, std::min(torque_nmm.size(), kWindowTurns * turn), rate_hz);
   out.peaks = find_peaks(out.lines, spin_hz);
   return out;
 }
 
 bool write_torque_spectrum(const std::string& dir) {
-  const TorqueSpectrum spectrum = torque_spectrum(
-      [&](const std::function<void(const ForceRow&)>& visit) { for_each_force_row(dir + "/forces.csv", visit); });
+  std::vector<TorqueSample> samples;
+  for_each_force_row(dir + "/forces.csv", [&](const ForceRow& row) {
+    samples.push_back({row.time_s, row.pose.spin_angle_rad, row.spin_torque_nmm});
+  });
+  const TorqueSpectrum spectrum = torque_spectrum(samples);
   if (spectrum.lines.empty()) return false;
   CsvWriter csv = plot_csv(dir, "spectrum.csv", "frequency_hz,frequency_per_spin,spin_torque_nmm");
   for (const auto& [frequency_hz, torque_nmm] : spectrum.lines) {

@@ -56,4 +56,8 @@ std::string self_contained_page(const char* page, const std::string& title, cons
 /// page is part of the program.
 std::string fill_template(std::string_view page, const PageTexts& texts);
 
+/// The page of a study: HTML without network, at most `most_bytes`, which sorts, filters and plots its runs and opens
+/// their reports. A study that would be larger has a part of its runs, drawn at random; the page says so.
+std::string study_page(const std::string& study, const struct RunTable& table, std::size_t most_bytes = 14'500'000);
+
 }  // namespace reamsim

@@ -216,18 +216,6 @@ constexpr float kFieldRange_hu = 200;
 /// HU of the bytes 0 and 255: fat to dense cortex, in steps of 8 HU.
 constexpr double kLow_hu = -440, kStep_hu = 8;
 
-/// Voxels that are averaged along each axis.
-Vec3i reduction(const ct::Lattice& lattice, std::int64_t most_voxels) {
-  Vec3i by = Vec3i::Ones();
-  const auto reduced = [&] { return Vec3i((lattice.dims.array() + by.array() - 1) / by.array()); };
-  while (reduced().cast<std::int64_t>().prod() > most_voxels) {
-    int finest = 0;
-    lattice.spacing_mm.cwiseProduct(by.cast<double>()).minCoeff(&finest);
-    ++by[finest];
-  }
-  return by;
-}
-
 /// The lattice of boxes of `by` voxels. The last box along an axis may extend beyond the image.
 ct::Lattice reduced_lattice(const ct::Lattice& lattice, const Vec3i& by) {
   ct::Lattice out = lattice;
@@ -235,6 +223,17 @@ ct::Lattice reduced_lattice(const ct::Lattice& lattice, const Vec3i& by) {
   out.spacing_mm = lattice.spacing_mm.cwiseProduct(by.cast<double>());
   out.origin_mm = lattice.origin_mm + 0.5 * (out.spacing_mm - lattice.spacing_mm);
   return out;
+}
+
+/// Voxels that are averaged along each axis.
+Vec3i reduction(const ct::Lattice& lattice, std::int64_t most_voxels) {
+  Vec3i by = Vec3i::Ones();
+  while (reduced_lattice(lattice, by).dims.cast<std::int64_t>().prod() > most_voxels) {
+    int finest = 0;
+    lattice.spacing_mm.cwiseProduct(by.cast<double>()).minCoeff(&finest);
+    ++by[finest];
+  }
+  return by;
 }
 
 /// Means over the boxes of `by` voxels of the voxels that lie in the image.

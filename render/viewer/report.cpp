@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/viewer/report.h"
-
 #include <cairo.h>
 #include <fmt/core.h>
 // jpeglib.h needs size_t and FILE before it.
@@ -14,6 +12,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <new>
 #include <set>
@@ -311,9 +310,6 @@ std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most) {
 std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows) {
   const std::size_t bucket = 1 + (rows.size() - 1) / kMaxBuckets;
   std::vector<std::size_t> out;
-  const auto force = [](const ForceRow& row) { return row.axial_force_n; };
-  const auto torque = [](const ForceRow& row) { return row.spin_torque_nmm; };
-  const auto feed = [](const ForceRow& row) { return row.push.value_or(PushResult{}).feed_mm_s; };
   for (std::size_t from = 0; from < rows.size(); from += bucket) {
     const auto group = std::span(rows).subspan(from, std::min(bucket, rows.size() - from));
     std::set<std::size_t> chosen{from};
@@ -322,9 +318,9 @@ std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows) {
       chosen.insert({from + static_cast<std::size_t>(least - group.begin()),
                      from + static_cast<std::size_t>(most - group.begin())});
     };
-    choose_extremes(force);
-    choose_extremes(torque);
-    choose_extremes(feed);
+    choose_extremes(&ForceRow::axial_force_n);
+    choose_extremes(&ForceRow::spin_torque_nmm);
+    choose_extremes([](const ForceRow& row) { return row.push.value_or(PushResult{}).feed_mm_s; });
     out.insert(out.end(), chosen.begin(), chosen.end());
   }
   if (out.back() != rows.size() - 1) out.push_back(rows.size() - 1);
@@ -332,11 +328,11 @@ std::vector<std::size_t> shown_rows(const std::vector<ForceRow>& rows) {
 }
 
 nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm) {
-  nlohmann::ordered_json json{{"mean_travel_mm", mean_travel_mm}};
+  Json json{{"mean_travel_mm", mean_travel_mm}};
   const std::vector<std::size_t> shown = shown_rows(log.rows);
-  const auto column = [&](const char* name, double ForceRow::*value) {
-    auto& values = json[name] = nlohmann::ordered_json::array();
-    for (const std::size_t i : shown) values.push_back(short_number(log.rows[i].*value));
+  const auto column = [&](const char* name, const auto& value) {
+    Json& values = json[name] = Json::array();
+    for (const std::size_t i : shown) values.push_back(short_number(std::invoke(value, log.rows[i])));
   };
   for (const std::size_t i : shown) json["frame"].push_back(log.rows[i].frame);
   column("time_s", &ForceRow::time_s);
@@ -349,11 +345,8 @@ nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm) {
     column("mean_spin_torque_nmm", &ForceRow::layer_spin_torque_nmm);
   }
   if (log.rows.back().push) {
-    for (const std::size_t i : shown) {
-      const PushResult push = log.rows[i].push.value_or(PushResult{});
-      json["feed_mm_s"].push_back(short_number(push.feed_mm_s));
-      json["drill_power_w"].push_back(short_number(push.drill_power_w));
-    }
+    column("feed_mm_s", [](const ForceRow& row) { return row.push.value_or(PushResult{}).feed_mm_s; });
+    column("drill_power_w", [](const ForceRow& row) { return row.push.value_or(PushResult{}).drill_power_w; });
   }
   return json;
 }

@@ -15,8 +15,15 @@
 #include "render/surface/bone_surface.h"
 #include "render/viewer/page.h"
 
-// The parts of report.html: data of its scripts, and pictures.
 namespace reamsim {
+
+/// Writes DIR/report.html: a self-contained page of a run. Reads from DIR summary.json, scenario.yaml, forces.csv,
+/// reamed.vdb and snapshots/, and where present reamed*.png, frames/, depth_map.png, segmentation.png, forces.png and
+/// verification.json. Deterministic. `options`: those of the pictures. Throws InputError when a result is missing or
+/// damaged, RunError when the page cannot be written.
+void write_report(const RunData& run, const PictureOptions& options);
+
+// Its parts: data of its scripts, and pictures.
 
 /// The rows of a log that the page shows, ascending: of each of at most 1000 groups the first and the extremes of
 /// force, torque and feed rate, and the last row. `rows` must not be empty.

@@ -18,7 +18,7 @@
 #include "render/viewer/report_data.h"
 #include "sim/base/error.h"
 #include "sim/base/parallel.h"
-#include "sim/record/snapshot.h"
+#include "sim/record/recorder.h"
 
 namespace reamsim {
 namespace {

@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/viewer/study_page.h"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <array>
+#include <initializer_list>
 #include <optional>
 #include <span>
 
@@ -26,7 +27,7 @@ struct Line {
 
 struct Table {
   const char* title;
-  std::span<const Line> lines;
+  std::initializer_list<Line> lines;
 };
 
 /// A column of a table with a row for each item of a list.
@@ -41,163 +42,169 @@ struct ListTable {
   const char* pointer;  ///< of the list in summary.json
   const char* title;
   const char* item;  ///< heads the column of the numbers, from 1
-  std::span<const ListColumn> columns;
+  std::initializer_list<ListColumn> columns;
 };
 
-constexpr std::array kKeyFigures{Line{"/removed_mm3", "Bone removed", "mm³"},
-                                 Line{"/metrics/dense_bone_left/mean_mm", "Remaining dense bone, mean", "mm"},
-                                 Line{"/balance", "Energy balance", ""}};
+constexpr Line kKeyFigures[]{{"/removed_mm3", "Bone removed", "mm³"},
+                             {"/metrics/dense_bone_left/mean_mm", "Remaining dense bone, mean", "mm"},
+                             {"/balance", "Energy balance", ""}};
 
-constexpr std::array kBone{Line{"/bone/bone_before_mm3", "Bone before", "mm³"},
-                           Line{"/bone/bone_after_mm3", "Bone after", "mm³"},
-                           Line{"/metrics/removed/total_mm3", "Removed", "mm³"},
-                           Line{"/metrics/removed/dense_mm3", "Removed, dense", "mm³"},
-                           Line{"/metrics/removed/trabecular_mm3", "Removed, trabecular", "mm³"},
-                           Line{"/bone/voxel_mm", "Voxel", "mm"}};
-constexpr std::array kSegmentation{
-    Line{"/segmentation/method", "Method", ""},
-    Line{"/segmentation/threshold_hu", "Threshold", "HU"},
-    Line{"/segmentation/bone_mm3", "Segmented bone", "mm³"},
-    Line{"/segmentation/below_threshold_fraction", "Fraction below the threshold", ""},
-    Line{"/segmentation/density_lower_bound_fraction",
-         "Fraction of the surface where density is a lower bound (cortex too thin for the scan)", ""},
-    Line{"/segmentation/pieces", "Connected pieces", ""},
-    Line{"/segmentation/kept", "Piece kept", ""},
-    Line{"/segmentation/kept_rank", "Rank of the kept piece by size", ""},
-    Line{"/segmentation/kept_piece_mm3", "Volume of the kept piece before closing", "mm³"},
-    Line{"/segmentation/second_piece_mm3", "Second largest piece", "mm³"},
-    Line{"/segmentation/dropped_mm3", "Dropped", "mm³"},
-    Line{"/segmentation/cut_mm3", "Removed by cuts", "mm³"},
-    Line{"/segmentation/closed_mm3", "Added by closing", "mm³"},
-    Line{"/segmentation/filled_mm3", "Added by filling", "mm³"}};
-constexpr std::array kFace{Line{"/metrics/depth/max_mm", "Depth along the axis, maximum", "mm"},
-                           Line{"/metrics/depth/mean_mm", "Depth, mean", "mm"},
-                           Line{"/metrics/depth/p95_mm", "Depth, 95th percentile", "mm"},
-                           Line{"/metrics/depth/area_mm2", "Reamed area", "mm²"},
-                           Line{"/metrics/face/shape", "Shape of the reamed face", ""},
-                           Line{"/metrics/face/sphere/radius_mm", "Radius of the fitted sphere", "mm"},
-                           Line{"/metrics/face/sphere/residual_rms_mm", "Residual of the sphere, RMS", "mm"},
-                           Line{"/metrics/face/plane/residual_rms_mm", "Residual of the plane, RMS", "mm"}};
-constexpr std::array kOrientation{
-    Line{"/metrics/orientation/native/version_deg", "Version, native face", "°"},
-    Line{"/metrics/orientation/reamed/version_deg", "Version, reamed face", "°"},
-    Line{"/metrics/orientation/retroversion_corrected_deg", "Retroversion corrected", "°"},
-    Line{"/metrics/orientation/native/inclination_deg", "Inclination, native face", "°"},
-    Line{"/metrics/orientation/reamed/inclination_deg", "Inclination, reamed face", "°"},
-    Line{"/metrics/orientation/inclination_corrected_deg", "Inclination corrected", "°"},
-    Line{"/metrics/orientation/native_reason", "Native orientation unknown", ""},
-    Line{"/metrics/orientation/reamed_reason", "Reamed orientation unknown", ""},
-    Line{"/metrics/orientation/native_shape", "Surface fitted to the native face", ""},
-    Line{"/metrics/orientation/reamed_shape", "Surface fitted to the reamed face", ""},
-    Line{"/metrics/joint_line/medialization_mm", "Medialization of the joint line", "mm"},
-    Line{"/metrics/joint_line/medialization_reason", "Medialization unknown", ""},
-    Line{"/metrics/joint_line/reamed_fraction", "Fraction of the face reamed", ""},
-    Line{"/metrics/orientation/reamer/version_deg", "Version of the reamer", "°"},
-    Line{"/metrics/orientation/reamer/inclination_deg", "Inclination of the reamer", "°"},
-    Line{"/metrics/orientation/turned_deg", "Angle between native and reamed axis", "°"},
-    Line{"/metrics/orientation/inclination_convention", "Convention of the inclination", "",
-         "/metrics/orientation/reamer/inclination_deg"}};
-constexpr std::array kRemaining{Line{"/metrics/dense_bone_left/mean_mm", "Dense bone, mean", "mm"},
-                                Line{"/metrics/dense_bone_left/p05_mm", "Dense bone, 5th percentile", "mm"},
-                                Line{"/metrics/dense_bone_left/least_mm", "Dense bone, least", "mm"},
-                                Line{"/metrics/dense_bone_left/exposed_percent", "Face without dense bone", "%"},
-                                Line{"/metrics/perforation/perforated", "Perforated", ""},
-                                Line{"/metrics/perforation/holes", "Holes", ""},
-                                Line{"/metrics/perforation/area_mm2", "Area of the perforations", "mm²"}};
-constexpr std::array kLoads{
-    Line{"/forces/peak_layer_axial_force_n", "Axial force, peak over a voxel of travel", "N"},
-    Line{"/forces/peak_axial_force_n", "Axial force, peak of a single frame", "N"},
-    Line{"/forces/mean_axial_force_n", "Axial force, mean", "N"},
-    Line{"/forces/peak_layer_spin_torque_nmm", "Spin torque, peak over a voxel of travel", "N·mm"},
-    Line{"/forces/peak_spin_torque_nmm", "Spin torque, peak of a single frame", "N·mm"},
-    Line{"/forces/mean_spin_torque_nmm", "Spin torque, mean", "N·mm"},
-    Line{"/forces/rms_force_n", "Force magnitude, RMS", "N"},
-    Line{"/forces/rms_torque_nmm", "Torque magnitude, RMS", "N·mm"}};
-constexpr std::array kEnergy{
-    Line{"/work_mj", "Work done by the tool", "mJ"}, Line{"/energy_mj", "Cutting energy", "mJ"},
-    Line{"/friction_energy_mj", "Friction energy", "mJ"}, Line{"/floor_energy_mj", "Speed-floor energy", "mJ"},
-    Line{"/balance", "Energy balance, fraction of the cutting energy", ""}};
-constexpr std::array kMotion{Line{"/simulated_s", "Simulated time", "s"},
-                             Line{"/reaming_s", "Time in contact", "s"},
-                             Line{"/max_depth_mm", "Tool depth, since first contact", "mm"},
-                             Line{"/frames", "Frames", ""},
-                             Line{"/contact_frames", "Frames in contact", ""},
-                             Line{"/first_contact_frame", "First frame in contact", ""}};
+constexpr Table kMeasurements[]{
+    {"Bone",
+     {{"/bone/bone_before_mm3", "Bone before", "mm³"},
+      {"/bone/bone_after_mm3", "Bone after", "mm³"},
+      {"/metrics/removed/total_mm3", "Removed", "mm³"},
+      {"/metrics/removed/dense_mm3", "Removed, dense", "mm³"},
+      {"/metrics/removed/trabecular_mm3", "Removed, trabecular", "mm³"},
+      {"/bone/voxel_mm", "Voxel", "mm"}}},
+    {"Segmentation",
+     {{"/segmentation/method", "Method", ""},
+      {"/segmentation/threshold_hu", "Threshold", "HU"},
+      {"/segmentation/bone_mm3", "Segmented bone", "mm³"},
+      {"/segmentation/below_threshold_fraction", "Fraction below the threshold", ""},
+      {"/segmentation/density_lower_bound_fraction",
+       "Fraction of the surface where density is a lower bound (cortex too thin for the scan)", ""},
+      {"/segmentation/pieces", "Connected pieces", ""},
+      {"/segmentation/kept", "Piece kept", ""},
+      {"/segmentation/kept_rank", "Rank of the kept piece by size", ""},
+      {"/segmentation/kept_piece_mm3", "Volume of the kept piece before closing", "mm³"},
+      {"/segmentation/second_piece_mm3", "Second largest piece", "mm³"},
+      {"/segmentation/dropped_mm3", "Dropped", "mm³"},
+      {"/segmentation/cut_mm3", "Removed by cuts", "mm³"},
+      {"/segmentation/closed_mm3", "Added by closing", "mm³"},
+      {"/segmentation/filled_mm3", "Added by filling", "mm³"}}},
+    {"Reamed face",
+     {{"/metrics/depth/max_mm", "Depth along the axis, maximum", "mm"},
+      {"/metrics/depth/mean_mm", "Depth, mean", "mm"},
+      {"/metrics/depth/p95_mm", "Depth, 95th percentile", "mm"},
+      {"/metrics/depth/area_mm2", "Reamed area", "mm²"},
+      {"/metrics/face/shape", "Shape of the reamed face", ""},
+      {"/metrics/face/sphere/radius_mm", "Radius of the fitted sphere", "mm"},
+      {"/metrics/face/sphere/residual_rms_mm", "Residual of the sphere, RMS", "mm"},
+      {"/metrics/face/plane/residual_rms_mm", "Residual of the plane, RMS", "mm"}}},
+    {"Orientation",
+     {{"/metrics/orientation/native/version_deg", "Version, native face", "°"},
+      {"/metrics/orientation/reamed/version_deg", "Version, reamed face", "°"},
+      {"/metrics/orientation/retroversion_corrected_deg", "Retroversion corrected", "°"},
+      {"/metrics/orientation/native/inclination_deg", "Inclination, native face", "°"},
+      {"/metrics/orientation/reamed/inclination_deg", "Inclination, reamed face", "°"},
+      {"/metrics/orientation/inclination_corrected_deg", "Inclination corrected", "°"},
+      {"/metrics/orientation/native_reason", "Native orientation unknown", ""},
+      {"/metrics/orientation/reamed_reason", "Reamed orientation unknown", ""},
+      {"/metrics/orientation/native_shape", "Surface fitted to the native face", ""},
+      {"/metrics/orientation/reamed_shape", "Surface fitted to the reamed face", ""},
+      {"/metrics/joint_line/medialization_mm", "Medialization of the joint line", "mm"},
+      {"/metrics/joint_line/medialization_reason", "Medialization unknown", ""},
+      {"/metrics/joint_line/reamed_fraction", "Fraction of the face reamed", ""},
+      {"/metrics/orientation/reamer/version_deg", "Version of the reamer", "°"},
+      {"/metrics/orientation/reamer/inclination_deg", "Inclination of the reamer", "°"},
+      {"/metrics/orientation/turned_deg", "Angle between native and reamed axis", "°"},
+      {"/metrics/orientation/inclination_convention", "Convention of the inclination", "",
+       "/metrics/orientation/reamer/inclination_deg"}}},
+    {"Remaining bone under the face",
+     {{"/metrics/dense_bone_left/mean_mm", "Dense bone, mean", "mm"},
+      {"/metrics/dense_bone_left/p05_mm", "Dense bone, 5th percentile", "mm"},
+      {"/metrics/dense_bone_left/least_mm", "Dense bone, least", "mm"},
+      {"/metrics/dense_bone_left/exposed_percent", "Face without dense bone", "%"},
+      {"/metrics/perforation/perforated", "Perforated", ""},
+      {"/metrics/perforation/holes", "Holes", ""},
+      {"/metrics/perforation/area_mm2", "Area of the perforations", "mm²"}}},
+    {"Force and torque",
+     {{"/forces/peak_layer_axial_force_n", "Axial force, peak over a voxel of travel", "N"},
+      {"/forces/peak_axial_force_n", "Axial force, peak of a single frame", "N"},
+      {"/forces/mean_axial_force_n", "Axial force, mean", "N"},
+      {"/forces/peak_layer_spin_torque_nmm", "Spin torque, peak over a voxel of travel", "N·mm"},
+      {"/forces/peak_spin_torque_nmm", "Spin torque, peak of a single frame", "N·mm"},
+      {"/forces/mean_spin_torque_nmm", "Spin torque, mean", "N·mm"},
+      {"/forces/rms_force_n", "Force magnitude, RMS", "N"},
+      {"/forces/rms_torque_nmm", "Torque magnitude, RMS", "N·mm"}}},
+    {"Energy",
+     {{"/work_mj", "Work done by the tool", "mJ"},
+      {"/energy_mj", "Cutting energy", "mJ"},
+      {"/friction_energy_mj", "Friction energy", "mJ"},
+      {"/floor_energy_mj", "Speed-floor energy", "mJ"},
+      {"/balance", "Energy balance, fraction of the cutting energy", ""}}},
+    {"Motion",
+     {{"/simulated_s", "Simulated time", "s"},
+      {"/reaming_s", "Time in contact", "s"},
+      {"/max_depth_mm", "Tool depth, since first contact", "mm"},
+      {"/frames", "Frames", ""},
+      {"/contact_frames", "Frames in contact", ""},
+      {"/first_contact_frame", "First frame in contact", ""}}},
+    {"Push",
+     {{"/push/mean_feed_mm_s", "Feed rate from first contact on, mean", "mm/s"},
+      {"/push/peak_feed_mm_s", "Feed rate in contact, peak", "mm/s"},
+      {"/push/hand_work_mj", "Work of the hand", "mJ"},
+      {"/push/drill_work_mj", "Work of the drive", "mJ"},
+      {"/push/peak_hand_power_w", "Power of the hand, peak", "W"},
+      {"/push/peak_drill_power_w", "Power of the drive, peak", "W"},
+      {"/push/overshoot_mm", "Travel in 0.2 s after breakthrough", "mm"}}},
+    {"Deflection",
+     {{"/deflection/peak_mm", "Deflection of the springs, peak", "mm"},
+      {"/deflection/peak_lateral_mm", "Across the axis, peak", "mm"},
+      {"/deflection/lateral_at_depth_mm", "Across the axis, at the greatest depth", "mm"}}},
+    {"Clearance",
+     {{"/clearance/least_mm", "Least clearance of the holder", "mm"},
+      {"/clearance/part", "Part of the holder", ""},
+      {"/clearance/obstacle", "Nearest surface", ""},
+      {"/clearance/frame", "Frame", ""},
+      {"/clearance/time_s", "Time", "s"},
+      {"/clearance/limit_mm", "Limit", "mm"},
+      {"/clearance/first_frame_below", "First frame below the limit", ""},
+      {"/clearance/last_frame_below", "Last frame below the limit", ""}}}};
+constexpr ListTable kMeasuredLists[]{
+    {"/push/events",
+     "Events",
+     "No.",
+     {{"event", "Event", kText}, {"time_s", "Time, s", 3}, {"depth_mm", "Tool depth, mm", 2}, {"frame", "Frame", 0}}},
+    {"/passes",
+     "Passes",
+     "Pass",
+     {{"tool", "Reamer", kText},
+      {"removed_mm3", "Removed, mm³"},
+      {"max_depth_mm", "Tool depth, mm", 2},
+      {"peak_axial_force_n", "Peak axial force, N"},
+      {"peak_spin_torque_nmm", "Peak spin torque, N·mm", 0}}}};
 
-constexpr std::array kPush{Line{"/push/mean_feed_mm_s", "Feed rate from first contact on, mean", "mm/s"},
-                           Line{"/push/peak_feed_mm_s", "Feed rate in contact, peak", "mm/s"},
-                           Line{"/push/hand_work_mj", "Work of the hand", "mJ"},
-                           Line{"/push/drill_work_mj", "Work of the drive", "mJ"},
-                           Line{"/push/peak_hand_power_w", "Power of the hand, peak", "W"},
-                           Line{"/push/peak_drill_power_w", "Power of the drive, peak", "W"},
-                           Line{"/push/overshoot_mm", "Travel in 0.2 s after breakthrough", "mm"}};
-constexpr std::array kDeflection{
-    Line{"/deflection/peak_mm", "Deflection of the springs, peak", "mm"},
-    Line{"/deflection/peak_lateral_mm", "Across the axis, peak", "mm"},
-    Line{"/deflection/lateral_at_depth_mm", "Across the axis, at the greatest depth", "mm"}};
-constexpr std::array kEventColumns{ListColumn{"event", "Event", kText}, ListColumn{"time_s", "Time, s", 3},
-                                   ListColumn{"depth_mm", "Tool depth, mm", 2}, ListColumn{"frame", "Frame", 0}};
-constexpr ListTable kEvents{"/push/events", "Events", "No.", kEventColumns};
+constexpr Table kPlanning[]{{"Implant and joint line",
+                             {{"/metrics/planning/native/version_deg", "Version, native face", "°"},
+                              {"/metrics/planning/planned/version_deg", "Version, implant", "°"},
+                              {"/metrics/planning/retroversion_corrected_deg", "Retroversion corrected", "°"},
+                              {"/metrics/planning/native/inclination_deg", "Inclination, native face", "°"},
+                              {"/metrics/planning/planned/inclination_deg", "Inclination, implant", "°"},
+                              {"/metrics/planning/inclination_corrected_deg", "Inclination corrected", "°"},
+                              {"/metrics/planning/corrected_frame", "Frame of the corrections", ""},
+                              {"/metrics/planning/medialization_mm", "Medialization of the joint line", "mm"},
+                              {"/metrics/planning/native_reason", "No native orientation", ""},
+                              {"/metrics/planning/planned_reason", "No planned orientation", ""},
+                              {"/metrics/planning/corrected_reason", "No correction", ""},
+                              {"/metrics/planning/medialization_reason", "No medialization", ""}}},
+                            {"Support of the implant",
+                             {{"/metrics/seating/seated_percent", "Backside seated", "%"},
+                              {"/metrics/seating/mean_gap_mm", "Gap under the implant, mean", "mm"},
+                              {"/metrics/seating/max_gap_mm", "Gap under the implant, maximum", "mm"},
+                              {"/metrics/seating/footprint_mm2", "Footprint", "mm²"},
+                              {"/metrics/seating/overhang_mm2", "Overhang", "mm²"},
+                              {"/metrics/seating/overhang_percent", "Overhang, of the footprint", "%"},
+                              {"/metrics/seating/dense_percent", "Dense fraction of the supporting bone", "%"}}},
+                            {"Vault",
+                             {{"/metrics/planning/vault/left_mm3", "Vault bone under the implant", "mm³"},
+                              {"/metrics/planning/vault/left_percent", "of the vault before reaming", "%"},
+                              {"/metrics/planning/vault/axis_depth_mm", "Depth on the axis of the implant", "mm"},
+                              {"/metrics/planning/vault/mean_depth_mm", "Depth, mean", "mm"}}}};
+constexpr ListTable kPegs[]{{"/metrics/planning/pegs",
+                             "Pegs",
+                             "Peg",
+                             {{"length_mm", "Length, mm"},
+                              {"in_bone_mm", "In bone, mm"},
+                              {"perforated_mm", "Perforated, mm"},
+                              {"least_wall_mm", "Least wall, mm"}}}};
 
-constexpr std::array kPassColumns{ListColumn{"tool", "Reamer", kText}, ListColumn{"removed_mm3", "Removed, mm³"},
-                                  ListColumn{"max_depth_mm", "Tool depth, mm", 2},
-                                  ListColumn{"peak_axial_force_n", "Peak axial force, N"},
-                                  ListColumn{"peak_spin_torque_nmm", "Peak spin torque, N·mm", 0}};
-constexpr ListTable kPasses{"/passes", "Passes", "Pass", kPassColumns};
-constexpr std::array kClearance{Line{"/clearance/least_mm", "Least clearance of the holder", "mm"},
-                                Line{"/clearance/part", "Part of the holder", ""},
-                                Line{"/clearance/obstacle", "Nearest surface", ""},
-                                Line{"/clearance/frame", "Frame", ""},
-                                Line{"/clearance/time_s", "Time", "s"},
-                                Line{"/clearance/limit_mm", "Limit", "mm"},
-                                Line{"/clearance/first_frame_below", "First frame below the limit", ""},
-                                Line{"/clearance/last_frame_below", "Last frame below the limit", ""}};
-
-constexpr std::array kMeasurements{Table{"Bone", kBone},
-                                   Table{"Segmentation", kSegmentation},
-                                   Table{"Reamed face", kFace},
-                                   Table{"Orientation", kOrientation},
-                                   Table{"Remaining bone under the face", kRemaining},
-                                   Table{"Force and torque", kLoads},
-                                   Table{"Energy", kEnergy},
-                                   Table{"Motion", kMotion},
-                                   Table{"Push", kPush},
-                                   Table{"Deflection", kDeflection},
-                                   Table{"Clearance", kClearance}};
-
-constexpr std::array kImplant{Line{"/metrics/planning/native/version_deg", "Version, native face", "°"},
-                              Line{"/metrics/planning/planned/version_deg", "Version, implant", "°"},
-                              Line{"/metrics/planning/retroversion_corrected_deg", "Retroversion corrected", "°"},
-                              Line{"/metrics/planning/native/inclination_deg", "Inclination, native face", "°"},
-                              Line{"/metrics/planning/planned/inclination_deg", "Inclination, implant", "°"},
-                              Line{"/metrics/planning/inclination_corrected_deg", "Inclination corrected", "°"},
-                              Line{"/metrics/planning/corrected_frame", "Frame of the corrections", ""},
-                              Line{"/metrics/planning/medialization_mm", "Medialization of the joint line", "mm"},
-                              Line{"/metrics/planning/native_reason", "No native orientation", ""},
-                              Line{"/metrics/planning/planned_reason", "No planned orientation", ""},
-                              Line{"/metrics/planning/corrected_reason", "No correction", ""},
-                              Line{"/metrics/planning/medialization_reason", "No medialization", ""}};
-constexpr std::array kSupport{Line{"/metrics/seating/seated_percent", "Backside seated", "%"},
-                              Line{"/metrics/seating/mean_gap_mm", "Gap under the implant, mean", "mm"},
-                              Line{"/metrics/seating/max_gap_mm", "Gap under the implant, maximum", "mm"},
-                              Line{"/metrics/seating/footprint_mm2", "Footprint", "mm²"},
-                              Line{"/metrics/seating/overhang_mm2", "Overhang", "mm²"},
-                              Line{"/metrics/seating/overhang_percent", "Overhang, of the footprint", "%"},
-                              Line{"/metrics/seating/dense_percent", "Dense fraction of the supporting bone", "%"}};
-constexpr std::array kVault{Line{"/metrics/planning/vault/left_mm3", "Vault bone under the implant", "mm³"},
-                            Line{"/metrics/planning/vault/left_percent", "of the vault before reaming", "%"},
-                            Line{"/metrics/planning/vault/axis_depth_mm", "Depth on the axis of the implant", "mm"},
-                            Line{"/metrics/planning/vault/mean_depth_mm", "Depth, mean", "mm"}};
-
-constexpr std::array kPegColumns{ListColumn{"length_mm", "Length, mm"}, ListColumn{"in_bone_mm", "In bone, mm"},
-                                 ListColumn{"perforated_mm", "Perforated, mm"},
-                                 ListColumn{"least_wall_mm", "Least wall, mm"}};
-constexpr ListTable kPegs{"/metrics/planning/pegs", "Pegs", "Peg", kPegColumns};
-constexpr std::array kPlanning{Table{"Implant and joint line", kImplant}, Table{"Support of the implant", kSupport},
-                               Table{"Vault", kVault}};
-constexpr std::array kProvenance{Line{"/program", "Program", ""}, Line{"/device", "Device", ""},
-                                 Line{"/engine", "Engine", ""}, Line{"/erosion", "Erosion", ""},
-                                 Line{"/law", "Force law", ""}};
+constexpr Line kProvenance[]{{"/program", "Program", ""},
+                             {"/device", "Device", ""},
+                             {"/engine", "Engine", ""},
+                             {"/erosion", "Erosion", ""},
+                             {"/law", "Force law", ""}};
 
 std::string last_part(const std::string& path) {
   return path.substr(path.rfind('/') + 1);
@@ -213,7 +220,7 @@ class Results {
   }
 
   /// The value at a pointer; null if missing.
-  [[nodiscard]] Json at(const char* pointer) const {
+  [[nodiscard]] Json at(const std::string& pointer) const {
     const Json::json_pointer at(pointer);
     return json_.contains(at) ? json_.at(at) : Json();
   }
@@ -222,7 +229,7 @@ class Results {
     if (!json_.contains(key) || !json_.at(key).is_array()) throw wrong(key, expected);
     return json_.at(key);
   }
-  [[nodiscard]] std::optional<double> number(const char* pointer) const {
+  [[nodiscard]] std::optional<double> number(const std::string& pointer) const {
     const Json value = at(pointer);
     if (value.is_null()) return std::nullopt;
     if (!value.is_number()) throw wrong(pointer, "a number");
@@ -292,25 +299,20 @@ class Results {
 Json key_figures(const Results& results) {
   KeyResults run{.means = from_name<ErosionMode>(results.text("erosion")) != ErosionMode::exact};
   Json out = Json::array();
-  // Earlier versions wrote these numbers without the section "headline".
-  const auto add = [&](const char* pointer, const char* earlier, double& value, const auto& row) {
+  const auto add = [&](double& value, KeyResults::Figure (KeyResults::*figure)() const, const std::string& pointer,
+                       const std::string& earlier) {
     auto number = results.number(pointer);
     if (!number) number = results.number(earlier);
     if (!number) return;
     value = *number;
-    out.push_back(row());
+    const auto [name, text, unit] = (run.*figure)();
+    out.push_back(Json::array({name, text, unit}));
   };
-  add("/headline/depth_mm", "/max_depth_mm", run.tool_depth_mm, [&] {
-    return Json::array({KeyResults::kDepthName, run.depth_text(), "mm"});
-  });
-  add("/headline/peak_axial_force_n", run.means ? "/forces/peak_layer_axial_force_n" : "/forces/peak_axial_force_n",
-      run.peak_axial_force_n, [&] {
-        return Json::array({run.force_name(), run.force_text(), "N"});
-      });
-  add("/headline/peak_spin_torque_nmm",
-      run.means ? "/forces/peak_layer_spin_torque_nmm" : "/forces/peak_spin_torque_nmm", run.peak_spin_torque_nmm, [&] {
-        return Json::array({run.torque_name(), run.torque_text(), "N·mm"});
-      });
+  // Earlier versions wrote these numbers without the section "headline".
+  const std::string peak = run.means ? "/forces/peak_layer_" : "/forces/peak_";
+  add(run.tool_depth_mm, &KeyResults::depth, "/headline/depth_mm", "/max_depth_mm");
+  add(run.peak_axial_force_n, &KeyResults::force, "/headline/peak_axial_force_n", peak + "axial_force_n");
+  add(run.peak_spin_torque_nmm, &KeyResults::torque, "/headline/peak_spin_torque_nmm", peak + "spin_torque_nmm");
   for (Json& row : results.rows(kKeyFigures)) out.push_back(std::move(row));
   return out;
 }
@@ -324,7 +326,7 @@ Json warnings(const Results& results) {
 }
 
 Json provenance(const Results& results, const std::string& path) {
-  for (const Line& line : kProvenance) (void)results.text(line.pointer + 1);
+  for (const Line& line : kProvenance) (void)results.text(line.pointer + 1);  // throws where one is missing
   Json inputs{{"title", "Inputs"}, {"columns", Json::array({"Key", "File", "SHA-256"})}, {"rows", Json::array()}};
   for (const Json& input : results.list("inputs", "a list of files")) {
     inputs["rows"].push_back(Json::array(
@@ -361,8 +363,8 @@ Json summary_data(const Json& summary, const Json& verification, const std::stri
   const Results results(summary, summary_path);
   return {{"warnings", warnings(results)},
           {"key_figures", key_figures(results)},
-          {"planning", results.tables(kPlanning, std::array{kPegs})},
-          {"measurements", results.tables(kMeasurements, std::array{kEvents, kPasses})},
+          {"planning", results.tables(kPlanning, kPegs)},
+          {"measurements", results.tables(kMeasurements, kMeasuredLists)},
           {"balance", results.rows(std::array{Line{"/balance", "", ""}})},
           {"verification", verification_data(results, verification, verification_path)},
           {"provenance", provenance(results, summary_path)}};

@@ -118,18 +118,13 @@ class LayerMeans {
   explicit LayerMeans(double travel_mm) : travel_mm_(travel_mm), mean_(travel_mm) {}
 
   void set(ForceRow& row) {
-    if (travel_mm_ == 0) {
-      row.layer_axial_force_n = row.axial_force_n;
-      row.layer_spin_torque_nmm = row.spin_torque_nmm;
-      row.layer_force_n = row.force_n;
-      row.layer_frames = 1;
-    } else {
-      const auto means = mean_.add(row.pose.position_mm, row.axial_force_n, row.spin_torque_nmm);
-      row.layer_axial_force_n = means.axial_force_n;
-      row.layer_spin_torque_nmm = means.spin_torque_nmm;
-      row.layer_force_n = means.axial_force_n * (row.pose.orientation * Vec3::UnitZ());
-      row.layer_frames = means.frames;
-    }
+    const bool single = travel_mm_ == 0;
+    const auto means = single ? LayerMean::Means{row.axial_force_n, row.spin_torque_nmm, 1}
+                              : mean_.add(row.pose.position_mm, row.axial_force_n, row.spin_torque_nmm);
+    row.layer_axial_force_n = means.axial_force_n;
+    row.layer_spin_torque_nmm = means.spin_torque_nmm;
+    row.layer_force_n = single ? row.force_n : Vec3(means.axial_force_n * (row.pose.orientation * Vec3::UnitZ()));
+    row.layer_frames = means.frames;
     points_.push_back({row.time_s, row.depth_mm, row.removed_mm3, row.cumulative_energy_mj});
     if (points_.size() > kMaxPoints) points_.pop_front();
     row.layer_middle = point_before(row.layer_frames / 2);

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/record/manifest.h"
-
+#include <fmt/format.h>
 #include <openssl/evp.h>
 #include <algorithm>
 #include <filesystem>
@@ -32,12 +31,7 @@ class Sha256 {
     unsigned char digest[EVP_MAX_MD_SIZE];
     unsigned size = 0;
     EVP_DigestFinal_ex(context_.get(), digest, &size);
-    std::string out;
-    for (unsigned i = 0; i < size; ++i) {
-      out += "0123456789abcdef"[digest[i] >> 4];
-      out += "0123456789abcdef"[digest[i] & 15];
-    }
-    return out;
+    return fmt::format("{:02x}", fmt::join(digest, digest + size, ""));
   }
 
  private:

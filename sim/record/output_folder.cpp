@@ -25,7 +25,6 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/record/manifest.h"
 
 namespace reamsim {
 

@@ -13,6 +13,33 @@
 
 namespace reamsim {
 
+/// The file of a results folder that lists what reamsim wrote into it.
+inline constexpr const char* kManifestName = "manifest.json";
+
+struct Manifest {
+  std::string kind;             ///< run | comparison | verification | benchmark
+  std::set<std::string> files;  ///< relative to the folder, without the manifest
+  bool complete = true;         ///< false while a command adds files
+};
+
+/// DIR/manifest.json; nullopt where it does not exist or is not a manifest.
+std::optional<Manifest> read_manifest(const std::string& dir);
+/// Replaces DIR/manifest.json. `durable`: it is on the disk on return. Throws RunError when it cannot be written.
+void write_manifest(const std::string& dir, const Manifest& manifest, bool durable = true);
+
+/// SHA-256 of a file, in hex; for a folder (DICOM, with its subfolders): of the relative paths and sums of its files,
+/// sorted by path. Throws InputError when a file cannot be read.
+std::string sha256_of(const std::string& path);
+
+std::string sha256_of_text(const std::string& text);
+
+/// What stays in the folder of a run beside scenario.yaml and summary.json.
+struct KeptFiles {
+  bool forces = true;    ///< forces.csv
+  bool grids = true;     ///< reamed.vdb, reamed.vti, depth_map.csv and planning.mrk.json
+  bool pictures = true;  ///< pictures, plots, meshes, report, and all that these are made from
+};
+
 enum class ResultKind { run, comparison, verification, benchmark };
 
 /// The first entry below `dir`, relative to it, that no command of this kind wrote: one that its manifest does not list
@@ -71,9 +98,9 @@ struct OutputRequest {
 /// The output folder of a command. Results are written to DIR.partial/, which becomes DIR when all are complete and on
 /// the disk. DIR.lock reserves both.
 ///
-/// Only files that a command of this kind wrote are ever deleted (manifest.h). With `overwrite`, DIR and DIR.partial
-/// may be replaced when they hold nothing else; never the current folder, a home, a mount point, the folder of an
-/// input, or a folder above one of these.
+/// Only files that a command of this kind wrote are ever deleted (foreign_entry()). With `overwrite`, DIR and
+/// DIR.partial may be replaced when they hold nothing else; never the current folder, a home, a mount point, the folder
+/// of an input, or a folder above one of these.
 class OutputFolder {
  public:
   /// Creates DIR.partial. Throws InputError: DIR exists and not `overwrite`, DIR or DIR.partial may not be replaced,

@@ -3,6 +3,8 @@
 
 #include "sim/record/recorder.h"
 
+#include <fmt/core.h>
+#include <openvdb/openvdb.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -12,7 +14,9 @@
 #include <utility>
 
 #include "sim/base/error.h"
-#include "sim/record/snapshot.h"
+#include "sim/base/text.h"
+#include "sim/bone/vdb/grids.h"
+#include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
 
@@ -55,6 +59,17 @@ bool is_plausible(const BasisRow& row, std::int32_t frame_before) {
   const bool finite =
       std::all_of(row.p_mm2, row.p_mm2 + kBasisRowValues, [](float value) { return std::isfinite(value); });
   return finite && row.frame >= frame_before && row.grade >= 0 && row.grade <= 255;
+}
+
+/// Sets every voxel of a brick, whole ones included, so that a leaf holds the complete brick.
+void put_brick(openvdb::FloatGrid& grid, const Vec3i& brick_coord, const FillBricks& fill) {
+  const FillBricks::Brick* brick = fill.brick(brick_coord);
+  auto* leaf = grid.tree().touchLeaf(openvdb::Coord(8 * brick_coord.x(), 8 * brick_coord.y(), 8 * brick_coord.z()));
+  for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
+    const Vec3i voxel = BrickLattice::voxel_at(brick_coord, offset);
+    const std::uint16_t units = brick == nullptr ? FillBricks::kWhole : (*brick)[static_cast<std::size_t>(offset)];
+    leaf->setValueOn({voxel.x(), voxel.y(), voxel.z()}, static_cast<float>(units) / FillBricks::kWhole);
+  }
 }
 
 }  // namespace
@@ -166,6 +181,59 @@ void Recorder::close() {
   forces_.close();
   timings_.close();
   if (basis_) basis_->close();
+}
+
+std::string tool_path(const std::string& dir, int pass) {
+  return dir + "/snapshots/tool" + (pass == 1 ? "" : "_" + std::to_string(pass)) + ".stl";
+}
+
+std::string snapshot_path(const std::string& dir, std::int64_t frame) {
+  return fmt::format("{}/snapshots/{:06}.vdb", dir, frame);
+}
+
+void remove_snapshots_after(const std::string& dir, std::int64_t frame) {
+  std::error_code ignored;
+  for (const std::int64_t later : snapshot_frames(dir)) {
+    if (later > frame) std::filesystem::remove(snapshot_path(dir, later), ignored);
+  }
+}
+
+void write_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill) {
+  const std::string path = snapshot_path(dir, frame);
+  openvdb::initialize();
+  auto grid = make_float_grid(1.0F);
+  grid->setName("fill");
+  for (const Vec3i& brick : fill.take_changed()) put_brick(*grid, brick, fill);
+  std::error_code ignored;  // writing reports it
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
+  write_vdb_file(path, {[&grid] { return grid; }}, {});
+}
+
+std::vector<std::int64_t> snapshot_frames(const std::string& dir) {
+  std::vector<std::int64_t> frames;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(dir + "/snapshots", error)) {
+    const std::string stem = entry.path().stem().string();
+    const bool number = is_whole_number(stem) && stem.size() < 19;
+    if (entry.path().extension() == ".vdb" && number) frames.push_back(std::stoll(stem));
+  }
+  std::sort(frames.begin(), frames.end());
+  return frames;
+}
+
+void apply_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill) {
+  const std::string path = snapshot_path(dir, frame);
+  const openvdb::FloatGrid::Ptr grid = read_vdb_grid(path, "fill", VdbOrigin::kReamsim);
+  const Vec3i limit = 8 * fill.brick_dims();
+  for (auto value = grid->cbeginValueOn(); value; ++value) {
+    const openvdb::Coord c = value.getCoord();
+    const Vec3i voxel(c.x(), c.y(), c.z());
+    if ((voxel.array() < 0).any() || (voxel.array() >= limit.array()).any()) {
+      throw InputError({path, 0, 0}, "", "holds a brick outside the bone's lattice", "run the scenario again");
+    }
+    const float units = std::clamp(value.getValue(), 0.0F, 1.0F) * FillBricks::kWhole;
+    fill.set(voxel, static_cast<std::uint16_t>(std::lround(units)));
+  }
 }
 
 }  // namespace reamsim

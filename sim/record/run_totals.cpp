@@ -22,8 +22,6 @@ constexpr double kHeld = 0.8, kGivesWay = 0.5, kMean_s = 0.01;
 
 /// The tool stands still where its step is below this fraction of the mean step.
 constexpr double kStillFraction = 0.01;
-/// Entries in memory, 2 MB. Where a voxel of travel takes more frames, each entry holds several.
-constexpr std::size_t kMaxEntries = 65'536;
 
 double travel_mm(const FrameResult& from, const FrameResult& to) {
   return (to.pose.position_mm - from.pose.position_mm).norm();
@@ -35,67 +33,28 @@ PushEvent event_of(const FrameResult& row, const std::string& name, double value
 
 }  // namespace
 
-LayerMean::Means& LayerMean::Means::operator+=(const Means& other) {
-  axial_force_n += other.axial_force_n;
-  spin_torque_nmm += other.spin_torque_nmm;
-  frames += other.frames;
-  return *this;
-}
-
-LayerMean::Means& LayerMean::Means::operator-=(const Means& other) {
-  axial_force_n -= other.axial_force_n;
-  spin_torque_nmm -= other.spin_torque_nmm;
-  frames -= other.frames;
-  return *this;
-}
-
 void LayerMean::drop_oldest() {
-  sums_ -= frames_.front().values;
+  axial_force_sum_n_ -= frames_.front().axial_force_n;
+  spin_torque_sum_nmm_ -= frames_.front().spin_torque_nmm;
   frames_.pop_front();
-}
-
-void LayerMean::merge_pairs() {
-  std::deque<Frame> pairs;
-  for (std::size_t i = 0; i + 1 < frames_.size(); i += 2) {
-    pairs.push_back({frames_[i + 1].path_mm, frames_[i].values});
-    pairs.back().values += frames_[i + 1].values;
-  }
-  if (frames_.size() % 2 == 1) pairs.push_back(frames_.back());
-  frames_ = std::move(pairs);
-  frames_per_entry_ *= 2;
-}
-
-void LayerMean::drop_while_still() {
-  ++still_frames_;
-  while (!frames_.empty() && still_frames_ >= frames_.front().values.frames) {
-    still_frames_ -= frames_.front().values.frames;
-    drop_oldest();
-  }
-}
-
-void LayerMean::append(double path_mm, const Means& frame) {
-  if (frames_.empty() || frames_.back().values.frames >= frames_per_entry_) frames_.emplace_back();
-  frames_.back().path_mm = path_mm;
-  frames_.back().values += frame;
-  sums_ += frame;
 }
 
 LayerMean::Means LayerMean::add(const Vec3& position_mm, double axial_force_n, double spin_torque_nmm) {
   const double step = frames_.empty() ? 0 : (position_mm - last_mm_).norm();
   const double path = frames_.empty() ? 0 : frames_.back().path_mm + step;
-  if (full_ && step * static_cast<double>(sums_.frames) < kStillFraction * voxel_mm_) drop_while_still();
+  if (full_ && step * static_cast<double>(frames_.size()) < kStillFraction * voxel_mm_) drop_oldest();
   last_mm_ = position_mm;
-  append(path, {axial_force_n, spin_torque_nmm, 1});
+  frames_.push_back({path, axial_force_n, spin_torque_nmm});
+  axial_force_sum_n_ += axial_force_n;
+  spin_torque_sum_nmm_ += spin_torque_nmm;
   // A frame is dropped when the travel after its end amounts to a voxel.
   while (frames_.size() > 1 && path - frames_.front().path_mm >= voxel_mm_ * (1 - 1e-9)) {
     drop_oldest();
     full_ = true;
   }
-  if (frames_.size() > kMaxEntries) merge_pairs();
-  if (frames_per_entry_ > 1 && frames_.size() < kMaxEntries / 4) frames_per_entry_ /= 2;
   if (!full_) return {};
-  const auto count = static_cast<double>(sums_.frames);
-  return {sums_.axial_force_n / count, sums_.spin_torque_nmm / count, sums_.frames};
+  const auto count = static_cast<double>(frames_.size());
+  return {axial_force_sum_n_ / count, spin_torque_sum_nmm_ / count, frames_.size()};
 }
 
 void PushTotals::add(const FrameResult& row) {

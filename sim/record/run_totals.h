@@ -23,14 +23,18 @@ struct KeyResults {
   double peak_spin_torque_nmm = 0;  ///< magnitude
   double tool_depth_mm = 0;         ///< greatest travel along the tool's axis since first contact
 
-  static constexpr const char* kDepthName = "tool depth";
-  [[nodiscard]] std::string force_name() const { return means ? "peak mean axial force" : "peak axial force"; }
-  [[nodiscard]] std::string torque_name() const { return means ? "peak mean spin torque" : "peak spin torque"; }
+  struct Figure {
+    std::string name, number, unit;
 
-  /// The numbers as text, without their units (N, N·mm, mm).
-  [[nodiscard]] std::string force_text() const { return fixed_text(peak_axial_force_n, 1); }
-  [[nodiscard]] std::string torque_text() const { return fixed_text(peak_spin_torque_nmm, 0); }
-  [[nodiscard]] std::string depth_text() const { return fixed_text(tool_depth_mm, 2); }
+    [[nodiscard]] std::string value() const { return number + " " + unit; }
+  };
+  [[nodiscard]] Figure force() const {
+    return {means ? "peak mean axial force" : "peak axial force", fixed_text(peak_axial_force_n, 1), "N"};
+  }
+  [[nodiscard]] Figure torque() const {
+    return {means ? "peak mean spin torque" : "peak spin torque", fixed_text(peak_spin_torque_nmm, 0), "N·mm"};
+  }
+  [[nodiscard]] Figure depth() const { return {"tool depth", fixed_text(tool_depth_mm, 2), "mm"}; }
 
   [[nodiscard]] std::string force_definition() const {
     return std::string(
@@ -55,9 +59,6 @@ class LayerMean {
     double axial_force_n = 0;
     double spin_torque_nmm = 0;
     std::size_t frames = 0;  ///< number of frames in the means
-
-    Means& operator+=(const Means& other);
-    Means& operator-=(const Means& other);
   };
 
   /// Adds a frame (position in B). Returns the means over the last voxel of travel, zero until there is one. While the
@@ -65,24 +66,19 @@ class LayerMean {
   Means add(const Vec3& position_mm, double axial_force_n, double spin_torque_nmm);
 
  private:
-  /// A frame, or several successive ones where there are very many: their sums.
   struct Frame {
-    double path_mm = 0;  ///< length of the path at the end of the frame
-    Means values;
+    double path_mm;  ///< length of the path at its end
+    double axial_force_n;
+    double spin_torque_nmm;
   };
 
   void drop_oldest();
-  /// Keeps the number of frames constant for one more that the tool stands still.
-  void drop_while_still();
-  void append(double path_mm, const Means& frame);
-  void merge_pairs();
 
   double voxel_mm_;
   Vec3 last_mm_ = Vec3::Zero();
-  std::deque<Frame> frames_;
-  std::size_t frames_per_entry_ = 1;
-  std::size_t still_frames_ = 0;  ///< for which no frame has been dropped yet
-  Means sums_;
+  std::deque<Frame> frames_;  ///< of the last voxel of travel
+  double axial_force_sum_n_ = 0;
+  double spin_torque_sum_nmm_ = 0;
   bool full_ = false;
 };
 

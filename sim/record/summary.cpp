@@ -12,9 +12,9 @@
 #include "sim/base/file.h"
 #include "sim/base/stopwatch.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/record/manifest.h"
+#include "sim/record/output_folder.h"
+#include "sim/record/recorder.h"
 #include "sim/record/result_json.h"
-#include "sim/record/snapshot.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/passes.h"
 #include "sim/scenario/paths.h"
@@ -62,11 +62,11 @@ double peak_process_mb() {
 }
 
 Json key_results_json(const KeyResults& headline) {
-  return {{"force_name", headline.force_name()},
+  return {{"force_name", headline.force().name},
           {"peak_axial_force_n", headline.peak_axial_force_n},
           {"peak_spin_torque_nmm", headline.peak_spin_torque_nmm},
           {"force_definition", headline.force_definition()},
-          {"depth_name", KeyResults::kDepthName},
+          {"depth_name", headline.depth().name},
           {"depth_mm", headline.tool_depth_mm},
           {"depth_definition", KeyResults::kDepthDefinition}};
 }

@@ -54,8 +54,8 @@ std::vector<std::string> files_read(const Scenario& scenario) {
 void say_summary(RunMonitor& monitor, const RunTotals& totals, const RunFacts& facts, bool means) {
   const KeyResults run = totals.headline(means);
   monitor.say(fmt::format("removed {:.1f} mm3; {} {} mm; {} {} N, {} {} N mm; energy balance {:.1e}",
-                          totals.removed_mm3, KeyResults::kDepthName, run.depth_text(), run.force_name(),
-                          run.force_text(), run.torque_name(), run.torque_text(), totals.balance));
+                          totals.removed_mm3, run.depth().name, run.depth().number, run.force().name,
+                          run.force().number, run.torque().name, run.torque().number, totals.balance));
   for (std::size_t i = 0; i < totals.passes.size() && totals.passes.size() > 1; ++i) {
     const PassTotals& pass = totals.passes[i];
     monitor.say(

@@ -11,7 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/engine/make_engine.h"
-#include "sim/record/manifest.h"
+#include "sim/record/output_folder.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scene/load_bone.h"
 #include "sim/scene/scene.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/record/manifest.h"
+#include "sim/record/output_folder.h"
 #include "sim/scenario/yaml_tree.h"
 
 namespace reamsim {

@@ -11,7 +11,6 @@
 
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
-#include "sim/record/manifest.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/recorder.h"
 #include "sim/record/summary.h"

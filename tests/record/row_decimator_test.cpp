@@ -60,8 +60,8 @@ TEST(RowDecimatorTest, KeepsPeaksEndsAndGivenFramesOfALongLog) {
   }
 }
 
-TEST(LayerMeanTest, ManyFramesInAVoxelAreCombined) {
-  // A voxel of travel takes 300,000 frames, more than the entries in memory; the force rises linearly.
+TEST(LayerMeanTest, TakesManyFramesInAVoxel) {
+  // A voxel of travel takes 300,000 frames; the force rises linearly.
   constexpr int kPerVoxel = 300'000;
   constexpr double kVoxel_mm = 0.25;
   LayerMean mean(kVoxel_mm);
@@ -73,7 +73,7 @@ TEST(LayerMeanTest, ManyFramesInAVoxelAreCombined) {
   EXPECT_NEAR(static_cast<double>(last.frames), kPerVoxel, 1e-4 * kPerVoxel);
   EXPECT_NEAR(last.axial_force_n, 1.5, 1e-4);
   EXPECT_NEAR(last.spin_torque_nmm, 3, 1e-9);
-  // Standing still replaces the oldest frames, and their number stays within an entry.
+  // Standing still replaces the oldest frames.
   const std::size_t frames = last.frames;
   for (int i = 0; i < kPerVoxel; ++i) last = mean.add({0, 0, -2 * kVoxel_mm}, 7, 3);
   EXPECT_NEAR(static_cast<double>(last.frames), static_cast<double>(frames), 1e-4 * kPerVoxel);

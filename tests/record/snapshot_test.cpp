@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Snapshots: what they bring back, and what becomes of damaged ones.
-#include "sim/record/snapshot.h"
+#include "sim/record/recorder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -12,7 +12,7 @@
 
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/record/snapshot.h"
+#include "sim/record/recorder.h"
 
 namespace reamsim {
 namespace {

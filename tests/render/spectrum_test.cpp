@@ -8,7 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <utility>
+#include <vector>
 
 namespace reamsim {
 namespace {
@@ -16,28 +16,14 @@ namespace {
 constexpr double kSpin_hz = 4;  // 240 rpm
 
 /// Two seconds at 1 kHz, with a second in the air before and after; `torque` of the time since contact.
-ForceLog log_of(const std::function<double(double)>& torque, double contact_s = 2) {
-  ForceLog log;
+std::vector<TorqueSample> log_of(const std::function<double(double)>& torque, double contact_s = 2) {
+  std::vector<TorqueSample> log;
   for (int i = 0; i < 4000; ++i) {
-    ForceRow row;
-    row.frame = i;
-    row.time_s = 0.001 * i;
-    row.pose.spin_angle_rad = 2 * std::numbers::pi * kSpin_hz * row.time_s;
-    const double touching_s = row.time_s - 1;
-    if (touching_s >= 0 && touching_s < contact_s) row.spin_torque_nmm = torque(touching_s);
-    log.rows.push_back(row);
+    const double time_s = 0.001 * i, touching_s = time_s - 1;
+    const bool touching = touching_s >= 0 && touching_s < contact_s;
+    log.push_back({time_s, 2 * std::numbers::pi * kSpin_hz * time_s, touching ? torque(touching_s) : 0});
   }
   return log;
-}
-
-RowPass pass_of(ForceLog log) {
-  return [log = std::move(log)](const std::function<void(const ForceRow&)>& visit) {
-    for (const ForceRow& row : log.rows) visit(row);
-  };
-}
-
-TorqueSpectrum spectrum_of(ForceLog log) {
-  return torque_spectrum(pass_of(std::move(log)));
 }
 
 double sine(double frequency_hz, double time_s) {
@@ -46,7 +32,7 @@ double sine(double frequency_hz, double time_s) {
 
 TEST(Spectrum, FindsTheTeethOnARisingTorque) {
   const TorqueSpectrum found =
-      spectrum_of(log_of([](double t) { return 400 * (2 - std::exp(-t)) + 60 * sine(24, t) + 20 * sine(48, t); }));
+      torque_spectrum(log_of([](double t) { return 400 * (2 - std::exp(-t)) + 60 * sine(24, t) + 20 * sine(48, t); }));
   EXPECT_NEAR(found.spin_hz, kSpin_hz, 1e-9);
   ASSERT_EQ(found.peaks.size(), 2u);
   EXPECT_NEAR(found.peaks[0].frequency_hz, 24, 0.3);
@@ -59,7 +45,7 @@ TEST(Spectrum, FindsTheTeethOnARisingTorque) {
 TEST(Spectrum, PausesBetweenTeethDoNotEndIt) {
   // One tooth, in contact for a third of the turn.
   const TorqueSpectrum found =
-      spectrum_of(log_of([](double t) { return std::fmod(t * kSpin_hz, 1.0) < 1.0 / 3 ? 300.0 : 0.0; }));
+      torque_spectrum(log_of([](double t) { return std::fmod(t * kSpin_hz, 1.0) < 1.0 / 3 ? 300.0 : 0.0; }));
   ASSERT_FALSE(found.peaks.empty());
   EXPECT_NEAR(found.peaks[0].frequency_hz, kSpin_hz, 0.3);
   // First line of a rectangle's Fourier series.
@@ -67,12 +53,12 @@ TEST(Spectrum, PausesBetweenTeethDoNotEndIt) {
 }
 
 TEST(Spectrum, NeedsFourTurnsAndASpin) {
-  EXPECT_TRUE(spectrum_of(log_of([](double) { return 100; }, 0.9)).lines.empty());
-  EXPECT_TRUE(spectrum_of(log_of([](double) { return 0; })).lines.empty());
-  ForceLog still = log_of([](double t) { return 100 + sine(24, t); });
-  for (ForceRow& row : still.rows) row.pose.spin_angle_rad = 0;
-  EXPECT_TRUE(spectrum_of(still).lines.empty());
-  EXPECT_TRUE(spectrum_of({}).lines.empty());
+  EXPECT_TRUE(torque_spectrum(log_of([](double) { return 100; }, 0.9)).lines.empty());
+  EXPECT_TRUE(torque_spectrum(log_of([](double) { return 0; })).lines.empty());
+  std::vector<TorqueSample> still = log_of([](double t) { return 100 + sine(24, t); });
+  for (TorqueSample& sample : still) sample.angle_rad = 0;
+  EXPECT_TRUE(torque_spectrum(still).lines.empty());
+  EXPECT_TRUE(torque_spectrum({}).lines.empty());
 }
 
 }  // namespace

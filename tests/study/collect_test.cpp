@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "sim/base/csv.h"
-#include "sim/record/manifest.h"
+#include "sim/record/output_folder.h"
 #include "tests/study/study_fixture.h"
 
 namespace reamsim::test {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "render/viewer/study_page.h"
+#include "render/viewer/page.h"
 #include "tests/study/run_table_maker.h"
 
 namespace reamsim::test {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/record/manifest.h"
+#include "sim/record/output_folder.h"
 
 #include "input_file.h"
 
