@@ -19,7 +19,7 @@
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/mesh/mesh_repair.h"
+#include "sim/mesh/mesh_check.h"
 #include "sim/mesh/winding.h"
 
 namespace reamsim {

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "sim/mesh/mesh_check.h"
-#include "sim/mesh/mesh_repair.h"
 #include "sim/mesh/winding.h"
 
 namespace reamsim {
@@ -158,8 +157,8 @@ std::size_t close_surface(const MeshBoneSettings& settings, const MeshDiagnosis&
   if (!settings.repair && !holes.empty() && !small) {
     refuse_file(settings.path,
                 "not a closed surface: " + found.text() + "; " + text_of(holes, area_mm2) +
-                    fmt::format(", where {:g} mm and {:g} % are read as they are", HoleLimits::kMostWidth_mm,
-                                100 * HoleLimits::kMostOfArea),
+                    fmt::format(", where {:g} mm and {:g} % are read as they are", kSmallHoleWidth_mm,
+                                100 * kSmallHoles),
                 "give a closed, two-manifold mesh: repair it, or set bone.mesh.repair: true");
   }
   const std::size_t before = mesh.triangles.size();

@@ -69,9 +69,9 @@ std::vector<std::string> read_ascii_stl(const std::string& path, std::string_vie
 
 /// What a mesh file holds.
 struct MeshContents {
-  TriangleMesh mesh;               ///< in mm; vertices merged, and welded (mesh_repair.h) where the surface has holes
-  std::string space;               ///< the frame that the header states: "LPS", "RAS", another; "" without one
-  std::vector<std::string> notes;  ///< what was welded
+  TriangleMesh mesh;                  ///< in mm; vertices merged, and welded (weld()) where the surface has holes
+  std::string space;                  ///< the frame that the header states: "LPS", "RAS", another; "" without one
+  std::vector<std::string> notes;     ///< what was welded
   std::vector<std::string> warnings;  ///< numbers of triangles that the header has wrong, and the like
 };
 
