@@ -77,9 +77,8 @@ DistanceTable distance_table_around(const Profile& profile, double pitch_mm, dou
 
 DistanceTable make_distance_table(const Profile& profile, const Vec2& first, double pitch_mm, int count_r, int count_z);
 
-/// Whether the triangle abc shares a point with the closed box about `center` with half edges `half` (any one unit).
-/// Separating axes: the box's three, the triangle's normal, and the nine cross products of edges
-/// (Akenine-Möller 2001, "Fast 3D triangle-box overlap testing").
+/// Whether the triangle abc shares a point with the closed box about `center` with half edges `half` (any one unit), by
+/// separating axes (Akenine-Möller 2001, "Fast 3D triangle-box overlap testing").
 bool triangle_touches_box(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& center, const Vec3& half);
 
 }  // namespace reamsim

@@ -65,20 +65,6 @@ class PoseSequence {
   std::size_t size_ = 0;
 };
 
-/// The thrust of a hand over time.
-class ThrustProfile {
- public:
-  explicit ThrustProfile(double thrust_n) : times_s_{0}, thrusts_n_{thrust_n} {}
-  /// Reads a CSV with the columns time_s (ascending) and thrust_n (0 or more). Throws InputError with file and line.
-  explicit ThrustProfile(const std::string& path);
-
-  /// Linear between the rows, constant before the first and after the last.
-  [[nodiscard]] double at(double time_s) const;
-
- private:
-  std::vector<double> times_s_, thrusts_n_;
-};
-
 /// A tool that advances less under thrust stands still, mm/s; after this time it has stalled.
 inline constexpr double kStill_mm_s = 1e-3, kStall_s = 0.1;
 
@@ -86,12 +72,14 @@ inline constexpr double kStill_mm_s = 1e-3, kStall_s = 0.1;
 class PushPlan {
  public:
   /// `bone_from_poses`: nullopt where the settings are in B. The depth counts from entry_mm: `from: contact` must have
-  /// been resolved. Throws InputError for a profile that cannot be read.
+  /// been resolved. The profile is a CSV with the columns time_s (ascending) and thrust_n (0 or more). Throws
+  /// InputError with its file and line.
   PushPlan(const PushSettings& settings, double frame_rate_hz, const std::optional<Rigid>& bone_from_poses);
 
   /// The pose after `travel_mm` along the line, at a time from the start.
   [[nodiscard]] ToolPose pose(double travel_mm, double time_s) const;
-  [[nodiscard]] double thrust_n(double time_s) const { return thrust_.at(time_s); }
+  /// Linear between the rows of the profile, constant before the first and after the last.
+  [[nodiscard]] double thrust_n(double time_s) const;
   [[nodiscard]] const PushSettings& settings() const { return settings_; }
   /// The push ends after this frame in any case.
   [[nodiscard]] std::int64_t last_frame() const { return last_frame_; }
@@ -100,8 +88,10 @@ class PushPlan {
   [[nodiscard]] const Vec3& axis() const { return axis_; }
 
  private:
+  void read_thrust(const std::string& path);
+
   PushSettings settings_;
-  ThrustProfile thrust_;
+  std::vector<double> times_s_, thrusts_n_;
   Vec3 start_mm_;
   Vec3 axis_;
   Quat orientation_;
@@ -125,8 +115,7 @@ struct Motion {
   PoseSequence poses;
   std::int64_t first_frame = 0;  ///< not 0 in later passes of a run
   int pass = 1;                  ///< number of the pass
-  /// A tool that a hand pushes: `poses` are then those of a push without resistance (unresisted_poses()), and the
-  /// run has others.
+  /// A tool that a hand pushes: `poses` are then those of unresisted_poses(), and the run has others.
   std::shared_ptr<const PushPlan> push = {};
 
   [[nodiscard]] double frame_s() const { return 1.0 / frame_rate_hz; }
@@ -141,11 +130,10 @@ struct Motion {
 /// `frame: glenoid` has no glenoid frame.
 std::optional<Rigid> bone_from_frame(PoseFrame frame, const std::optional<GlenoidFrame>& glenoid);
 
-/// Resamples keyframes, plunge or recorded CSV to the frame rate, in B. Position and spindle speed are interpolated
-/// linearly, orientation spherically; the spin angle is the integral of the speed. The last frame ends at or after the
-/// motion: the tool rests at its last pose, with spin, until then. Rows of a long CSV are read again from the file,
-/// which must not change. `from: contact` must have been resolved (sim/scene/first_contact.h). Throws InputError where
-/// `frame: glenoid` has no glenoid frame.
+/// Resamples keyframes, plunge or recorded CSV to the frame rate, in B, as interpolate(); the spin angle is the
+/// integral of the speed. The last frame ends at or after the motion: the tool rests at its last pose, with spin, until
+/// then. Rows of a long CSV are read again from the file, which must not change. `from: contact` must have been
+/// resolved (sim/scene/first_contact.h). Throws InputError where `frame: glenoid` has no glenoid frame.
 Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Diagnostics& report);
 
 }  // namespace reamsim

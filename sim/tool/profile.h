@@ -63,15 +63,13 @@ Envelope envelope_of_revolution(const TriangleMesh& mesh);
 
 /// The generating polygon of a surface of revolution, or nullopt for other meshes: every triangle spans at most two
 /// rings of vertices about z, facets lie within 0.02 mm of the circle of their ring, and the rings form one simple
-/// closed polygon, or one that begins and ends on the axis. Vertices have the precision of the file (about 1 µm for an
-/// STL). `mesh` must be closed and face outwards; mm, frame T.
+/// closed polygon, or one that begins and ends on the axis. `mesh`: as above.
 std::optional<Profile> recover_generatrix(const TriangleMesh& mesh);
 
 /// The outline in (r, z) of the volume that a closed mesh sweeps when it rotates about z. Sampled on a lattice of
 /// `step_mm`, which grows to limit the lattice to 4096² points. Crossings between lattice points have an error below
 /// 0.1 µm; corners are restored; points within step/5 of a straight line are dropped. Features thinner than a step may
-/// be missed. Closed cavities off the axis are filled, since nothing can reach them. `mesh` must be closed and face
-/// outwards; mm, frame T. Throws InputError when the swept body has several parts.
+/// be missed. Closed cavities off the axis are filled. `mesh`: as above. Throws InputError for several swept parts.
 Profile sweep_outline(const TriangleMesh& mesh, double step_mm);
 
 }  // namespace reamsim

@@ -8,7 +8,6 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/implicit.h"
-#include "sim/mesh/triangle_mesh.h"
 #include "sim/tool/outline.h"
 #include "sim/tool/profile.h"
 
@@ -51,9 +50,8 @@ std::vector<Interval> merge(std::vector<Interval> intervals) {
   return merged;
 }
 
-/// The radii that a rotating mesh occupies at a height. The section of the mesh at height z is a set of closed curves;
-/// each piece sweeps an interval of radii. The circle of any other radius lies entirely inside or outside the mesh, as
-/// its winding number tells.
+/// The radii that a rotating mesh occupies at a height. Each piece of its section, a set of closed curves, sweeps an
+/// interval of radii. The circle of any other radius lies entirely inside or outside, as its winding number tells.
 class SweptSection {
  public:
   /// The mesh (closed, facing outwards; mm, frame T) must outlive the section.

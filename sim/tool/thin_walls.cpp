@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "sim/bone/voxmap/voxel_grid.h"
-#include "sim/tool/distance_grid.h"
 
 namespace reamsim {
 

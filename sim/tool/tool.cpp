@@ -9,11 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "sim/base/error.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/tool/point_shell.h"
-#include "sim/tool/profile.h"
 
 namespace reamsim {
 
@@ -53,8 +50,7 @@ Vec3 centroid(const TriangleMesh& mesh) {
   Vec3 sum = Vec3::Zero();
   double volume6 = 0;
   for (const auto& t : mesh.triangles) {
-    const Vec3 &a = mesh.vertices[static_cast<std::size_t>(t[0])], &b = mesh.vertices[static_cast<std::size_t>(t[1])],
-               &c = mesh.vertices[static_cast<std::size_t>(t[2])];
+    const auto [a, b, c] = mesh.corners(t);
     const double v = a.dot(b.cross(c));
     sum += v * (a + b + c) / 4;
     volume6 += v;

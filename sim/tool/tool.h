@@ -61,9 +61,8 @@ std::optional<ThinWall> thinnest_wall(const Profile& profile, double limit_mm);
 /// Tolerated error of the grid's volume relative to the mesh's; larger ones cause a warning.
 inline constexpr double kGridVolumeTolerance = 5e-3;
 
-/// Prepares a tool for `erosion: exact` at voxels of `voxel_mm`: warns of thin walls, and makes the distance grid of
-/// resolved cutting edges (`spin: resolved`, and the mesh is no surface of revolution). Throws InputError where it
-/// would need more than `memory_bytes`.
+/// Prepares a tool for `erosion: exact`: warns of thin walls, and makes the distance grid of resolved cutting edges
+/// unless the mesh is a surface of revolution. Throws InputError where it would need more than `memory_bytes`.
 void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes,
                       Diagnostics& report);
 

@@ -75,12 +75,11 @@ class StepChooser {
   Vec3 before_mm_ = Vec3::Zero();  ///< position before the pending pose
 };
 
-/// Poses along a path of at least one point, with motion_bound_mm() of at most `step_mm` between two of them. They
-/// include the poses where the tool stops or reverses, such as the deepest one.
+/// Poses of StepChooser along a path of at least one point, with at most `step_mm` between two of them.
 std::vector<PathSample> sample_path(const std::vector<PathSample>& path, double reach_mm, double step_mm);
 
-/// Collects the poses of a path in bounded memory: all of them up to 100,000, and of a longer path those that
-/// StepChooser chooses, the last one and those of given frames. The step doubles whenever there are too many.
+/// Collects the poses of a path in bounded memory: all up to 100,000; of a longer path those that StepChooser chooses,
+/// the last one and those of given frames. The step doubles whenever there are too many.
 class BoundedPath {
  public:
   static constexpr std::size_t kMost = 100'000;  ///< 10 MB
