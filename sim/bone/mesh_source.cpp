@@ -136,9 +136,8 @@ void warn_of_half_turn(const GlenoidSettings& glenoid, const Aabb& mesh_mm, Diag
       "they or the mesh are in RAS; set bone.mesh.frame, or change the sign of x and y of the points");
 }
 
-/// Drops doubled triangles, turns the others alike, closes the holes, and says what was found and done. Returns the
-/// number of triangles before the holes were closed, which are the first ones. Throws InputError where that cannot be
-/// done, or must not.
+/// Drops doubled triangles, turns the others alike, closes the holes, and reports it. Returns the number of triangles
+/// before the holes were closed, which are the first ones. Throws InputError where it cannot or must not.
 std::size_t close_surface(const MeshBoneSettings& settings, const MeshDiagnosis& found, TriangleMesh& mesh,
                           Diagnostics& report) {
   if (found.inconsistent_edges > 0 && !settings.repair) {
@@ -155,11 +154,11 @@ std::size_t close_surface(const MeshBoneSettings& settings, const MeshDiagnosis&
   const double area_mm2 = mesh.area_mm2();
   const bool small = are_small(holes, area_mm2) && is_likely_length(mesh.bounds());
   if (!settings.repair && !holes.empty() && !small) {
-    refuse_file(settings.path,
-                "not a closed surface: " + found.text() + "; " + text_of(holes, area_mm2) +
-                    fmt::format(", where {:g} mm and {:g} % are read as they are", kSmallHoleWidth_mm,
-                                100 * kSmallHoles),
-                "give a closed, two-manifold mesh: repair it, or set bone.mesh.repair: true");
+    refuse_file(
+        settings.path,
+        "not a closed surface: " + found.text() + "; " + text_of(holes, area_mm2) +
+            fmt::format(", where {:g} mm and {:g} % are read as they are", kSmallHoleWidth_mm, 100 * kSmallHoles),
+        "give a closed, two-manifold mesh: repair it, or set bone.mesh.repair: true");
   }
   const std::size_t before = mesh.triangles.size();
   close_holes(mesh, holes, done);

@@ -18,10 +18,9 @@ struct BoneMesh {
   bool was_clean = true;  ///< nothing was closed, dropped or turned
 };
 
-/// Reads the mesh of the scenario, and notes its frame, size and state. Holes that are small (are_small()) are closed
-/// with a warning, larger ones on request (bone.mesh.repair). Throws InputError, the unit before the holes: unreadable,
-/// wrong unit for a bone with a glenoid, larger holes, triangles that cannot be oriented alike, no volume, a repair
-/// that changes the volume by more than the scenario allows.
+/// Reads the mesh of the scenario, and notes its frame, size and state. Small holes (are_small()) are closed with a
+/// warning, larger ones on request (bone.mesh.repair). Throws InputError: unreadable, wrong unit for a bone with a
+/// glenoid, larger holes, triangles that cannot be oriented alike, no volume, a repair that changes too much volume.
 BoneMesh read_bone_mesh(const BoneSettings& settings, Diagnostics& report);
 
 /// Brings the vertices of a mesh into LPS, and notes in which frame it was read and why; warns where key and header

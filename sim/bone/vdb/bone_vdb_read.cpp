@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <locale>
-#include <optional>
 #include <sstream>
 
 #include "sim/base/error.h"

@@ -18,8 +18,7 @@ namespace reamsim {
 openvdb::FloatGrid::Ptr make_float_grid(float background);
 openvdb::BoolGrid::Ptr make_bool_grid(bool background);
 
-// Grids as plain arrays, which child processes hand back: values of leaves and tiles, the affine transform, and the
-// metadata of the types that reamsim reads.
+// Grids as plain arrays, which child processes hand back: values of leaves and tiles, affine transform, metadata.
 
 /// Writes a grid, and empties its leaves on the way.
 void put_grid(ResultWriter& out, openvdb::FloatGrid& grid);
@@ -61,9 +60,8 @@ inline constexpr float kHalfBandVoxels = 3;
 
 /// The level set of the surface where an occupancy is one half: signed distance in units of the transform, negative
 /// inside, active within kHalfBandVoxels of the surface. `occupancy`: leaves where it is not constant, tiles of 1
-/// inside, background 0. A voxel's distance is that of the closest point of the trilinear interpolation. On spheres of
-/// 5 to 40 mm in voxels of 0.5 mm, the largest error within a voxel of the surface is 0.14 voxels; of
-/// openvdb::tools::fogToSdf it is 0.41, in five to eight times the time.
+/// inside, background 0. A voxel's distance is that of the closest point of the trilinear interpolation: within 0.14
+/// voxels on spheres; openvdb::tools::fogToSdf has 0.41, in five to eight times the time.
 openvdb::FloatGrid::Ptr narrow_band(const openvdb::FloatGrid& occupancy);
 
 }  // namespace reamsim

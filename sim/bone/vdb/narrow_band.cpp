@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <vector>
 
 #include "sim/base/geometry.h"
 #include "sim/base/parallel.h"
@@ -273,9 +272,9 @@ float refined_distance(const Block& block, const Point& p, ClosestPoint foot) {
   return std::min(nearest, length_of(p - foot.at));
 }
 
-/// Distances of a leaf's voxels from the closest_points, at most kHalfBandVoxels. Feet are first selected for cubes of
-/// 4³ voxels, then for cubes of 2³: what is nearest to a voxel is hardly further from the cube's centre than what is
-/// nearest there.
+/// Distances of a leaf's voxels from the closest points, at most kHalfBandVoxels. Points are first selected for cubes
+/// of 4³ voxels, then of 2³: what is nearest to a voxel is hardly further from the cube's centre than the nearest
+/// there.
 class LeafDistances {
  public:
   LeafDistances(const Block& block, const std::vector<ClosestPoint>& closest_points)

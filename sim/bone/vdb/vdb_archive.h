@@ -12,16 +12,14 @@
 
 namespace reamsim {
 
-// Files of OpenVDB grids whose damage is detected. OpenVDB does not validate what it reads, so a damaged file may crash
-// it. Files of reamsim therefore end with a checksum after the data of OpenVDB, which their metadata announce. All
-// files are read by child processes.
+// Files of OpenVDB grids, read by child processes. OpenVDB does not validate what it reads, so a damaged file may crash
+// it: files of reamsim end with a checksum after its data, which their metadata announce.
 
 /// Makes a grid that is about to be written.
 using GridMaker = std::function<openvdb::GridBase::Ptr()>;
 
 /// Writes the grids and the metadata of the file, which appears when it is complete. Makes a grid while the one before
-/// is written. The bytes depend only on the contents. Throws RunError when the file cannot be written, and what a maker
-/// throws.
+/// is written. The bytes depend only on the contents. Throws RunError, and what a maker throws.
 void write_vdb_file(const std::string& path, const std::vector<GridMaker>& grids, const openvdb::MetaMap& metadata);
 
 /// Whether the beginning of a file is that of write_vdb_file(). Does not check the rest.

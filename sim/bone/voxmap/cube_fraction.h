@@ -85,10 +85,9 @@ inline double fraction_in_box(const Aabb& box, const Vec3& center, double side) 
   return (common.cwiseMax(0) / side).prod();
 }
 
-/// The fraction, 0…1, of the cube of this center and side, in the coordinates of `field`, in which `field` is negative.
-/// The field is a continuous function of a point, such as a signed distance, with a nearly constant slope across its
-/// surface. Where an edge or a thin wall breaks that, and in any case `least_splits` times, the cube is halved along
-/// each axis; `split` counts these halvings.
+/// The fraction, 0…1, of a cube in which `field` is negative: a continuous function of a point, such as a signed
+/// distance, with a nearly constant slope across its surface. Where an edge or a thin wall breaks that, and in any case
+/// `least_splits` times, the cube is halved along each axis; `split` counts these halvings.
 template <class Field>
 double fraction_inside(const Field& field, const Vec3& center, double side, int least_splits = 0, int split = 0) {
   if (split >= least_splits) {

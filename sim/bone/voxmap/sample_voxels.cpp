@@ -3,7 +3,6 @@
 
 #include "sim/bone/voxmap/sample_voxels.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "sim/base/parallel.h"

@@ -74,9 +74,8 @@ struct SurfaceVoxel {
 /// Describes a voxel whose grade is `grade`, 0 where its centre lies outside. Called from several threads at once.
 using SurfaceSampler = std::function<SurfaceVoxel(const Vec3i& voxel, std::uint8_t grade)>;
 
-/// Sets the fill of the voxels at the bone's surface: those whose 3×3×3 neighbourhood contains bone and air. A voxel
-/// whose centre lies just outside becomes bone with a small fill (docs/density.md, 1).
-/// All voxels of `voxmap` must be whole. The result does not depend on the threads.
+/// Sets the fill of the voxels whose 3×3×3 neighbourhood contains bone and air; all must be whole. A voxel whose centre
+/// lies just outside becomes bone with a small fill (docs/density.md, 1). Does not depend on the threads.
 void set_partial_fill(const SurfaceSampler& sample, FilledVoxmap& voxmap);
 
 }  // namespace reamsim

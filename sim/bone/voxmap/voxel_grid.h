@@ -81,9 +81,8 @@ struct LatticeLoad {
 
 double machine_memory_bytes();
 
-/// Throws InputError unless a lattice of `dims` voxels can be indexed and its load fits into half of `memory_bytes`.
-/// The message begins with `what`; it states the voxel size that would fit. `dims` are doubles, so that absurd sizes do
-/// not overflow.
+/// Throws InputError, with the voxel size that would fit, unless a lattice of `dims` voxels (doubles, against overflow)
+/// can be indexed and its load fits into half of `memory_bytes`. The message begins with `what`.
 void check_lattice(const std::string& what, const Eigen::Array3d& dims, double voxel_mm, const LatticeLoad& load = {},
                    double memory_bytes = machine_memory_bytes());
 
