@@ -13,7 +13,7 @@
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
-#include "sim/anatomy/frame_check.h"
+#include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/vdb/bone_vdb.h"

@@ -77,11 +77,9 @@ struct Column {
 /// The coordinates of a column in a map.
 using ColumnPlace = Eigen::Vector2i;
 
-/// The bone before and after reaming, seen along −z of a frame: a regular grid of columns over x and y.
-///
-/// Heights are integrals of the fraction of bone along a column, the height function of volume-of-fluid methods
-/// (Cummins, Francois and Kothe 2005, Computers & Structures 83, 425–434). They are exact for planes across the column,
-/// whatever the fill of the voxels, and the depths sum to the removed volume.
+/// The bone before and after reaming, seen along −z of a frame: a regular grid of columns over x and y. Heights are
+/// integrals of the fraction of bone along a column, as in volume-of-fluid methods (Cummins, Francois and Kothe 2005,
+/// Computers & Structures 83, 425–434): exact for planes across the column, and the depths sum to the removed volume.
 struct ColumnMap {
   Rigid bone_from_map = Rigid::Identity();
   double pitch_mm = 0;

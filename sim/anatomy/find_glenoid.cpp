@@ -5,11 +5,8 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
-
-#include "sim/anatomy/frame_check.h"
 
 namespace reamsim {
 

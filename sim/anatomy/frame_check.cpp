@@ -1,15 +1,13 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/anatomy/frame_check.h"
+#include "sim/anatomy/find_glenoid.h"
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
-#include <vector>
 
 namespace reamsim {
 

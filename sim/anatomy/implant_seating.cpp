@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "sim/base/statistics.h"
 #include "sim/bone/implicit.h"
@@ -25,6 +24,8 @@ std::optional<double> sphere_bottom(const Vec3& center, double radius, const Vec
   return center.z() - std::sqrt(below);
 }
 
+/// Single voxels that project from the face do not support an implant.
+constexpr double kYieldingFraction = 0.01;
 /// Columns per voxel: a finer map locates the edges of footprint and contact.
 constexpr double kColumnsPerVoxel = 2;
 /// The map exceeds the footprint, so that cores and holes at its edge are known, voxels.

@@ -3,7 +3,6 @@
 
 #include "sim/anatomy/run_metrics.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -116,10 +116,9 @@ RepairResult clean(TriangleMesh& mesh);
 /// Closes each hole with a fan from its centre. Then every point has a whole winding number.
 void close_holes(TriangleMesh& mesh, const std::vector<MeshHole>& holes, RepairResult& done);
 
-/// Merges vertices that differ in their last digits, as programs write them that transform each triangle by itself:
-/// only those at the edges of holes, within 10⁻⁵ of the size of the mesh and a tenth of its shortest edge. An edge that
-/// is shorter than the rounding of the coordinates is none. A mesh without holes is not changed. Returns a sentence on
-/// what was welded; "" where nothing was.
+/// Merges vertices at the edges of holes that differ in their last digits, as programs write them: within 10⁻⁵ of the
+/// size of the mesh and a tenth of its shortest edge that is longer than the rounding of the coordinates. Returns a
+/// sentence on what was welded; "" where nothing was.
 std::string weld(TriangleMesh& mesh);
 
 }  // namespace reamsim

@@ -4,7 +4,6 @@
 #include "sim/mesh/mesh_io.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstring>

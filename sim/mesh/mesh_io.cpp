@@ -11,9 +11,7 @@
 #include <assimp/Importer.hpp>
 #include <boost/functional/hash.hpp>
 #include <cmath>
-#include <cstdint>
 #include <set>
-#include <string_view>
 #include <unordered_map>
 
 #include "sim/base/error.h"

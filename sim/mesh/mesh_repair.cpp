@@ -40,9 +40,8 @@ std::array<Edge, 3> edges_of(const MeshTriangle& t) {
   return {std::minmax(t[0], t[1]), std::minmax(t[1], t[2]), std::minmax(t[2], t[0])};
 }
 
-/// The places of balanced triangles, as many forward as backward, that are needed: groups of them that share edges, and
-/// at most of whose outer edges the other triangles leave a hole; or that have no outer edge, as a surface with two
-/// sides.
+/// The places of balanced triangles (as many forward as backward) that are needed: groups that share edges, at most of
+/// whose outer edges the other triangles leave a hole; or that have no outer edge, as a surface with two sides.
 std::set<MeshTriangle> needed_places(const std::map<MeshTriangle, int>& balance) {
   std::map<Edge, std::vector<MeshTriangle>> balanced;
   std::map<Edge, std::size_t> others;

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/anatomy/frame_check.h"
+#include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/voxel_grid.h"
 #include "sim/scenario/parse_steps.h"
