@@ -17,7 +17,7 @@
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/vdb/vdb_archive.h"
+#include "sim/bone/vdb/grids.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/record/manifest.h"
 #include "sim/record/output_folder.h"

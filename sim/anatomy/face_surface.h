@@ -91,8 +91,7 @@ struct FaceAxis {
   double error_deg = 0;  ///< standard error of the direction
 };
 
-/// The line through the centre of the sphere and a point, from where it meets the sphere; or the normal of the plane.
-/// nullopt for a point close to the centre of the sphere.
+/// The line through the centre of the sphere and a point, or the normal of the plane. nullopt close to the centre.
 std::optional<FaceAxis> axis_through(const FaceSurface& surface, const Vec3& point_mm);
 
 /// The intersection of a line and the surface that is nearer to the points. nullopt where they do not meet.

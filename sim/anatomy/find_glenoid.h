@@ -77,15 +77,13 @@ struct OutlineFit {
 
 inline constexpr double kRimInlier_mm = 1.5;
 
-/// Least squares with Tukey's weights, by Levenberg and Marquardt; parts of the rim that are worn away do not count.
-/// nullopt for fewer than 12 points.
+/// Least squares with Tukey's weights, by Levenberg and Marquardt. nullopt for fewer than 12 points.
 std::optional<OutlineFit> fit_pear(const std::vector<Vec2>& rim_mm);
 
 /// Where the normal of a face comes from.
 enum class FaceNormal { sphere, plane, rim };
 
-/// An articular face in the course of a search: rim, outline and surface in one frame, and the better frame that
-/// follows from them.
+/// An articular face in the course of a search, and the better frame that follows from its outline and surface.
 struct FittedFace {
   Rigid bone_from_face = Rigid::Identity();  ///< origin on the surface, +z out of the bone
   Rigid old_frame = Rigid::Identity();       ///< of rim and fit, one turn earlier
@@ -108,7 +106,6 @@ struct FittedFace {
   }
 };
 
-/// How finely a face is fitted.
 struct FitEffort {
   int directions = 0;  ///< of the walks
   int turns = 0;
@@ -129,7 +126,6 @@ double face_score(const FittedFace& face);
 /// The frame at a point with a normal as +z, rotated about it in any way.
 Rigid frame_at(const Vec3& origin_mm, const Vec3& outward);
 
-/// An articular face found on the surface of a bone.
 struct FoundGlenoid {
   GlenoidFrame frame;               ///< origin on the surface, +z out of the face, +y superior
   std::vector<Vec3> rim_mm;         ///< B, in order round the face

@@ -87,8 +87,7 @@ std::vector<Vec3> walk_to_rim(const BoneProbe& probe, const Rigid& bone_from_fac
 constexpr double kRest_mm = 0.01, kRest_rad = 1e-4;
 constexpr double kMargin_mm = 2.5;  // from the rim, where it is rounded; at most a quarter of the radius
 constexpr double kGrid_mm = 1;      // of the points of the face
-/// A face is refused beyond these.
-constexpr double kLeastHeight_mm = 15, kMostHeight_mm = 60;
+constexpr double kLeastHeight_mm = 15, kMostHeight_mm = 60;  // a face is refused beyond these
 constexpr double kMostConvexity_per_mm = 1.0 / 80;
 /// A residual of the sphere beyond this, with the part of the face that it fits, means more than one surface.
 constexpr double kOneSurface_mm = 0.55;
@@ -127,8 +126,7 @@ std::optional<Vec3> normal_at(const Vec3& point_mm, const std::vector<Vec3>& poi
   return plane ? std::optional<Vec3>(face.bone_from_face.linear() * plane->normal) : std::nullopt;
 }
 
-/// Walks to the rim, fits, and moves the frame to the middle of the face; returns whether there is a face, and in
-/// `moved` how far the frame moved and turned.
+/// Walks, fits, and moves the frame to the middle of the face, by `moved` (mm, rad); returns whether there is a face.
 bool fit_step(const BoneProbe& probe, int directions, FittedFace& face, Vec2& moved) {
   face.directions = directions;
   face.rim_mm = walk_to_rim(probe, face.bone_from_face, directions);

@@ -16,18 +16,15 @@ namespace {
 
 constexpr double kSlopeRadius_mm = 1.5;
 constexpr double kFacePitch_mm = 0.5;  // lines of sight on a face are at least this far apart
-/// The fit excludes points nearer than this to the rim, which is rounded and picked by hand; at most a quarter of the
-/// face's inner radius.
+/// Points nearer to the rim, which is rounded and picked by hand, are not fitted; at most a quarter of the inner
+/// radius.
 constexpr double kRimMargin_mm = 2.5;
-/// An axis with a larger standard error is rejected.
-constexpr double kMaxAxisError_deg = 1;
-/// With a smaller fraction of inliers a face is not one surface.
-constexpr double kMinFittedFraction = 0.7;
+constexpr double kMaxAxisError_deg = 1;     // an axis with a larger standard error is rejected
+constexpr double kMinFittedFraction = 0.7;  // with a smaller fraction of inliers a face is not one surface
 /// Lines of sight start this far above the highest point of the rim. They end below the lowest point, by the inner
 /// radius of the face: a bowl of that width is not deeper.
 constexpr double kAboveRim_mm = 3;
 
-/// Centroid of a polygon.
 Vec2 centroid_of(const std::vector<Vec2>& corners) {
   Vec2 sum = Vec2::Zero();
   double doubled_area = 0;

@@ -109,6 +109,22 @@ FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& fac
   return out;
 }
 
+Perforation find_perforation(const ColumnMap& map, double voxel_mm) {
+  const int edge = face_edge_columns(map, voxel_mm);
+  Perforation out;
+  for (const ColumnGroup& group : group_columns(map, ColumnState::through)) {
+    const double area_mm2 = static_cast<double>(group.columns.size()) * map.pitch_mm * map.pitch_mm;
+    const auto at_edge = [&](const ColumnPlace& place) { return is_at_edge(map, place, edge, voxel_mm); };
+    if (group.reaches_air || std::ranges::any_of(group.columns, at_edge)) {
+      out.rim_area_mm2 += area_mm2;
+    } else {
+      out.area_mm2 += area_mm2;
+      ++out.holes;
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, const ColumnMap& map,
@@ -128,22 +144,6 @@ std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, c
                             .least_mm = *std::min_element(lengths.begin(), lengths.end()),
                             .p05_mm = quantile(lengths, 0.05),
                             .exposed_percent = 100 * static_cast<double>(bare) / static_cast<double>(lengths.size())};
-}
-
-Perforation find_perforation(const ColumnMap& map, double voxel_mm) {
-  const int edge = face_edge_columns(map, voxel_mm);
-  Perforation out;
-  for (const ColumnGroup& group : group_columns(map, ColumnState::through)) {
-    const double area_mm2 = static_cast<double>(group.columns.size()) * map.pitch_mm * map.pitch_mm;
-    const auto at_edge = [&](const ColumnPlace& place) { return is_at_edge(map, place, edge, voxel_mm); };
-    if (group.reaches_air || std::ranges::any_of(group.columns, at_edge)) {
-      out.rim_area_mm2 += area_mm2;
-    } else {
-      out.area_mm2 += area_mm2;
-      ++out.holes;
-    }
-  }
-  return out;
 }
 
 RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {

@@ -23,8 +23,7 @@ struct FaceOutline {
   std::vector<Vec2> corners_mm;
   Aabb box_mm;  ///< of the points, in the frame of the outline
 
-  /// `rim_mm`: points of B in order around the face. `outward`: the side of the plane outside the bone. nullopt for
-  /// points on a line.
+  /// `rim_mm`: points of B in order round the face. `outward`: out of the bone. nullopt for points on a line.
   static std::optional<FaceOutline> of(const std::vector<Vec3>& rim_mm, const Vec3& outward);
 
   /// Distance of a point of the plane from the polygon, mm; positive inside.
@@ -69,12 +68,10 @@ inline FaceAngles operator-(const FaceAngles& a, const FaceAngles& b) {
 /// asin(n·superior). The convention of bone.phantom.version_deg and inclination_deg.
 FaceAngles face_angles(const Vec3& direction, const ScapularAxes& axes);
 
-/// Why a value is missing.
 struct Missing {
   std::string reason;
 };
 
-/// A measured value, or the reason why it is missing.
 template <class Value>
 struct Measured {
   std::optional<Value> value;
@@ -129,7 +126,6 @@ struct Perforation {
   /// air, and where the surface beside it lies below all removed bone.
   double rim_area_mm2 = 0;
 };
-Perforation find_perforation(const ColumnMap& map, double voxel_mm);
 
 /// Removed volume, mm³. Bone below MetricSettings::dense_g_cm3 is trabecular.
 struct RemovedVolume {
@@ -167,8 +163,7 @@ struct FaceOrientation {
   std::optional<PlaneOrientation> planes;
 };
 
-/// The back of an implant over its footprint, in the frame I of the implant: origin at the apex of the plain back, +z
-/// out of the bone, +y superior; mm.
+/// The back of an implant in its frame I, mm: origin at the apex of the plain back, +z out of the bone, +y superior.
 class ImplantShape {
  public:
   explicit ImplantShape(const ImplantSettings& settings);
@@ -214,7 +209,6 @@ struct FootprintColumn {
   bool hole = false;   ///< reamed through, surrounded by bone
 };
 
-/// An implant on the bone.
 struct SeatedImplant {
   ColumnMap map;                                ///< along the axis, in the frame of the implant before it is seated
   double apex_mm = 0;                           ///< z of the seated apex in the map
@@ -259,8 +253,7 @@ struct PegWall {
   double length_mm = 0;      ///< of the axis below the back of the implant
   double in_bone_mm = 0;     ///< length of the axis over which the whole circumference lies in bone
   double perforated_mm = 0;  ///< length of the axis over which the circumference leaves the outer surface of the bone
-  /// Least distance from the surface of the capsule to the outer surface; 0 where it perforates. nullopt where no part
-  /// of the peg lies below the back.
+  /// From the surface of the capsule to the outer surface; 0: perforated. nullopt where no part lies below the back.
   std::optional<double> least_wall_mm;
 };
 
@@ -278,8 +271,7 @@ struct Planning {
   Rigid bone_from_implant = Rigid::Identity();  ///< of the seated implant
   Measured<FaceAngles> native;                  ///< of the face before reaming, in the scapular frame
   Measured<FaceAngles> planned;                 ///< of the axis of the implant, likewise
-  /// Native − planned: positive where retroversion or superior tilt decreases. In the glenoid frame if there is no
-  /// scapular frame.
+  /// Native − planned: positive where retroversion or superior tilt decreases. In the scapular, else the glenoid frame.
   Measured<FaceAngles> corrected;
   /// Along the Friedman axis, from the native face to the articular surface, which is the plain back of the implant
   /// translated along its axis by ImplantSettings::thickness_mm. Positive is medial.
@@ -293,7 +285,6 @@ struct Planning {
 std::optional<Planning> measure_planning(const ReamedBone& bone, const Rigid& bone_from_tool, const JointLine& line,
                                          const BoneAxes& axes, const MetricSettings& settings);
 
-/// Measurements of the reamed bone.
 struct BoneMetrics {
   RemovedVolume removed;
   // The following are missing if no column lost bone.

@@ -11,7 +11,6 @@
 
 namespace reamsim {
 
-/// A file in memory, for the output of a program.
 class MemoryFile {
  public:
   /// `purpose`: for the message. Throws RunError.

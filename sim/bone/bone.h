@@ -52,8 +52,7 @@ Bone bone_from_phantom(const BoneSettings& settings, Diagnostics& report);
 double drill_pilot_hole(FilledVoxmap& voxmap, const PilotHoleSettings& hole, const std::optional<GlenoidFrame>& glenoid,
                         bool partial = false);
 
-/// Changes the lattice so that it surrounds the bone with a margin of `margin_voxels`, and its dimensions are multiples
-/// of 8 (whole bricks). Throws InputError without bone.
+/// Fits the lattice, of whole bricks, to the bone with a margin of `margin_voxels`. Throws InputError without bone.
 FilledVoxmap fit_to_bone(const BoneView& bone, int margin_voxels);
 
 /// The glenoid frame of the scenario, from centre/normal/superior or from landmarks; nullopt without either, and where

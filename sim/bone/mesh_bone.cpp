@@ -15,8 +15,8 @@
 #include "sim/bone/phantom.h"
 #include "sim/bone/vdb/grids.h"
 #include "sim/bone/voxmap/cube_fraction.h"
-#include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/sample_voxels.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/winding.h"
 
@@ -148,20 +148,17 @@ struct DistanceBetween {
   }
 };
 
-/// The least number of samples across a layer.
-constexpr double kSamplesInLayer = 5;
+constexpr double kSamplesInLayer = 5;  // the least number of samples across a layer
 /// Every voxel is sampled down to this depth, voxels, where the samples below are further apart.
 constexpr double kNearVoxels = 3;
-/// Sampled beyond the layer, so that its end lies between samples.
-constexpr double kBeyond = 2;
+constexpr double kBeyond = 2;  // sampled beyond the layer, so that its end lies between samples
 
 /// Signed distance of voxel centres from a closed mesh, voxels, negative inside. Near the surface it is sampled at
 /// every voxel. Where a layer is many voxels thick, the distance below that is interpolated linearly between samples
 /// some voxels apart: a band of all voxels down to 1.5 mm takes most of the time and the memory of loading a fine bone.
 class MeshDepth {
  public:
-  /// `layer_voxels`: depth to which distances are needed. `inside`: what lies inside, for a mesh that is not clean.
-  /// Throws InputError where the mesh cannot be sampled.
+  /// `layer_voxels`: the depth of the distances. `inside`: for a mesh that is not clean. Throws InputError.
   MeshDepth(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid, double layer_voxels,
             const InsideColumns* inside = nullptr)
       : ratio_(std::max(1, static_cast<int>(layer_voxels / kSamplesInLayer))) {
@@ -194,7 +191,6 @@ class MeshDepth {
 
   /// Distances near the surface, by voxel; constant outside and below.
   [[nodiscard]] const openvdb::FloatTree& near_surface() const { return near_->tree(); }
-  /// Whether distances below are interpolated.
   [[nodiscard]] bool interpolated() const { return ratio_ > 1; }
   /// The interpolated distance at voxel coordinates, below the surface.
   [[nodiscard]] double below(const Vec3& voxel) const {
@@ -321,8 +317,7 @@ FilledVoxmap voxmap_of(const MeshDepth& depth, const BoneSettings& settings, con
   return out;
 }
 
-/// The voxels of a bone. A clean surface is filled from outside; one that is not, or that overlaps itself, by winding
-/// numbers.
+/// A clean surface is filled from outside; one that is not, or that overlaps itself, by winding numbers.
 FilledVoxmap filled_voxmap(const BoneSettings& settings, const BoneMesh& source, const VoxelGrid& grid,
                            const GradesByDepth& by_depth, const StageSink& stages, Diagnostics& report) {
   if (source.was_clean) {

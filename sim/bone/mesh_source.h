@@ -32,7 +32,6 @@ void bring_into_lps(MeshContents& contents, MeshFrame asked, const std::string& 
 /// Whether boxes that do not meet would after a half turn about z of one of them.
 bool meet_after_half_turn_only(const Aabb& a, const Aabb& b);
 
-/// What is known of the unit of a mesh.
 struct FoundScale {
   double scale = 1;      ///< file units to mm
   std::string unit;      ///< "metres"
@@ -44,8 +43,7 @@ struct FoundScale {
 /// unknown unit; then with the scales that would fit, after the words `what_to_set`.
 FoundScale find_scale_of(const std::string& path, const std::string& what_to_set);
 
-/// Throws InputError where, with this scale, the mesh is not 20 to 400 mm long, as a bone with a glenoid is; with the
-/// scales that would fit, after the words `what_to_set`.
+/// Throws InputError where, with this scale, the mesh is not 20 to 400 mm long, as find_scale_of().
 void require_scale(const std::string& path, double scale, const std::string& what_to_set);
 
 }  // namespace reamsim

@@ -185,7 +185,6 @@ class GlenoidDensity {
     return 1 - implicit::smoothstep(settings_.subchondral_mm + 1.0, settings_.subchondral_mm + 3.0, below_face_mm);
   }
 
-  /// Density of plate and wall.
   [[nodiscard]] double dense(double below_face_mm) const {
     const double wall = settings_.cortical_density_g_cm3;
     return wall + plate_fraction(below_face_mm) * (settings_.subchondral_density_g_cm3 - wall);

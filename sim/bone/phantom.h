@@ -44,8 +44,8 @@ struct GlenoidFace {
 
   std::vector<Ball> balls;  ///< the native face first, then the worn one
   Mat3 face_from_anatomy;   ///< rows: normal, superior and anterior of the native face
-  /// Of the whole face: the native axis; for a biconcave face that of the line from rim to rim across both parts, the
-  /// intermediate glenoid (Rouleau et al. 2010).
+  /// The native axis; of a biconcave face across the line from rim to rim, the intermediate glenoid (Rouleau et al.
+  /// 2010).
   Vec3 normal;
   Vec3 center_mm = Vec3::Zero();  ///< the intersection of the Friedman axis and the face
   std::optional<Biconcavity> biconcavity;
@@ -63,8 +63,7 @@ class GlenoidShape {
  public:
   explicit GlenoidShape(const PhantomSettings& settings);
 
-  /// Upper bound of the slope of solid().
-  static constexpr double kMaxSlope = 2.5;
+  static constexpr double kMaxSlope = 2.5;  ///< upper bound of the slope of solid()
 
   /// Negative inside the bone, near its surface about the distance from it. The stumps extend beyond medial_end_mm().
   [[nodiscard]] double solid(const Vec3& point) const;
@@ -148,8 +147,7 @@ DensityMapping mapping_from(const DensitySettings& density);
 /// Throws the InputError of a length in bone.phantom.
 [[noreturn]] void fail_phantom(const std::string& key, double found_mm, const std::string& expected);
 
-/// Smooth noise in −1…1: hashed integers at the corners of a unit lattice, blended with a quintic that has continuous
-/// second derivatives. The same on every machine.
+/// Smooth noise in −1…1: hashed integers on a unit lattice, blended with a quintic. The same on every machine.
 double value_noise(const Vec3& point, std::uint32_t seed);
 
 }  // namespace reamsim

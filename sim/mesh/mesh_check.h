@@ -94,8 +94,7 @@ std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh, bool all = false);
 /// The volume of the pieces outside the others: a surface inside another does not create a cavity.
 double outer_volume_mm3(const std::vector<MeshPiece>& pieces);
 
-/// Sentences on a mesh that becomes one bone after turn_outwards(): on pieces that faced inwards, on those beside the
-/// largest, on those inside another.
+/// Sentences after turn_outwards(): on pieces that faced inwards, beside the largest, inside another.
 std::vector<std::string> warnings_of(const std::vector<MeshPiece>& pieces);
 
 /// What clean() and close_holes() did.

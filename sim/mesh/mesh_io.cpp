@@ -54,7 +54,6 @@ void check_faces(const aiScene& scene, const std::string& path) {
   }
 }
 
-/// Collects triangles and merges vertices at equal positions.
 class MeshBuilder {
  public:
   MeshBuilder(const std::string& path, double scale) : path_(path), scale_(scale) {}

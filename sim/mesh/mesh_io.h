@@ -44,7 +44,6 @@ inline constexpr std::size_t kMeshHeaderBytes = std::size_t{64} * 1024;
 inline constexpr std::size_t kStlHeaderBytes = 84;
 inline constexpr std::size_t kStlTriangleBytes = 50;
 
-/// The number of triangles in the header.
 std::uint32_t stl_count(std::string_view start);
 /// Some programs write one of these where they do not know the number; the length of the file then says it.
 constexpr bool is_unknown_stl_count(std::uint32_t count) {
@@ -66,7 +65,6 @@ std::vector<std::string> read_binary_stl(std::string_view bytes, const StlSink& 
 /// without three numbers, a facet of fewer than three vertices, a file that ends within a facet.
 std::vector<std::string> read_ascii_stl(const std::string& path, std::string_view text, const StlSink& sink);
 
-/// What a mesh file holds.
 struct MeshContents {
   TriangleMesh mesh;                  ///< in mm; vertices merged, and welded (weld()) where the surface has holes
   std::string space;                  ///< the frame that the header states: "LPS", "RAS", another; "" without one
@@ -79,7 +77,6 @@ struct MeshContents {
 /// convert it), unreadable or truncated, no triangle, NaN or infinite coordinate.
 MeshContents read_mesh_contents(const std::string& path, double scale, const std::string& key = "");
 
-/// Its mesh.
 TriangleMesh read_mesh(const std::string& path, double scale);
 
 /// Writes a binary STL (mm). Throws RunError when the file cannot be written.

@@ -198,7 +198,6 @@ class NearVertices {
   std::unordered_map<Cell, std::vector<std::int32_t>, boost::hash<Cell>> cells_;
 };
 
-/// Removes vertices that no triangle has.
 void remove_unused(TriangleMesh& mesh) {
   std::vector<std::int32_t> number(mesh.vertices.size(), -1);
   for (const auto& triangle : mesh.triangles) {

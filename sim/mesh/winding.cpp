@@ -48,7 +48,6 @@ Seen seen_along(const std::array<Vec3, 3>& corners, int axis) {
   return out;
 }
 
-/// A lattice of points round a mesh.
 struct Points {
   explicit Points(const Aabb& box) {
     constexpr double kCount = 1e5;

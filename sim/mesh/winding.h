@@ -16,8 +16,7 @@ namespace reamsim {
 // is the number of triangles that a line from the point crosses from inside to outside, less those that it crosses the
 // other way, whatever the line. This is exact: no fast approximation (Barill et al. 2018) is needed.
 
-/// Where lines parallel to an axis cross a mesh. Its edges are treated alike in both of their triangles, so that no
-/// line slips through between them.
+/// Where lines parallel to an axis cross a mesh. No line slips through between triangles: both treat an edge alike.
 class LineCrossings {
  public:
   struct Crossing {
@@ -28,8 +27,7 @@ class LineCrossings {
   /// `axis`: 0, 1 or 2. Keeps a reference to the mesh.
   LineCrossings(const TriangleMesh& mesh, int axis);
 
-  /// The crossings along the axis, in order. `first_mm`, `second_mm`: the coordinates along the next axes (y and z for
-  /// axis 0, z and x for axis 1, x and y for axis 2).
+  /// The crossings along the axis, in order, at coordinates along the next axes (for axis 1: z and x).
   void along(double first_mm, double second_mm, std::vector<Crossing>& out) const;
 
   /// Calls visit(triangle, leaving) where the half of a point's line in the direction of the axis crosses the mesh.

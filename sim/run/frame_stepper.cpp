@@ -11,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "sim/bone/voxmap/density.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/engine/common/engine.h"
 #include "sim/engine/common/substep.h"
 #include "sim/record/results.h"
-#include "sim/tool/outline.h"
+#include "sim/tool/profile.h"
 
 namespace reamsim {
 

@@ -8,9 +8,9 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/cube_fraction.h"
-#include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/bone/voxmap/sparse_bricks.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/aligned_image.h"
 #include "sim/scan/scan.h"
 #include "sim/scan/segment.h"

@@ -8,7 +8,7 @@
 
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/passes.h"
 #include "sim/scene/load_bone.h"

@@ -82,7 +82,6 @@ bool read_samples(const openvdb::FloatTree& distance, const DistanceGrid& grid, 
   return near;
 }
 
-/// Stores the samples of the bricks within the band.
 void store_bricks(const openvdb::FloatTree& distance, DistanceGrid& grid) {
   const auto band = static_cast<float>(grid.band_mm);
   grid.samples.assign(DistanceGrid::kSamples, band);
@@ -132,20 +131,14 @@ double inside_fraction(const float* lowest) {
   return sum / (kLines * kLines);
 }
 
-/// Volume of a brick inside, cells.
-double inside_cells(const float* samples) {
-  double sum = 0;
-  for (int cell = 0; cell < BrickLattice::kVoxels; ++cell) {
-    const Vec3i at = BrickLattice::voxel_at(Vec3i::Zero(), cell);
-    sum += inside_fraction(samples + at.x() + std::ptrdiff_t{kRow} * (at.y() + kRow * at.z()));
-  }
-  return sum;
-}
-
 double inside_volume_mm3(const DistanceGrid& grid) {
-  std::vector<double> cells(grid.stored_bricks());
+  std::vector<double> cells(grid.stored_bricks(), 0);  // inside, of each stored brick
   parallel_items(cells.size(), [&](std::size_t slot) {
-    cells[slot] = inside_cells(grid.samples.data() + slot * DistanceGrid::kSamples);
+    const float* samples = grid.samples.data() + slot * DistanceGrid::kSamples;
+    for (int cell = 0; cell < BrickLattice::kVoxels; ++cell) {
+      const Vec3i at = BrickLattice::voxel_at(Vec3i::Zero(), cell);
+      cells[slot] += inside_fraction(samples + at.x() + std::ptrdiff_t{kRow} * (at.y() + kRow * at.z()));
+    }
   });
   double sum = 0;
   for (const std::uint32_t slot : grid.slot_of_brick) sum += cells[slot];

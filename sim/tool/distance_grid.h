@@ -41,8 +41,7 @@ struct DistanceGrid {
   [[nodiscard]] const float* lowest_corner(const Vec3i& cell) const;
 };
 
-/// Spacing of a tool's grid, voxels.
-inline constexpr double kGridSpacingVoxels = 0.5;
+inline constexpr double kGridSpacingVoxels = 0.5;  ///< spacing of a tool's grid, voxels
 
 /// For a closed mesh that faces outwards (T, mm) and its envelope. The band contains all voxels that the surface can
 /// intersect within a window of substeps. Throws InputError where OpenVDB computes no distance.

@@ -11,7 +11,6 @@
 
 #include "sim/base/csv.h"
 #include "sim/base/text.h"
-#include "sim/tool/key_track.h"
 
 namespace reamsim {
 
@@ -46,8 +45,7 @@ std::vector<ToolPose> PoseSequence::all() const {
 
 namespace {
 
-/// A quaternion whose norm deviates by more was not merely rounded.
-constexpr double kUnitTolerance = 1e-3;
+constexpr double kUnitTolerance = 1e-3;  // a quaternion whose norm deviates by more was not merely rounded
 constexpr double kMinNorm = 1e-9;
 
 constexpr const char* kExpectedFile = "a CSV of the thrust with the columns time_s and thrust_n";
@@ -215,10 +213,8 @@ double spin_rad(double from_rpm, double to_rpm, double duration_s) {
 
 namespace {
 
-/// Besides frame 0.
-constexpr double kMaxFrames = 1e7;
-/// Tolerance of the last frame's time, frames: rounding must not add one.
-constexpr double kEndSlack = 1e-6;
+constexpr double kMaxFrames = 1e7;  // besides frame 0
+constexpr double kEndSlack = 1e-6;  // tolerance of the last frame's time, frames: rounding must not add one
 /// A key pose that the motion at the frame rate misses by more is warned of, mm.
 constexpr double kMissedMm = 0.5;
 
@@ -228,7 +224,6 @@ ToolPose pose_between(const KeyPose& a, const KeyPose& b, double time_s) {
   return pose;
 }
 
-/// The pose of a track in a frame.
 ToolPose pose_in_frame(const KeyTrack& track, std::size_t frame, double frame_rate_hz) {
   const double frame_time_s = static_cast<double>(frame) / frame_rate_hz;
   const double time_s = std::min(frame_time_s, track.end_s);

@@ -56,7 +56,6 @@ class PoseSequence {
 
   /// `count` poses from `first` on, which becomes pose 0.
   [[nodiscard]] PoseSequence part(std::size_t first, std::size_t count) const;
-  /// All poses in memory.
   [[nodiscard]] std::vector<ToolPose> all() const;
 
  private:
@@ -102,8 +101,7 @@ class PushPlan {
 /// The poses of a push that meets no resistance, for forecasts, which only need the way.
 PoseSequence unresisted_poses(std::shared_ptr<const PushPlan> plan, double frame_rate_hz);
 
-/// The frame T with +z along `tool_z` (any length > 0): x of T is the projection of the x axis, or of the y axis where
-/// x is nearly parallel to `tool_z`.
+/// T with +z along `tool_z`, any length: x is the projection of the x axis, or of y where x is nearly parallel to it.
 Quat orientation_from_axis(const Vec3& tool_z);
 
 /// Spin angle at a linearly changing spindle speed, rad.
@@ -126,8 +124,7 @@ struct Motion {
   }
 };
 
-/// The transform from the frame of a scenario's poses to B; nullopt where they are in B. Throws InputError where
-/// `frame: glenoid` has no glenoid frame.
+/// To B from the frame of poses; nullopt where they are in B. Throws InputError for `glenoid` without a glenoid frame.
 std::optional<Rigid> bone_from_frame(PoseFrame frame, const std::optional<GlenoidFrame>& glenoid);
 
 /// Resamples keyframes, plunge or recorded CSV to the frame rate, in B, as interpolate(); the spin angle is the
@@ -135,5 +132,72 @@ std::optional<Rigid> bone_from_frame(PoseFrame frame, const std::optional<Glenoi
 /// then. Rows of a long CSV are read again from the file, which must not change. `from: contact` must have been
 /// resolved (sim/scene/first_contact.h). Throws InputError where `frame: glenoid` has no glenoid frame.
 Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Diagnostics& report);
+
+// What build_motion() is made of.
+
+/// A pose of the scenario at a time; the motion interpolates between key poses.
+struct KeyPose {
+  double time_s = 0;
+  ToolPose pose;  ///< the spin angle is not used
+};
+
+/// Approach, feed, dwell and retract as key poses from time 0. Throws InputError where approach and depth are 0.
+std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge);
+
+/// Keyframes as key poses. Between axes the tool tilts along the shortest rotation, without rotation about its axis
+/// beside the spin. The scenario has been validated: two or more, in ascending time. Throws as normalized_or_warn().
+std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyframes, Diagnostics& report);
+
+/// `q` normalized, with a warning where |q| is not 1 (±10⁻³). Throws InputError for 0 or not finite. `where`: for
+/// messages.
+Quat normalized_or_warn(const Quat& q, const std::string& where, Diagnostics& report);
+
+/// Takes a pose to the frame of `to`.
+inline void move_pose(const Rigid& to, ToolPose& pose) {
+  pose.position_mm = to * pose.position_mm;
+  pose.orientation = (Quat(to.linear()) * pose.orientation).normalized();
+}
+
+struct KeySegment {
+  KeyPose begin;
+  KeyPose end;
+};
+
+/// The key poses of a motion in B: from time 0, with the spin angle. Any thread may call at().
+struct KeyTrack {
+  double end_s = 0;
+  std::function<KeySegment(double time_s)> at;  ///< the segment of a time, the last one for later times
+};
+
+/// The segment of a time among `keys`, at least two.
+KeySegment segment_at(const std::vector<KeyPose>& keys, double time_s);
+
+/// Takes key poses to those of a track: to B, and from the time of the first one; in their order.
+struct TrackIntegrator {
+  std::optional<Rigid> bone_from_poses;  ///< nullopt if the poses are in B
+  double start_s = 0;
+  std::optional<KeyPose> before{};  ///< the pose that next() has returned last
+
+  KeyPose next(KeyPose key);
+};
+
+/// A track in memory, of at least two poses that next() of an integrator has returned.
+KeyTrack store_track(std::vector<KeyPose> keys);
+
+/// The rows of a recorded CSV as the settings describe them (docs/inputs.md), with columns in any order; others are
+/// ignored with a note. The poses are those of the tool in the frame of motion.frame: units, registration and
+/// calibration are applied. With a max_gap_s rows without a pose are skipped. Throws InputError with file and line: as
+/// CsvReader, position beyond a kilometre, zero quaternion, times that do not increase or have a gap of more than
+/// max_gap_s, fewer than two or more than ten million rows.
+std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostics& report);
+
+/// The track of a recorded CSV. A file of up to 100,000 rows is read into memory, and so is one that can be read only
+/// once, such as a pipe. For a longer one the track holds an index, and reads blocks of rows again; throws as
+/// read_pose_csv(). Notes another start than time 0.
+KeyTrack open_csv_track(const CsvMotionSettings& settings, const std::optional<Rigid>& bone_from_poses,
+                        Diagnostics& report);
+
+/// Notes that time 0 of the simulation is the first pose, where that is at `start_s`.
+void note_start(double start_s, Diagnostics& report);
 
 }  // namespace reamsim

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/tool/outline.h"
+#include "sim/tool/profile.h"
 
 #include <algorithm>
 #include <cmath>

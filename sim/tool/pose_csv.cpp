@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/tool/key_track.h"
+#include "sim/tool/motion.h"
 
 #include <algorithm>
 #include <array>
@@ -134,8 +134,7 @@ class PoseCsv {
   std::optional<Rigid> bone_from_tracker_, marker_from_tool_;
 };
 
-/// Reads all rows, and calls visit(pose, place before its row). Times must increase, but need not be equidistant.
-/// Throws as read_pose_csv().
+/// Reads all rows, and calls visit(pose, place before its row). Throws as read_pose_csv().
 void scan_pose_csv(PoseCsv& csv, const CsvMotionSettings& settings, Diagnostics& report,
                    const std::function<void(const KeyPose&, const CsvReader::Place&)>& visit) {
   Diagnostics row_report;
@@ -187,14 +186,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Rows of a file that is held in memory: 10 MB.
-constexpr std::size_t kStoredRows = 100'000;
-/// Rows that are read at once.
-constexpr std::size_t kBlockRows = 1024;
+constexpr std::size_t kStoredRows = 100'000;  // rows of a file that is held in memory: 10 MB
+constexpr std::size_t kBlockRows = 1024;      // rows that are read at once
 /// Blocks in memory, 2 MB: several threads may follow the motion, each in its own block.
 constexpr std::size_t kMaxBlocks = 16;
 
-/// Where a block of rows begins.
 struct BlockStart {
   CsvReader::Place place;
   KeyPose key;  ///< the first one

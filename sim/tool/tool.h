@@ -14,8 +14,7 @@
 
 namespace reamsim {
 
-/// The reamer, in the tool frame T: origin at the lowest point of the cutting surface on the spin axis, +z out of the
-/// bone towards the drive.
+/// The reamer in the tool frame T: origin at the lowest point of the cutting surface on the axis, +z towards the drive.
 struct Tool {
   TriangleMesh mesh;    ///< with cutting edges; for pictures
   Profile profile;      ///< envelope of revolution about z
@@ -34,7 +33,6 @@ struct Tool {
   [[nodiscard]] Aabb clip_bounds() const { return profile.bounds().expanded(clip_slack_mm()); }
 };
 
-/// The use of the tool's point shell in a run.
 enum class ShellUse {
   touches_voxels,  ///< its points determine the touched voxels; a coarse shell misses some
   none,            ///< voxels are tested against the surface; the shell has a grid but no points

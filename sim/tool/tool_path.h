@@ -16,11 +16,9 @@ namespace reamsim {
 /// Rotation vector (axis times angle, at most π) that takes orientation `a` to `b`, in B.
 Vec3 rotation_vector(const Quat& a, const Quat& b);
 
-/// Bound of the motion from pose `a` to `b` of any point within `reach_mm` of the tool's origin, mm. Without the spin,
-/// which does not move an envelope of revolution.
+/// Bound of the motion from `a` to `b` of a point within `reach_mm` of the tool's origin, without the spin, mm.
 double motion_bound_mm(const ToolPose& a, const ToolPose& b, double reach_mm);
 
-/// A pose on a path.
 struct PathSample {
   ToolPose pose;
   std::size_t frame = 0;  ///< the frame at the pose or at the end of its segment
@@ -44,8 +42,7 @@ class ToolPath {
   std::vector<double> ends_mm_;  ///< by point
 };
 
-/// Chooses poses of a path at steps of motion_bound_mm(), in one pass. They include the poses where the tool stops or
-/// reverses, such as the deepest one.
+/// Chooses poses of a path at steps of motion_bound_mm(), and those where the tool stops or reverses.
 class StepChooser {
  public:
   struct Choice {

@@ -46,6 +46,8 @@ void take_metadata(ResultReader& in, openvdb::MetaMap& metadata) {
     metadata.readMeta(bytes);
   } catch (const std::ios_base::failure&) {
     in.fail();
+  } catch (const openvdb::Exception&) {
+    in.fail();
   }
 }
 

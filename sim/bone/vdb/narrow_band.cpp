@@ -11,7 +11,7 @@
 #include "sim/base/geometry.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/grids.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 
@@ -190,8 +190,7 @@ class PointSet {
     const Eigen::Array3f low = first.array() - reach, high = last.array() + reach;
     select([&](std::size_t i) { return (point(i).array() >= low).all() && (point(i).array() <= high).all(); }, out);
   }
-  /// Sets `out` to those that are further from `p` than the nearest by at most `more`; to none if that is further away
-  /// than `reach`.
+  /// Sets `out` to those at most `more` further from `p` than the nearest; to none if that is beyond `reach`.
   void select_nearest(const Point& p, float reach, float more, PointSet& out) {
     squares_.resize(number_.size());
     float least = std::numeric_limits<float>::max();
@@ -254,8 +253,7 @@ class PointSet {
   std::vector<float> squares_;  ///< of select_nearest()
 };
 
-/// Distance from the surface near a foot, voxels: steps to the surface and along it, to where the gradient leads to
-/// `p`.
+/// Distance from the surface near a foot, voxels: steps along the surface to where the gradient leads to `p`.
 float refined_distance(const Block& block, const Point& p, ClosestPoint foot) {
   constexpr float kSmallStep = 0.05F;  // a step along the surface moves the distance by its square
   const float nearest = length_of(p - foot.at);

@@ -12,16 +12,13 @@
 
 namespace reamsim {
 
-/// Sets the voxels of one brick, which is all air before. Returns whether it set any. Called from several threads at
-/// once, each with its own brick.
+/// Sets voxels of one brick, all air before; returns whether it set any. Called from several threads at once.
 using BrickSampler = std::function<bool(const Vec3i& brick_coord, GradeBricks::Brick& brick)>;
 
-/// The grades of a lattice of `dims` voxels, sampled brick by brick in parallel. The result does not depend on the
-/// threads.
+/// The grades of a lattice of `dims` voxels, sampled brick by brick. The result does not depend on the threads.
 GradeBricks sample_bricks(const Vec3i& dims, const BrickSampler& sample);
 
-/// A number for each voxel of a brick, and of a layer of one voxel around it: 0 in bricks of air and outside the
-/// lattice.
+/// A number for each voxel of a brick and of a layer of one voxel around it; 0 where there is no brick.
 template <class T>
 class PaddedBrick {
  public:

@@ -8,8 +8,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "sim/base/error.h"
-
 namespace reamsim {
 
 namespace {
@@ -36,10 +34,8 @@ bool fits(const Eigen::Array3d& dims, const LatticeLoad& load, double memory_byt
 constexpr double kMetal_hu = 3000;
 /// Less bone than this changes no force noticeably: noise, and the densest spots of a cortex.
 constexpr double kLeast_mm3 = 1;
-/// The same, as a fraction of the bone.
-constexpr double kLeastFraction = 1e-3;
+constexpr double kLeastFraction = 1e-3;  // the same, as a fraction of the bone
 
-/// Sum of `value(fill)` over the voxels with grade ≠ 0.
 template <class Value>
 std::int64_t sum_over_bone(const BoneView& bone, const Value& value) {
   std::int64_t sum = 0;

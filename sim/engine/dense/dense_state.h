@@ -10,7 +10,6 @@
 #include <string>
 
 #include "kernels/shared.h"
-#include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/device/opencl.h"
 #include "sim/engine/common/device_batch.h"
