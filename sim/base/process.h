@@ -11,6 +11,7 @@
 
 namespace reamsim {
 
+/// A file in memory, for the output of a program.
 class MemoryFile {
  public:
   /// `purpose`: for the message. Throws RunError.

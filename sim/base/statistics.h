@@ -10,6 +10,7 @@
 
 namespace reamsim {
 
+/// The arithmetic mean; 0 of no values.
 inline double mean(const std::vector<double>& values) {
   if (values.empty()) return 0;
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-
 #include <gtest/gtest.h>
 
 #include "sim/mesh/mesh_check.h"

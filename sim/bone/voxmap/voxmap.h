@@ -78,6 +78,7 @@ inline constexpr int kMarginVoxels = 4;
 /// Measured memory per voxel while a mesh is voxelized: grades, distance field, and temporary copies.
 inline constexpr double kMeshBytesPerVoxel = 13;
 
+/// Which part of a lattice needs memory while the bone is built.
 struct LatticeLoad {
   double bone_fraction = 1;    ///< upper bound of the fraction of the lattice in bricks with bone, 0…1
   double bytes_per_voxel = 1;  ///< in these bricks: one byte of grade, and what the source of the bone needs
