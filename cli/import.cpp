@@ -13,11 +13,11 @@
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
-#include "sim/anatomy/frame_check.h"
+#include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/vdb/vdb_archive.h"
+#include "sim/bone/vdb/grids.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"

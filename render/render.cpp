@@ -16,7 +16,7 @@
 #include "render/pictures/composites.h"
 #include "render/pictures/renderer.h"
 #include "sim/base/error.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/picture_frames.h"
 
 namespace reamsim {

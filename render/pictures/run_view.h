@@ -14,7 +14,6 @@
 #include "render/gl/camera.h"
 #include "render/pictures/overlay.h"
 #include "render/surface/solid_field.h"
-#include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/mesh/triangle_mesh.h"
 #include "sim/record/force_log.h"

@@ -14,7 +14,7 @@
 #include "render/surface/scalar_grid.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/bone/vdb/vdb_archive.h"
+#include "sim/bone/vdb/grids.h"
 
 namespace reamsim {
 namespace {

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/bone/voxmap/density.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 namespace {

@@ -50,7 +50,7 @@ struct DensityVolume {
   Vec3i dims = Vec3i::Zero();     ///< cells; x fastest
   Vec3 origin_mm = Vec3::Zero();  ///< lower corner of cell (0, 0, 0), B
   double cell_mm = 0;
-  std::vector<std::uint8_t> grades;  ///< see sim/bone/voxmap/density.h
+  std::vector<std::uint8_t> grades;  ///< see sim/bone/voxmap/voxmap.h
 };
 
 /// Means over the bone in cubes of n³ voxels, with the least n for at most `most_cells` cells. Extrapolated into the

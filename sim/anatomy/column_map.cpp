@@ -61,26 +61,13 @@ Fractions BoneFractions::at(const Vec3& point_mm) {
 
 namespace {
 
-/// Samples per voxel along a column.
-constexpr int kSamplesPerVoxel = 2;
-/// Columns reach this far above and below the reamed region, voxels.
-constexpr int kReachVoxels = 4;
-/// Smaller fractions come from interpolation and rounding.
-constexpr double kNegligible = 0.02;
+constexpr int kSamplesPerVoxel = 2;   // samples per voxel along a column
+constexpr int kReachVoxels = 4;       // columns reach this far above and below the reamed region, voxels
+constexpr double kNegligible = 0.02;  // smaller fractions come from interpolation and rounding
 constexpr double kHalf = 0.5;
-/// Interpolation spreads a surface over a voxel above it.
-constexpr double kAboveVoxels = 1.5;
+constexpr double kAboveVoxels = 1.5;  // interpolation spreads a surface over a voxel above it
 /// A single remaining layer of voxels extends over at most this many voxels after interpolation.
 constexpr int kSheetVoxels = 2;
-
-/// The box of the voxels that lost bone, in the frame of the map.
-Aabb box_of_cut(const ReamedBone& bone, const Rigid& map_from_bone) {
-  Aabb box = Aabb::none();
-  for_each_cut_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t, std::uint16_t) {
-    box.extend(map_from_bone * bone.voxmap.grid.center_mm(voxel));
-  });
-  return box;
-}
 
 /// The fractions of bone along one column, from the top down, and the surfaces that follow from them.
 class ColumnScan {
@@ -159,8 +146,7 @@ class ColumnScan {
     return first;
   }
 
-  /// Whether the bone at sample `deep` is a thin sheet across the column. Its fraction is then small because the sheet
-  /// is thin, not because the column grazes a wall.
+  /// Whether the bone at sample `deep` is a thin sheet across the column, not a wall that the column grazes.
   [[nodiscard]] bool is_sheet(std::size_t deep) const {
     double length_mm = after_[deep] * step_mm_;
     std::size_t samples = 1;
@@ -206,7 +192,11 @@ SurfaceProbe probe_surface(const ReamedBone& bone, const Rigid& bone_from_map, d
 ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const MapExtent& extent) {
   ColumnMap map;
   map.bone_from_map = bone_from_map;
-  const Aabb box = box_of_cut(bone, bone_from_map.inverse());
+  const Rigid map_from_bone = bone_from_map.inverse();
+  Aabb box = Aabb::none();  // of the voxels that lost bone
+  for_each_cut_voxel(bone, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t, std::uint16_t) {
+    box.extend(map_from_bone * bone.voxmap.grid.center_mm(voxel));
+  });
   if (box.empty()) return map;
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
   const Vec3 margin = Vec3::Constant(extent.margin_mm + voxel_mm);

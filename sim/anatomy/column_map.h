@@ -19,21 +19,18 @@ struct ReamedBone {
   const FillBricks& fill_after;
 };
 
-/// The fractions of bone at a point, 0…1.
 struct Fractions {
   double before = 0;
   double after = 0;
   double dense = 0;  ///< bone after reaming whose density is at least the threshold
 };
 
-/// The fractions of bone between the centres of the voxels: trilinear, air outside the lattice. Not thread-safe: it
-/// caches the last brick.
+/// Fractions of bone, trilinear between centres of voxels, air outside the lattice. Not thread-safe: caches a brick.
 class BoneFractions {
  public:
   /// `dense_g_cm3`: the least density of dense bone.
   BoneFractions(const ReamedBone& bone, double dense_g_cm3);
 
-  /// At a point of B.
   [[nodiscard]] Fractions at(const Vec3& point_mm);
 
  private:
@@ -72,16 +69,15 @@ struct Column {
   double after_mm = 0;   ///< the remaining surface; undefined for `through`
   double depth_mm = 0;   ///< length of removed bone
   double cover = 0;  ///< fraction of remaining bone under the surface, 0…1: below 1 beside a wall along the column
+
+  [[nodiscard]] bool has_bone() const { return state == ColumnState::bone || state == ColumnState::reamed; }
 };
 
-/// The coordinates of a column in a map.
 using ColumnPlace = Eigen::Vector2i;
 
-/// The bone before and after reaming, seen along −z of a frame: a regular grid of columns over x and y.
-///
-/// Heights are integrals of the fraction of bone along a column, the height function of volume-of-fluid methods
-/// (Cummins, Francois and Kothe 2005, Computers & Structures 83, 425–434). They are exact for planes across the column,
-/// whatever the fill of the voxels, and the depths sum to the removed volume.
+/// The bone before and after reaming, seen along −z of a frame: a regular grid of columns over x and y. Heights are
+/// integrals of the fraction of bone along a column, as in volume-of-fluid methods (Cummins, Francois and Kothe 2005,
+/// Computers & Structures 83, 425–434): exact for planes across the column, and the depths sum to the removed volume.
 struct ColumnMap {
   Rigid bone_from_map = Rigid::Identity();
   double pitch_mm = 0;
@@ -114,8 +110,7 @@ struct ColumnMap {
 
 /// With less removed bone than this, in voxels, a column is not reamed; with less remaining bone it is reamed through.
 inline constexpr double kMinDepthVoxels = 0.1;
-/// A map has at most about this many columns along an edge.
-inline constexpr int kMaxColumns = 320;
+inline constexpr int kMaxColumns = 320;  ///< a map has at most about this many columns along an edge
 
 /// What a map covers, mm.
 struct MapExtent {
@@ -157,8 +152,7 @@ void for_each_cut_voxel(const ReamedBone& bone, const Visit& visit) {
   });
 }
 
-/// Lengths of bone along the columns of a map, as integrals of the fraction of bone. Not thread-safe: see
-/// BoneFractions.
+/// Lengths of bone along the columns of a map: integrals of its fraction. Not thread-safe, as BoneFractions.
 class ColumnBone {
  public:
   /// `map` must outlive the object. `dense_g_cm3`: the least density of dense bone.
@@ -186,8 +180,7 @@ class ColumnBone {
                                      double Fractions::*state);
 
  private:
-  /// Samples of the fraction from above the surface down, one step each: visit(fractions, length of the step, mm below
-  /// `top_mm`) until it returns false.
+  /// Calls visit(fractions, length of the step, mm below `top_mm`) from above the surface down until it returns false.
   template <class Visit>
   void descend(const ColumnPlace& place, double top_mm, double bottom_mm, const Visit& visit);
 

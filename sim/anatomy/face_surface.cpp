@@ -17,17 +17,25 @@ Vec3 mean_of(const std::vector<Vec3>& points) {
   return sum / static_cast<double>(points.size());
 }
 
-/// |p|² = 2c·p + k about the mean of the points, solved by the normal equations; k = R² − |c|².
-std::optional<SphereFit> algebraic_fit(const std::vector<Vec3>& points, const Vec3& mean) {
+/// The least-squares solution of an equation for each point: equation(point) returns its row and its right side.
+template <class Equation>
+QrSolution solve_normal_equations(const std::vector<Vec3>& points, const Equation& equation) {
   Mat4 products = Mat4::Zero();
   Vec4 right = Vec4::Zero();
   for (const Vec3& point : points) {
-    const Vec3 p = point - mean;
-    const Vec4 row(2 * p.x(), 2 * p.y(), 2 * p.z(), 1);
+    const auto [row, value] = equation(point);
     products += row * row.transpose();
-    right += p.squaredNorm() * row;
+    right += value * row;
   }
-  const auto [found, rank] = solve_qr(products, right);
+  return solve_qr(products, right);
+}
+
+/// |p|² = 2c·p + k about the mean of the points; k = R² − |c|².
+std::optional<SphereFit> algebraic_fit(const std::vector<Vec3>& points, const Vec3& mean) {
+  const auto [found, rank] = solve_normal_equations(points, [&](const Vec3& point) {
+    const Vec3 p = point - mean;
+    return std::pair(Vec4(2 * p.x(), 2 * p.y(), 2 * p.z(), 1), p.squaredNorm());
+  });
   if (rank < 4) return std::nullopt;
   const double squared_radius = found.w() + found.head<3>().squaredNorm();
   if (!(squared_radius > 0)) return std::nullopt;
@@ -36,22 +44,23 @@ std::optional<SphereFit> algebraic_fit(const std::vector<Vec3>& points, const Ve
 
 /// One Gauss–Newton step on the distances |p − c| − R; returns its length.
 double refine(SphereFit& sphere, const std::vector<Vec3>& points) {
-  Mat4 products = Mat4::Zero();
-  Vec4 right = Vec4::Zero();
-  for (const Vec3& p : points) {
-    const Vec3 way = p - sphere.center_mm;
-    const double distance = way.norm();
-    const Vec3 unit = way / distance;
-    const Vec4 row(unit.x(), unit.y(), unit.z(), 1);
-    products += row * row.transpose();
-    right += (distance - sphere.radius_mm) * row;
-  }
-  const Vec4 step = solve_qr(products, right).x;
+  const Vec4 step = solve_normal_equations(points, [&](const Vec3& point) {
+                      const Vec3 way = point - sphere.center_mm;
+                      const double distance = way.norm();
+                      const Vec3 unit = way / distance;
+                      return std::pair(Vec4(unit.x(), unit.y(), unit.z(), 1), distance - sphere.radius_mm);
+                    }).x;
   sphere.center_mm += step.head<3>();
   sphere.radius_mm += step.w();
   return step.norm();
 }
 
+constexpr double kLargestRadius_mm = 1000;
+/// Below a residual of the plane of this many voxels the voxels determine it.
+constexpr double kFlatVoxels = 0.1;
+constexpr double kSphereGain = 0.5;  // residual of a sphere that describes a reamed face over that of its plane
+constexpr double kFaceEdgeVoxels = 2;
+constexpr std::size_t kMinFacePoints = 25;
 constexpr double kTrimmedFraction = 0.75;  // of the points, in least trimmed squares
 constexpr double kNormalMad = 1.4826;      // standard deviation over median absolute deviation, of normal errors
 constexpr double kFarDeviations = 2.5;
@@ -239,8 +248,7 @@ std::optional<FaceSurface> fit_face(const FacePoints& face, const Vec3& outward)
   }
   out.fitted_mm = std::move(out.spherical ? sphere->fitted_mm : plane->fitted_mm);
   out.rms_mm = out.spherical ? sphere->fit.rms_mm : plane->fit.rms_mm;
-  const double count = static_cast<double>(out.fitted_mm.size());
-  out.fitted_fraction = count / static_cast<double>(points.size());
+  out.fitted_fraction = static_cast<double>(out.fitted_mm.size()) / static_cast<double>(points.size());
   return out;
 }
 

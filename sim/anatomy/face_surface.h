@@ -38,18 +38,12 @@ struct SphereFit {
 std::optional<PlaneFit> fit_plane(const std::vector<Vec3>& points_mm, const Vec3& outward);
 
 /// Fits a sphere: the algebraic fit (linear in centre and R² − |c|²), refined by Gauss–Newton on the distances. nullopt
-/// for fewer than four points, or points so flat that the radius would exceed kLargestRadius_mm.
+/// for fewer than four points, or points so flat that the radius would exceed a metre.
 std::optional<SphereFit> fit_sphere(const std::vector<Vec3>& points_mm);
 
-inline constexpr double kLargestRadius_mm = 1000;
-
-/// Below a residual of the plane of this many voxels the voxels determine it, and a face counts as flat.
-inline constexpr double kFlatVoxels = 0.1;
-
-/// A sphere or plane fitted robustly to points of a face: up to a quarter of them may be outliers (rim, osteophytes,
-/// holes). Least trimmed squares (Rousseeuw and Van Driessen 2006, Data Mining and Knowledge Discovery 12, 29–45:
-/// concentration steps, here from the least-squares fit of all points), then least squares of the points within 2.5
-/// robust standard deviations (Rousseeuw and Leroy 1987). It uses no random numbers.
+/// A sphere or plane fitted robustly: up to a quarter of the points may be outliers (rim, osteophytes, holes). Least
+/// trimmed squares (Rousseeuw and Van Driessen 2006, Data Mining and Knowledge Discovery 12, 29–45) by concentration
+/// steps from the fit of all points, then least squares of the points within 2.5 robust standard deviations.
 struct FaceSurface {
   bool spherical = false;  ///< whether the sphere describes the face
   PlaneFit plane;
@@ -87,13 +81,8 @@ struct FacePoints {
 };
 
 /// The surface through the points. It is a sphere where an F test rejects the plane (error probability 1:10,000) and
-/// the residual of the plane exceeds kFlatVoxels; otherwise a plane. nullopt for points on a line, or fewer than
-/// kMinFacePoints.
+/// the residual of the plane exceeds 0.1 voxels; otherwise a plane. nullopt for points on a line, or fewer than 25.
 std::optional<FaceSurface> fit_face(const FacePoints& face, const Vec3& outward);
-
-inline constexpr std::size_t kMinFacePoints = 25;
-/// With a smaller fraction of inliers a face is not one surface.
-inline constexpr double kMinFittedFraction = 0.7;
 
 /// An axis of a face, out of the bone.
 struct FaceAxis {
@@ -102,19 +91,16 @@ struct FaceAxis {
   double error_deg = 0;  ///< standard error of the direction
 };
 
-/// The line through the centre of the sphere and a point, from where it meets the sphere; or the normal of the plane.
-/// nullopt for a point close to the centre of the sphere.
+/// The line through the centre of the sphere and a point, or the normal of the plane. nullopt close to the centre.
 std::optional<FaceAxis> axis_through(const FaceSurface& surface, const Vec3& point_mm);
 
 /// The intersection of a line and the surface that is nearer to the points. nullopt where they do not meet.
 std::optional<Vec3> meeting_point(const FaceSurface& surface, const Vec3& on_line_mm, const Vec3& direction);
 
-/// Columns nearer than this to an unreamed column mix face and wall, voxels.
-inline constexpr double kFaceEdgeVoxels = 2;
-
-/// The reamed face, and the surface before reaming.
+/// The reamed face, and the surface before reaming. A sphere describes it if its residual is at most half of that of
+/// the plane, which exceeds 0.1 voxels: below that the voxels determine the residual, and the face counts as flat.
 struct ReamedFace {
-  std::vector<ColumnPlace> columns;  ///< reamed, with all columns within kFaceEdgeVoxels
+  std::vector<ColumnPlace> columns;  ///< reamed, with all columns within face_edge_columns()
   std::optional<PlaneFit> plane;
   std::optional<SphereFit> sphere;
   std::optional<PlaneFit> plane_before;  ///< of the unreamed surface over the same columns
@@ -127,13 +113,9 @@ struct ReamedFace {
   [[nodiscard]] Vec3 inward(const Vec3& point_mm) const;
 };
 
-/// A sphere describes the face if its residual is at most this fraction of that of the plane, and the residual of the
-/// plane exceeds kFlatVoxels. Below that the voxels determine the residual, and the face counts as flat.
-inline constexpr double kSphereGain = 0.5;
-
 ReamedFace find_face(const ColumnMap& map, double voxel_mm);
 
-/// kFaceEdgeVoxels in columns of the map.
+/// Two voxels in columns of the map: columns nearer than this to an unreamed one mix face and wall.
 int face_edge_columns(const ColumnMap& map, double voxel_mm);
 
 /// Whether `test(place)` is true for `place` or a column within `reach` columns of it along each axis.

@@ -5,11 +5,8 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
-
-#include "sim/anatomy/frame_check.h"
 
 namespace reamsim {
 
@@ -19,9 +16,8 @@ constexpr double kFarthestStart_mm = 15;  // of the surface from the given point
 constexpr double kFarthestFace_mm = 15;
 constexpr double kApart_mm = 3;  // starts nearer to each other count as one
 constexpr std::size_t kFineSearches = 4;
-/// A face is refused below these.
-constexpr double kLeastScore = 0.35, kDoubtfulScore = 0.5;
-constexpr double kLeastRim = 0.5;  // of the directions
+constexpr double kLeastScore = 0.35, kDoubtfulScore = 0.5;  // a face is refused below these
+constexpr double kLeastRim = 0.5;                           // of the directions
 
 constexpr double kStartsApart_mm = 5;
 constexpr double kPlacesApart_mm = 8;  // faces nearer to each other are one
@@ -34,7 +30,6 @@ constexpr std::size_t kFinePlaces = 6;
 /// Sizes beyond these are no glenoid.
 constexpr double kShortest_mm = 20, kTallest_mm = 52, kNarrowest_mm = 14, kWidest_mm = 42;
 
-/// A region of B.
 struct Ball {
   Vec3 center_mm = Vec3::Zero();
   double radius_mm = std::numeric_limits<double>::infinity();
@@ -87,8 +82,7 @@ std::optional<Rigid> start_at(const BoneView& bone, const BoneProbe& probe, cons
   return frame_at(surface, outward);
 }
 
-/// Frames every 5 mm on the surface in a region, +z out of the bone, where the bone is thick and nothing stands in
-/// front of it: where fit_face() may start.
+/// Frames every 5 mm on the surface in a region where the bone is thick and nothing stands in front of it.
 std::vector<Rigid> starts_on_surface(const BoneView& bone, const BoneProbe& probe, const Ball& within) {
   std::vector<Rigid> out;
   for (const Vec3& point : spread_over(bone, within)) {
@@ -146,8 +140,7 @@ std::vector<FittedFace> fitted_finely(const BoneProbe& probe, const std::vector<
                  [&](std::size_t i) { return fit_face(probe, distinct[i].bone_from_face, kFineEffort); });
 }
 
-/// Faces that the search finds from starts towards both ends of one, which may have grown into the base of the
-/// coracoid. A coarse search would return to it.
+/// Faces from starts towards both ends of one, which may have grown into the base of the coracoid.
 std::vector<FittedFace> faces_beside(const BoneProbe& probe, const FittedFace& face) {
   constexpr double kAside[] = {-0.3, -0.15, 0.15, 0.3}, kAbove_mm = 4;  // of the height
   const Vec3 along = face.fit.outline.height_mm * face.along(), outward = face.bone_from_face.linear().col(2);

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cmath>
-#include <cstddef>
 #include <functional>
 #include <optional>
 #include <string>
@@ -15,6 +14,18 @@
 #include "sim/bone/bone.h"
 
 namespace reamsim {
+
+/// Whether there is air on any of the six sides of a voxel, as outside the lattice.
+bool has_air_beside(const Voxmap& voxmap, const Vec3i& voxel);
+
+/// Bone in a sphere around a point, on both sides of a plane through it.
+struct NearbyBone {
+  double radius_mm = 0;
+  double ahead_mm3 = 0;  ///< on the side of the plane's normal
+  double behind_mm3 = 0;
+  Vec3 outward = Vec3::Zero();  ///< unit vector from the centroid of the bone to the point; 0 where they coincide
+};
+NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& normal, double radius_mm);
 
 /// The bone as a continuous field, for lines through it. The view must outlive the probe.
 class BoneProbe {
@@ -66,15 +77,13 @@ struct OutlineFit {
 
 inline constexpr double kRimInlier_mm = 1.5;
 
-/// Least squares with Tukey's weights, by Levenberg and Marquardt; parts of the rim that are worn away do not count.
-/// nullopt for fewer than 12 points.
+/// Least squares with Tukey's weights, by Levenberg and Marquardt. nullopt for fewer than 12 points.
 std::optional<OutlineFit> fit_pear(const std::vector<Vec2>& rim_mm);
 
 /// Where the normal of a face comes from.
 enum class FaceNormal { sphere, plane, rim };
 
-/// An articular face in the course of a search: rim, outline and surface in one frame, and the better frame that
-/// follows from them.
+/// An articular face in the course of a search, and the better frame that follows from its outline and surface.
 struct FittedFace {
   Rigid bone_from_face = Rigid::Identity();  ///< origin on the surface, +z out of the bone
   Rigid old_frame = Rigid::Identity();       ///< of rim and fit, one turn earlier
@@ -97,16 +106,14 @@ struct FittedFace {
   }
 };
 
-/// How finely a face is fitted.
 struct FitEffort {
   int directions = 0;  ///< of the walks
   int turns = 0;
 };
 inline constexpr FitEffort kCoarseEffort{24, 4}, kFineEffort{90, 12};
 
-/// Fits the face at a start on the surface whose +z points out of the bone: walks to the rim, fits outline and
-/// surface, and moves the frame to the middle of the face, until the frame rests or the turns are over. nullopt where
-/// there is no face.
+/// Fits the face at a start on the surface, +z out of the bone: walks to the rim, fits outline and surface, and moves
+/// the frame to the middle of the face, until it rests or the turns are over. nullopt where there is no face.
 std::optional<FittedFace> fit_face(const BoneProbe& probe, const Rigid& start, const FitEffort& effort);
 
 /// The faces to which `fit(i)` leads for each of `count` items, in their order; computed in parallel.
@@ -119,7 +126,6 @@ double face_score(const FittedFace& face);
 /// The frame at a point with a normal as +z, rotated about it in any way.
 Rigid frame_at(const Vec3& origin_mm, const Vec3& outward);
 
-/// An articular face found on the surface of a bone.
 struct FoundGlenoid {
   GlenoidFrame frame;               ///< origin on the surface, +z out of the face, +y superior
   std::vector<Vec3> rim_mm;         ///< B, in order round the face
@@ -127,13 +133,11 @@ struct FoundGlenoid {
   std::vector<std::string> doubts;  ///< what makes the frame uncertain, a sentence each
 };
 
-/// Finds the face round `settings.near_mm`, which lies within about 8 mm of its centre (see fit_face()).
-///
-/// The centre is the middle of the pear's height on its long axis, moved to the surface along the normal. The normal
-/// points to the centre of the sphere; for a face that is no single surface (biconcave) it is that of the plane through
-/// the rim, the least-squares form of the intermediate glenoid, from rim to rim (Rouleau et al. 2010). Superior is that
-/// of `settings.superior` or the landmarks; else the long axis of the face towards +z of a scan, and else towards its
-/// narrow end. Throws InputError (bone.glenoid.near_mm): no bone near the point, no face round it.
+/// Finds the face round `settings.near_mm`, which lies within about 8 mm of its centre. The centre is the middle of the
+/// pear's height on its long axis, moved to the surface along the normal. The normal points to the centre of the
+/// sphere; for a face that is no single surface it is that of the plane through the rim, the intermediate glenoid
+/// (Rouleau et al. 2010). Superior is that of the settings; else the long axis towards +z of a scan, else towards its
+/// narrow end. Throws InputError: no bone near the point, no face round it.
 FoundGlenoid find_glenoid(const BoneView& bone, const GlenoidSettings& settings, BodySide side);
 
 /// A place on a bone where a glenoid may be. B.
@@ -145,17 +149,21 @@ struct FacePlace {
 };
 
 /// What a face is as the place of a glenoid. The confidence is face_score() times the square root of factors that fall
-/// to 0 for a height outside 20…52 mm, a width outside 14…42 mm and a vault thinner than 10 mm, and are 1 for a height
-/// of 26…46 mm, a width of 19…36 mm and a vault of 15 mm.
+/// from 1 to 0 for a height outside 26…46 mm (0 at 20 and 52), a width outside 19…36 mm (14, 42) and a vault below 15
+/// mm (10).
 FacePlace place_of(const BoneProbe& probe, const FittedFace& face);
 
 /// The place at a frame on the surface, fitted finely; nullopt where there is no face.
 std::optional<FacePlace> place_at(const BoneView& bone, const Rigid& bone_from_face);
 
-/// Searches the whole surface of a bone for faces that resemble a glenoid: a rim round a concave or flat face of 20 to
-/// 50 mm, with a vault of at least 10 mm behind it, which the acromion and the fossae of the scapula have not. Starts
-/// every 5 mm are fitted coarsely (fit_face()); those that are faces are fitted finely. The best come first. Voxels of
-/// about 1 mm suffice.
+/// Searches the whole surface of a bone for faces that resemble a glenoid (place_of()), which the acromion and the
+/// fossae of the scapula do not. Starts every 5 mm are fitted coarsely; those that are faces are fitted finely. The
+/// best come first. Voxels of about 1 mm suffice.
 std::vector<FacePlace> search_faces(const BoneView& bone);
+
+/// Compares the glenoid frame of a bone, if any, with the unreamed bone; not that of a phantom. Mistakes: a centre more
+/// than 10 mm from the surface, a normal into the bone. Warnings, because a specimen may be scanned in any position: in
+/// LPS a left glenoid does not face +x, or superior is not +z. `settings` determine the keys in the messages.
+void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, MistakeList& mistakes, Diagnostics& report);
 
 }  // namespace reamsim

@@ -67,23 +67,18 @@ std::optional<Profile> profile_of(const BoneProbe& probe, const Rigid& bone_from
   return std::nullopt;
 }
 
-/// Where the surface has turned to fall by 45 degrees: the point farthest outwards and upwards. On a rounded rim that
-/// is about its middle; where a gentle slope begins beside the face a steeper edge would lie far down on it.
-Vec2 corner_of(const Profile& profile) {
-  return *std::ranges::max_element(profile, {}, [](const Vec2& p) { return p.sum(); });
-}
-
-/// Walks over the surface from the origin of a frame on it, whose +z points out of the bone, in `directions` equal
-/// steps of angle. A walk ends where the surface has fallen by 4 mm below its highest point or ends; the rim is its
-/// corner, where it has turned to fall by 45 degrees. A walk has no rim where the surface rises steeply, or extends
-/// beyond 35 mm. In the frame of the walk.
+/// Walks over the surface from the origin of a frame on it in `directions` equal steps of angle. A walk ends where the
+/// surface has fallen by 4 mm below its highest point or ends; the rim, in that frame, is where it has turned to fall
+/// by 45 degrees. A walk has no rim where the surface rises steeply, or extends beyond 35 mm.
 std::vector<Vec3> walk_to_rim(const BoneProbe& probe, const Rigid& bone_from_face, int directions) {
   std::vector<Vec3> out;
   for (int k = 0; k < directions; ++k) {
     const double angle = 2 * std::numbers::pi * k / directions;
     const auto profile = profile_of(probe, bone_from_face, angle);
     if (!profile) continue;
-    const Vec2 corner = corner_of(*profile);
+    // The point farthest outwards and upwards: on a rounded rim about its middle; where a gentle slope begins beside
+    // the face a steeper edge would lie far down on it.
+    const Vec2 corner = *std::ranges::max_element(*profile, {}, [](const Vec2& p) { return p.sum(); });
     if (corner.x() > 0) out.emplace_back(corner.x() * std::cos(angle), corner.x() * std::sin(angle), corner.y());
   }
   return out;
@@ -92,8 +87,7 @@ std::vector<Vec3> walk_to_rim(const BoneProbe& probe, const Rigid& bone_from_fac
 constexpr double kRest_mm = 0.01, kRest_rad = 1e-4;
 constexpr double kMargin_mm = 2.5;  // from the rim, where it is rounded; at most a quarter of the radius
 constexpr double kGrid_mm = 1;      // of the points of the face
-/// A face is refused beyond these.
-constexpr double kLeastHeight_mm = 15, kMostHeight_mm = 60;
+constexpr double kLeastHeight_mm = 15, kMostHeight_mm = 60;  // a face is refused beyond these
 constexpr double kMostConvexity_per_mm = 1.0 / 80;
 /// A residual of the sphere beyond this, with the part of the face that it fits, means more than one surface.
 constexpr double kOneSurface_mm = 0.55;
@@ -118,13 +112,6 @@ std::vector<Vec3> points_inside(const BoneProbe& probe, const FittedFace& face, 
   return out;
 }
 
-/// The normal of the plane through the rim points that lie near the outline.
-std::optional<Vec3> rim_normal(const FittedFace& face) {
-  const auto plane = fit_plane(face.rim_at_outline_mm(), Vec3::UnitZ());
-  if (!plane) return std::nullopt;
-  return Vec3(face.bone_from_face.linear() * plane->normal);
-}
-
 /// The direction out of the face at a point of it, and where it comes from.
 std::optional<Vec3> normal_at(const Vec3& point_mm, const std::vector<Vec3>& points, FittedFace& face) {
   const bool one_surface = rms_distance_mm(face.surface, points) <= kOneSurface_mm;
@@ -135,11 +122,11 @@ std::optional<Vec3> normal_at(const Vec3& point_mm, const std::vector<Vec3>& poi
     return way.dot(outward) < 0 ? Vec3(-way) : way;
   }
   if (face.normal == FaceNormal::plane) return face.surface.plane.normal;
-  return rim_normal(face);
+  const auto plane = fit_plane(face.rim_at_outline_mm(), Vec3::UnitZ());
+  return plane ? std::optional<Vec3>(face.bone_from_face.linear() * plane->normal) : std::nullopt;
 }
 
-/// Walks to the rim, fits, and moves the frame to the middle of the face; returns whether there is a face, and in
-/// `moved` how far the frame moved and turned.
+/// Walks, fits, and moves the frame to the middle of the face, by `moved` (mm, rad); returns whether there is a face.
 bool fit_step(const BoneProbe& probe, int directions, FittedFace& face, Vec2& moved) {
   face.directions = directions;
   face.rim_mm = walk_to_rim(probe, face.bone_from_face, directions);

@@ -1,15 +1,13 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/anatomy/frame_check.h"
+#include "sim/anatomy/find_glenoid.h"
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
-#include <vector>
 
 namespace reamsim {
 
@@ -26,8 +24,7 @@ constexpr double kInward = 1.5;
 constexpr double kOblique_deg = 50;
 /// A centroid nearer to the centre of the sphere is not significant, in radii.
 constexpr double kMinCentroid = 0.05;
-/// A smaller component of a direction is not significant (about 6°).
-constexpr double kMinComponent = 0.1;
+constexpr double kMinComponent = 0.1;  // a smaller component of a direction is not significant (about 6°)
 
 /// The stored bricks and lower bounds of their distance from a point, the nearest first.
 std::vector<std::pair<double, Vec3i>> bricks_by_distance(const Voxmap& voxmap, const Vec3& point_mm) {
@@ -46,7 +43,6 @@ std::string point_text(const Vec3& p) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
 }
 
-/// The keys of a frame, for messages.
 struct FrameKeys {
   std::string center, normal, superior;
 };

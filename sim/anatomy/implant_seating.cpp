@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "sim/base/statistics.h"
 #include "sim/bone/implicit.h"
@@ -25,6 +24,8 @@ std::optional<double> sphere_bottom(const Vec3& center, double radius, const Vec
   return center.z() - std::sqrt(below);
 }
 
+/// Single voxels that project from the face do not support an implant.
+constexpr double kYieldingFraction = 0.01;
 /// Columns per voxel: a finer map locates the edges of footprint and contact.
 constexpr double kColumnsPerVoxel = 2;
 /// The map exceeds the footprint, so that cores and holes at its edge are known, voxels.
@@ -40,7 +41,6 @@ ColumnMap map_under(const ReamedBone& bone, const Rigid& bone_from_implant, cons
                       .pitch_mm = voxel_mm / kColumnsPerVoxel});
 }
 
-/// Marks the columns of the groups with a state and a property.
 template <class Property>
 std::vector<std::uint8_t> mark_groups(const ColumnMap& map, ColumnState state, const Property& property) {
   std::vector<std::uint8_t> out(map.columns.size(), 0);
@@ -86,17 +86,13 @@ std::vector<FootprintColumn> footprint_of(const ColumnMap& map, const ImplantSha
   return out;
 }
 
-bool has_bone(const Column& column) {
-  return column.state == ColumnState::bone || column.state == ColumnState::reamed;
-}
-
 /// The height of the apex at which kYieldingFraction of the footprint with bone has yielded; nullopt without bone.
 std::optional<double> resting_height(const SeatedImplant& implant) {
   std::vector<std::pair<double, double>> contacts;  // height of the apex in contact, weight
   double total = 0;
   for (const FootprintColumn& column : implant.footprint) {
     const Column& bone = implant.map.at(column.place);
-    if (!has_bone(bone)) continue;
+    if (!bone.has_bone()) continue;
     contacts.emplace_back(bone.after_mm - column.back_mm, column.weight * bone.cover);
     total += contacts.back().second;
   }
@@ -114,7 +110,7 @@ double bone_under(const SeatedImplant& implant, const FootprintColumn& column, C
   constexpr double kWhole = 0.999;
   const Column& found = implant.map.at(column.place);
   const double gap_mm = implant.gap_mm(column);
-  if (has_bone(found) && found.cover > kWhole) return gap_mm <= kOverhangDepth_mm ? 1 : 0;
+  if (found.has_bone() && found.cover > kWhole) return gap_mm <= kOverhangDepth_mm ? 1 : 0;
   const double back_mm = implant.apex_mm + column.back_mm;
   return std::min(bone.largest_fraction(column.place, back_mm, back_mm - kOverhangDepth_mm), 1.0);
 }
@@ -126,7 +122,7 @@ double seated_fraction(const SeatedImplant& implant, const FootprintColumn& colu
   constexpr double kWhole = 0.99;
   const Column& found = implant.map.at(column.place);
   const double inside_mm = found.after_mm - kBlurVoxels * bone.voxel_mm();
-  if (has_bone(found) && bone.fraction(column.place, inside_mm) >= kWhole) {
+  if (found.has_bone() && bone.fraction(column.place, inside_mm) >= kWhole) {
     return implant.gap_mm(column) <= gap_mm ? 1 : 0;
   }
   return bone.fraction(column.place, implant.apex_mm + column.back_mm - gap_mm);
@@ -246,7 +242,7 @@ Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, co
     footprint += column.weight;
     if (!column.hole) overhang += column.weight * (1 - bone_under(implant, column, below));
     seated += column.weight * seated_fraction(implant, column, settings.gap_mm, below);
-    if (!has_bone(found)) continue;
+    if (!found.has_bone()) continue;
     const double weight = column.weight * found.cover;
     covered += weight;
     gaps_mm += weight * std::max(gap_mm, 0.0);

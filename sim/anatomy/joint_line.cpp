@@ -4,7 +4,6 @@
 #include "sim/anatomy/run_metrics.h"
 
 #include <fmt/core.h>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -16,11 +15,16 @@ namespace reamsim {
 namespace {
 
 constexpr double kSlopeRadius_mm = 1.5;
+constexpr double kFacePitch_mm = 0.5;  // lines of sight on a face are at least this far apart
+/// Points nearer to the rim, which is rounded and picked by hand, are not fitted; at most a quarter of the inner
+/// radius.
+constexpr double kRimMargin_mm = 2.5;
+constexpr double kMaxAxisError_deg = 1;     // an axis with a larger standard error is rejected
+constexpr double kMinFittedFraction = 0.7;  // with a smaller fraction of inliers a face is not one surface
 /// Lines of sight start this far above the highest point of the rim. They end below the lowest point, by the inner
 /// radius of the face: a bowl of that width is not deeper.
 constexpr double kAboveRim_mm = 3;
 
-/// Centroid of a polygon.
 Vec2 centroid_of(const std::vector<Vec2>& corners) {
   Vec2 sum = Vec2::Zero();
   double doubled_area = 0;
@@ -38,14 +42,14 @@ Vec2 centroid_of(const std::vector<Vec2>& corners) {
 class FaceGrid {
  public:
   FaceGrid(const ReamedBone& bone, const FaceOutline& outline) : outline_(outline) {
-    const Aabb& box = outline.box_mm();
+    const Aabb& box = outline.box_mm;
     const double voxel_mm = bone.voxmap.grid.voxel_mm;
     pitch_mm_ = std::max({voxel_mm, kFacePitch_mm, (box.max - box.min).head<2>().maxCoeff() / kMaxColumns});
     first_ = (box.min.head<2>() / pitch_mm_).array().floor().cast<int>();
     const Eigen::Vector2i last = (box.max.head<2>() / pitch_mm_).array().floor().cast<int>();
     count_ = last - first_ + Eigen::Vector2i::Ones();
     cells_.resize(static_cast<std::size_t>(count_.x()) * static_cast<std::size_t>(count_.y()));
-    const SurfaceProbe probe = probe_surface(bone, outline.bone_from_outline(), box.max.z() + kAboveRim_mm,
+    const SurfaceProbe probe = probe_surface(bone, outline.bone_from_outline, box.max.z() + kAboveRim_mm,
                                              box.min.z() - std::max(outline.inner_radius_mm(), kAboveRim_mm));
     for_each([&](int i, int j) {
       if (outline_.inside_mm(place_mm(i, j)) > 0) cell(i, j) = probe(place_mm(i, j));
@@ -67,7 +71,7 @@ class FaceGrid {
   }
   [[nodiscard]] Vec3 in_bone(int i, int j) {
     const Vec2 place = place_mm(i, j);
-    return outline_.bone_from_outline() * Vec3(place.x(), place.y(), cell(i, j)->height_mm);
+    return outline_.bone_from_outline * Vec3(place.x(), place.y(), cell(i, j)->height_mm);
   }
   [[nodiscard]] double pitch_mm() const { return pitch_mm_; }
 
@@ -186,21 +190,21 @@ std::optional<FaceOutline> FaceOutline::of(const std::vector<Vec3>& rim_mm, cons
   if (!plane) return std::nullopt;
   FaceOutline out;
   const Vec3 across = plane->normal.unitOrthogonal();
-  out.bone_from_outline_.linear() << across, plane->normal.cross(across), plane->normal;
-  out.bone_from_outline_.translation() = plane->point_mm;
+  out.bone_from_outline.linear() << across, plane->normal.cross(across), plane->normal;
+  out.bone_from_outline.translation() = plane->point_mm;
   const auto set_corners = [&] {
-    out.corners_mm_.clear();
-    out.box_mm_ = Aabb::none();
-    const Rigid outline_from_bone = out.bone_from_outline_.inverse();
+    out.corners_mm.clear();
+    out.box_mm = Aabb::none();
+    const Rigid outline_from_bone = out.bone_from_outline.inverse();
     for (const Vec3& point : rim_mm) {
       const Vec3 place = outline_from_bone * point;
-      out.corners_mm_.emplace_back(place.head<2>());
-      out.box_mm_.extend(place);
+      out.corners_mm.emplace_back(place.head<2>());
+      out.box_mm.extend(place);
     }
   };
   set_corners();
-  const Vec2 centroid = centroid_of(out.corners_mm_);
-  out.bone_from_outline_.translation() = out.bone_from_outline_ * Vec3(centroid.x(), centroid.y(), 0);
+  const Vec2 centroid = centroid_of(out.corners_mm);
+  out.bone_from_outline.translation() = out.bone_from_outline * Vec3(centroid.x(), centroid.y(), 0);
   set_corners();
   return out;
 }
@@ -208,9 +212,9 @@ std::optional<FaceOutline> FaceOutline::of(const std::vector<Vec3>& rim_mm, cons
 double FaceOutline::inside_mm(const Vec2& place) const {
   double distance = std::numeric_limits<double>::infinity();
   bool inside = false;
-  for (std::size_t i = 0; i < corners_mm_.size(); ++i) {
-    const Vec2& a = corners_mm_[i];
-    const Vec2& b = corners_mm_[(i + 1) % corners_mm_.size()];
+  for (std::size_t i = 0; i < corners_mm.size(); ++i) {
+    const Vec2& a = corners_mm[i];
+    const Vec2& b = corners_mm[(i + 1) % corners_mm.size()];
     distance = std::min(distance, implicit::distance_to_segment(place, a, b));
     inside ^= (a.y() > place.y()) != (b.y() > place.y()) &&
               place.x() < a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
@@ -232,7 +236,7 @@ NativeFace measure_native_face(const ReamedBone& bone, const FaceOutline& outlin
     if (cell->reamed) out.reamed_mm2 += area_mm2;
     if (outline.inside_mm(grid.place_mm(i, j)) >= margin_mm) points.points_mm.push_back(grid.in_bone(i, j));
   });
-  out.surface = fit_face(points, outline.bone_from_outline().linear().col(2));
+  out.surface = fit_face(points, outline.bone_from_outline.linear().col(2));
   return out;
 }
 

@@ -3,7 +3,6 @@
 
 #include "sim/anatomy/run_metrics.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -22,8 +21,7 @@ constexpr int kStationsPerFan = 5;        // rays start at every fifth circumfer
 constexpr double kRayVoxels = 0.5;        // step along a ray
 constexpr int kHalvings = 12;             // of the last step
 constexpr double kFaceCosine = 0.7071;    // a surface steeper than 45° against the implant is a wall
-/// A gap between back and bone begins this far above the bone.
-constexpr double kSurfaceVoxels = 0.5;
+constexpr double kSurfaceVoxels = 0.5;    // a gap between back and bone begins this far above the bone
 
 /// The bone around a seated implant; points are in its frame.
 class BoneAround {
@@ -48,8 +46,7 @@ class BoneAround {
     return !in_bone(point) && below_back(point + voxel_mm_ * Vec3::UnitZ()) && !in_gap(point);
   }
 
-  /// Distance along a ray from a point to the outer surface of the bone, at most `most_mm`. The face through which the
-  /// peg enters is not part of it.
+  /// Distance along a ray to the outer surface of the bone, without the face that the peg enters; at most `most_mm`.
   [[nodiscard]] double wall_mm(const Vec3& from, const Vec3& direction, double most_mm) {
     if (outside(from)) return 0;
     const double step_mm = kRayVoxels * voxel_mm_;
@@ -102,8 +99,7 @@ class BoneAround {
   [[nodiscard]] bool in_gap(const Vec3& point) const {
     if (!shape_.covers(point.head<2>())) return false;
     const Column* column = column_at(point);
-    if (column == nullptr) return false;
-    if (column->state != ColumnState::bone && column->state != ColumnState::reamed) return false;
+    if (column == nullptr || !column->has_bone()) return false;
     const double surface_mm = column->after_mm - implant_.apex_mm;
     if (shape_.level_mm(point.head<2>()) - surface_mm > kOverhangDepth_mm) return false;
     return point.z() > surface_mm - kSurfaceVoxels * voxel_mm_;
@@ -117,7 +113,6 @@ class BoneAround {
   double radius_mm_;
 };
 
-/// A capsule in the frame of the implant.
 struct Capsule {
   Vec3 from_mm;
   Vec3 along;  ///< of length 1
@@ -202,8 +197,7 @@ void set_angles(Planning& out, const Vec3& axis, const JointLine& line, const Bo
   }
 }
 
-/// Where a line meets the articular surface, as the distance from `point` along `direction`; all in the frame of the
-/// implant. nullopt where they do not meet.
+/// The distance along a line in the frame of the implant to the articular surface; nullopt where they do not meet.
 std::optional<double> meets_articular(const ImplantSettings& implant, const Vec3& point, const Vec3& direction) {
   if (implant.backside_radius_mm == 0) {
     constexpr double kAlong = 1e-3;

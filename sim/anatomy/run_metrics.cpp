@@ -4,7 +4,6 @@
 #include "sim/anatomy/run_metrics.h"
 
 #include <fmt/core.h>
-#include <algorithm>
 #include <cmath>
 
 #include "sim/base/statistics.h"
@@ -17,7 +16,9 @@ constexpr double kStepVoxels = 0.5;
 constexpr double kFaceBandVoxels = 1.5;  // uncertainty of the face
 constexpr double kHalfFraction = 0.5;
 constexpr double kNoBone = 1e-6;
-constexpr double kStepDownVoxels = 1;  // uncertainty of heights beside a wall
+constexpr double kMinReamedFraction = 0.5;  // reaming less of a face does not change its orientation
+constexpr double kDepthMapMargin_mm = 6;    // around the reamed region
+constexpr double kStepDownVoxels = 1;       // uncertainty of heights beside a wall
 
 /// Length of dense bone below `face`, mm: the integral of its fraction, which includes partly filled voxels.
 double dense_length(BoneFractions& fractions, const Vec3& face, const Vec3& inward, double voxel_mm, double most_mm) {
@@ -57,9 +58,8 @@ bool is_at_edge(const ColumnMap& map, const ColumnPlace& place, int reach, doubl
 std::optional<AxialDepth> measure_depth(const ColumnMap& map) {
   std::vector<double> depths;
   for (const Column& column : map.columns) {
-    if (column.state == ColumnState::reamed || column.state == ColumnState::through) {
-      depths.push_back(column.depth_mm);
-    }
+    const bool reamed = column.state == ColumnState::reamed || column.state == ColumnState::through;
+    if (reamed) depths.push_back(column.depth_mm);
   }
   if (depths.empty()) return std::nullopt;
   return AxialDepth{.max_mm = *std::max_element(depths.begin(), depths.end()),
@@ -81,8 +81,7 @@ std::optional<PlaneOrientation> orientation_of_planes(const ReamedFace& face, co
     out.before = face_angles(before, *axes.scapula);
     out.after = face_angles(after, *axes.scapula);
   }
-  const auto& known = axes.known();
-  if (known) out.change = face_angles(after, *known) - face_angles(before, *known);
+  if (const auto& known = axes.known()) out.change = face_angles(after, *known) - face_angles(before, *known);
   out.turned_deg = angle_deg(before, after);
   return out;
 }
@@ -110,6 +109,22 @@ FaceOrientation measure_orientation(const JointLine& line, const ReamedFace& fac
   return out;
 }
 
+Perforation find_perforation(const ColumnMap& map, double voxel_mm) {
+  const int edge = face_edge_columns(map, voxel_mm);
+  Perforation out;
+  for (const ColumnGroup& group : group_columns(map, ColumnState::through)) {
+    const double area_mm2 = static_cast<double>(group.columns.size()) * map.pitch_mm * map.pitch_mm;
+    const auto at_edge = [&](const ColumnPlace& place) { return is_at_edge(map, place, edge, voxel_mm); };
+    if (group.reaches_air || std::ranges::any_of(group.columns, at_edge)) {
+      out.rim_area_mm2 += area_mm2;
+    } else {
+      out.area_mm2 += area_mm2;
+      ++out.holes;
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, const ColumnMap& map,
@@ -129,24 +144,6 @@ std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, c
                             .least_mm = *std::min_element(lengths.begin(), lengths.end()),
                             .p05_mm = quantile(lengths, 0.05),
                             .exposed_percent = 100 * static_cast<double>(bare) / static_cast<double>(lengths.size())};
-}
-
-Perforation find_perforation(const ColumnMap& map, double voxel_mm) {
-  const int edge = face_edge_columns(map, voxel_mm);
-  Perforation out;
-  for (const ColumnGroup& group : group_columns(map, ColumnState::through)) {
-    const double area_mm2 = static_cast<double>(group.columns.size()) * map.pitch_mm * map.pitch_mm;
-    const bool rim = group.reaches_air ||
-                     std::any_of(group.columns.begin(), group.columns.end(),
-                                 [&](const ColumnPlace& place) { return is_at_edge(map, place, edge, voxel_mm); });
-    if (rim) {
-      out.rim_area_mm2 += area_mm2;
-    } else {
-      out.area_mm2 += area_mm2;
-      ++out.holes;
-    }
-  }
-  return out;
 }
 
 RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
@@ -180,8 +177,7 @@ BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, co
 }
 
 ColumnMap depth_map(const ReamedBone& bone, const std::optional<GlenoidFrame>& glenoid, const Rigid& bone_from_tool) {
-  return map_columns(bone, glenoid ? glenoid->bone_from_glenoid : bone_from_tool,
-                     {.margin_mm = kDepthMapMargin_mm, .radius_mm = 0});
+  return map_columns(bone, glenoid ? glenoid->bone_from_glenoid : bone_from_tool, {.margin_mm = kDepthMapMargin_mm});
 }
 
 }  // namespace reamsim

@@ -18,25 +18,18 @@
 namespace reamsim {
 
 /// The rim of an articular face, as a closed polygon in the plane through its points.
-class FaceOutline {
- public:
-  /// `rim_mm`: points of B in order around the face. `outward`: the side of the plane outside the bone. nullopt for
-  /// points on a line.
+struct FaceOutline {
+  Rigid bone_from_outline = Rigid::Identity();  ///< origin at the centroid of the polygon, +z out of the bone
+  std::vector<Vec2> corners_mm;
+  Aabb box_mm;  ///< of the points, in the frame of the outline
+
+  /// `rim_mm`: points of B in order round the face. `outward`: out of the bone. nullopt for points on a line.
   static std::optional<FaceOutline> of(const std::vector<Vec3>& rim_mm, const Vec3& outward);
 
-  /// The frame of the plane: origin at the centroid of the polygon, +z out of the bone.
-  [[nodiscard]] const Rigid& bone_from_outline() const { return bone_from_outline_; }
   /// Distance of a point of the plane from the polygon, mm; positive inside.
   [[nodiscard]] double inside_mm(const Vec2& place_mm) const;
-  /// Bounding box of the points, in the frame of the plane.
-  [[nodiscard]] const Aabb& box_mm() const { return box_mm_; }
   /// Radius of the largest circle around the centroid that lies inside.
   [[nodiscard]] double inner_radius_mm() const { return inside_mm(Vec2::Zero()); }
-
- private:
-  Rigid bone_from_outline_ = Rigid::Identity();
-  std::vector<Vec2> corners_mm_;
-  Aabb box_mm_;
 };
 
 /// The articular face before reaming, inside its rim.
@@ -45,12 +38,6 @@ struct NativeFace {
   double area_mm2 = 0;                 ///< along the surface, not of its projection
   double reamed_mm2 = 0;               ///< the part that was reamed to at least about half a voxel
 };
-
-/// Lines of sight on a face are at least this far apart, mm.
-inline constexpr double kFacePitch_mm = 0.5;
-/// The fit excludes points nearer than this to the rim, because the rim is rounded and its points are picked by hand,
-/// mm. It is at most a quarter of the face's inner radius.
-inline constexpr double kRimMargin_mm = 2.5;
 
 /// Measures the unreamed surface within the outline, along the normal of the outline's plane. Heights are integrals of
 /// fill, as in ColumnMap. Areas use the slope of a plane through the heights within 1.5 mm.
@@ -81,12 +68,10 @@ inline FaceAngles operator-(const FaceAngles& a, const FaceAngles& b) {
 /// asin(n·superior). The convention of bone.phantom.version_deg and inclination_deg.
 FaceAngles face_angles(const Vec3& direction, const ScapularAxes& axes);
 
-/// Why a value is missing.
 struct Missing {
   std::string reason;
 };
 
-/// A measured value, or the reason why it is missing.
 template <class Value>
 struct Measured {
   std::optional<Value> value;
@@ -97,14 +82,9 @@ struct Measured {
   Measured(Missing missing) : reason(std::move(missing.reason)) {}  // likewise
 };
 
-/// An axis with a larger standard error is rejected, degrees.
-inline constexpr double kMaxAxisError_deg = 1;
-
-/// The joint line and the orientation of the face before and after reaming.
-///
-/// Native axis: the line from the centre of the face to the centre of the fitted sphere (Lewis and Armstrong 2011, J
-/// Shoulder Elbow Surg 20, 3–11), or the normal of the fitted plane. Reamed axis: the same from the intersection of the
-/// reamer's axis and the reamed surface.
+/// The joint line and the axes of the face. Native axis: from the centre of the face to that of the fitted sphere
+/// (Lewis and Armstrong 2011, J Shoulder Elbow Surg 20, 3–11), or the normal of the fitted plane. Reamed axis: the same
+/// from where the reamer's axis meets the reamed surface. Their standard error is at most a degree.
 struct JointLine {
   std::optional<NativeFace> native_face;      ///< nullopt without a rim
   std::optional<FaceSurface> reamed_surface;  ///< fitted to the reamed face
@@ -127,8 +107,7 @@ Measured<Vec3> point_on_native_face(const JointLine& line, const BoneAxes& axes)
 JointLine measure_joint_line(const ReamedBone& bone, const ColumnMap& map, const ReamedFace& face,
                              const BoneAxes& axes);
 
-/// Thickness of the dense bone under the reamed face, along the normal of the face, until the density falls below the
-/// threshold. Less than about half a voxel counts as none.
+/// Thickness of the dense bone under the reamed face, along its normal. Less than about half a voxel counts as none.
 struct RemainingDenseBone {
   double mean_mm = 0;
   double least_mm = 0;
@@ -143,11 +122,10 @@ std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, c
 struct Perforation {
   int holes = 0;
   double area_mm2 = 0;  ///< of the holes: reamed through, surrounded by bone
-  /// Reamed through within kFaceEdgeVoxels of the edge of the bone, or connected to it. The bone has an edge to air,
-  /// and where the surface beside it lies below all removed bone.
+  /// Reamed through within face_edge_columns() of the edge of the bone, or connected to it. The bone has an edge to
+  /// air, and where the surface beside it lies below all removed bone.
   double rim_area_mm2 = 0;
 };
-Perforation find_perforation(const ColumnMap& map, double voxel_mm);
 
 /// Removed volume, mm³. Bone below MetricSettings::dense_g_cm3 is trabecular.
 struct RemovedVolume {
@@ -164,8 +142,8 @@ struct AxialDepth {
   double area_mm2 = 0;  ///< reamed area, projected along the axis
 };
 
-/// Orientation of the planes fitted to the reamed columns, before and after. A plane through a part of a bowl tilts
-/// with that part: it does not show the orientation of the face (see FaceOrientation).
+/// Orientation of the planes fitted to the reamed columns. A plane through a part of a bowl tilts with that part: it
+/// does not show the orientation of the face (see FaceOrientation).
 struct PlaneOrientation {
   std::optional<FaceAngles> before;  ///< in the scapular frame
   std::optional<FaceAngles> after;   ///< likewise
@@ -173,23 +151,19 @@ struct PlaneOrientation {
   double turned_deg = 0;             ///< the angle between the planes
 };
 
-/// Reaming a smaller fraction of a face does not change its orientation.
-inline constexpr double kMinReamedFraction = 0.5;
-
 /// Orientation of the face, by the axes of JointLine.
 struct FaceOrientation {
   Measured<FaceAngles> native;       ///< in the scapular frame
   Measured<FaceAngles> reamed;       ///< likewise
   std::optional<FaceAngles> reamer;  ///< of the reamer's axis, likewise
   /// Native − reamed: positive where retroversion or superior tilt decreased. In the glenoid frame if there is no
-  /// scapular frame. Missing where less than kMinReamedFraction of the face was reamed.
+  /// scapular frame. Missing where less than half of the face was reamed.
   Measured<FaceAngles> corrected;
   std::optional<double> turned_deg;  ///< the angle between both axes
   std::optional<PlaneOrientation> planes;
 };
 
-/// The back of an implant over its footprint, in the frame I of the implant: origin at the apex of the plain back, +z
-/// out of the bone, +y superior; mm.
+/// The back of an implant in its frame I, mm: origin at the apex of the plain back, +z out of the bone, +y superior.
 class ImplantShape {
  public:
   explicit ImplantShape(const ImplantSettings& settings);
@@ -223,9 +197,8 @@ class ImplantShape {
   Vec3 wedge_center_mm_ = Vec3::Zero();  ///< of the rotated sphere
 };
 
-/// The pose of an implant before it is seated: its apex at `center_mm`. +y is the superior direction (of the settings,
-/// else of the glenoid or scapular frame, else +y of the settings' frame) projected across the axis. nullopt for a
-/// glenoid frame that is unknown.
+/// The pose of an implant before it is seated: its apex at `center_mm`, +y superior (of the settings, else of the
+/// glenoid or scapular frame, else +y of the settings' frame). nullopt where its glenoid frame is unknown.
 std::optional<Rigid> implant_pose(const ImplantSettings& settings, const Rigid& bone_from_tool, const BoneAxes& axes);
 
 /// A column under the footprint of an implant.
@@ -236,7 +209,6 @@ struct FootprintColumn {
   bool hole = false;   ///< reamed through, surrounded by bone
 };
 
-/// An implant on the bone.
 struct SeatedImplant {
   ColumnMap map;                                ///< along the axis, in the frame of the implant before it is seated
   double apex_mm = 0;                           ///< z of the seated apex in the map
@@ -250,15 +222,13 @@ struct SeatedImplant {
   [[nodiscard]] double column_mm2() const { return map.pitch_mm * map.pitch_mm; }
 };
 
-/// Single voxels that project from the face do not support an implant.
-inline constexpr double kYieldingFraction = 0.01;
 /// Bone further below the back of an implant than this does not lie under it: the implant projects beyond the bone.
 inline constexpr double kOverhangDepth_mm = 5;
 
-/// Translates an implant from `bone_from_implant` along its axis until the highest kYieldingFraction of its footprint
-/// has yielded; without ImplantSettings::seat it stays there. The footprint is its outline, or without one the reamed
-/// face as seen along the axis. In an outline, unreamed bone supports the implant, and the core of a cannulated reamer
-/// is excluded. nullopt where the footprint contains no bone.
+/// Translates an implant along its axis until the highest percent of its footprint has yielded; without
+/// ImplantSettings::seat it stays there. The footprint is its outline, or without one the reamed face. In an outline,
+/// unreamed bone supports the implant, but no core of a cannulated reamer. nullopt where the footprint contains no
+/// bone.
 std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& bone_from_implant,
                                            const ImplantShape& shape, const ImplantSettings& settings);
 
@@ -277,20 +247,18 @@ struct Seating {
 Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, const ImplantSettings& settings,
                         double dense_g_cm3);
 
-/// The bone around a peg of a seated implant. Its wall ends at the outer surface of the bone: air below the back of the
-/// implant, but not the gap between back and bone, through which the peg enters.
+/// The bone around a peg of a seated implant. Its wall ends at the outer surface of the bone, of which the gap between
+/// back and bone, through which the peg enters, is no part.
 struct PegWall {
   double length_mm = 0;      ///< of the axis below the back of the implant
   double in_bone_mm = 0;     ///< length of the axis over which the whole circumference lies in bone
   double perforated_mm = 0;  ///< length of the axis over which the circumference leaves the outer surface of the bone
-  /// Least distance from the surface of the capsule to the outer surface; 0 where it perforates. nullopt where no part
-  /// of the peg lies below the back.
+  /// From the surface of the capsule to the outer surface; 0: perforated. nullopt where no part lies below the back.
   std::optional<double> least_wall_mm;
 };
 
-/// Remaining bone of the vault under the footprint of an implant. The vault reaches ImplantSettings::vault_depth_mm
-/// below the unreamed surface, along the axis of the implant, and ends at the first air. Holes for pegs are not
-/// subtracted.
+/// Remaining bone under the footprint of an implant, to ImplantSettings::vault_depth_mm below the unreamed surface
+/// along its axis or the first air. Holes for pegs are not subtracted.
 struct Vault {
   double before_mm3 = 0;                ///< before reaming
   double left_mm3 = 0;                  ///< below the back of the implant
@@ -303,11 +271,10 @@ struct Planning {
   Rigid bone_from_implant = Rigid::Identity();  ///< of the seated implant
   Measured<FaceAngles> native;                  ///< of the face before reaming, in the scapular frame
   Measured<FaceAngles> planned;                 ///< of the axis of the implant, likewise
-  /// Native − planned: positive where retroversion or superior tilt decreases. In the glenoid frame if there is no
-  /// scapular frame.
+  /// Native − planned: positive where retroversion or superior tilt decreases. In the scapular, else the glenoid frame.
   Measured<FaceAngles> corrected;
-  /// Along the Friedman axis, from the native face to the articular surface: the plain back of the implant translated
-  /// along its axis by ImplantSettings::thickness_mm. Positive is medial.
+  /// Along the Friedman axis, from the native face to the articular surface, which is the plain back of the implant
+  /// translated along its axis by ImplantSettings::thickness_mm. Positive is medial.
   Measured<double> medialization_mm;
   Seating seating;
   Vault vault;
@@ -318,7 +285,6 @@ struct Planning {
 std::optional<Planning> measure_planning(const ReamedBone& bone, const Rigid& bone_from_tool, const JointLine& line,
                                          const BoneAxes& axes, const MetricSettings& settings);
 
-/// Measurements of the reamed bone.
 struct BoneMetrics {
   RemovedVolume removed;
   // The following are missing if no column lost bone.
@@ -336,9 +302,6 @@ RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3);
 /// `bone_from_tool`: the deepest pose of the tool; depths are measured along its −z.
 BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, const BoneAxes& axes,
                          const MetricSettings& settings);
-
-/// Margin around the reamed region on a depth map, mm.
-inline constexpr double kDepthMapMargin_mm = 6;
 
 /// The depth map: columns along −z of the glenoid frame, or else of the deepest pose of the tool.
 ColumnMap depth_map(const ReamedBone& bone, const std::optional<GlenoidFrame>& glenoid, const Rigid& bone_from_tool);

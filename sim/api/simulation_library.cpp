@@ -11,7 +11,7 @@
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/shipped.h"
-#include "sim/tool/key_track.h"
+#include "sim/tool/motion.h"
 
 namespace reamsim {
 

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -24,12 +23,9 @@ namespace reamsim {
 namespace {
 
 constexpr std::size_t kBufferBytes = 1 << 16;
-/// Place of a column that is missing.
-constexpr std::size_t kMissing = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kMissing = std::numeric_limits<std::size_t>::max();  // place of a column
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 30;
-/// Lines are limited, so that a binary file is not read into memory.
-constexpr std::size_t kMostLine = 1 << 16;
-
+constexpr std::size_t kMostLine = 1 << 16;  // so that a binary file is not read into memory
 constexpr std::string_view kBlank = " \t\r";
 
 std::string_view trimmed(std::string_view text) {
@@ -56,8 +52,7 @@ std::optional<double> number_of(std::string_view cell, bool decimal_comma) {
 
 /// What trackers write where they have lost sight.
 bool is_missing(std::string_view cell) {
-  std::string word(cell);
-  std::ranges::transform(word, word.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string word = lower_case(std::string(cell));
   return word.empty() || word == "nan" || word == "missing";
 }
 
@@ -255,7 +250,7 @@ CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::io
     : path_(path), columns_(1 + static_cast<std::size_t>(std::ranges::count(header, ','))) {
   out_.rdbuf()->pubsetbuf(nullptr, 0);  // rows_ is the buffer
   out_.open(path, mode | std::ios::binary);
-  check();
+  if (!out_) fail_to_write(path);
 }
 
 CsvWriter::CsvWriter(const std::string& path, const std::string& header)
@@ -267,8 +262,7 @@ CsvWriter::CsvWriter(const std::string& path, const std::string& header)
 CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes)
     : CsvWriter(path, header, std::ios::app) {
   std::error_code error;
-  const bool complete = std::filesystem::file_size(path, error) >= bytes && !error;
-  if (!complete) {
+  if (!(std::filesystem::file_size(path, error) >= bytes && !error)) {
     throw InputError({path, 0, 0}, "", "is shorter than when the checkpoint was written",
                      "start again with --overwrite");
   }
@@ -308,26 +302,18 @@ void CsvWriter::write_rows() {
 
 void CsvWriter::flush() {
   write_rows();
-  check();
+  if (!out_) fail_to_write(path_);
 }
 
 std::uintmax_t CsvWriter::sync() {
   flush();
   sync_to_disk(path_);
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(path_, error);
-  if (error) fail_to_write(path_);
-  return bytes;
+  return whole_bytes_;
 }
 
 void CsvWriter::close() {
   flush();
-  out_.close();
-  check();
-}
-
-void CsvWriter::check() const {
-  if (!out_) fail_to_write(path_);
+  close_file(out_, path_);
 }
 
 }  // namespace reamsim

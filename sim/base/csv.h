@@ -15,14 +15,12 @@
 
 namespace reamsim {
 
-/// A column of a CSV file.
 struct CsvColumn {
   std::string name;        ///< in the header; of a column with a number: for messages
   std::size_t number = 0;  ///< from 1; 0: the column is found by its name
   bool may_be_missing = false;
 };
 
-/// How a CSV file is laid out.
 struct CsvLayout {
   std::vector<CsvColumn> columns;
   char separator = ',';        ///< ' ': any number of blanks and tabulators
@@ -37,7 +35,6 @@ struct CsvLayout {
 /// all have numbers, it is one if none of these columns has a number there.
 class CsvReader {
  public:
-  /// A place between rows.
   struct Place {
     std::int64_t byte = 0;
     int line = 0;  ///< read before it
@@ -55,9 +52,7 @@ class CsvReader {
   /// or more cells than in the header, not a finite number, a line of more than 64 kB.
   bool next(std::vector<double>& values, std::string_view may_be_empty = {});
 
-  /// The location of the row read last.
   [[nodiscard]] SourceLocation where() const { return {path_, line_, 0}; }
-  /// Names of the columns that are skipped.
   [[nodiscard]] const std::vector<std::string>& skipped() const { return skipped_; }
   [[nodiscard]] Place place() const { return pending_ ? before_ : Place{byte_, line_}; }
   /// Goes on at a place that place() has returned. Only where the file is a regular one.
@@ -87,12 +82,10 @@ class CsvReader {
   int line_ = 0;
 };
 
-/// The header line of a file, without the byte order mark that spreadsheets write. Throws InputError as
-/// refuse_other_separator().
+/// The header line of a file without its byte order mark. Throws InputError as refuse_other_separator().
 std::string csv_header(std::string line, const SourceLocation& where);
 
-/// Throws InputError where semicolons or tabulators separate the cells of a line, as spreadsheets of many countries
-/// write them: it has no comma.
+/// Throws InputError where semicolons or tabulators instead of commas separate the cells of a line.
 void refuse_other_separator(std::string_view line, const SourceLocation& where);
 
 /// The cells of a line, without blanks and quotes around them. `separator`: see CsvLayout.
@@ -109,8 +102,7 @@ class CsvWriter {
  public:
   /// Throws RunError when the file cannot be created.
   CsvWriter(const std::string& path, const std::string& header);
-  /// Continues a file that sync() said has `bytes` bytes; what follows them is removed. Throws InputError
-  /// where it is shorter, RunError where it cannot be written.
+  /// Continues a file of `bytes` bytes, by sync(); what follows is removed. Throws InputError where it is shorter.
   CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes);
   ~CsvWriter();
   CsvWriter(const CsvWriter&) = delete;
@@ -129,7 +121,6 @@ class CsvWriter {
   void flush();
   /// Writes rows_; where that fails, the file ends with its last whole row.
   void write_rows();
-  void check() const;
 
   std::string path_;
   std::ofstream out_;

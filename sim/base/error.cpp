@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <new>
-#include <string>
 #include <tuple>
-#include <utility>
 
 #include "sim/base/process.h"
 

@@ -9,8 +9,7 @@
 
 namespace reamsim {
 
-/// Why the status of a path is unknown, for example "Permission denied" below a folder without search permission; "" if
-/// the path exists or does not exist.
+/// Why the status of a path is unknown ("Permission denied"); "" if the path exists or does not exist.
 std::string unreachable_reason(const std::string& path);
 
 /// The content of a file. `expected` says what it should be. Throws InputError when it cannot be read.

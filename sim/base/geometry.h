@@ -47,8 +47,8 @@ struct Aabb {
   }
 };
 
-/// The glenoid frame G: origin at the glenoid centre, +z out of the bone along the face normal, +y superior,
-/// right-handed. Lengths in mm.
+/// The glenoid frame G, mm, right-handed: origin at the glenoid centre, +z out of the bone along its normal, +y
+/// superior.
 struct GlenoidFrame {
   Rigid bone_from_glenoid = Rigid::Identity();
 };
@@ -84,8 +84,7 @@ struct QrSolution {
 };
 QrSolution solve_qr(const Mat4& a, const Vec4& b);
 
-/// Eigenvalues of a symmetric matrix in ascending order, and their eigenvectors of length 1 as columns in the same
-/// order.
+/// Ascending eigenvalues of a symmetric matrix, and their eigenvectors of length 1 as columns in the same order.
 struct SymmetricEigen2 {
   Vec2 values;
   Mat2 vectors;

@@ -15,23 +15,12 @@
 #include <cstdlib>  // defines __GLIBC__
 #include <cstring>
 #include <fstream>
+#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 
 namespace reamsim {
-
-namespace {
-
-void add_descriptor(posix_spawn_file_actions_t& actions, int from, int to) {
-  if (from >= 0) {
-    posix_spawn_file_actions_adddup2(&actions, from, to);
-  } else {
-    posix_spawn_file_actions_addopen(&actions, to, "/dev/null", to == STDIN_FILENO ? O_RDONLY : O_WRONLY, 0);
-  }
-}
-
-}  // namespace
 
 MemoryFile::MemoryFile(const std::string& purpose) : descriptor_(memfd_create("reamsim", MFD_CLOEXEC)) {
   if (descriptor_ < 0) throw RunError("no memory for " + purpose + ": " + std::strerror(errno));
@@ -57,9 +46,14 @@ int spawn(ChildCommand command, pid_t& child) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   if (!command.dir.empty()) posix_spawn_file_actions_addchdir_np(&actions, command.dir.c_str());
-  add_descriptor(actions, command.in, STDIN_FILENO);
-  add_descriptor(actions, command.out, STDOUT_FILENO);
-  add_descriptor(actions, command.err, STDERR_FILENO);
+  for (const auto& [from, to] : {std::pair(command.in, STDIN_FILENO), std::pair(command.out, STDOUT_FILENO),
+                                 std::pair(command.err, STDERR_FILENO)}) {
+    if (from >= 0) {
+      posix_spawn_file_actions_adddup2(&actions, from, to);
+    } else {
+      posix_spawn_file_actions_addopen(&actions, to, "/dev/null", to == STDIN_FILENO ? O_RDONLY : O_WRONLY, 0);
+    }
+  }
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none;

@@ -27,8 +27,7 @@ std::string shortest_text(double value);
 
 std::size_t text_width(const std::string& text);
 
-/// The lines of a table of text: the first column is left-aligned, the others right-aligned. No row has more cells than
-/// the first.
+/// The lines of a table: the first column left-aligned, the others right-aligned. No row is longer than the first.
 std::vector<std::string> align_columns(const std::vector<std::vector<std::string>>& rows);
 
 /// The parts of a text between separators, empty ones too: at least one.

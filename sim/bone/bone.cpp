@@ -8,7 +8,7 @@
 
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 
@@ -37,16 +37,6 @@ bool copy_brick(const Voxmap& from, const Vec3i& shift, const Vec3i& brick_coord
     any = any || grade != 0;
   }
   return any;
-}
-
-void copy_fill_within(const VoxelBox& box, const FillBricks& from, const Vec3i& shift, FillBricks& to) {
-  from.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
-    for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
-      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      if (!box.contains(voxel)) continue;
-      to.set(voxel - shift, fill[static_cast<std::size_t>(offset)]);
-    }
-  });
 }
 
 /// A drilled cylinder in the frame B.
@@ -98,20 +88,7 @@ std::uint16_t fill_beside(const Hole& hole, const VoxelGrid& grid, const Vec3i& 
   return static_cast<std::uint16_t>(std::lround(fraction * FillBricks::kWhole));
 }
 
-/// Limits the fill of a voxel to `most`; returns the removed fill.
-int limit_fill(FilledVoxmap& voxmap, const Vec3i& voxel, std::uint16_t most) {
-  const int before = voxmap.fill.get(voxel);
-  if (before <= most) return 0;
-  if (most == 0) {
-    voxmap.grade.set(voxel, 0);
-  } else {
-    voxmap.fill.set(voxel, most);
-  }
-  return before - most;
-}
-
-/// Directions closer than about half a degree do not determine the third axis.
-constexpr double kMinSine = 0.01;
+constexpr double kMinSine = 0.01;  // directions closer than about half a degree do not determine the third axis
 
 Vec3 unit(const Vec3& v, const std::string& key) {
   const double length = v.norm();
@@ -177,7 +154,12 @@ FilledVoxmap fit_to_bone(const BoneView& bone, int margin_voxels) {
     return copy_brick(voxmap, shift, brick_coord, brick);
   });
   out.fill = FillBricks(dims);
-  copy_fill_within(extent, bone.fill, shift, out.fill);
+  bone.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
+    for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      if (extent.contains(voxel)) out.fill.set(voxel - shift, fill[static_cast<std::size_t>(offset)]);
+    }
+  });
   out.mapping = voxmap.mapping;
   out.layers = voxmap.layers;
   out.frame = voxmap.frame;
@@ -196,7 +178,15 @@ double drill_pilot_hole(FilledVoxmap& voxmap, const PilotHoleSettings& settings,
   std::int64_t drilled = 0;
   for_each_voxel(low.cast<int>().matrix(), high.cast<int>().matrix(), [&](const Vec3i& voxel) {
     if (voxmap.grade.get(voxel) == 0) return;
-    drilled += limit_fill(voxmap, voxel, fill_beside(hole, grid, voxel, partial));
+    const std::uint16_t most_fill = fill_beside(hole, grid, voxel, partial);
+    const int before = voxmap.fill.get(voxel);
+    if (before <= most_fill) return;
+    drilled += before - most_fill;
+    if (most_fill == 0) {
+      voxmap.grade.set(voxel, 0);
+    } else {
+      voxmap.fill.set(voxel, most_fill);
+    }
   });
   return static_cast<double>(drilled) / FillBricks::kWhole * grid.voxel_mm3();
 }

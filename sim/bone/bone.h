@@ -43,9 +43,8 @@ struct Bone {
 /// unreadable, open or non-manifold (unless `repair`), a failed repair, no volume, absurdly large.
 FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Diagnostics& report, const StageSink& stages = {});
 /// A generated bone in the frame "phantom". Blocks have their top face at z = 0; the sphere has its centre at the
-/// origin. The glenoid has the axes of a patient (left: +x lateral, right: −x lateral; +y posterior; +z superior), the
-/// centre of its native face at the origin, and landmarks beyond the modelled bone. Throws InputError: inconsistent
-/// shapes, absurdly large.
+/// origin; the glenoid has the axes of a patient (left: +x lateral, right: −x lateral; +y posterior; +z superior), its
+/// native face at the origin, and landmarks beyond the bone. Throws InputError: inconsistent shapes, absurdly large.
 Bone bone_from_phantom(const BoneSettings& settings, Diagnostics& report);
 
 /// Removes the voxels whose centre lies in the hole, or with `partial` the part of each voxel in the hole; returns the
@@ -53,16 +52,13 @@ Bone bone_from_phantom(const BoneSettings& settings, Diagnostics& report);
 double drill_pilot_hole(FilledVoxmap& voxmap, const PilotHoleSettings& hole, const std::optional<GlenoidFrame>& glenoid,
                         bool partial = false);
 
-/// Changes the lattice so that it surrounds the bone with a margin of `margin_voxels`, and its dimensions are multiples
-/// of 8 (whole bricks). Throws InputError without bone.
+/// Fits the lattice, of whole bricks, to the bone with a margin of `margin_voxels`. Throws InputError without bone.
 FilledVoxmap fit_to_bone(const BoneView& bone, int margin_voxels);
 
 /// The glenoid frame of the scenario, from centre/normal/superior or from landmarks; nullopt without either, and where
-/// the face must be found (find_glenoid.h). `superior` is projected perpendicular to the normal. With landmarks the
-/// normal is the Friedman axis (trigonum spinae to glenoid centre, lateral), and superior lies in the scapular plane,
-/// away from the inferior angle. The frame is right-handed on both sides: +x is posterior on a left scapula, anterior
-/// on a right one. Throws InputError: an incomplete set, zero or parallel directions, collinear landmarks, an unknown
-/// side.
+/// the face must be found (find_glenoid.h). With landmarks the normal is the Friedman axis, and superior lies in the
+/// scapular plane. The frame is right-handed: +x is posterior on a left scapula, anterior on a right one. Throws
+/// InputError: an incomplete set, zero or parallel directions, collinear landmarks, an unknown side.
 std::optional<GlenoidFrame> glenoid_frame(const GlenoidSettings& settings, BodySide side);
 
 /// The scapular axes if the normal of the frame is the Friedman axis. An unknown side counts as left.

@@ -42,8 +42,7 @@ inline double smooth_intersection(double a, double b, double blend_mm) {
   return -smooth_union(-a, -b, blend_mm);
 }
 
-/// Outline of two circles and their outer tangents, exact distance. Circle `low` about (0, low_y), circle `high` about
-/// (0, high_y > low_y).
+/// Exact distance from two circles about (0, low_y) and (0, high_y > low_y) and their outer tangents.
 inline double pear(double x, double y, double low_y, double low_radius, double high_y, double high_radius) {
   const double across = std::abs(x);
   const double up = y - low_y;

@@ -7,28 +7,25 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 
-#include "sim/base/error.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/mesh_source.h"
 #include "sim/bone/phantom.h"
 #include "sim/bone/vdb/grids.h"
 #include "sim/bone/voxmap/cube_fraction.h"
-#include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/mesh/mesh_repair.h"
+#include "sim/bone/voxmap/voxmap.h"
+#include "sim/mesh/mesh_check.h"
 #include "sim/mesh/winding.h"
 
 namespace reamsim {
 
 namespace {
 
-/// Where the columns of voxels along z lie inside a mesh: where its winding number (winding.h) is more than 0.
-/// Overlaps, doubled faces and surfaces within the solid change nothing. The edges of the mesh must cancel
-/// (holes_of()).
+/// Where the columns of voxels along z lie inside a mesh: where its winding number is more than 0. Overlaps, doubled
+/// faces and surfaces within the solid change nothing. The edges of the mesh must cancel (holes_of()).
 class InsideColumns {
  public:
   InsideColumns(const TriangleMesh& mesh, const VoxelGrid& grid)
@@ -130,67 +127,38 @@ TriangleMesh boundary_of_inside(const TriangleMesh& mesh, double edge_mm) {
   return out;
 }
 
-/// A distance interpolated between its samples.
+/// A distance interpolated between its samples: at `fraction` spacings beyond the sample `lower`.
+template <class Samples>
+double value_between(const Samples& distance, const Vec3i& lower, const Vec3& fraction) {
+  double sum = 0;
+  for_each_trilinear_weight(fraction, [&](const Vec3i& step, double weight) {
+    const Vec3i at = lower + step;
+    sum += weight * double{distance.getValue({at.x(), at.y(), at.z()})};
+  });
+  return sum;
+}
+
+/// The same at the coordinates of samples.
 struct DistanceBetween {
   const openvdb::FloatTree& distance;
 
   [[nodiscard]] double operator()(const Vec3& index) const {
     const Vec3 base = index.array().floor();
-    double sum = 0;
-    for_each_trilinear_weight(index - base, [&](const Vec3i& step, double weight) {
-      const Vec3i at = base.cast<int>() + step;
-      sum += weight * double{distance.getValue({at.x(), at.y(), at.z()})};
-    });
-    return sum;
+    return value_between(distance, base.cast<int>(), index - base);
   }
 };
 
-/// The least number of samples across a layer.
-constexpr double kSamplesInLayer = 5;
+constexpr double kSamplesInLayer = 5;  // the least number of samples across a layer
 /// Every voxel is sampled down to this depth, voxels, where the samples below are further apart.
 constexpr double kNearVoxels = 3;
-/// Sampled beyond the layer, so that its end lies between samples.
-constexpr double kBeyond = 2;
-
-/// The samples around a brick, for linear interpolation at its voxels.
-class SamplesAround {
- public:
-  SamplesAround(const openvdb::FloatTree& samples, const Vec3i& first_voxel, int ratio)
-      : ratio_(ratio), first_(first_voxel / ratio) {
-    for_each_voxel(Vec3i::Constant(kSide), [&](const Vec3i& v) {
-      const Vec3i at = first_ + v;
-      values_[place(v)] = samples.getValue({at.x(), at.y(), at.z()});
-    });
-  }
-
-  /// The distance at a voxel of the brick, voxels.
-  [[nodiscard]] float at(const Vec3i& voxel) const {
-    const Vec3i lower = voxel / ratio_;
-    const Vec3 fraction = (voxel - ratio_ * lower).cast<double>() / ratio_;
-    double sum = 0;
-    for_each_trilinear_weight(fraction, [&](const Vec3i& step, double weight) {
-      sum += weight * double{values_[place(lower - first_ + step)]};
-    });
-    return static_cast<float>(ratio_ * sum);
-  }
-
- private:
-  static constexpr int kSide = BrickLattice::kSide / 2 + 1;  // samples are at least two voxels apart
-
-  static std::size_t place(const Vec3i& v) { return static_cast<std::size_t>(v.x() + kSide * (v.y() + kSide * v.z())); }
-
-  int ratio_;
-  Vec3i first_;
-  std::array<float, std::size_t{kSide} * kSide * kSide> values_{};
-};
+constexpr double kBeyond = 2;  // sampled beyond the layer, so that its end lies between samples
 
 /// Signed distance of voxel centres from a closed mesh, voxels, negative inside. Near the surface it is sampled at
 /// every voxel. Where a layer is many voxels thick, the distance below that is interpolated linearly between samples
 /// some voxels apart: a band of all voxels down to 1.5 mm takes most of the time and the memory of loading a fine bone.
 class MeshDepth {
  public:
-  /// `layer_voxels`: depth to which distances are needed. `inside`: what lies inside, for a mesh that is not clean.
-  /// Throws InputError where the mesh cannot be sampled.
+  /// `layer_voxels`: the depth of the distances. `inside`: for a mesh that is not clean. Throws InputError.
   MeshDepth(const std::string& path, const TriangleMesh& mesh, const VoxelGrid& grid, double layer_voxels,
             const InsideColumns* inside = nullptr)
       : ratio_(std::max(1, static_cast<int>(layer_voxels / kSamplesInLayer))) {
@@ -223,7 +191,6 @@ class MeshDepth {
 
   /// Distances near the surface, by voxel; constant outside and below.
   [[nodiscard]] const openvdb::FloatTree& near_surface() const { return near_->tree(); }
-  /// Whether distances below are interpolated.
   [[nodiscard]] bool interpolated() const { return ratio_ > 1; }
   /// The interpolated distance at voxel coordinates, below the surface.
   [[nodiscard]] double below(const Vec3& voxel) const {
@@ -239,14 +206,15 @@ class MeshDepth {
     const openvdb::Coord corner(first.x(), first.y(), first.z());
     const Leaf* leaf = near_->tree().probeConstLeaf(corner);
     const float all = leaf == nullptr ? near_->tree().getValue(corner) : 0;
-    std::optional<SamplesAround> samples;
+    const openvdb::tree::ValueAccessor<const openvdb::FloatTree, false> deep(deep_->tree());
     for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
       const Vec3i v = BrickLattice::voxel_at(Vec3i::Zero(), offset);
       float& distance = out[static_cast<std::size_t>(offset)];
       distance = leaf == nullptr ? all : leaf->getValue(Leaf::coordToOffset({v.x(), v.y(), v.z()}));
       if (!interpolated() || distance > -kNearVoxels) continue;
-      if (!samples) samples.emplace(deep_->tree(), first, ratio_);
-      distance = samples->at(first + v);
+      const Vec3i voxel = first + v, lower = voxel / ratio_;
+      const Vec3 fraction = (voxel - ratio_ * lower).cast<double>() / ratio_;
+      distance = static_cast<float>(ratio_ * value_between(deep, lower, fraction));
     }
   }
 
@@ -349,8 +317,7 @@ FilledVoxmap voxmap_of(const MeshDepth& depth, const BoneSettings& settings, con
   return out;
 }
 
-/// The voxels of a bone. A clean surface is filled from outside; one that is not, or that overlaps itself, by winding
-/// numbers.
+/// A clean surface is filled from outside; one that is not, or that overlaps itself, by winding numbers.
 FilledVoxmap filled_voxmap(const BoneSettings& settings, const BoneMesh& source, const VoxelGrid& grid,
                            const GradesByDepth& by_depth, const StageSink& stages, Diagnostics& report) {
   if (source.was_clean) {

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "sim/mesh/mesh_check.h"
-#include "sim/mesh/mesh_repair.h"
 #include "sim/mesh/winding.h"
 
 namespace reamsim {
@@ -42,10 +41,8 @@ struct LengthRange {
   [[nodiscard]] bool contains(double mm) const { return mm >= least_mm && mm <= most_mm; }
 };
 
-/// From an isolated glenoid to a long bone with a glenoid.
-constexpr LengthRange kBoneWithGlenoid{20, 400};
-/// Without a glenoid frame; beyond this the unit is probably wrong.
-constexpr LengthRange kAnySolid{10, 400};
+constexpr LengthRange kBoneWithGlenoid{20, 400};  // from an isolated glenoid to a long bone with a glenoid
+constexpr LengthRange kAnySolid{10, 400};         // without a glenoid frame; beyond this the unit is probably wrong
 /// Superior to inferior, of an adult; for the estimate of a scale if no unit fits.
 constexpr double kScapula_mm = 150;
 constexpr LengthRange kScapulas{100, 220};
@@ -100,11 +97,6 @@ void require_length(const std::string& path, double length_mm, double scale, con
       scale_advice(length_mm / scale, what_to_set));
 }
 
-/// Whether a solid of this length is likely to be given in the right unit.
-bool is_likely_length(const Aabb& bounds_mm) {
-  return kAnySolid.contains(length_of(bounds_mm));
-}
-
 /// Throws InputError if the longest side of a bone with a glenoid frame is not 20 to 400 mm: the mesh has another unit.
 /// Without a frame any solid may be reamed, and a size beyond 10 to 400 mm is a warning.
 void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scale, bool has_glenoid,
@@ -112,13 +104,12 @@ void check_mesh_unit(const std::string& path, const Aabb& bounds_mm, double scal
   constexpr const char* kSetScale = "set bone.mesh.scale";
   const double length_mm = length_of(bounds_mm);
   if (has_glenoid) return require_length(path, length_mm, scale, kSetScale);
-  if (is_likely_length(bounds_mm)) return;
+  if (kAnySolid.contains(length_mm)) return;
   report.warn(fmt::format("{}: the mesh is {:.3g} mm long; if that is wrong, {}", path, length_mm,
                           scale_advice(length_mm / scale, kSetScale)));
 }
 
-/// Warns where the points of the scenario that lie on the bone are outside the mesh, and would lie in its box after a
-/// half turn.
+/// Warns where the points of the scenario lie outside the mesh, and would lie in its box after a half turn.
 void warn_of_half_turn(const GlenoidSettings& glenoid, const Aabb& mesh_mm, Diagnostics& report) {
   std::vector<Vec3> points_mm = glenoid.rim_mm;
   for (const auto& point : {glenoid.near_mm, glenoid.center_mm}) {
@@ -137,9 +128,8 @@ void warn_of_half_turn(const GlenoidSettings& glenoid, const Aabb& mesh_mm, Diag
       "they or the mesh are in RAS; set bone.mesh.frame, or change the sign of x and y of the points");
 }
 
-/// Drops doubled triangles, turns the others alike, closes the holes, and says what was found and done. Returns the
-/// number of triangles before the holes were closed, which are the first ones. Throws InputError where that cannot be
-/// done, or must not.
+/// Drops doubled triangles, turns the others alike, closes the holes, and reports it. Returns the number of triangles
+/// before the holes were closed, which are the first ones. Throws InputError where it cannot or must not.
 std::size_t close_surface(const MeshBoneSettings& settings, const MeshDiagnosis& found, TriangleMesh& mesh,
                           Diagnostics& report) {
   if (found.inconsistent_edges > 0 && !settings.repair) {
@@ -154,13 +144,13 @@ std::size_t close_surface(const MeshBoneSettings& settings, const MeshDiagnosis&
   }
   const std::vector<MeshHole> holes = holes_of(mesh);
   const double area_mm2 = mesh.area_mm2();
-  const bool small = are_small(holes, area_mm2) && is_likely_length(mesh.bounds());
+  const bool small = are_small(holes, area_mm2) && kAnySolid.contains(length_of(mesh.bounds()));
   if (!settings.repair && !holes.empty() && !small) {
-    refuse_file(settings.path,
-                "not a closed surface: " + found.text() + "; " + text_of(holes, area_mm2) +
-                    fmt::format(", where {:g} mm and {:g} % are read as they are", HoleLimits::kMostWidth_mm,
-                                100 * HoleLimits::kMostOfArea),
-                "give a closed, two-manifold mesh: repair it, or set bone.mesh.repair: true");
+    refuse_file(
+        settings.path,
+        "not a closed surface: " + found.text() + "; " + text_of(holes, area_mm2) +
+            fmt::format(", where {:g} mm and {:g} % are read as they are", kSmallHoleWidth_mm, 100 * kSmallHoles),
+        "give a closed, two-manifold mesh: repair it, or set bone.mesh.repair: true");
   }
   const std::size_t before = mesh.triangles.size();
   close_holes(mesh, holes, done);

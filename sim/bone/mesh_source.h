@@ -18,10 +18,9 @@ struct BoneMesh {
   bool was_clean = true;  ///< nothing was closed, dropped or turned
 };
 
-/// Reads the mesh of the scenario, and notes its frame, size and state. Holes that are small (HoleLimits) are closed
-/// with a warning, larger ones on request (bone.mesh.repair). Throws InputError, the unit before the holes: unreadable,
-/// wrong unit for a bone with a glenoid, larger holes, triangles that cannot be oriented alike, no volume, a repair
-/// that changes the volume by more than the scenario allows.
+/// Reads the mesh of the scenario, and notes its frame, size and state. Small holes (are_small()) are closed with a
+/// warning, larger ones on request (bone.mesh.repair). Throws InputError: unreadable, wrong unit for a bone with a
+/// glenoid, larger holes, triangles that cannot be oriented alike, no volume, a repair that changes too much volume.
 BoneMesh read_bone_mesh(const BoneSettings& settings, Diagnostics& report);
 
 /// Brings the vertices of a mesh into LPS, and notes in which frame it was read and why; warns where key and header
@@ -33,7 +32,6 @@ void bring_into_lps(MeshContents& contents, MeshFrame asked, const std::string& 
 /// Whether boxes that do not meet would after a half turn about z of one of them.
 bool meet_after_half_turn_only(const Aabb& a, const Aabb& b);
 
-/// What is known of the unit of a mesh.
 struct FoundScale {
   double scale = 1;      ///< file units to mm
   std::string unit;      ///< "metres"
@@ -45,8 +43,7 @@ struct FoundScale {
 /// unknown unit; then with the scales that would fit, after the words `what_to_set`.
 FoundScale find_scale_of(const std::string& path, const std::string& what_to_set);
 
-/// Throws InputError where, with this scale, the mesh is not 20 to 400 mm long, as a bone with a glenoid is; with the
-/// scales that would fit, after the words `what_to_set`.
+/// Throws InputError where, with this scale, the mesh is not 20 to 400 mm long, as find_scale_of().
 void require_scale(const std::string& path, double scale, const std::string& what_to_set);
 
 }  // namespace reamsim

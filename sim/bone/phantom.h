@@ -17,10 +17,8 @@
 namespace reamsim {
 
 /// The articular face of the parametric glenoid. Balls remove bone: one with the radius of the native face and, for
-/// wear, one with that of the humeral head. All figures of the face therefore have closed forms (docs/glenoid.md).
-///
-/// Anatomical coordinates, mm, origin at the centre of the native face: (lateral, superior, anterior). Lateral is the
-/// Friedman axis, from the trigonum spinae to the centre of the glenoid.
+/// wear, one with that of the humeral head. Its figures therefore have closed forms (docs/glenoid.md). Anatomical
+/// coordinates, mm, from the centre of the native face: (lateral, superior, anterior). Lateral is the Friedman axis.
 struct GlenoidFace {
   explicit GlenoidFace(const PhantomSettings& settings);
 
@@ -46,8 +44,8 @@ struct GlenoidFace {
 
   std::vector<Ball> balls;  ///< the native face first, then the worn one
   Mat3 face_from_anatomy;   ///< rows: normal, superior and anterior of the native face
-  /// Of the whole face: the native axis; for a biconcave face that of the line from rim to rim across both parts, the
-  /// intermediate glenoid (Rouleau et al. 2010).
+  /// The native axis; of a biconcave face across the line from rim to rim, the intermediate glenoid (Rouleau et al.
+  /// 2010).
   Vec3 normal;
   Vec3 center_mm = Vec3::Zero();  ///< the intersection of the Friedman axis and the face
   std::optional<Biconcavity> biconcavity;
@@ -58,17 +56,14 @@ double version_of(const Vec3& direction);
 double inclination_of(const Vec3& direction);
 
 /// The parametric glenoid as an implicit solid: a pear-shaped, concave face with an anterior notch and a rounded rim,
-/// the vault that narrows to the neck, and the stumps of coracoid, spine, blade and lateral border. Wear removes bone
-/// from it; a dysplastic glenoid (Walch C) has a rounded posteroinferior rim. All proportions follow from width, height
-/// and radius of the face and from the depth of the vault.
-///
-/// Anatomical coordinates of GlenoidFace. On a right bone they are a mirror image of B.
+/// the vault that narrows to the neck, and the stumps of coracoid, spine, blade and lateral border. All proportions
+/// follow from width, height and radius of the face and from the depth of the vault. Anatomical coordinates of
+/// GlenoidFace, on a right bone a mirror image of B.
 class GlenoidShape {
  public:
   explicit GlenoidShape(const PhantomSettings& settings);
 
-  /// Upper bound of the slope of solid().
-  static constexpr double kMaxSlope = 2.5;
+  static constexpr double kMaxSlope = 2.5;  ///< upper bound of the slope of solid()
 
   /// Negative inside the bone, near its surface about the distance from it. The stumps extend beyond medial_end_mm().
   [[nodiscard]] double solid(const Vec3& point) const;
@@ -124,12 +119,7 @@ class GlenoidShape {
   Aabb bounds_mm_;
 };
 
-/// The parametric glenoid (GlenoidShape): subchondral plate, cortical wall, and trabecular bone whose
-/// density decreases with the distance from the plate, with seeded texture. The glenoid frame is at the centre of the
-/// face, +z along its normal. Notes the orientation of the face in `report`. Throws InputError: a width, face
-/// radius or wear that does not fit the face.
-Bone glenoid_phantom(const BoneSettings& settings, Diagnostics& report);
-/// The same bone on a given lattice, clipped by it. Throws as above.
+/// The bone of bone_from_phantom() for a glenoid, on a given lattice and clipped by it. Throws likewise.
 FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid);
 
 /// Density in g/cm³ at a point of B in mm; kAir without bone. Called from several threads at once.
@@ -157,43 +147,7 @@ DensityMapping mapping_from(const DensitySettings& density);
 /// Throws the InputError of a length in bone.phantom.
 [[noreturn]] void fail_phantom(const std::string& key, double found_mm, const std::string& expected);
 
-namespace noise_detail {
-
-inline std::uint64_t mixed(std::uint64_t bits) {  // finalizer of splitmix64
-  bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  bits = (bits ^ (bits >> 27)) * 0x94D049BB133111EBULL;
-  return bits ^ (bits >> 31);
-}
-
-/// The value at a lattice point: 53 bits mapped to −1…1.
-inline double corner(const Vec3i& c, std::uint32_t seed) {
-  std::uint64_t bits = mixed(seed + 0x9E3779B97F4A7C15ULL);
-  for (int axis = 0; axis < 3; ++axis) bits = mixed(bits ^ static_cast<std::uint32_t>(c[axis]));
-  return static_cast<double>(bits >> 11) * 0x1p-52 - 1;
-}
-
-inline double lerp(double a, double b, double t) {
-  return a + t * (b - a);
-}
-
-}  // namespace noise_detail
-
-/// Smooth noise in −1…1: hashed integers at the corners of a unit lattice, blended with a quintic that has continuous
-/// second derivatives. The same on every machine.
-inline double value_noise(const Vec3& point, std::uint32_t seed) {
-  using noise_detail::corner, noise_detail::lerp;
-  const Vec3 below = point.array().floor();
-  const Vec3i cell = below.cast<int>();
-  const Vec3 t = (point - below).unaryExpr([](double s) { return s * s * s * (s * (6 * s - 15) + 10); });
-  double planes[2];
-  for (int k = 0; k < 2; ++k) {
-    double rows[2];
-    for (int j = 0; j < 2; ++j) {
-      rows[j] = lerp(corner(cell + Vec3i(0, j, k), seed), corner(cell + Vec3i(1, j, k), seed), t.x());
-    }
-    planes[k] = lerp(rows[0], rows[1], t.y());
-  }
-  return lerp(planes[0], planes[1], t.z());
-}
+/// Smooth noise in −1…1: hashed integers on a unit lattice, blended with a quintic. The same on every machine.
+double value_noise(const Vec3& point, std::uint32_t seed);
 
 }  // namespace reamsim

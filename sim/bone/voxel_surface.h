@@ -45,8 +45,7 @@ struct SurfacePatch {
   [[nodiscard]] Vec3 nearest(const Vec3& point) const;
 };
 
-/// Appends the surface of the bone in a voxel: the plane of a partly filled voxel within it (voxel_plane()), and the
-/// faces of a whole one beside which there is no bone.
+/// Appends the surface in a voxel: its plane (voxel_plane()), or the faces of a whole one beside which is no bone.
 void add_surface_patches(const BoneView& bone, const Vec3i& voxel, std::vector<SurfacePatch>& out);
 
 /// Appends the whole surface of the part of a voxel on the inner side of planes, also where bone lies beside it.

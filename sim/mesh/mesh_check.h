@@ -21,7 +21,7 @@ struct EdgeSide {
   std::uint32_t triangle = 0;
 };
 
-/// The edges of all triangles but collapsed ones, sorted by their vertices and then by their triangle.
+/// The edges of all triangles but collapsed ones, by their vertices and then by their triangle.
 std::vector<EdgeSide> sorted_sides(const std::vector<MeshTriangle>& triangles);
 
 /// Calls visit(sides) for each edge with the sides of its triangles.
@@ -71,14 +71,53 @@ struct MeshHole {
 /// The largest area first.
 std::vector<MeshHole> holes_of(const TriangleMesh& mesh);
 
-/// Holes so small that closing them changes no volume to speak of.
-struct HoleLimits {
-  static constexpr double kMostOfArea = 0.005;  ///< of the surface, together
-  static constexpr double kMostWidth_mm = 3;
-};
+/// Whether holes are so small that closing them changes no volume to speak of.
 bool are_small(const std::vector<MeshHole>& holes, double surface_mm2);
+inline constexpr double kSmallHoles = 0.005;  ///< of the surface, together
+inline constexpr double kSmallHoleWidth_mm = 3;
 
 /// "3 holes, 2.1 mm2 (0.01 % of the surface) together, the widest 0.8 mm at (1.0, 2.0, 3.0) mm".
 std::string text_of(const std::vector<MeshHole>& holes, double surface_mm2);
+
+/// A surface of a mesh that shares no vertex with the others.
+struct MeshPiece {
+  double volume_mm3 = 0;  ///< without sign
+  Vec3 centre_mm = Vec3::Zero();
+  bool inside_another = false;  ///< enclosed by another piece
+  bool faces_inwards = false;   ///< its signed volume is negative: right for the wall of a cavity only
+};
+
+/// Turns the triangles of each piece outside the others outwards; those inside another stay as they are, unless `all`.
+/// Returns the pieces of the mesh, which has closed surfaces, as they were: the largest volume first.
+std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh, bool all = false);
+
+/// The volume of the pieces outside the others: a surface inside another does not create a cavity.
+double outer_volume_mm3(const std::vector<MeshPiece>& pieces);
+
+/// Sentences after turn_outwards(): on pieces that faced inwards, beside the largest, inside another.
+std::vector<std::string> warnings_of(const std::vector<MeshPiece>& pieces);
+
+/// What clean() and close_holes() did.
+struct RepairResult {
+  std::size_t dropped_triangles = 0;  ///< collapsed or doubled
+  std::size_t turned_triangles = 0;   ///< for one orientation of each surface
+  std::size_t closed_holes = 0;
+  std::size_t added_triangles = 0;
+  double widest_hole_mm = 0;  ///< twice the largest distance of a rim vertex from the centre of its hole
+
+  [[nodiscard]] std::string text() const;
+};
+
+/// Removes collapsed and doubled triangles, and turns triangles to the orientation that most of their surface has. Of
+/// two on each other with opposite orientations one is kept where the surface would have a hole without it.
+RepairResult clean(TriangleMesh& mesh);
+
+/// Closes each hole with a fan from its centre. Then every point has a whole winding number.
+void close_holes(TriangleMesh& mesh, const std::vector<MeshHole>& holes, RepairResult& done);
+
+/// Merges vertices at the edges of holes that differ in their last digits, as programs write them: within 10⁻⁵ of the
+/// size of the mesh and a tenth of its shortest edge that is longer than the rounding of the coordinates. Returns a
+/// sentence on what was welded; "" where nothing was.
+std::string weld(TriangleMesh& mesh);
 
 }  // namespace reamsim

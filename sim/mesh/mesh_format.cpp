@@ -4,7 +4,6 @@
 #include "sim/mesh/mesh_io.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstring>
@@ -82,12 +81,7 @@ constexpr std::array kForeignBytes{
     ForeignFormat{{"PK\x03\x04", 4}, "a zip archive, as 3MF is", kUnpack, ContentKind::unknown},
     ForeignFormat{{"\x1F\x8B", 2}, "packed with gzip", kUnpack, ContentKind::unknown},
     ForeignFormat{{"BZh", 3}, "packed with bzip2", kUnpack, ContentKind::unknown},
-    ForeignFormat{{"\xFD"
-                   "7zXZ",
-                   5},
-                  "packed with xz",
-                  kUnpack,
-                  ContentKind::unknown},
+    ForeignFormat{{"\xFD\x37zXZ", 5}, "packed with xz", kUnpack, ContentKind::unknown},
     ForeignFormat{{"\xFF\xFE", 2}, "text in UTF-16", "save it as plain text", ContentKind::unknown},
     ForeignFormat{{"\xFE\xFF", 2}, "text in UTF-16", "save it as plain text", ContentKind::unknown},
     ForeignFormat{{"\xFF\xFF\xFE", 3}, "a surface of FreeSurfer", "save it as STL with mris_convert"},
@@ -112,21 +106,16 @@ std::string_view xml_root(std::string_view text) {
   return text;
 }
 
-bool is_dicom(std::string_view start) {
-  return start.size() >= 132 && start.substr(128, 4) == "DICM";
-}
-
-bool is_nifti(std::string_view start) {
-  return start.size() >= 348 && (start.substr(344, 3) == "n+1" || start.substr(344, 3) == "ni1" ||
-                                 start.substr(4, 3) == "n+2" || start.substr(4, 3) == "ni2");
-}
-
 std::optional<ForeignFormat> foreign_format(std::string_view start) {
   for (const ForeignFormat& format : kForeignBytes) {
     if (start.starts_with(format.begins)) return format;
   }
-  if (is_dicom(start)) return ForeignFormat{"", "a DICOM image", kUseCt, ContentKind::image};
-  if (is_nifti(start)) return ForeignFormat{"", "an image in NIfTI", kUseCt, ContentKind::image};
+  const auto has = [&](std::size_t at, std::string_view text) {
+    return start.size() >= at && start.substr(at).starts_with(text);
+  };
+  if (has(128, "DICM")) return ForeignFormat{"", "a DICOM image", kUseCt, ContentKind::image};
+  if (start.size() >= 348 && (has(344, "n+1") || has(344, "ni1") || has(4, "n+2") || has(4, "ni2")))
+    return ForeignFormat{"", "an image in NIfTI", kUseCt, ContentKind::image};
   const std::string text = capitals(xml_root(trimmed(start)).substr(0, 64));
   for (const ForeignFormat& format : kForeignTexts) {
     if (!text.starts_with(format.begins)) continue;
@@ -195,9 +184,12 @@ bool looks_like_binary_stl(std::string_view start) {
   return true;
 }
 
+std::uintmax_t stl_bytes(std::uint32_t triangles) {
+  return kStlHeaderBytes + std::uintmax_t{kStlTriangleBytes} * triangles;
+}
+
 bool has_length_of_stl(std::string_view start, std::uintmax_t bytes) {
-  if (start.size() < kStlHeaderBytes) return false;
-  return stl_count(start) > 0 && bytes == kStlHeaderBytes + std::uintmax_t{kStlTriangleBytes} * stl_count(start);
+  return start.size() >= kStlHeaderBytes && stl_count(start) > 0 && bytes == stl_bytes(stl_count(start));
 }
 
 /// Of a file that is no STL by its length, and of no foreign format.
@@ -230,7 +222,6 @@ std::uintmax_t checked_size(const std::string& path) {
 /// Checks the number of triangles in the header of a binary STL.
 void check_stl(const std::string& path, std::string_view start, std::uintmax_t size) {
   const std::uint32_t count = stl_count(start);
-  const std::uintmax_t needed = kStlHeaderBytes + std::uintmax_t{kStlTriangleBytes} * count;
   const std::uintmax_t held = (size - kStlHeaderBytes) / kStlTriangleBytes;
   if (is_unknown_stl_count(count)) {
     if (held == 0) refuse_file(path, "an STL of 0 triangles", "expected a surface");
@@ -240,15 +231,14 @@ void check_stl(const std::string& path, std::string_view start, std::uintmax_t s
                     " bytes, is not that of whole triangles",
                 "export the STL again");
   }
-  if (size >= needed) return;
-  const std::uint32_t swapped = __builtin_bswap32(count);
-  if (size == kStlHeaderBytes + std::uintmax_t{kStlTriangleBytes} * swapped) {
+  if (size >= stl_bytes(count)) return;
+  if (size == stl_bytes(__builtin_bswap32(count))) {
     refuse_file(path, "a binary STL with the byte order of another machine (big-endian)", "export the STL again");
   }
   refuse_file(path,
               "a truncated STL: its header claims " + std::to_string(count) + " triangles, the file holds " +
                   std::to_string(held),
-              "expected " + std::to_string(needed) + " bytes");
+              "expected " + std::to_string(stl_bytes(count)) + " bytes");
 }
 
 /// Checks the counts in a PLY header, for which assimp reserves memory.
@@ -273,15 +263,10 @@ void check_ply(const std::string& path, std::string_view start, std::uintmax_t s
 
 /// What the header says of the frame is lost in a conversion.
 std::string space_hint(std::string_view start) {
-  const std::string space = stated_space(start, MeshFormat::obj);
-  const std::string in_text = space.empty() ? stated_space(start, MeshFormat::stl_binary) : space;
-  if (in_text.empty()) return "";
-  return "; its header says SPACE=" + in_text + ", which the converted file may not say: then set bone.mesh.frame";
-}
-
-/// Small headers of STL files cut short have no triangle by which they could be known.
-bool is_stl_by_name(const std::string& path) {
-  return capitals(fs::path(path).extension().string()) == ".STL";
+  std::string space = stated_space(start, MeshFormat::obj);
+  if (space.empty()) space = stated_space(start, MeshFormat::stl_binary);
+  if (space.empty()) return "";
+  return "; its header says SPACE=" + space + ", which the converted file may not say: then set bone.mesh.frame";
 }
 
 MeshFormat checked_format(const std::string& path, std::string_view start, std::uintmax_t size) {
@@ -291,7 +276,8 @@ MeshFormat checked_format(const std::string& path, std::string_view start, std::
     refuse_file(path, std::string(foreign->name), std::string(foreign->advice) + (vtk ? space_hint(start) : ""));
   }
   if (const auto format = mesh_format(start)) return *format;
-  if (is_stl_by_name(path) && !is_text(start)) {
+  // An STL cut short within its header has no triangle by which it could be known.
+  if (capitals(fs::path(path).extension().string()) == ".STL" && !is_text(start)) {
     if (size < kStlHeaderBytes)
       refuse_file(path, "a truncated STL of " + std::to_string(size) + " bytes", "expected 84 or more");
     return MeshFormat::stl_binary;

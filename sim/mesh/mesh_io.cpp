@@ -9,17 +9,15 @@
 #include <assimp/scene.h>
 #include <algorithm>
 #include <assimp/Importer.hpp>
-#include <bit>
+#include <boost/functional/hash.hpp>
 #include <cmath>
-#include <cstdint>
 #include <set>
-#include <string_view>
 #include <unordered_map>
 
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/isolation/read_in_child.h"
-#include "sim/mesh/mesh_repair.h"
+#include "sim/mesh/mesh_check.h"
 
 namespace reamsim {
 
@@ -56,15 +54,6 @@ void check_faces(const aiScene& scene, const std::string& path) {
   }
 }
 
-struct PositionHash {
-  std::size_t operator()(const StlCorner& p) const {
-    std::uint64_t hash = 1469598103934665603ULL;
-    for (const float v : p) hash = (hash ^ std::bit_cast<std::uint32_t>(v)) * 1099511628211ULL;
-    return static_cast<std::size_t>(hash ^ (hash >> 29));
-  }
-};
-
-/// Collects triangles and merges vertices at equal positions.
 class MeshBuilder {
  public:
   MeshBuilder(const std::string& path, double scale) : path_(path), scale_(scale) {}
@@ -103,7 +92,7 @@ class MeshBuilder {
   std::string path_;
   double scale_;
   TriangleMesh mesh_;
-  std::unordered_map<StlCorner, std::int32_t, PositionHash> vertex_of_;
+  std::unordered_map<StlCorner, std::int32_t, boost::hash<StlCorner>> vertex_of_;
 };
 
 /// Reads an OBJ or PLY with assimp. Throws InputError.
@@ -119,16 +108,6 @@ void read_with_assimp(const std::string& path, const std::string& bytes, const s
     refuse_file(path, "not a readable " + extension + " mesh (truncated or damaged)", "expected a surface");
   }
   for (unsigned i = 0; i < scene->mNumMeshes; ++i) builder.add(*scene->mMeshes[i]);
-}
-
-/// Returns what to warn of.
-std::vector<std::string> read_bytes(const std::string& path, const std::string& bytes, MeshFormat format,
-                                    MeshBuilder& builder) {
-  const StlSink sink = [&builder](const std::array<StlCorner, 3>& corners) { builder.add(corners); };
-  if (format == MeshFormat::stl_binary) return read_binary_stl(bytes, sink);
-  if (format == MeshFormat::stl_ascii) return read_ascii_stl(path, bytes, sink);
-  read_with_assimp(path, bytes, format == MeshFormat::obj ? "obj" : "ply", builder);
-  return {};
 }
 
 using Coordinates = std::array<double, 3>;
@@ -160,7 +139,15 @@ void read_and_put(ResultWriter& out, const std::string& path, MeshFormat format,
   if (bytes.size() < kStlHeaderBytes && format == MeshFormat::stl_binary)
     refuse_file(path, "a truncated STL", "expected more");
   MeshBuilder builder(path, scale);
-  const std::vector<std::string> warnings = read_bytes(path, bytes, format, builder);
+  const StlSink sink = [&builder](const std::array<StlCorner, 3>& corners) { builder.add(corners); };
+  std::vector<std::string> warnings;
+  if (format == MeshFormat::stl_binary) {
+    warnings = read_binary_stl(bytes, sink);
+  } else if (format == MeshFormat::stl_ascii) {
+    warnings = read_ascii_stl(path, bytes, sink);
+  } else {
+    read_with_assimp(path, bytes, format == MeshFormat::obj ? "obj" : "ply", builder);
+  }
   put_mesh(out, builder.take());
   out.put(warnings);
   out.put(stated_space(std::string_view(bytes).substr(0, kMeshHeaderBytes), format));

@@ -44,7 +44,6 @@ inline constexpr std::size_t kMeshHeaderBytes = std::size_t{64} * 1024;
 inline constexpr std::size_t kStlHeaderBytes = 84;
 inline constexpr std::size_t kStlTriangleBytes = 50;
 
-/// The number of triangles in the header.
 std::uint32_t stl_count(std::string_view start);
 /// Some programs write one of these where they do not know the number; the length of the file then says it.
 constexpr bool is_unknown_stl_count(std::uint32_t count) {
@@ -60,28 +59,24 @@ using StlSink = std::function<void(const std::array<StlCorner, 3>&)>;
 /// of triangles that the length of the file says, bytes after the last triangle.
 std::vector<std::string> read_binary_stl(std::string_view bytes, const StlSink& sink);
 
-/// Reads the triangles of an ASCII STL by its words: keywords in any case, names of any length, several solids, any
-/// blanks and ends of lines; words that it does not know are skipped to the end of their line, except within a loop.
-/// A facet of more than three vertices becomes a fan. Returns what to warn of: decimal commas, a missing end. Throws
-/// InputError with the line: a vertex without three numbers, a facet of fewer than three vertices, a file that ends
-/// within a facet.
+/// Reads the triangles of an ASCII STL by its words: keywords in any case, several solids, any blanks and ends of
+/// lines; unknown words are skipped to the end of their line, except within a loop. A facet of more than three vertices
+/// becomes a fan. Returns what to warn of: decimal commas, a missing end. Throws InputError with the line: a vertex
+/// without three numbers, a facet of fewer than three vertices, a file that ends within a facet.
 std::vector<std::string> read_ascii_stl(const std::string& path, std::string_view text, const StlSink& sink);
 
-/// What a mesh file holds.
 struct MeshContents {
-  TriangleMesh mesh;               ///< in mm; vertices merged, and welded (mesh_repair.h) where the surface has holes
-  std::string space;               ///< the frame that the header states: "LPS", "RAS", another; "" without one
-  std::vector<std::string> notes;  ///< what was welded
+  TriangleMesh mesh;                  ///< in mm; vertices merged, and welded (weld()) where the surface has holes
+  std::string space;                  ///< the frame that the header states: "LPS", "RAS", another; "" without one
+  std::vector<std::string> notes;     ///< what was welded
   std::vector<std::string> warnings;  ///< numbers of triangles that the header has wrong, and the like
 };
 
-/// Reads an STL, OBJ or PLY file, in a child process, and multiplies by `scale` (file units to mm). What the file is
-/// its content says, not its name. The coordinates stand as in the file, whatever its frame
-/// (sim/bone/mesh_source.h). `key`: that of the scenario, if it names the file. Throws InputError: no such file,
-/// another format (with how to convert it), unreadable or truncated, no triangle, NaN or infinite coordinate.
+/// Reads an STL, OBJ or PLY file in a child process, and multiplies by `scale` (file units to mm), whatever its frame.
+/// `key`: that of the scenario, if it names the file. Throws InputError: no such file, another format (with how to
+/// convert it), unreadable or truncated, no triangle, NaN or infinite coordinate.
 MeshContents read_mesh_contents(const std::string& path, double scale, const std::string& key = "");
 
-/// Its mesh.
 TriangleMesh read_mesh(const std::string& path, double scale);
 
 /// Writes a binary STL (mm). Throws RunError when the file cannot be written.

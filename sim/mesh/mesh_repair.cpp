@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/mesh/mesh_repair.h"
+#include "sim/mesh/mesh_check.h"
 
 #include <fmt/core.h>
 #include <algorithm>
 #include <array>
+#include <boost/functional/hash.hpp>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -39,9 +40,8 @@ std::array<Edge, 3> edges_of(const MeshTriangle& t) {
   return {std::minmax(t[0], t[1]), std::minmax(t[1], t[2]), std::minmax(t[2], t[0])};
 }
 
-/// The places of balanced triangles, as many forward as backward, that are needed: groups of them that share edges, and
-/// at most of whose outer edges the other triangles leave a hole; or that have no outer edge, as a surface with two
-/// sides.
+/// The places of balanced triangles (as many forward as backward) that are needed: groups that share edges, at most of
+/// whose outer edges the other triangles leave a hole; or that have no outer edge, as a surface with two sides.
 std::set<MeshTriangle> needed_places(const std::map<MeshTriangle, int>& balance) {
   std::map<Edge, std::vector<MeshTriangle>> balanced;
   std::map<Edge, std::size_t> others;
@@ -170,11 +170,12 @@ class NearVertices {
   /// The nearest earlier one, or the vertex itself, which then is one for the later ones.
   std::int32_t take(std::int32_t vertex) {
     const Vec3& point = at(vertex);
-    const std::array<std::int64_t, 3> cell = cell_of(point);
+    const Vec3 place = (point / tolerance_mm_).array().floor();
+    const Cell cell{std::llround(place.x()), std::llround(place.y()), std::llround(place.z())};
     std::int32_t nearest = vertex;
     double least_mm = tolerance_mm_;
     for (std::int64_t step = 0; step < 27; ++step) {
-      const auto found = cells_.find(key({cell[0] + step % 3 - 1, cell[1] + step / 3 % 3 - 1, cell[2] + step / 9 - 1}));
+      const auto found = cells_.find({cell[0] + step % 3 - 1, cell[1] + step / 3 % 3 - 1, cell[2] + step / 9 - 1});
       if (found == cells_.end()) continue;
       for (const std::int32_t other : found->second) {
         const double apart_mm = (at(other) - point).norm();
@@ -183,28 +184,20 @@ class NearVertices {
         nearest = other;
       }
     }
-    if (nearest == vertex) cells_[key(cell)].push_back(vertex);
+    if (nearest == vertex) cells_[cell].push_back(vertex);
     return nearest;
   }
 
  private:
+  using Cell = std::array<std::int64_t, 3>;
+
   [[nodiscard]] const Vec3& at(std::int32_t vertex) const { return mesh_.vertices[static_cast<std::size_t>(vertex)]; }
-  [[nodiscard]] std::array<std::int64_t, 3> cell_of(const Vec3& point) const {
-    const Vec3 cell = (point / tolerance_mm_).array().floor();
-    return {std::llround(cell.x()), std::llround(cell.y()), std::llround(cell.z())};
-  }
-  static std::uint64_t key(const std::array<std::int64_t, 3>& cell) {
-    std::uint64_t hash = 1469598103934665603ULL;
-    for (const std::int64_t c : cell) hash = (hash ^ static_cast<std::uint64_t>(c)) * 1099511628211ULL;
-    return hash;
-  }
 
   const TriangleMesh& mesh_;
   double tolerance_mm_;
-  std::unordered_map<std::uint64_t, std::vector<std::int32_t>> cells_;  // other cells of the same key do no harm
+  std::unordered_map<Cell, std::vector<std::int32_t>, boost::hash<Cell>> cells_;
 };
 
-/// Removes vertices that no triangle has.
 void remove_unused(TriangleMesh& mesh) {
   std::vector<std::int32_t> number(mesh.vertices.size(), -1);
   for (const auto& triangle : mesh.triangles) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <cstdint>
 #include <cstring>
 #include <optional>
 
@@ -44,7 +43,6 @@ bool is_blank(char c) {
   return std::isspace(static_cast<unsigned char>(c)) != 0 || c == '\0';
 }
 
-/// Words of a text, one after the other.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {
@@ -58,7 +56,6 @@ class Words {
     while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
     return text_.substr(begin_, at_ - begin_);
   }
-  /// Returns to the beginning of the last word.
   void unread() { at_ = begin_; }
   void skip_line() { at_ = std::min(text_.find_first_of("\r\n", at_), text_.size()); }
   [[nodiscard]] bool line_ends() const {

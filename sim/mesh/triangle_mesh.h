@@ -11,10 +11,8 @@
 
 namespace reamsim {
 
-/// Vertices by their index.
 using MeshTriangle = std::array<std::int32_t, 3>;
 
-/// Whether two vertices of a triangle are one.
 inline bool is_collapsed(const MeshTriangle& t) {
   return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
 }
@@ -46,7 +44,6 @@ struct TriangleMesh {
     }
     return six_volumes / 6;
   }
-  /// Area of all triangles, mm².
   [[nodiscard]] double area_mm2() const {
     double sum = 0;
     for (const MeshTriangle& triangle : triangles) {

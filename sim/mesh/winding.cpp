@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 
 #include "sim/base/parallel.h"
@@ -49,7 +48,6 @@ Seen seen_along(const std::array<Vec3, 3>& corners, int axis) {
   return out;
 }
 
-/// A lattice of points round a mesh.
 struct Points {
   explicit Points(const Aabb& box) {
     constexpr double kCount = 1e5;

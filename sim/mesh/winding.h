@@ -12,13 +12,11 @@
 
 namespace reamsim {
 
-// The winding number of a point says how often a surface encloses it: 1 inside, 0 outside, 2 where two surfaces
-// overlap. For a surface whose edges cancel (holes_of()) it is the number of triangles that a line from the point
-// crosses from inside to outside, less those that it crosses the other way, whatever the line. This is exact, so no
-// fast approximation (Barill et al. 2018) is needed.
+// The winding number of a point says how often a surface encloses it. For a surface whose edges cancel (holes_of()) it
+// is the number of triangles that a line from the point crosses from inside to outside, less those that it crosses the
+// other way, whatever the line. This is exact: no fast approximation (Barill et al. 2018) is needed.
 
-/// Where lines parallel to an axis cross a mesh. Its edges are treated alike in both of their triangles, so that no
-/// line slips through between them.
+/// Where lines parallel to an axis cross a mesh. No line slips through between triangles: both treat an edge alike.
 class LineCrossings {
  public:
   struct Crossing {
@@ -29,8 +27,7 @@ class LineCrossings {
   /// `axis`: 0, 1 or 2. Keeps a reference to the mesh.
   LineCrossings(const TriangleMesh& mesh, int axis);
 
-  /// The crossings along the axis, in order. `first_mm`, `second_mm`: the coordinates along the next axes (y and z for
-  /// axis 0, z and x for axis 1, x and y for axis 2).
+  /// The crossings along the axis, in order, at coordinates along the next axes (for axis 1: z and x).
   void along(double first_mm, double second_mm, std::vector<Crossing>& out) const;
 
   /// Calls visit(triangle, leaving) where the half of a point's line in the direction of the axis crosses the mesh.
@@ -48,9 +45,8 @@ class LineCrossings {
   std::vector<std::vector<std::uint32_t>> rows_;  ///< triangles by their second coordinate
 };
 
-/// The volume of points that a mesh encloses, and of those of which another mesh says otherwise, mm³. The meshes may
-/// have holes: a point is inside where the mean winding number along the six directions of the axes is more than a
-/// half. Compared on a lattice of some 100,000 points round `before`.
+/// The volume that a mesh encloses, and where another says otherwise, mm³, on a lattice of some 100,000 points round
+/// `before`. With holes: inside is where the mean winding number along the axes' six directions exceeds a half.
 struct VolumeChange {
   double before_mm3 = 0;
   double after_mm3 = 0;

@@ -16,7 +16,6 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/bone/vdb/grids.h"
-#include "sim/bone/vdb/vdb_archive.h"
 
 namespace reamsim {
 

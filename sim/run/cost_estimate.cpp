@@ -11,7 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/engine/common/substep.h"
 #include "sim/engine/dense/dense_state.h"
 #include "sim/engine/exact/brick_batch_plan.h"

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/bone/voxmap/density.h"
-#include "sim/tool/outline.h"
+#include "sim/bone/voxmap/voxmap.h"
+#include "sim/tool/profile.h"
 
 namespace reamsim {
 

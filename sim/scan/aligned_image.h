@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sim/bone/voxmap/cube_fraction.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/scan.h"
 
 namespace reamsim::ct {

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "sim/bone/voxmap/cube_fraction.h"
-#include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/bone/voxmap/sparse_bricks.h"
 #include "sim/scan/segment.h"

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "sim/base/parallel.h"
-#include "sim/tool/outline.h"
+#include "sim/tool/profile.h"
 
 namespace reamsim {
 

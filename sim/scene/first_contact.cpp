@@ -14,7 +14,7 @@
 #include "sim/base/parallel.h"
 #include "sim/bone/voxel_surface.h"
 #include "sim/bone/voxmap/voxmap.h"
-#include "sim/tool/key_track.h"
+#include "sim/tool/motion.h"
 
 namespace reamsim {
 

@@ -10,7 +10,7 @@
 
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/ct_import.h"
 #include "sim/scenario/parse.h"
 

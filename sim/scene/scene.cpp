@@ -5,8 +5,8 @@
 
 #include <utility>
 
-#include "sim/anatomy/frame_check.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/anatomy/find_glenoid.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/passes.h"
 #include "sim/scene/swept_bone.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/bone/voxmap/density.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/record/results.h"
 #include "sim/record/run_totals.h"
 #include "sim/scenario/parse.h"

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <new>
@@ -81,7 +82,6 @@ bool read_samples(const openvdb::FloatTree& distance, const DistanceGrid& grid, 
   return near;
 }
 
-/// Stores the samples of the bricks within the band.
 void store_bricks(const openvdb::FloatTree& distance, DistanceGrid& grid) {
   const auto band = static_cast<float>(grid.band_mm);
   grid.samples.assign(DistanceGrid::kSamples, band);
@@ -111,14 +111,9 @@ double negative_fraction(double a, double b) {
 double inside_fraction(const float* lowest) {
   constexpr int kLines = 8;
   constexpr int kAcross[4] = {0, kRow, kRow * kRow, kRow * kRow + kRow};
-  const auto [least, most] = [&] {
-    float low = lowest[0], high = lowest[0];
-    for (const int step : kAcross) {
-      low = std::min({low, lowest[step], lowest[step + 1]});
-      high = std::max({high, lowest[step], lowest[step + 1]});
-    }
-    return std::pair(low, high);
-  }();
+  std::array<float, 8> corners;  // x fastest
+  for (std::size_t k = 0; k < 4; ++k) std::copy_n(lowest + kAcross[k], 2, &corners[2 * k]);
+  const auto [least, most] = std::ranges::minmax(corners);
   if (least >= 0) return 0;
   if (most < 0) return 1;
   double sum = 0;
@@ -127,29 +122,23 @@ double inside_fraction(const float* lowest) {
     const double y = (column + 0.5) / kLines, z = (row + 0.5) / kLines;
     const double weights[4] = {(1 - y) * (1 - z), y * (1 - z), (1 - y) * z, y * z};
     double begin = 0, end = 0;
-    for (int k = 0; k < 4; ++k) {
-      begin += weights[k] * double{lowest[kAcross[k]]};
-      end += weights[k] * double{lowest[kAcross[k] + 1]};
+    for (std::size_t k = 0; k < 4; ++k) {
+      begin += weights[k] * double{corners[2 * k]};
+      end += weights[k] * double{corners[2 * k + 1]};
     }
     sum += negative_fraction(begin, end);
   }
   return sum / (kLines * kLines);
 }
 
-/// Volume of a brick inside, cells.
-double inside_cells(const float* samples) {
-  double sum = 0;
-  for (int cell = 0; cell < BrickLattice::kVoxels; ++cell) {
-    const Vec3i at = BrickLattice::voxel_at(Vec3i::Zero(), cell);
-    sum += inside_fraction(samples + at.x() + std::ptrdiff_t{kRow} * (at.y() + kRow * at.z()));
-  }
-  return sum;
-}
-
 double inside_volume_mm3(const DistanceGrid& grid) {
-  std::vector<double> cells(grid.stored_bricks());
+  std::vector<double> cells(grid.stored_bricks(), 0);  // inside, of each stored brick
   parallel_items(cells.size(), [&](std::size_t slot) {
-    cells[slot] = inside_cells(grid.samples.data() + slot * DistanceGrid::kSamples);
+    const float* samples = grid.samples.data() + slot * DistanceGrid::kSamples;
+    for (int cell = 0; cell < BrickLattice::kVoxels; ++cell) {
+      const Vec3i at = BrickLattice::voxel_at(Vec3i::Zero(), cell);
+      cells[slot] += inside_fraction(samples + at.x() + std::ptrdiff_t{kRow} * (at.y() + kRow * at.z()));
+    }
   });
   double sum = 0;
   for (const std::uint32_t slot : grid.slot_of_brick) sum += cells[slot];
@@ -170,7 +159,7 @@ bool separates(const Vec3& axis, const Vec3& a, const Vec3& b, const Vec3& c, co
   return std::min({pa, pb, pc}) > reach || std::max({pa, pb, pc}) < -reach;
 }
 
-/// The three cross products of the box's axes with `edge`.
+/// Whether a cross product of `edge` and an axis of the box separates them.
 bool edge_separates(const Vec3& edge, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
   return separates({0, -edge.z(), edge.y()}, a, b, c, half) || separates({edge.z(), 0, -edge.x()}, a, b, c, half) ||
          separates({-edge.y(), edge.x(), 0}, a, b, c, half);
@@ -208,18 +197,14 @@ DistanceGrid make_distance_grid(const TriangleMesh& mesh, const Profile& envelop
 }
 
 DistanceGridPlan plan_distance_grid(const TriangleMesh& mesh, double voxel_mm) {
-  double area_mm2 = 0;
-  for (const auto& triangle : mesh.triangles) {
-    const auto [a, b, c] = mesh.corners(triangle);
-    area_mm2 += 0.5 * (b - a).cross(c - a).norm();
-  }
   const DistanceGrid lattice = make_lattice(mesh, voxel_mm);
   const double brick_mm = kSide * lattice.spacing_mm;
   // A slab of the band's width overlaps bricks with their middle within half a diagonal; curved ones overlap more.
   constexpr double kDiagonal = 1.7320508, kCurved = 1.3;
   const double lattice_bricks = lattice.bricks.cast<double>().prod();
-  const double bricks = std::min(
-      lattice_bricks, 2 + kCurved * area_mm2 * (2 * lattice.band_mm + kDiagonal * brick_mm) / std::pow(brick_mm, 3));
+  const double bricks =
+      std::min(lattice_bricks,
+               2 + kCurved * mesh.area_mm2() * (2 * lattice.band_mm + kDiagonal * brick_mm) / std::pow(brick_mm, 3));
   const double table = lattice_bricks * sizeof(std::uint32_t);
   const double kept = bricks * kStoredBytesPerBrick + table;
   return {.working_bytes = kept + bricks * BrickLattice::kVoxels * kWorkingBytesPerSample, .kept_bytes = kept};

@@ -41,8 +41,7 @@ struct DistanceGrid {
   [[nodiscard]] const float* lowest_corner(const Vec3i& cell) const;
 };
 
-/// Spacing of a tool's grid, voxels.
-inline constexpr double kGridSpacingVoxels = 0.5;
+inline constexpr double kGridSpacingVoxels = 0.5;  ///< spacing of a tool's grid, voxels
 
 /// For a closed mesh that faces outwards (T, mm) and its envelope. The band contains all voxels that the surface can
 /// intersect within a window of substeps. Throws InputError where OpenVDB computes no distance.
@@ -77,9 +76,8 @@ DistanceTable distance_table_around(const Profile& profile, double pitch_mm, dou
 
 DistanceTable make_distance_table(const Profile& profile, const Vec2& first, double pitch_mm, int count_r, int count_z);
 
-/// Whether the triangle abc shares a point with the closed box about `center` with half edges `half` (any one unit).
-/// Separating axes: the box's three, the triangle's normal, and the nine cross products of edges
-/// (Akenine-Möller 2001, "Fast 3D triangle-box overlap testing").
+/// Whether the triangle abc shares a point with the closed box about `center` with half edges `half` (any one unit), by
+/// separating axes (Akenine-Möller 2001, "Fast 3D triangle-box overlap testing").
 bool triangle_touches_box(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& center, const Vec3& half);
 
 }  // namespace reamsim

@@ -11,7 +11,6 @@
 
 #include "sim/base/csv.h"
 #include "sim/base/text.h"
-#include "sim/tool/key_track.h"
 
 namespace reamsim {
 
@@ -46,13 +45,94 @@ std::vector<ToolPose> PoseSequence::all() const {
 
 namespace {
 
+constexpr double kUnitTolerance = 1e-3;  // a quaternion whose norm deviates by more was not merely rounded
+constexpr double kMinNorm = 1e-9;
+
 constexpr const char* kExpectedFile = "a CSV of the thrust with the columns time_s and thrust_n";
 constexpr std::size_t kMostRows = 1'000'000;
 constexpr double kMostThrust_n = 10'000;
 
 }  // namespace
 
-ThrustProfile::ThrustProfile(const std::string& path) {
+Quat normalized_or_warn(const Quat& q, const std::string& where, Diagnostics& report) {
+  const double norm = q.norm();
+  if (!(norm > kMinNorm) || !std::isfinite(norm))
+    throw InputError(where + ": the quaternion has length " + rounded_text(norm) + "; a unit quaternion is needed");
+  if (std::abs(norm - 1) > kUnitTolerance)
+    report.warn(where + ": the quaternion has length " + rounded_text(norm) + " and was normalized");
+  return Quat(q.coeffs() / norm);
+}
+
+std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge) {
+  const Vec3 axis = plunge.axis.normalized();
+  const double feed_mm = plunge.approach_mm + plunge.depth_mm;
+  if (!(feed_mm > 0)) {
+    throw InputError(SourceLocation{}, "motion.plunge.approach_mm + depth_mm", rounded_text(feed_mm),
+                     "a number above 0 is needed");
+  }
+  const Quat orientation = orientation_from_axis(-axis);
+  std::vector<KeyPose> poses;
+  double time = 0;
+  const auto add = [&](double duration_s, double travel_mm) {
+    time += duration_s;
+    // A phase without duration, or too short to change the time, adds no pose, so that times keep increasing.
+    if (!poses.empty() && !(time > poses.back().time_s)) return;
+    poses.push_back({time, {plunge.entry_mm + travel_mm * axis, orientation, 0, plunge.spin_rpm}});
+  };
+  add(0, -plunge.approach_mm);
+  add(feed_mm / plunge.feed_mm_s, plunge.depth_mm);
+  add(plunge.dwell_s, plunge.depth_mm);
+  add(plunge.retract_mm / plunge.retract_mm_s, plunge.depth_mm - plunge.retract_mm);
+  return poses;
+}
+
+std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyframes, Diagnostics& report) {
+  std::vector<KeyPose> poses;
+  std::optional<Vec3> last_axis;
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    const KeyframeSettings& k = keyframes[i];
+    Quat orientation;
+    if (k.quaternion) {
+      orientation = normalized_or_warn(*k.quaternion, "motion.keyframes[" + std::to_string(i) + "].quaternion", report);
+    } else {
+      const Vec3 axis = k.axis->normalized();
+      orientation = poses.empty() ? orientation_from_axis(axis)
+                                  : smallest_rotation(*last_axis, axis) * poses.back().pose.orientation;
+    }
+    last_axis = orientation * Vec3::UnitZ();
+    poses.push_back({k.time_s, {k.position_mm, orientation.normalized(), 0, k.spin_rpm}});
+  }
+  return poses;
+}
+
+KeySegment segment_at(const std::vector<KeyPose>& keys, double time_s) {
+  const auto after = std::ranges::upper_bound(keys, time_s, {}, &KeyPose::time_s) - keys.begin();
+  const auto i = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(after - 1, 0, std::ssize(keys) - 2));
+  return {keys[i], keys[i + 1]};
+}
+
+KeyPose TrackIntegrator::next(KeyPose key) {
+  if (bone_from_poses) move_pose(*bone_from_poses, key.pose);
+  key.time_s -= start_s;
+  if (before) {
+    key.pose.spin_angle_rad =
+        before->pose.spin_angle_rad + spin_rad(before->pose.spin_rpm, key.pose.spin_rpm, key.time_s - before->time_s);
+  }
+  before = key;
+  return key;
+}
+
+KeyTrack store_track(std::vector<KeyPose> keys) {
+  const auto stored = std::make_shared<const std::vector<KeyPose>>(std::move(keys));
+  return {stored->back().time_s, [stored](double time_s) { return segment_at(*stored, time_s); }};
+}
+
+void note_start(double start_s, Diagnostics& report) {
+  if (start_s == 0) return;
+  report.note("motion: the first pose is at " + shortest_text(start_s) + " s; that is time 0 of the simulation");
+}
+
+void PushPlan::read_thrust(const std::string& path) {
   constexpr std::array<std::string_view, 2> kNames{"time_s", "thrust_n"};
   CsvReader csv(path, kNames, kExpectedFile);
   for (std::vector<double> row; csv.next(row);) {
@@ -71,7 +151,7 @@ ThrustProfile::ThrustProfile(const std::string& path) {
   if (times_s_.empty()) throw InputError({path, 0, 0}, "", "has no rows", kExpectedFile);
 }
 
-double ThrustProfile::at(double time_s) const {
+double PushPlan::thrust_n(double time_s) const {
   const auto after = std::ranges::upper_bound(times_s_, time_s);
   if (after == times_s_.begin()) return thrusts_n_.front();
   if (after == times_s_.end()) return thrusts_n_.back();
@@ -81,8 +161,13 @@ double ThrustProfile::at(double time_s) const {
 }
 
 PushPlan::PushPlan(const PushSettings& settings, double frame_rate_hz, const std::optional<Rigid>& bone_from_poses)
-    : settings_(settings),
-      thrust_(settings.profile.empty() ? ThrustProfile(settings.thrust_n) : ThrustProfile(settings.profile)) {
+    : settings_(settings) {
+  if (settings.profile.empty()) {
+    times_s_ = {0};
+    thrusts_n_ = {settings.thrust_n};
+  } else {
+    read_thrust(settings.profile);
+  }
   const Rigid to_bone = bone_from_poses.value_or(Rigid::Identity());
   const Vec3 axis = settings.axis.normalized();
   start_mm_ = to_bone * (settings.entry_mm - settings.approach_mm * axis);
@@ -128,10 +213,8 @@ double spin_rad(double from_rpm, double to_rpm, double duration_s) {
 
 namespace {
 
-/// Besides frame 0.
-constexpr double kMaxFrames = 1e7;
-/// Tolerance of the last frame's time, frames: rounding must not add one.
-constexpr double kEndSlack = 1e-6;
+constexpr double kMaxFrames = 1e7;  // besides frame 0
+constexpr double kEndSlack = 1e-6;  // tolerance of the last frame's time, frames: rounding must not add one
 /// A key pose that the motion at the frame rate misses by more is warned of, mm.
 constexpr double kMissedMm = 0.5;
 
@@ -141,10 +224,9 @@ ToolPose pose_between(const KeyPose& a, const KeyPose& b, double time_s) {
   return pose;
 }
 
-/// The pose of a track in a frame.
 ToolPose pose_in_frame(const KeyTrack& track, std::size_t frame, double frame_rate_hz) {
   const double frame_time_s = static_cast<double>(frame) / frame_rate_hz;
-  const double time_s = std::min(frame_time_s, track.end_s());
+  const double time_s = std::min(frame_time_s, track.end_s);
   const KeySegment keys = track.at(time_s);
   ToolPose pose = pose_between(keys.begin, keys.end, time_s);
   // The motion ends within the last frame: for the rest of that frame the tool only rotates.
@@ -213,14 +295,13 @@ Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidF
   std::vector<KeyPose> keys = read_key_poses(settings, report);
   if (!settings.csv) {
     note_start(keys.front().time_s, report);
-    TrackIntegrator integrator(to_bone, keys.front().time_s);
+    TrackIntegrator integrator{to_bone, keys.front().time_s};
     for (KeyPose& key : keys) key = integrator.next(key);
   }
-  const std::shared_ptr<const KeyTrack> track =
-      settings.csv ? open_csv_track(*settings.csv, to_bone, report) : store_track(keys);
+  const KeyTrack track = settings.csv ? open_csv_track(*settings.csv, to_bone, report) : store_track(keys);
   const double rate_hz = settings.frame_rate_hz;
-  const auto pose = [track, rate_hz](std::size_t k) { return pose_in_frame(*track, k, rate_hz); };
-  Motion motion{rate_hz, PoseSequence(count_frames(track->end_s(), rate_hz), pose)};
+  const auto pose = [track, rate_hz](std::size_t k) { return pose_in_frame(track, k, rate_hz); };
+  Motion motion{rate_hz, PoseSequence(count_frames(track.end_s, rate_hz), pose)};
   warn_of_missed_keys(keys, motion, report);
   return motion;
 }

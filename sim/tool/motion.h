@@ -56,27 +56,12 @@ class PoseSequence {
 
   /// `count` poses from `first` on, which becomes pose 0.
   [[nodiscard]] PoseSequence part(std::size_t first, std::size_t count) const;
-  /// All poses in memory.
   [[nodiscard]] std::vector<ToolPose> all() const;
 
  private:
   PoseSource source_;
   std::size_t first_ = 0;
   std::size_t size_ = 0;
-};
-
-/// The thrust of a hand over time.
-class ThrustProfile {
- public:
-  explicit ThrustProfile(double thrust_n) : times_s_{0}, thrusts_n_{thrust_n} {}
-  /// Reads a CSV with the columns time_s (ascending) and thrust_n (0 or more). Throws InputError with file and line.
-  explicit ThrustProfile(const std::string& path);
-
-  /// Linear between the rows, constant before the first and after the last.
-  [[nodiscard]] double at(double time_s) const;
-
- private:
-  std::vector<double> times_s_, thrusts_n_;
 };
 
 /// A tool that advances less under thrust stands still, mm/s; after this time it has stalled.
@@ -86,12 +71,14 @@ inline constexpr double kStill_mm_s = 1e-3, kStall_s = 0.1;
 class PushPlan {
  public:
   /// `bone_from_poses`: nullopt where the settings are in B. The depth counts from entry_mm: `from: contact` must have
-  /// been resolved. Throws InputError for a profile that cannot be read.
+  /// been resolved. The profile is a CSV with the columns time_s (ascending) and thrust_n (0 or more). Throws
+  /// InputError with its file and line.
   PushPlan(const PushSettings& settings, double frame_rate_hz, const std::optional<Rigid>& bone_from_poses);
 
   /// The pose after `travel_mm` along the line, at a time from the start.
   [[nodiscard]] ToolPose pose(double travel_mm, double time_s) const;
-  [[nodiscard]] double thrust_n(double time_s) const { return thrust_.at(time_s); }
+  /// Linear between the rows of the profile, constant before the first and after the last.
+  [[nodiscard]] double thrust_n(double time_s) const;
   [[nodiscard]] const PushSettings& settings() const { return settings_; }
   /// The push ends after this frame in any case.
   [[nodiscard]] std::int64_t last_frame() const { return last_frame_; }
@@ -100,8 +87,10 @@ class PushPlan {
   [[nodiscard]] const Vec3& axis() const { return axis_; }
 
  private:
+  void read_thrust(const std::string& path);
+
   PushSettings settings_;
-  ThrustProfile thrust_;
+  std::vector<double> times_s_, thrusts_n_;
   Vec3 start_mm_;
   Vec3 axis_;
   Quat orientation_;
@@ -112,8 +101,7 @@ class PushPlan {
 /// The poses of a push that meets no resistance, for forecasts, which only need the way.
 PoseSequence unresisted_poses(std::shared_ptr<const PushPlan> plan, double frame_rate_hz);
 
-/// The frame T with +z along `tool_z` (any length > 0): x of T is the projection of the x axis, or of the y axis where
-/// x is nearly parallel to `tool_z`.
+/// T with +z along `tool_z`, any length: x is the projection of the x axis, or of y where x is nearly parallel to it.
 Quat orientation_from_axis(const Vec3& tool_z);
 
 /// Spin angle at a linearly changing spindle speed, rad.
@@ -125,8 +113,7 @@ struct Motion {
   PoseSequence poses;
   std::int64_t first_frame = 0;  ///< not 0 in later passes of a run
   int pass = 1;                  ///< number of the pass
-  /// A tool that a hand pushes: `poses` are then those of a push without resistance (unresisted_poses()), and the
-  /// run has others.
+  /// A tool that a hand pushes: `poses` are then those of unresisted_poses(), and the run has others.
   std::shared_ptr<const PushPlan> push = {};
 
   [[nodiscard]] double frame_s() const { return 1.0 / frame_rate_hz; }
@@ -137,15 +124,80 @@ struct Motion {
   }
 };
 
-/// The transform from the frame of a scenario's poses to B; nullopt where they are in B. Throws InputError where
-/// `frame: glenoid` has no glenoid frame.
+/// To B from the frame of poses; nullopt where they are in B. Throws InputError for `glenoid` without a glenoid frame.
 std::optional<Rigid> bone_from_frame(PoseFrame frame, const std::optional<GlenoidFrame>& glenoid);
 
-/// Resamples keyframes, plunge or recorded CSV to the frame rate, in B. Position and spindle speed are interpolated
-/// linearly, orientation spherically; the spin angle is the integral of the speed. The last frame ends at or after the
-/// motion: the tool rests at its last pose, with spin, until then. Rows of a long CSV are read again from the file,
-/// which must not change. `from: contact` must have been resolved (sim/scene/scene.h). Throws InputError where
-/// `frame: glenoid` has no glenoid frame.
+/// Resamples keyframes, plunge or recorded CSV to the frame rate, in B, as interpolate(); the spin angle is the
+/// integral of the speed. The last frame ends at or after the motion: the tool rests at its last pose, with spin, until
+/// then. Rows of a long CSV are read again from the file, which must not change. `from: contact` must have been
+/// resolved (sim/scene/scene.h). Throws InputError where `frame: glenoid` has no glenoid frame.
 Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Diagnostics& report);
+
+// What build_motion() is made of.
+
+/// A pose of the scenario at a time; the motion interpolates between key poses.
+struct KeyPose {
+  double time_s = 0;
+  ToolPose pose;  ///< the spin angle is not used
+};
+
+/// Approach, feed, dwell and retract as key poses from time 0. Throws InputError where approach and depth are 0.
+std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge);
+
+/// Keyframes as key poses. Between axes the tool tilts along the shortest rotation, without rotation about its axis
+/// beside the spin. The scenario has been validated: two or more, in ascending time. Throws as normalized_or_warn().
+std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyframes, Diagnostics& report);
+
+/// `q` normalized, with a warning where |q| is not 1 (±10⁻³). Throws InputError for 0 or not finite. `where`: for
+/// messages.
+Quat normalized_or_warn(const Quat& q, const std::string& where, Diagnostics& report);
+
+/// Takes a pose to the frame of `to`.
+inline void move_pose(const Rigid& to, ToolPose& pose) {
+  pose.position_mm = to * pose.position_mm;
+  pose.orientation = (Quat(to.linear()) * pose.orientation).normalized();
+}
+
+struct KeySegment {
+  KeyPose begin;
+  KeyPose end;
+};
+
+/// The key poses of a motion in B: from time 0, with the spin angle. Any thread may call at().
+struct KeyTrack {
+  double end_s = 0;
+  std::function<KeySegment(double time_s)> at;  ///< the segment of a time, the last one for later times
+};
+
+/// The segment of a time among `keys`, at least two.
+KeySegment segment_at(const std::vector<KeyPose>& keys, double time_s);
+
+/// Takes key poses to those of a track: to B, and from the time of the first one; in their order.
+struct TrackIntegrator {
+  std::optional<Rigid> bone_from_poses;  ///< nullopt if the poses are in B
+  double start_s = 0;
+  std::optional<KeyPose> before{};  ///< the pose that next() has returned last
+
+  KeyPose next(KeyPose key);
+};
+
+/// A track in memory, of at least two poses that next() of an integrator has returned.
+KeyTrack store_track(std::vector<KeyPose> keys);
+
+/// The rows of a recorded CSV as the settings describe them (docs/inputs.md), with columns in any order; others are
+/// ignored with a note. The poses are those of the tool in the frame of motion.frame: units, registration and
+/// calibration are applied. With a max_gap_s rows without a pose are skipped. Throws InputError with file and line: as
+/// CsvReader, position beyond a kilometre, zero quaternion, times that do not increase or have a gap of more than
+/// max_gap_s, fewer than two or more than ten million rows.
+std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostics& report);
+
+/// The track of a recorded CSV. A file of up to 100,000 rows is read into memory, and so is one that can be read only
+/// once, such as a pipe. For a longer one the track holds an index, and reads blocks of rows again; throws as
+/// read_pose_csv(). Notes another start than time 0.
+KeyTrack open_csv_track(const CsvMotionSettings& settings, const std::optional<Rigid>& bone_from_poses,
+                        Diagnostics& report);
+
+/// Notes that time 0 of the simulation is the first pose, where that is at `start_s`.
+void note_start(double start_s, Diagnostics& report);
 
 }  // namespace reamsim

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/tool/outline.h"
+#include "sim/tool/profile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,6 +25,10 @@ Vec2 right_of(const Vec2& v) {
   return {v.y(), -v.x()};
 }
 
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
 OutlineArc line(const Vec2& a, const Vec2& b) {
   const Vec2 along = (b - a).normalized();
   return {a, b, along, along, 0.5 * (a + b), right_of(along), 0};
@@ -38,12 +42,12 @@ struct Circle {
 
 std::optional<Circle> circle_through(const Vec2& a, const Vec2& b, const Vec2& c) {
   const Vec2 u = b - a, v = c - a;
-  const double cross = u.x() * v.y() - u.y() * v.x();
-  if (std::abs(cross) < 1e-9 * u.norm() * v.norm()) return std::nullopt;
+  const double turn = cross(u, v);
+  if (std::abs(turn) < 1e-9 * u.norm() * v.norm()) return std::nullopt;
   const Vec2 to_center =
       Vec2(v.y() * u.squaredNorm() - u.y() * v.squaredNorm(), u.x() * v.squaredNorm() - v.x() * u.squaredNorm()) /
-      (2 * cross);
-  return Circle{a + to_center, std::copysign(1 / to_center.norm(), cross)};
+      (2 * turn);
+  return Circle{a + to_center, std::copysign(1 / to_center.norm(), turn)};
 }
 
 /// The arc through a sequence of vertices, if all lie on one.
@@ -105,31 +109,21 @@ std::size_t longest_arc(std::span<const Vec2> row, std::size_t first) {
   return count;
 }
 
-double cross(const Vec2& a, const Vec2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 /// Marks the points of points[first…last] to keep, without the ends.
 void mark_kept(const std::vector<Vec2>& points, std::size_t first, std::size_t last, double tolerance,
                std::vector<bool>& keep) {
-  std::vector<std::pair<std::size_t, std::size_t>> open{{first, last}};
-  while (!open.empty()) {
-    const auto [a, b] = open.back();
-    open.pop_back();
-    double farthest = tolerance;
-    std::size_t split = 0;
-    for (std::size_t i = a + 1; i < b; ++i) {
-      const double d = implicit::distance_to_segment(points[i], points[a], points[b]);
-      if (d > farthest) {
-        farthest = d;
-        split = i;
-      }
-    }
-    if (split == 0) continue;
-    keep[split] = true;
-    open.emplace_back(a, split);
-    open.emplace_back(split, b);
+  double farthest = tolerance;
+  std::size_t split = 0;
+  for (std::size_t i = first + 1; i < last; ++i) {
+    const double d = implicit::distance_to_segment(points[i], points[first], points[last]);
+    if (d <= farthest) continue;
+    farthest = d;
+    split = i;
   }
+  if (split == 0) return;
+  keep[split] = true;
+  mark_kept(points, first, split, tolerance, keep);
+  mark_kept(points, split, last, tolerance, keep);
 }
 
 /// The intersection of the lines a→b and d→c beyond b and c, if there is one.
@@ -145,7 +139,7 @@ std::optional<Vec2> intersection(const Vec2& a, const Vec2& b, const Vec2& c, co
 }  // namespace
 
 double angle_between(const Vec2& a, const Vec2& b) {
-  return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+  return std::atan2(cross(a, b), a.dot(b));
 }
 
 double OutlineArc::length() const {
@@ -193,14 +187,11 @@ double signed_area(const std::vector<Vec2>& polygon) {
 std::vector<Vec2> simplify(const std::vector<Vec2>& polygon, double tolerance_mm) {
   if (polygon.size() < 4) return polygon;
   std::vector<Vec2> points = polygon;
-  const auto lowest = std::min_element(points.begin(), points.end(), [](const Vec2& a, const Vec2& b) {
-    return std::pair(a.y(), a.x()) < std::pair(b.y(), b.x());
-  });
+  const auto lowest = std::ranges::min_element(points, {}, [](const Vec2& p) { return std::pair(p.y(), p.x()); });
   std::rotate(points.begin(), lowest, points.end());
   points.push_back(points.front());
-  std::size_t opposite = 0;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if ((points[i] - points[0]).norm() > (points[opposite] - points[0]).norm()) opposite = i;
+  const auto away = [&](const Vec2& p) { return (p - points[0]).norm(); };
+  const auto opposite = static_cast<std::size_t>(std::ranges::max_element(points, {}, away) - points.begin());
   std::vector<bool> keep(points.size(), false);
   keep.front() = keep[opposite] = true;
   mark_kept(points, 0, opposite, tolerance_mm, keep);

@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
+#include <bitset>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -20,50 +21,35 @@ namespace reamsim {
 
 namespace {
 
-/// A set of Morton codes: bits in blocks of 16³ cells, allocated where the surface passes and indexed by the codes'
-/// high bits, so that iteration is in ascending order.
+/// A set of Morton codes: bits in blocks of 16³ cells, in ascending order.
 class CodeSet {
  public:
-  explicit CodeSet(int resolution) {
-    const auto side = std::max<std::size_t>(kBlockSide, std::bit_ceil(static_cast<std::size_t>(resolution)));
-    block_of_.resize(side * side * side >> kBlockBits, kNoBlock);
-  }
-
   void insert(std::uint64_t code) {
-    std::uint32_t& block = block_of_[code >> kBlockBits];
-    if (block == kNoBlock) {
-      block = static_cast<std::uint32_t>(blocks_.size());
-      blocks_.emplace_back();
+    if (last_ == nullptr || code / kBlock != last_place_) {
+      last_place_ = code / kBlock;
+      last_ = &blocks_[last_place_];
     }
-    blocks_[block][(code >> 6) % kBlockWords] |= std::uint64_t{1} << (code % 64);
+    last_->set(code % kBlock);
   }
 
   [[nodiscard]] std::vector<std::uint64_t> ascending() const {
     std::size_t count = 0;
-    for (const Block& block : blocks_)
-      for (const std::uint64_t word : block) count += static_cast<std::size_t>(std::popcount(word));
+    for (const auto& [place, block] : blocks_) count += block.count();
     std::vector<std::uint64_t> codes;
     codes.reserve(count);
-    for (std::size_t place = 0; place < block_of_.size(); ++place)
-      if (block_of_[place] != kNoBlock) append(blocks_[block_of_[place]], place << kBlockBits, codes);
+    for (const auto& [place, block] : blocks_) {
+      for (std::size_t bit = block._Find_first(); bit < kBlock; bit = block._Find_next(bit))
+        codes.push_back(place * kBlock + bit);
+    }
     return codes;
   }
 
  private:
-  static constexpr int kBlockBits = 12;
-  static constexpr std::size_t kBlockSide = 16;
-  static constexpr std::size_t kBlockWords = 64;
-  static constexpr std::uint32_t kNoBlock = UINT32_MAX;
-  using Block = std::array<std::uint64_t, kBlockWords>;
+  static constexpr std::size_t kBlock = 16 * 16 * 16;
 
-  static void append(const Block& block, std::uint64_t first, std::vector<std::uint64_t>& codes) {
-    for (std::size_t w = 0; w < kBlockWords; ++w)
-      for (std::uint64_t word = block[w]; word != 0; word &= word - 1)
-        codes.push_back(first + 64 * w + static_cast<std::uint64_t>(std::countr_zero(word)));
-  }
-
-  std::vector<std::uint32_t> block_of_;  ///< by the code's high bits
-  std::vector<Block> blocks_;
+  std::map<std::uint64_t, std::bitset<kBlock>> blocks_;  ///< by the codes' high bits
+  std::bitset<kBlock>* last_ = nullptr;                  ///< successive cells lie in one block
+  std::uint64_t last_place_ = 0;
 };
 
 /// A triangle in units of cells from the grid's corner.
@@ -150,7 +136,7 @@ PointShell shell_grid(const Aabb& box, int resolution) {
 
 PointShell voxelize_surface(const TriangleMesh& mesh, int resolution) {
   PointShell shell = shell_grid(mesh.bounds(), resolution);
-  CodeSet cells(resolution);
+  CodeSet cells;
   const auto grid = [&](std::int32_t vertex) -> Vec3 {
     return (mesh.vertices[static_cast<std::size_t>(vertex)] - shell.origin_mm) / shell.cell_mm;
   };

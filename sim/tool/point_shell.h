@@ -53,24 +53,19 @@ struct PointShell {
   std::vector<std::uint64_t> codes;
 };
 
-/// The cells of a cubic grid of `resolution`³ around the mesh that triangles touch (exact triangle–box test). The
-/// longest side of the bounding box spans M − 1 cells, from centre to centre; x and y are centred; the mesh's lowest
-/// point lies at the centres of the lowest cells. Throws InputError when resolution is outside 1…kMaxShellResolution or
-/// the mesh has no extent.
+/// The cells of a cubic grid of `resolution`³ around the mesh that triangles touch. The longest side of the box spans M
+/// − 1 cells, from centre to centre; x and y are centred; the lowest point lies at the centres of the lowest cells.
+/// Throws InputError when resolution is outside 1…kMaxShellResolution or the mesh has no extent.
 PointShell voxelize_surface(const TriangleMesh& mesh, int resolution);
 /// The grid of voxelize_surface() for a surface with this box, without points. Throws likewise.
 PointShell shell_grid(const Aabb& box, int resolution);
 
 /// Fraction (0…1) of the swept voxels that a point shell misses when it moves in half-voxel steps, for a shell spacing
 /// of s voxels. This is the worst case, a flat face along its normal, whose points at all steps form a lattice of s × s
-/// × ½ voxels: the fraction of unit cubes without a lattice point, averaged over orientations. Up to 0.7 no miss was
-/// found in 4·10⁶ cubes, and the value is an upper bound. Logarithmic interpolation; above 3 the value at 3, a lower
-/// bound.
+/// × ½ voxels: the fraction of unit cubes without a lattice point, averaged over orientations.
 double expected_leak(double spacing_voxels);
-
-/// Up to this spacing expected_leak() is an upper bound, in voxels.
-inline constexpr double kHardlyLeakingSpacing = 0.7;
-/// Beyond this spacing expected_leak() is a lower bound, in voxels.
-inline constexpr double kLargestMeasuredSpacing = 3;
+/// Up to the first of these spacings (voxels) expected_leak() is an upper bound: no miss was found in 4·10⁶ cubes.
+/// Beyond the second it is a lower bound, the value there.
+inline constexpr double kHardlyLeakingSpacing = 0.7, kLargestMeasuredSpacing = 3;
 
 }  // namespace reamsim

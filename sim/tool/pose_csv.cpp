@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/tool/key_track.h"
+#include "sim/tool/motion.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,6 @@
 #include <deque>
 #include <filesystem>
 #include <mutex>
-#include <string>
 #include <string_view>
 #include <utility>
 
@@ -25,8 +24,7 @@ constexpr std::array<std::string_view, kSpin> kNames{"time_s", "x_mm", "y_mm", "
 constexpr std::array<std::string_view, 1> kOptionalNames{"spin_rpm"};
 constexpr const char* kPoseColumns =
     "the header must name time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm; other recordings: "
-    "motion.csv.format, "
-    "separator and columns";
+    "motion.csv.format, separator and columns";
 constexpr const char* kDescribedColumns = "the columns that motion.csv names";
 constexpr std::size_t kMaxRows = 10'000'000;
 constexpr double kFarthest_mm = 1e6;
@@ -40,25 +38,6 @@ void check_range(const SourceLocation& where, std::string_view name, double valu
                      "at most " + rounded_text(most) + " " + unit + " is possible");
   }
 }
-
-/// Reports the first warnings about rows, and counts the others.
-class RowWarnings {
- public:
-  /// Takes the warnings of a row.
-  void take(Diagnostics& row, Diagnostics& report) {
-    for (const std::string& warning : row.warnings) {
-      if (count_++ < kMaxRowWarnings) report.warn(warning);
-    }
-    row.warnings.clear();
-  }
-  void finish(const std::string& path, Diagnostics& report) const {
-    if (count_ <= kMaxRowWarnings) return;
-    report.warn(path + ": the same of " + std::to_string(count_ - kMaxRowWarnings) + " more rows");
-  }
-
- private:
-  std::size_t count_ = 0;
-};
 
 /// By Separator, LengthUnit and TimeUnit.
 constexpr char kSeparators[] = {',', ';', '\t', ' '};
@@ -96,51 +75,43 @@ bool is_plain(const CsvMotionSettings& settings) {
 /// Recorded poses, row by row (read_pose_csv()).
 class PoseCsv {
  public:
-  using Place = CsvReader::Place;
-
   PoseCsv(const CsvMotionSettings& settings, Diagnostics& report)
-      : settings_(settings),
-        rows_(settings.path, layout_of(settings), is_plain(settings) ? kPoseColumns : kDescribedColumns) {
+      : rows(settings.path, layout_of(settings), is_plain(settings) ? kPoseColumns : kDescribedColumns),
+        settings_(settings) {
     if (settings.bone_from_tracker) bone_from_tracker_ = settings.bone_from_tracker->rigid();
     if (settings.marker_from_tool) marker_from_tool_ = settings.marker_from_tool->rigid();
     std::string ignored;
-    for (const std::string& name : rows_.skipped())
-      ignored += (ignored.empty() ? "\"" : ", \"") + printable(name) + '"';
-    if (!ignored.empty()) report.note(rows_.where().text() + ": ignored columns: " + ignored.substr(0, 200));
+    for (const std::string& name : rows.skipped()) ignored += (ignored.empty() ? "\"" : ", \"") + printable(name) + '"';
+    if (!ignored.empty()) report.note(rows.where().text() + ": ignored columns: " + ignored.substr(0, 200));
   }
 
   /// Reads the next row; false at the end. `row_report` gets a warning about a quaternion that is no rotation.
   bool next(KeyPose& pose, Diagnostics& row_report) {
-    while (rows_.next(row_)) {
+    while (rows.next(row_)) {
       if (has_pose()) {
         pose = pose_of_row(row_report);
         return true;
       }
-      ++skipped_rows_;
+      ++skipped_rows;
     }
     return false;
   }
 
-  [[nodiscard]] Place place() const { return rows_.place(); }
-  /// Goes on at a place that place() has returned. Only where the file is a regular one.
-  void seek(const Place& place) { rows_.seek(place); }
-  [[nodiscard]] SourceLocation where() const { return rows_.where(); }
-  /// Rows without a pose that next() has skipped.
-  [[nodiscard]] std::size_t skipped_rows() const { return skipped_rows_; }
-  [[nodiscard]] double max_gap_s() const { return settings_.max_gap_s; }
+  CsvReader rows;
+  std::size_t skipped_rows = 0;  ///< rows without a pose that next() has skipped
 
  private:
   [[nodiscard]] bool has_pose() const {
     const auto missing = std::count_if(row_.begin() + kX, row_.begin() + kSpin, [](double v) { return std::isnan(v); });
     if (missing > 0 && missing < kSpin - kX) {
-      throw InputError(rows_.where(), "", "a part of the pose is missing", "give all of it, or leave all of it empty");
+      throw InputError(rows.where(), "", "a part of the pose is missing", "give all of it, or leave all of it empty");
     }
-    if (std::isnan(row_[kTime])) throw InputError(rows_.where(), "", "the time is missing", "each row needs one");
+    if (std::isnan(row_[kTime])) throw InputError(rows.where(), "", "the time is missing", "each row needs one");
     return missing == 0;
   }
 
   [[nodiscard]] KeyPose pose_of_row(Diagnostics& row_report) const {
-    const SourceLocation where = rows_.where();
+    const SourceLocation where = rows.where();
     const Vec3 position_mm =
         kMmPerUnit[static_cast<std::size_t>(settings_.position_unit)] * Vec3(row_[kX], row_[kY], row_[kZ]);
     for (const Column c : {kX, kY, kZ}) check_range(where, kNames[c], position_mm[c - kX], kFarthest_mm, "mm");
@@ -159,45 +130,47 @@ class PoseCsv {
   }
 
   CsvMotionSettings settings_;
-  CsvReader rows_;
   std::vector<double> row_;
-  std::size_t skipped_rows_ = 0;
   std::optional<Rigid> bone_from_tracker_, marker_from_tool_;
 };
 
-/// Reads all rows, and calls visit(pose, place before its row). Besides the mistakes of rows, throws InputError where
-/// times do not increase or have a gap of more than max_gap_s, and for fewer than two or more than ten million rows.
-/// Times need not be equidistant.
-void scan_pose_csv(PoseCsv& csv, const std::string& path, Diagnostics& report,
-                   const std::function<void(const KeyPose&, const PoseCsv::Place&)>& visit) {
+/// Reads all rows, and calls visit(pose, place before its row). Throws as read_pose_csv().
+void scan_pose_csv(PoseCsv& csv, const CsvMotionSettings& settings, Diagnostics& report,
+                   const std::function<void(const KeyPose&, const CsvReader::Place&)>& visit) {
   Diagnostics row_report;
-  RowWarnings warnings;
-  std::size_t rows = 0;
+  std::size_t rows = 0, warnings = 0;
   double before_s = 0;
   KeyPose pose;
-  for (PoseCsv::Place place = csv.place(); csv.next(pose, row_report); place = csv.place(), ++rows) {
-    if (rows == kMaxRows) throw InputError(csv.where(), "", "more than ten million rows", "record at a lower rate");
+  for (CsvReader::Place place = csv.rows.place(); csv.next(pose, row_report); place = csv.rows.place(), ++rows) {
+    if (rows == kMaxRows)
+      throw InputError(csv.rows.where(), "", "more than ten million rows", "record at a lower rate");
+    const double gap_s = pose.time_s - before_s;
     if (rows > 0 && !(pose.time_s > before_s)) {
-      throw InputError(csv.where(), "", "time_s is " + shortest_text(pose.time_s) + " after " + shortest_text(before_s),
+      throw InputError(csv.rows.where(), "",
+                       "time_s is " + shortest_text(pose.time_s) + " after " + shortest_text(before_s),
                        "times must increase from row to row");
     }
-    if (const double gap_s = pose.time_s - before_s; rows > 0 && csv.max_gap_s() > 0 && gap_s > csv.max_gap_s()) {
-      throw InputError(csv.where(), "",
+    if (rows > 0 && settings.max_gap_s > 0 && gap_s > settings.max_gap_s) {
+      throw InputError(csv.rows.where(), "",
                        "no pose for " + rounded_text(gap_s) + " s, from " + shortest_text(before_s) + " s to this row",
-                       "at most " + rounded_text(csv.max_gap_s()) +
+                       "at most " + rounded_text(settings.max_gap_s) +
                            " s is allowed: repair the recording, or raise motion.csv.max_gap_s");
     }
     before_s = pose.time_s;
-    warnings.take(row_report, report);
+    for (const std::string& warning : std::exchange(row_report.warnings, {})) {
+      if (warnings++ < kMaxRowWarnings) report.warn(warning);
+    }
     visit(pose, place);
   }
+  const std::string& path = settings.path;
   if (rows < 2) {
     throw InputError(SourceLocation{path, 0, 0}, "", std::to_string(rows) + " rows of poses",
                      "at least two are needed");
   }
-  warnings.finish(path, report);
-  if (csv.skipped_rows() > 0)
-    report.note(path + ": " + std::to_string(csv.skipped_rows()) + " rows without a pose were skipped");
+  if (warnings > kMaxRowWarnings)
+    report.warn(path + ": the same of " + std::to_string(warnings - kMaxRowWarnings) + " more rows");
+  if (csv.skipped_rows > 0)
+    report.note(path + ": " + std::to_string(csv.skipped_rows) + " rows without a pose were skipped");
 }
 
 }  // namespace
@@ -205,7 +178,7 @@ void scan_pose_csv(PoseCsv& csv, const std::string& path, Diagnostics& report,
 std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostics& report) {
   PoseCsv csv(settings, report);
   std::vector<KeyPose> poses;
-  scan_pose_csv(csv, settings.path, report, [&](const KeyPose& pose, const PoseCsv::Place&) { poses.push_back(pose); });
+  scan_pose_csv(csv, settings, report, [&](const KeyPose& pose, const auto&) { poses.push_back(pose); });
   return poses;
 }
 
@@ -213,53 +186,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Rows of a file that is held in memory: 10 MB.
-constexpr std::size_t kStoredRows = 100'000;
-/// Rows that are read at once.
-constexpr std::size_t kBlockRows = 1024;
+constexpr std::size_t kStoredRows = 100'000;  // rows of a file that is held in memory: 10 MB
+constexpr std::size_t kBlockRows = 1024;      // rows that are read at once
 /// Blocks in memory, 2 MB: several threads may follow the motion, each in its own block.
 constexpr std::size_t kMaxBlocks = 16;
 
-/// Where a block of rows begins.
 struct BlockStart {
-  PoseCsv::Place place;
+  CsvReader::Place place;
   KeyPose key;  ///< the first one
 };
 
-/// Size and time of a file, which differ when it has changed.
-struct FileState {
-  std::uintmax_t bytes = 0;
-  fs::file_time_type written;
-
-  explicit FileState(const std::string& path) {
-    std::error_code error;
-    bytes = fs::file_size(path, error);
-    written = fs::last_write_time(path, error);
-  }
-  bool operator==(const FileState&) const = default;
-};
-
 /// A long recorded CSV: an index of its blocks, and those that were used last.
-class CsvTrack final : public KeyTrack {
+class LongCsv {
  public:
-  CsvTrack(PoseCsv csv, std::string path, std::optional<Rigid> bone_from_poses, double start_s,
-           std::vector<BlockStart> index, double end_s)
-      : csv_(std::move(csv)),
-        path_(std::move(path)),
-        state_(path_),
-        bone_from_poses_(std::move(bone_from_poses)),
-        start_s_(start_s),
-        index_(std::move(index)),
-        end_s_(end_s) {}
+  LongCsv(PoseCsv csv, std::string path, const TrackIntegrator& start, std::vector<BlockStart> index)
+      : csv_(std::move(csv)), path_(std::move(path)), state_(state()), start_(start), index_(std::move(index)) {}
 
-  [[nodiscard]] double end_s() const override { return end_s_; }
-
-  [[nodiscard]] KeySegment at(double time_s) const override {
+  [[nodiscard]] KeySegment at(double time_s) {
     const auto time_of = [](const BlockStart& start) { return start.key.time_s; };
     const auto after = std::ranges::upper_bound(index_, time_s, {}, time_of) - index_.begin();
-    const std::shared_ptr<const Keys> keys = block(static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0)));
-    const std::size_t i = segment_at(*keys, time_s);
-    return {(*keys)[i], (*keys)[i + 1]};
+    return segment_at(*block(static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0))), time_s);
   }
 
  private:
@@ -270,7 +216,7 @@ class CsvTrack final : public KeyTrack {
     std::shared_ptr<const Keys> keys;
   };
 
-  std::shared_ptr<const Keys> block(std::size_t number) const {
+  std::shared_ptr<const Keys> block(std::size_t number) {
     const std::lock_guard lock(mutex_);
     const auto found = std::ranges::find(blocks_, number, &Block::number);
     if (found != blocks_.end()) {
@@ -282,15 +228,15 @@ class CsvTrack final : public KeyTrack {
     return blocks_.front().keys;
   }
 
-  Keys read(std::size_t number) const {
+  Keys read(std::size_t number) {
     const BlockStart& start = index_[number];
-    TrackIntegrator integrator(bone_from_poses_, start_s_, start.key);
+    TrackIntegrator integrator{start_.bone_from_poses, start_.start_s, start.key};
     Keys keys{start.key};
     Diagnostics discarded;
-    if (FileState(path_) != state_) fail();
-    csv_.seek(start.place);
+    if (state() != state_) fail();
+    csv_.rows.seek(start.place);
     KeyPose key;
-    if (!csv_.next(key, discarded) || key.time_s - start_s_ != start.key.time_s) fail();
+    if (!csv_.next(key, discarded) || key.time_s - start_.start_s != start.key.time_s) fail();
     while (keys.size() <= kBlockRows && csv_.next(key, discarded)) {
       discarded.warnings.clear();
       keys.push_back(integrator.next(key));
@@ -303,46 +249,46 @@ class CsvTrack final : public KeyTrack {
     throw RunError(path_ + ": the file changed while the program read it; keep it unchanged during a run");
   }
 
-  mutable std::mutex mutex_;
-  mutable PoseCsv csv_;
+  /// Size and time of the file, which differ when it has changed.
+  [[nodiscard]] std::pair<std::uintmax_t, fs::file_time_type> state() const {
+    std::error_code error;
+    return {fs::file_size(path_, error), fs::last_write_time(path_, error)};
+  }
+
+  std::mutex mutex_;
+  PoseCsv csv_;
   std::string path_;
-  FileState state_;
-  std::optional<Rigid> bone_from_poses_;
-  double start_s_;
+  std::pair<std::uintmax_t, fs::file_time_type> state_;
+  TrackIntegrator start_;
   std::vector<BlockStart> index_;
-  double end_s_;
-  mutable std::deque<Block> blocks_;  ///< the one used last first
+  std::deque<Block> blocks_;  ///< the one used last first
 };
 
 }  // namespace
 
-std::unique_ptr<const KeyTrack> open_csv_track(const CsvMotionSettings& settings,
-                                               const std::optional<Rigid>& bone_from_poses, Diagnostics& report) {
+KeyTrack open_csv_track(const CsvMotionSettings& settings, const std::optional<Rigid>& bone_from_poses,
+                        Diagnostics& report) {
   PoseCsv csv(settings, report);
   const bool seekable = fs::is_regular_file(settings.path);
-  std::optional<TrackIntegrator> integrator;
-  double start_s = 0;
+  TrackIntegrator integrator{bone_from_poses};
   std::size_t rows = 0;
   std::vector<KeyPose> stored;
   std::vector<BlockStart> index;
   KeyPose last;
-  scan_pose_csv(csv, settings.path, report, [&](const KeyPose& pose, const PoseCsv::Place& place) {
-    if (!integrator) {
-      start_s = pose.time_s;
-      integrator.emplace(bone_from_poses, start_s);
-    }
-    last = integrator->next(pose);
+  scan_pose_csv(csv, settings, report, [&](const KeyPose& pose, const CsvReader::Place& place) {
+    if (rows == 0) integrator.start_s = pose.time_s;
+    last = integrator.next(pose);
     if (rows % kBlockRows == 0) index.push_back({place, last});
     ++rows;
     if (!seekable || rows <= kStoredRows) stored.push_back(last);
     if (seekable && rows == kStoredRows + 1) stored = {};
   });
-  note_start(start_s, report);
+  note_start(integrator.start_s, report);
   if (!stored.empty()) return store_track(std::move(stored));
   // A block of a single row would hold no segment.
   if (rows % kBlockRows == 1) index.pop_back();
-  return std::make_unique<const CsvTrack>(std::move(csv), settings.path, bone_from_poses, start_s, std::move(index),
-                                          last.time_s);
+  const auto track = std::make_shared<LongCsv>(std::move(csv), settings.path, integrator, std::move(index));
+  return {last.time_s, [track](double time_s) { return track->at(time_s); }};
 }
 
 }  // namespace reamsim

@@ -49,8 +49,7 @@ Ring add_ring(TriangleMesh& mesh, const Vec2& rz, int segments) {
 
 /// Tolerance of (r, z) in a ring; 32-bit STL coordinates of a reamer have an error below 1 µm.
 constexpr double kRingMm = 2e-3;
-/// Tolerated sagitta of a facet.
-constexpr double kSagittaMm = 0.02;
+constexpr double kSagittaMm = 0.02;  // tolerated sagitta of a facet
 /// Tolerated relative difference between the volumes of mesh and revolved polygon; detects partial revolutions.
 constexpr double kVolumeTolerance = 0.01;
 

@@ -8,8 +8,6 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/implicit.h"
-#include "sim/mesh/triangle_mesh.h"
-#include "sim/tool/outline.h"
 #include "sim/tool/profile.h"
 
 namespace reamsim {
@@ -51,9 +49,8 @@ std::vector<Interval> merge(std::vector<Interval> intervals) {
   return merged;
 }
 
-/// The radii that a rotating mesh occupies at a height. The section of the mesh at height z is a set of closed curves;
-/// each piece sweeps an interval of radii. The circle of any other radius lies entirely inside or outside the mesh, as
-/// its winding number tells.
+/// The radii that a rotating mesh occupies at a height. Each piece of its section, a set of closed curves, sweeps an
+/// interval of radii. The circle of any other radius lies entirely inside or outside, as its winding number tells.
 class SweptSection {
  public:
   /// The mesh (closed, facing outwards; mm, frame T) must outlive the section.
@@ -144,10 +141,8 @@ constexpr double kMaxLatticePoints = 4096;
 /// Offsets of the lattice lines from round numbers, where designed surfaces lie. The first column is the axis.
 constexpr double kColumnShift = 0.382;
 constexpr double kRowShift = 0.618;
-/// Bisections of a vertical crossing: 0.02 mm / 2^9 = 0.04 µm.
-constexpr int kBisections = 9;
-/// Tolerance of the simplified outline, steps.
-constexpr double kSimplifySteps = 0.2;
+constexpr int kBisections = 9;          // bisections of a vertical crossing: 0.02 mm / 2^9 = 0.04 µm
+constexpr double kSimplifySteps = 0.2;  // tolerance of the simplified outline, steps
 /// A second part of at most this fraction of the area is an artefact of the lattice.
 constexpr double kArtefactFraction = 1e-3;
 
@@ -224,8 +219,7 @@ Successors link_crossings(const Lattice& lattice) {
       const LatticeEdge edge[4] = {{i, j, true}, {i + 1, j, false}, {i, j + 1, true}, {i, j, false}};
       for (int k = 0; k < 4; ++k) {
         if (!in[k] || in[(k + 1) % 4]) continue;
-        // Counter-clockwise around the cell the outline begins at a change from inside to outside, and ends at the
-        // previous change from outside to inside.
+        // Counter-clockwise round the cell it begins at a change to outside, and ends at the previous change to inside.
         int from = (k + 3) % 4;
         while (in[from]) from = (from + 3) % 4;
         next[edge[k].key()] = edge[from].key();

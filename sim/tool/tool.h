@@ -14,8 +14,7 @@
 
 namespace reamsim {
 
-/// The reamer, in the tool frame T: origin at the lowest point of the cutting surface on the spin axis, +z out of the
-/// bone towards the drive.
+/// The reamer in the tool frame T: origin at the lowest point of the cutting surface on the axis, +z towards the drive.
 struct Tool {
   TriangleMesh mesh;    ///< with cutting edges; for pictures
   Profile profile;      ///< envelope of revolution about z
@@ -34,7 +33,6 @@ struct Tool {
   [[nodiscard]] Aabb clip_bounds() const { return profile.bounds().expanded(clip_slack_mm()); }
 };
 
-/// The use of the tool's point shell in a run.
 enum class ShellUse {
   touches_voxels,  ///< its points determine the touched voxels; a coarse shell misses some
   none,            ///< voxels are tested against the surface; the shell has a grid but no points
@@ -61,9 +59,8 @@ std::optional<ThinWall> thinnest_wall(const Profile& profile, double limit_mm);
 /// Tolerated error of the grid's volume relative to the mesh's; larger ones cause a warning.
 inline constexpr double kGridVolumeTolerance = 5e-3;
 
-/// Prepares a tool for `erosion: exact` at voxels of `voxel_mm`: warns of thin walls, and makes the distance grid of
-/// resolved cutting edges (`spin: resolved`, and the mesh is no surface of revolution). Throws InputError where it
-/// would need more than `memory_bytes`.
+/// Prepares a tool for `erosion: exact`: warns of thin walls, and makes the distance grid of resolved cutting edges
+/// unless the mesh is a surface of revolution. Throws InputError where it would need more than `memory_bytes`.
 void prepare_clipping(Tool& tool, const ToolSettings& settings, double voxel_mm, double memory_bytes,
                       Diagnostics& report);
 

@@ -16,11 +16,9 @@ namespace reamsim {
 /// Rotation vector (axis times angle, at most π) that takes orientation `a` to `b`, in B.
 Vec3 rotation_vector(const Quat& a, const Quat& b);
 
-/// Bound of the motion from pose `a` to `b` of any point within `reach_mm` of the tool's origin, mm. Without the spin,
-/// which does not move an envelope of revolution.
+/// Bound of the motion from `a` to `b` of a point within `reach_mm` of the tool's origin, without the spin, mm.
 double motion_bound_mm(const ToolPose& a, const ToolPose& b, double reach_mm);
 
-/// A pose on a path.
 struct PathSample {
   ToolPose pose;
   std::size_t frame = 0;  ///< the frame at the pose or at the end of its segment
@@ -44,8 +42,7 @@ class ToolPath {
   std::vector<double> ends_mm_;  ///< by point
 };
 
-/// Chooses poses of a path at steps of motion_bound_mm(), in one pass. They include the poses where the tool stops or
-/// reverses, such as the deepest one.
+/// Chooses poses of a path at steps of motion_bound_mm(), and those where the tool stops or reverses.
 class StepChooser {
  public:
   struct Choice {
@@ -75,12 +72,11 @@ class StepChooser {
   Vec3 before_mm_ = Vec3::Zero();  ///< position before the pending pose
 };
 
-/// Poses along a path of at least one point, with motion_bound_mm() of at most `step_mm` between two of them. They
-/// include the poses where the tool stops or reverses, such as the deepest one.
+/// Poses of StepChooser along a path of at least one point, with at most `step_mm` between two of them.
 std::vector<PathSample> sample_path(const std::vector<PathSample>& path, double reach_mm, double step_mm);
 
-/// Collects the poses of a path in bounded memory: all of them up to 100,000, and of a longer path those that
-/// StepChooser chooses, the last one and those of given frames. The step doubles whenever there are too many.
+/// Collects the poses of a path in bounded memory: all up to 100,000; of a longer path those that StepChooser chooses,
+/// the last one and those of given frames. The step doubles whenever there are too many.
 class BoundedPath {
  public:
   static constexpr std::size_t kMost = 100'000;  ///< 10 MB

@@ -20,7 +20,7 @@ namespace reamsim::verify {
 
 // ---- tools ------------------------------------------------------------------------------------------------------
 
-// Curves are points at a spacing of `edge_mm`; exact erosion fits arcs to them (sim/tool/outline.h).
+// Curves are points at a spacing of `edge_mm`; exact erosion fits arcs to them (sim/tool/profile.h).
 
 /// A ball that touches z = 0 from above.
 Profile ball_profile(double radius_mm, double edge_mm);

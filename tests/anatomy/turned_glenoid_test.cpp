@@ -8,7 +8,7 @@
 
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/bone/phantom.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/presets.h"
 #include "tests/bone/phantom_truth.h"
 

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim::test {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/mesh/mesh_repair.h"
+#include "sim/mesh/mesh_check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/mesh/mesh_repair.h"
-
 #include <gtest/gtest.h>
 
 #include "sim/mesh/mesh_check.h"

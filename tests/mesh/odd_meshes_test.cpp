@@ -14,7 +14,6 @@
 #include "sim/base/error.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/mesh/mesh_repair.h"
 #include "tests/support/mesh_shapes.h"
 #include "tests/support/temp_dir.h"
 

@@ -9,7 +9,6 @@
 #include <numbers>
 
 #include "sim/mesh/mesh_check.h"
-#include "sim/mesh/mesh_repair.h"
 #include "tests/support/mesh_shapes.h"
 
 namespace reamsim::test {

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "sim/base/error.h"
-#include "sim/tool/outline.h"
 #include "sim/tool/profile.h"
 #include "tests/tool/reamer_files.h"
 

@@ -12,7 +12,6 @@
 #include <numbers>
 
 #include "sim/base/error.h"
-#include "sim/tool/key_track.h"
 
 namespace reamsim {
 namespace {

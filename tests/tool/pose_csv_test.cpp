@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Recorded poses: what is read, what is tolerated, and what is refused with file and line.
-#include "sim/tool/key_track.h"
+#include "sim/tool/motion.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-#include "sim/tool/outline.h"
+#include "sim/tool/profile.h"
 #include "sim/verify/scene.h"
 
 namespace reamsim::verify {

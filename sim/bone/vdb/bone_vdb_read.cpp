@@ -7,14 +7,13 @@
 #include <array>
 #include <cmath>
 #include <locale>
-#include <optional>
 #include <sstream>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/bone/vdb/bone_vdb.h"
-#include "sim/bone/vdb/vdb_archive.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/vdb/grids.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 
@@ -203,8 +202,7 @@ std::optional<LandmarkSettings> parse_stored_landmarks(const std::string& path, 
   return LandmarkSettings{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]}};
 }
 
-/// Depth of the cortical layer (mm), its density and that below (g/cm³); nullopt for any other text: layers only matter
-/// for pictures.
+/// Depth of the cortical layer (mm), its density and that below (g/cm³), for pictures; nullopt for any other text.
 std::optional<BoneLayers> parse_stored_layers(const std::string& text) {
   std::array<double, 3> n{};
   if (!read_numbers(text, n) || n[0] < 0 || n[1] < 0 || n[2] < 0) return std::nullopt;

@@ -10,7 +10,6 @@
 #include "sim/base/process.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/vdb/grids.h"
-#include "sim/bone/vdb/vdb_archive.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 
 namespace reamsim {

@@ -7,9 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
+#include <sstream>
 #include <utility>
-#include <vector>
 
 #include "sim/base/parallel.h"
 
@@ -34,61 +33,21 @@ struct PlainLeaf {
   std::array<float, Leaf::NUM_VALUES> value;
 };
 
-/// The types of metadata that are handed back; those of other types are left out.
-using MetaTypes = std::tuple<std::string, double, openvdb::Vec3i, openvdb::Vec3d>;
-constexpr std::uint8_t kEndOfMetadata = std::tuple_size_v<MetaTypes>;
-
-void put_meta(ResultWriter& out, const std::string& value) {
-  out.put(value);
-}
-template <class T>
-void put_meta(ResultWriter& out, const openvdb::math::Vec3<T>& value) {
-  for (int axis = 0; axis < 3; ++axis) out.put(value[axis]);
-}
-void put_meta(ResultWriter& out, double value) {
-  out.put(value);
-}
-
-template <class T>
-T take_meta(ResultReader& in) {
-  if constexpr (requires(T vector) { vector.asPointer(); }) {
-    T out;
-    for (int axis = 0; axis < 3; ++axis) out[axis] = in.get<typename T::value_type>();
-    return out;
-  } else {
-    return in.take<T>();
-  }
-}
-
-/// Calls visit.operator()<type>(number of the type) for each of MetaTypes.
-template <class Visit>
-void for_each_meta_type(const Visit& visit) {
-  [&]<std::size_t... N>(std::index_sequence<N...>) {
-    (visit.template operator()<std::tuple_element_t<N, MetaTypes>>(static_cast<std::uint8_t>(N)), ...);
-  }
-  (std::make_index_sequence<std::tuple_size_v<MetaTypes>>());
-}
-
 void put_metadata(ResultWriter& out, const openvdb::MetaMap& metadata) {
-  for (auto entry = metadata.beginMeta(); entry != metadata.endMeta(); ++entry) {
-    for_each_meta_type([&]<class T>(std::uint8_t number) {
-      const auto* typed = dynamic_cast<const openvdb::TypedMetadata<T>*>(entry->second.get());
-      if (typed == nullptr) return;
-      out.put(number);
-      out.put(std::string(entry->first));
-      put_meta(out, typed->value());
-    });
-  }
-  out.put(kEndOfMetadata);
+  std::ostringstream bytes;
+  metadata.writeMeta(bytes);
+  out.put(bytes.str());
 }
 
 void take_metadata(ResultReader& in, openvdb::MetaMap& metadata) {
-  for (auto found = in.get<std::uint8_t>(); found != kEndOfMetadata; found = in.get<std::uint8_t>()) {
-    if (found > kEndOfMetadata) in.fail();
-    const std::string name = in.text();
-    for_each_meta_type([&]<class T>(std::uint8_t number) {
-      if (number == found) metadata.insertMeta(name, openvdb::TypedMetadata<T>(take_meta<T>(in)));
-    });
+  std::istringstream bytes(in.text());
+  bytes.exceptions(std::ios::failbit | std::ios::badbit);  // OpenVDB does not check whether it reads anything
+  try {
+    metadata.readMeta(bytes);
+  } catch (const std::ios_base::failure&) {
+    in.fail();
+  } catch (const openvdb::Exception&) {
+    in.fail();
   }
 }
 

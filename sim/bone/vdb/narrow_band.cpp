@@ -7,12 +7,11 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <vector>
 
 #include "sim/base/geometry.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/grids.h"
-#include "sim/bone/voxmap/voxel_grid.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 
@@ -191,8 +190,7 @@ class PointSet {
     const Eigen::Array3f low = first.array() - reach, high = last.array() + reach;
     select([&](std::size_t i) { return (point(i).array() >= low).all() && (point(i).array() <= high).all(); }, out);
   }
-  /// Sets `out` to those that are further from `p` than the nearest by at most `more`; to none if that is further away
-  /// than `reach`.
+  /// Sets `out` to those at most `more` further from `p` than the nearest; to none if that is beyond `reach`.
   void select_nearest(const Point& p, float reach, float more, PointSet& out) {
     squares_.resize(number_.size());
     float least = std::numeric_limits<float>::max();
@@ -255,8 +253,7 @@ class PointSet {
   std::vector<float> squares_;  ///< of select_nearest()
 };
 
-/// Distance from the surface near a foot, voxels: steps to the surface and along it, to where the gradient leads to
-/// `p`.
+/// Distance from the surface near a foot, voxels: steps along the surface to where the gradient leads to `p`.
 float refined_distance(const Block& block, const Point& p, ClosestPoint foot) {
   constexpr float kSmallStep = 0.05F;  // a step along the surface moves the distance by its square
   const float nearest = length_of(p - foot.at);
@@ -273,9 +270,9 @@ float refined_distance(const Block& block, const Point& p, ClosestPoint foot) {
   return std::min(nearest, length_of(p - foot.at));
 }
 
-/// Distances of a leaf's voxels from the closest_points, at most kHalfBandVoxels. Feet are first selected for cubes of
-/// 4³ voxels, then for cubes of 2³: what is nearest to a voxel is hardly further from the cube's centre than what is
-/// nearest there.
+/// Distances of a leaf's voxels from the closest points, at most kHalfBandVoxels. Points are first selected for cubes
+/// of 4³ voxels, then of 2³: what is nearest to a voxel is hardly further from the cube's centre than the nearest
+/// there.
 class LeafDistances {
  public:
   LeafDistances(const Block& block, const std::vector<ClosestPoint>& closest_points)

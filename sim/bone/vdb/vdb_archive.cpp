@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/bone/vdb/vdb_archive.h"
-
 #include <fmt/ranges.h>
 #include <tbb/global_control.h>
 #include <zlib.h>
@@ -33,11 +31,9 @@ constexpr const char* kTrailerKey = "_reamsim_trailer";
 constexpr const char* kTrailerValue = "CRC-32 of all bytes before it";
 constexpr std::size_t kKeySearchBytes = 1 << 16;
 constexpr std::size_t kTrailerBytes = 23;
-/// The first eight bytes of any VDB file.
-constexpr std::string_view kMagic("\x20\x42\x44\x56\0\0\0\0", 8);
+constexpr std::string_view kMagic("\x20\x42\x44\x56\0\0\0\0", 8);  // the first eight bytes of any VDB file
 
-/// Writes grid after grid to a stream whose state can be checked. OpenVDB's own File needs all grids at once, and
-/// ignores a full disk.
+/// Writes grid after grid to a checked stream. OpenVDB's own File needs all grids at once, and ignores a full disk.
 class StreamArchive : public openvdb::io::Archive {
  public:
   void write_to(std::ostream& out, const std::vector<GridMaker>& grids, const openvdb::MetaMap& metadata) const {
@@ -133,8 +129,7 @@ void check_version(const std::string& path, const std::string& start) {
               "expected " + std::to_string(kOldest) + " to " + std::to_string(kNewest) + ", or the file is damaged");
 }
 
-/// Throws InputError for a file that cannot be read, is not a VDB, or has a wrong checksum. Returns whether it has a
-/// checksum; files of other programs do not.
+/// Throws InputError: unreadable, no VDB, a wrong checksum. Returns whether there is one: other programs write none.
 bool check_bytes(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);

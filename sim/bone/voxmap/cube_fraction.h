@@ -11,8 +11,7 @@
 
 namespace reamsim {
 
-/// A surface with an edge halves a voxel at most this often: 64 parts.
-inline constexpr int kMaxSplits = 2;
+inline constexpr int kMaxSplits = 2;  ///< a surface with an edge halves a voxel at most this often: 64 parts
 
 /// A field at a point, and one step before and after it along each axis.
 struct FieldSamples {
@@ -85,15 +84,13 @@ inline double fraction_in_box(const Aabb& box, const Vec3& center, double side) 
   return (common.cwiseMax(0) / side).prod();
 }
 
-/// The fraction, 0…1, of the cube of this center and side, in the coordinates of `field`, in which `field` is negative.
-/// The field is a continuous function of a point, such as a signed distance, with a nearly constant slope across its
-/// surface. Where an edge or a thin wall breaks that, and in any case `least_splits` times, the cube is halved along
-/// each axis; `split` counts these halvings.
+/// The fraction, 0…1, of a cube in which `field` is negative: a continuous function of a point, such as a signed
+/// distance, with a nearly constant slope across its surface. Where an edge or a thin wall breaks that, and in any case
+/// `least_splits` times, the cube is halved along each axis; `split` counts these halvings.
 template <class Field>
 double fraction_inside(const Field& field, const Vec3& center, double side, int least_splits = 0, int split = 0) {
   if (split >= least_splits) {
-    // A whole voxel is sampled at its neighbours' centres, where a field given by voxels is most accurate; a part of a
-    // voxel only at its own faces.
+    // A voxel is sampled at its neighbours' centres, where a field of voxels is most accurate; a part at its own faces.
     const FieldStencil at = field_stencil(field, center, side, split == 0 ? side : 0.5 * side);
     if (at.smooth() || split >= std::max(kMaxSplits, least_splits)) return plane_fraction(at);
   }

@@ -3,7 +3,6 @@
 
 #include "sim/bone/voxmap/sample_voxels.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "sim/base/parallel.h"
@@ -14,7 +13,6 @@ namespace {
 
 /// Rows of bricks that are sampled before they are stored: enough work for many threads, little memory.
 constexpr int kRowsAtOnce = 256;
-constexpr std::size_t kBricksAtOnce = 16;
 
 /// A brick with bone, and its coordinate along x.
 struct SampledBrick {
@@ -104,9 +102,7 @@ std::vector<ChangedBrick> sample_surface(const SurfaceSampler& sample, const Vox
   for (const Vec3i& coord : bricks_near_bone(voxmap.grade)) {
     if (lattice.contains(coord)) out.push_back({coord, {}});
   }
-  parallel_ranges(out.size(), kBricksAtOnce, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) out[i] = sample_surface_of(sample, voxmap, out[i].coord);
-  });
+  parallel_items(out.size(), [&](std::size_t i) { out[i] = sample_surface_of(sample, voxmap, out[i].coord); });
   std::erase_if(out, [](const ChangedBrick& brick) { return brick.voxels.empty(); });
   return out;
 }

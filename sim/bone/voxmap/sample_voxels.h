@@ -12,16 +12,13 @@
 
 namespace reamsim {
 
-/// Sets the voxels of one brick, which is all air before. Returns whether it set any. Called from several threads at
-/// once, each with its own brick.
+/// Sets voxels of one brick, all air before; returns whether it set any. Called from several threads at once.
 using BrickSampler = std::function<bool(const Vec3i& brick_coord, GradeBricks::Brick& brick)>;
 
-/// The grades of a lattice of `dims` voxels, sampled brick by brick in parallel. The result does not depend on the
-/// threads.
+/// The grades of a lattice of `dims` voxels, sampled brick by brick. The result does not depend on the threads.
 GradeBricks sample_bricks(const Vec3i& dims, const BrickSampler& sample);
 
-/// A number for each voxel of a brick, and of a layer of one voxel around it: 0 in bricks of air and outside the
-/// lattice.
+/// A number for each voxel of a brick and of a layer of one voxel around it; 0 where there is no brick.
 template <class T>
 class PaddedBrick {
  public:
@@ -74,9 +71,8 @@ struct SurfaceVoxel {
 /// Describes a voxel whose grade is `grade`, 0 where its centre lies outside. Called from several threads at once.
 using SurfaceSampler = std::function<SurfaceVoxel(const Vec3i& voxel, std::uint8_t grade)>;
 
-/// Sets the fill of the voxels at the bone's surface: those whose 3×3×3 neighbourhood contains bone and air. A voxel
-/// whose centre lies just outside becomes bone with a small fill (docs/density.md, 1).
-/// All voxels of `voxmap` must be whole. The result does not depend on the threads.
+/// Sets the fill of the voxels whose 3×3×3 neighbourhood contains bone and air; all must be whole. A voxel whose centre
+/// lies just outside becomes bone with a small fill (docs/density.md, 1). Does not depend on the threads.
 void set_partial_fill(const SurfaceSampler& sample, FilledVoxmap& voxmap);
 
 }  // namespace reamsim

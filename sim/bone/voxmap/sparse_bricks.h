@@ -148,8 +148,7 @@ class SparseBricks {
   }
 
  private:
-  // Pages: a single growing vector would need twice the memory while it reallocates, and copies share what has not
-  // changed.
+  // Pages: a growing vector would need twice the memory while it reallocates, and copies share unchanged ones.
   static constexpr std::size_t kPageBricks = (std::size_t{1} << 18) / sizeof(Brick);
   using Page = std::vector<Brick>;
 

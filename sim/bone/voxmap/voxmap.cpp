@@ -3,13 +3,39 @@
 
 #include "sim/bone/voxmap/voxmap.h"
 
+#include <fmt/core.h>
+#include <unistd.h>
 #include <algorithm>
+#include <limits>
 
 namespace reamsim {
 
 namespace {
 
-/// Sum of `value(fill)` over the voxels with grade ≠ 0.
+/// Fraction of the memory for building the bone. The engine and the results need the rest.
+constexpr double kMemoryFraction = 0.5;
+/// Entries of a brick, stored or not, in the tables of grades and of fill.
+constexpr double kTableBytes = 2 * sizeof(std::int32_t);
+constexpr double kMaxBricks = std::numeric_limits<std::int32_t>::max();
+constexpr double kMaxSide = 1e6;  // voxels along an axis
+
+double planned_bytes(double voxels, const LatticeLoad& load) {
+  return voxels * (std::min(1.0, load.bone_fraction) * load.bytes_per_voxel + kTableBytes / FillBricks::kVoxels);
+}
+
+/// False for sizes that are NaN.
+bool fits(const Eigen::Array3d& dims, const LatticeLoad& load, double memory_bytes) {
+  const double voxels = dims.prod();
+  return voxels >= 0 && voxels <= kMaxBricks * FillBricks::kVoxels && dims.maxCoeff() < kMaxSide &&
+         planned_bytes(voxels, load) <= kMemoryFraction * memory_bytes;
+}
+
+/// Cortical bone reaches 2000 HU, enamel 3000. Scanners with 12 bits end at 3071, where metal then is.
+constexpr double kMetal_hu = 3000;
+/// Less bone than this changes no force noticeably: noise, and the densest spots of a cortex.
+constexpr double kLeast_mm3 = 1;
+constexpr double kLeastFraction = 1e-3;  // the same, as a fraction of the bone
+
 template <class Value>
 std::int64_t sum_over_bone(const BoneView& bone, const Value& value) {
   std::int64_t sum = 0;
@@ -25,6 +51,74 @@ std::int64_t sum_over_bone(const BoneView& bone, const Value& value) {
 }
 
 }  // namespace
+
+double machine_memory_bytes() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+}
+
+void check_lattice(const std::string& what, const Eigen::Array3d& dims, double voxel_mm, const LatticeLoad& load,
+                   double memory_bytes) {
+  if (fits(dims, load, memory_bytes)) return;
+  const double voxels = dims.prod();
+  const std::string found = fmt::format(
+      "the lattice has {:.4g} x {:.4g} x {:.4g} voxels of {:.4g} mm ({:.3g} in total) and needs {:.3g} GB; {:.3g} GB "
+      "are available",
+      dims.x(), dims.y(), dims.z(), voxel_mm, voxels, planned_bytes(voxels, load) / 1e9,
+      kMemoryFraction * memory_bytes / 1e9);
+  if (!std::isfinite(voxels) || voxels < 0) throw InputError({what, 0, 0}, "", found, "give a bone of finite size");
+  constexpr double kStep = 1.02;
+  double factor = 1;  // by which the voxels must grow; the fraction of bricks at the surface grows with it
+  while (!fits(dims / factor, {load.bone_fraction * factor, load.bytes_per_voxel}, memory_bytes)) factor *= kStep;
+  // 5 % more, because the margin in mm grows with the voxels; rounded up to two digits.
+  const double fitting_mm = 1.05 * voxel_mm * factor;
+  const double unit = std::pow(10.0, std::floor(std::log10(fitting_mm)) - 1);
+  throw InputError({what, 0, 0}, "", found,
+                   fmt::format("bone.voxel_mm of {:.3g} or more would fit", std::ceil(fitting_mm / unit) * unit));
+}
+
+VoxelGrid lattice_around(const std::string& what, const Aabb& box_mm, double voxel_mm, int margin_voxels,
+                         const LatticeLoad& load) {
+  constexpr int kSide = FillBricks::kSide;
+  // A face this close to a lattice plane, in voxels, lies on it: rounding must not add a layer of voxels.
+  constexpr double kOnPlane = 1e-9;
+  const Eigen::Array3d first = (box_mm.min.array() / voxel_mm + kOnPlane).floor() - margin_voxels;
+  const Eigen::Array3d last = (box_mm.max.array() / voxel_mm - kOnPlane).ceil() + margin_voxels;
+  const Eigen::Array3d dims = ((last - first) / kSide).ceil() * kSide;
+  check_lattice(what, dims, voxel_mm, load);
+  return {dims.cast<int>().matrix(), voxel_mm, voxel_mm * first.matrix()};
+}
+
+void DensityLimit::add(double hu, double mm3) {
+  bone_mm3_ += mm3;
+  if (hu > limit_hu_) denser_mm3_ += mm3;
+  if (hu > kMetal_hu) metal_mm3_ += mm3;
+}
+
+void DensityLimit::warn(const std::string& path, Diagnostics& report) const {
+  const bool metal = metal_mm3_ >= kLeast_mm3;
+  if (!metal && (denser_mm3_ < kLeast_mm3 || denser_mm3_ < kLeastFraction * bone_mm3_)) return;
+  std::string text = path + ": ";
+  if (denser_mm3_ > 0) {
+    text += fmt::format(
+        "{:.0f} mm3 of the bone is denser than {:g} g/cm3 ({:.0f} HU), the most that is represented; forces there are "
+        "too small",
+        denser_mm3_, DensityMapping::kMaxDensity_g_cm3, limit_hu_);
+  }
+  if (metal) {
+    text += fmt::format("{}{:.0f} mm3 is above {:.0f} HU: is it metal? crop or cut it", denser_mm3_ > 0 ? "; " : "",
+                        metal_mm3_, kMetal_hu);
+  }
+  report.warn(text);
+}
+
+void warn_of_density_limit(const DensityMapping& mapping, const std::string& key, double hu, Diagnostics& report) {
+  const double limit_hu = mapping.limit_hu();
+  if (hu <= limit_hu) return;
+  report.warn(
+      fmt::format("{} is {:g} HU, denser than {:g} g/cm3 ({:.0f} HU), the most that is represented; forces there are "
+                  "those of {:g} g/cm3",
+                  key, hu, DensityMapping::kMaxDensity_g_cm3, limit_hu, DensityMapping::kMaxDensity_g_cm3));
+}
 
 std::int64_t BoneView::count_bone() const {
   return sum_over_bone(*this, [](std::uint16_t value) { return std::int64_t{value != 0 ? 1 : 0}; });
@@ -70,11 +164,9 @@ std::vector<Vec3i> bricks_near_bone(const GradeBricks& grades) {
 }
 
 bool partly_filled(const FillBricks& fill) {
+  const auto is_part = [](std::uint16_t value) { return value != 0 && value != FillBricks::kWhole; };
   bool part = false;
-  fill.for_each_brick([&part](const Vec3i&, const FillBricks::Brick& brick) {
-    part = part || std::any_of(brick.begin(), brick.end(),
-                               [](std::uint16_t value) { return value != 0 && value != FillBricks::kWhole; });
-  });
+  fill.for_each_brick([&](const Vec3i&, const auto& brick) { part = part || std::ranges::any_of(brick, is_part); });
   return part;
 }
 

@@ -10,7 +10,6 @@
 
 #include "kernels/window.h"
 #include "sim/base/geometry.h"
-#include "sim/bone/voxmap/voxel_grid.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/scenario.h"
 #include "sim/tool/motion.h"

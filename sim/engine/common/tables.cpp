@@ -12,7 +12,7 @@
 
 #include "kernels/bricks.h"
 #include "sim/base/error.h"
-#include "sim/bone/voxmap/density.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 

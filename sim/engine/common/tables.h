@@ -12,7 +12,6 @@
 #include "sim/device/opencl.h"
 #include "sim/scenario/scenario.h"
 #include "sim/tool/distance_grid.h"
-#include "sim/tool/outline.h"
 #include "sim/tool/profile.h"
 
 namespace reamsim {

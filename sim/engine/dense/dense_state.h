@@ -9,7 +9,6 @@
 #include <cstdint>
 
 #include "kernels/shared.h"
-#include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/device/opencl.h"
 #include "sim/engine/common/device_batch.h"
