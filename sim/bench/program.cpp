@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/bench/program.h"
+#include "sim/bench/measure.h"
 
 #include <fmt/core.h>
 #include <algorithm>
