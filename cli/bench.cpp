@@ -57,7 +57,6 @@ void bench_latency(const std::vector<std::string>& scenarios, const std::string&
 struct BenchOptions {
   bool quick = false;
   bool exact = false;
-  bool find_depths = false;
   std::string json;
   std::string output = "out/bench";
   std::string device = "auto";
@@ -148,10 +147,6 @@ void bench_command(const BenchOptions& options, const Console& console) {
   const auto kernels = prepare_opencl(options.device, console);
   const bench::Plan plan = plan_of(options);
   bench::check_plan(plan);
-  if (options.find_depths) {
-    console.say_lines(bench::find_depths(bench::kVoxmaps.back(), bench::kShells.back()));
-    return;
-  }
   if (!options.json.empty()) require_writable(options.json, options.overwrite);
   if (options.exact) {
     measure(plan, options, console);
@@ -200,8 +195,6 @@ void add_bench_command(CLI::App& app, Console& console) {
       ->excludes(exact)
       ->excludes(latency);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors")->excludes(latency);
-  // For developers who change the scene: recomputes the depths in sim/bench/scene.cpp.
-  command->add_flag("--find-depths", options->find_depths)->group("");
   command->callback([options, &console] { bench_command(*options, console); });
 }
 

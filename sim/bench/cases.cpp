@@ -61,13 +61,10 @@ Json& add_result(Json row, const Json& contacts, const Spread& ms, double kernel
 
 namespace {
 
-double volume(const Aabb& box) {
-  return (box.max - box.min).prod();
-}
-
 /// Fraction of the tool's box that is VOI at a pose.
 double voi_fraction(const BenchSetup& setup, const ToolPose& pose) {
   const auto voi = broad_phase(setup.tool_box, setup.bone_box, pose.bone_from_tool().inverse());
+  const auto volume = [](const Aabb& box) { return (box.max - box.min).prod(); };
   return voi ? volume(*voi) / volume(setup.tool_box) : 0;
 }
 
@@ -82,13 +79,11 @@ double depth_of_fraction(const BenchSetup& setup, double fraction) {
 }
 
 /// Programs that cull points outside the VOI.
-std::vector<Program*> with_voi(const ProgramSet& set) {
-  std::vector<Program*> out;
-  for (Program* program : pointers_to(set)) {
-    const std::string& engine = program->label().engine;
-    if (engine == "bricked" || engine == "direct") out.push_back(program);
-  }
-  return out;
+Programs with_voi(Programs programs) {
+  std::erase_if(programs, [](const auto& program) {
+    return program->label().engine != "bricked" && program->label().engine != "direct";
+  });
+  return programs;
 }
 
 double deviation(const std::vector<double>& values) {
@@ -124,7 +119,7 @@ void add_scatter(const std::vector<BatchSample>& samples, Json& row) {
 }  // namespace
 
 void measure_voi(const ProgramSet& set) {
-  const auto programs = with_voi(set);
+  const Programs programs = with_voi(set.programs);
   for (int tenth = 1; tenth <= 10; ++tenth) {
     const double fraction = std::min(0.1 * tenth, 0.9999);
     const Substep frame = substep_at(pose_at(kApproaches[0], depth_of_fraction(set.setup, fraction)));
@@ -153,7 +148,7 @@ void measure_batches(const ProgramSet& set) {
   for (const int batch : {1, 8, 64}) {
     std::vector<Substep> frames;
     for (int k = 0; k < batch; ++k) frames.push_back(poses[static_cast<std::size_t>(k) % poses.size()]);
-    for (Program* program : pointers_to(set)) {
+    for (const auto& program : set.programs) {
       if (program->label().variant != "deterministic" || program->label().engine == "implicit") continue;
       std::vector<double> ms;
       for (int repetition = -1; repetition < set.plan.repetitions; ++repetition) {
@@ -175,13 +170,11 @@ void measure_scatter(const ProgramSet& set) {
   const Substep frame = substeps_of(Contact::severe)[1];
   const auto touching = static_cast<double>(count_touching(*set.setup.voxmap, *set.setup.tool, frame));
   Json voxels;  // null without such a program
-  std::unique_ptr<Program> counting;
-  std::vector<Program*> racing;
+  Programs racing;
   if (std::ranges::count(set.plan.engines, "direct") > 0) {
-    counting = make_published_direct(cl::choose_device(set.plan.device), set.setup, true);
-    racing.push_back(counting.get());
+    racing.push_back(make_published_direct(cl::choose_device(set.plan.device), set.setup, true));
   }
-  for (Program* program : pointers_to(set)) {
+  for (const auto& program : set.programs) {
     const Label& label = program->label();
     if (label.variant == "published" && label.engine == "octree") racing.push_back(program);
     if (label.variant == "deterministic" && label.engine != "implicit" && voxels.is_null()) {
@@ -298,7 +291,7 @@ void add_plunge(const ProgramSet& set, const PlungeRun& run, const std::vector<B
 
 void measure_case(const ProgramSet& set, Contact contact) {
   const auto frames = substeps_of(contact);
-  const auto programs = pointers_to(set);
+  const Programs& programs = set.programs;
   const auto samples = run_alternately(programs, frames, set.plan.repetitions, true, set.control);
   const double touching = mean_touching(set, frames);
   for (std::size_t i = 0; i < programs.size(); ++i) {
@@ -326,17 +319,11 @@ void add_memory(const std::string& engine, const SizePair& size, const Structure
                     {"shell_mb", static_cast<double>(bytes.shell) / 1e6}});
 }
 
-void measure_memory(const ProgramSet& set) {
-  for (const auto& program : set.programs) {
-    add_memory(program->label().engine, set.size, program->bytes(), set.report);
-  }
-}
-
 void measure_plunge(const ProgramSet& set) {
   constexpr std::size_t kBatch = 64;  // as `reamsim run` by default
   const std::vector<Substep> frames = plunge_frames(set);
   std::vector<PlungeRun> runs;
-  for (Program* program : pointers_to(set)) runs.push_back({.program = program, .chunks = {}});
+  for (const auto& program : set.programs) runs.push_back({.program = program.get(), .chunks = {}});
   for (std::size_t first = 0; first < frames.size(); first += kBatch) {
     if (set.control.stop()) throw Interrupted();
     const std::span<const Substep> chunk(&frames[first], std::min(kBatch, frames.size() - first));

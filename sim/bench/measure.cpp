@@ -35,13 +35,7 @@ std::unique_ptr<Program> make_program(const Label& label, const cl::DeviceInfo& 
 }  // namespace
 
 const std::vector<std::string>& engine_names() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> out{"exact"};
-    for (const Label& label : kPrograms) {
-      if (out.empty() || out.back() != label.engine) out.push_back(label.engine);
-    }
-    return out;
-  }();
+  static const std::vector<std::string> names{"exact", "bricked", "direct", "octree", "implicit"};
   return names;
 }
 
@@ -71,15 +65,8 @@ void make_programs(ProgramSet& set, bool whole) {
   }
 }
 
-std::vector<Program*> pointers_to(const ProgramSet& set) {
-  std::vector<Program*> out;
-  for (const auto& program : set.programs) out.push_back(program.get());
-  return out;
-}
-
-std::vector<std::vector<BatchSample>> run_alternately(const std::vector<Program*>& programs,
-                                                      const std::vector<Substep>& frames, int repetitions, bool use_voi,
-                                                      const BenchControl& control) {
+std::vector<std::vector<BatchSample>> run_alternately(const Programs& programs, const std::vector<Substep>& frames,
+                                                      int repetitions, bool use_voi, const BenchControl& control) {
   constexpr int kRounds = 2;
   std::vector<std::vector<BatchSample>> samples(programs.size());
   for (int round = 0; round < kRounds; ++round) {

@@ -5,11 +5,62 @@
 
 #include <functional>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
+#include "sim/bench/scene.h"
 #include "sim/bench/suite.h"
+#include "sim/device/opencl.h"
+#include "sim/engine/common/engine.h"
+#include "sim/engine/common/substep.h"
 
 namespace reamsim::bench {
+
+/// The bone, the tool and their boxes. The caller owns voxmap and tool.
+struct BenchSetup {
+  const FilledVoxmap* voxmap = nullptr;
+  const Tool* tool = nullptr;
+  Aabb bone_box;  ///< B, mm
+  Aabb tool_box;  ///< T, mm
+};
+
+/// Times and results of a batch of frames; seconds of wall time unless stated otherwise.
+struct BatchSample {
+  double total_s = 0;         ///< broad phase, arguments, kernels and results read
+  double broad_s = 0;         ///< of the total: boxes and VOI
+  double upload_s = 0;        ///< of the total: arguments computed and sent, kernels enqueued
+  double kernel_s = 0;        ///< of the total: kernels, by the clock of the device
+  std::int64_t voxels = 0;    ///< that lost bone; 0 where the program does not count them
+  double removed = 0;         ///< removed voxels, partial ones as fractions; 0 where the program does not count them
+  std::int64_t contacts = 0;  ///< touching points, of a published program that counts them
+  Vec3 force = Vec3::Zero();  ///< an engine: N, in T; a published program: elemental forces, in B
+};
+
+/// A program that detects contact and removes bone. Frames change its bone until restore().
+class Program {
+ public:
+  virtual ~Program() = default;
+  /// Called before run(frame) on whole bone. A program that cannot list removed voxels determines them here. Not timed.
+  virtual void prepare(const Substep& /*frame*/) {}
+  /// Runs substeps as frames, enqueued at once where the program can, and reads their results. `use_voi` false: tests
+  /// the whole shell.
+  virtual BatchSample run(std::span<const Substep> frames, bool use_voi) = 0;
+  /// Restores the bone. Not timed.
+  virtual void restore() = 0;
+  [[nodiscard]] virtual StructureBytes bytes() const = 0;
+  [[nodiscard]] virtual const Label& label() const = 0;
+};
+
+/// An engine of `erosion: remove` on the device. Throws what make_engine() throws.
+std::unique_ptr<Program> make_engine_program(const std::string& engine, const std::string& device,
+                                             const BenchSetup& setup);
+
+/// The published program of an engine. `count`: count contacts, with one more atomic sum per point. Throws RunError
+/// when the device has not enough memory.
+std::unique_ptr<Program> make_published_direct(const cl::DeviceInfo& device, const BenchSetup& setup, bool count);
+/// Needs a cube of 2^n voxels along each edge. Always counts.
+std::unique_ptr<Program> make_published_octree(const cl::DeviceInfo& device, const BenchSetup& setup);
 
 /// A row with the keys of a case: program, sizes and case (severe | light | none | plunge). `implicit` has no shell;
 /// its rows have the largest.
@@ -24,6 +75,8 @@ Json& add_result(Json row, const Json& contacts, const Spread& ms, double kernel
 /// Calls `measure`; where the device cannot do it (InputError, RunError, no memory), lists the case with the reason.
 void measure_or_skip(Json row, Json& report, const std::function<void()>& measure);
 
+using Programs = std::vector<std::shared_ptr<Program>>;
+
 /// The programs of one setup, and what the parts of the benchmark share.
 struct ProgramSet {
   const Plan& plan;
@@ -31,7 +84,7 @@ struct ProgramSet {
   Json& report;
   BenchSetup setup;
   SizePair size;
-  std::vector<std::unique_ptr<Program>> programs;
+  Programs programs;
 
   [[nodiscard]] Json row(const Program& program, const std::string& contact) const {
     return case_row(program.label(), size, contact);
@@ -45,10 +98,8 @@ void make_programs(ProgramSet& set, bool whole);
 /// Runs the frames one by one, each program in turn, `repetitions` times in two rounds, each after a warm-up: a frame
 /// follows one at the same place, as in a run, where caches hold the data near the tool. Returns samples by program.
 /// Throws Interrupted.
-std::vector<std::vector<BatchSample>> run_alternately(const std::vector<Program*>& programs,
-                                                      const std::vector<Substep>& frames, int repetitions, bool use_voi,
-                                                      const BenchControl& control);
-std::vector<Program*> pointers_to(const ProgramSet& set);
+std::vector<std::vector<BatchSample>> run_alternately(const Programs& programs, const std::vector<Substep>& frames,
+                                                      int repetitions, bool use_voi, const BenchControl& control);
 
 /// Median and spread over samples; `scale`: s to ms by default.
 template <class Value>
@@ -63,7 +114,6 @@ void add_memory(const std::string& engine, const SizePair& size, const Structure
 
 // The parts of the benchmark; each adds its rows to the report.
 void measure_case(const ProgramSet& set, Contact contact);
-void measure_memory(const ProgramSet& set);
 void measure_voi(const ProgramSet& set);
 void measure_batches(const ProgramSet& set);
 void measure_plunge(const ProgramSet& set);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/bench/program.h"
+#include "sim/bench/measure.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -12,8 +12,8 @@
 #include "kernels/published.h"
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
+#include "sim/engine/common/engine.h"
 #include "sim/engine/dense/dense_state.h"
-#include "sim/engine/make_engine.h"
 #include "sim/tool/point_shell.h"
 
 namespace reamsim {

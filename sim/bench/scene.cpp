@@ -155,14 +155,19 @@ FilledVoxmap merge(const Voxmap& fine, int side) {
   return coarse;
 }
 
-/// A hemisphere with its lowest point at the origin, closed by a lid that the shell does not have.
-Profile hemisphere() {
-  constexpr int kSteps = 96;
+/// Points of a sphere whose lowest point is the origin, from there to a polar angle.
+Profile arc(double radius_mm, double angle_rad, int steps) {
   Profile profile;
-  for (int i = 0; i <= kSteps; ++i) {
-    const double angle = std::numbers::pi / 2 * i / kSteps;
-    profile.points.emplace_back(i == 0 ? 0 : kReamerMm * std::sin(angle), kReamerMm * (1 - std::cos(angle)));
+  for (int i = 0; i <= steps; ++i) {
+    const double angle = angle_rad * i / steps;
+    profile.points.emplace_back(radius_mm * std::sin(angle), radius_mm * (1 - std::cos(angle)));
   }
+  return profile;
+}
+
+/// A hemisphere, closed by a lid that the shell does not have.
+Profile hemisphere() {
+  Profile profile = arc(kReamerMm, std::numbers::pi / 2, 96);
   profile.points.back() = {kReamerMm, kReamerMm};
   profile.points.emplace_back(0, kReamerMm);
   return profile;
@@ -302,17 +307,6 @@ std::int64_t count_touching(const Voxmap& voxmap, const Tool& tool, const Subste
   return total;
 }
 
-double find_depth(const Voxmap& voxmap, const Tool& tool, const Approach& approach, double wanted) {
-  double low = -8, high = 8;  // mm: clear of the bone, deep in it
-  for (int i = 0; i < 40; ++i) {
-    const double middle = (low + high) / 2;
-    const auto count = static_cast<double>(count_touching(voxmap, tool, substep_at(pose_at(approach, middle))));
-    if (wanted > 0 && std::abs(count - wanted) < 0.002 * wanted) return middle;
-    (count > wanted ? high : low) = middle;
-  }
-  return wanted > 0 ? (low + high) / 2 : low - kClearance_mm;
-}
-
 double wanted_points(Contact contact, double points) {
   const double fraction = points / kPaperPoints.back();
   return contact == Contact::severe  ? kSeverePoints * fraction
@@ -337,11 +331,8 @@ FilledVoxmap block(double voxel_mm) {
   const Vec3 extent = voxel_mm * grid.dims.cast<double>();
   grid.origin_mm = {-extent.x() / 2 + 0.37 * voxel_mm, -extent.y() / 2 + 0.21 * voxel_mm, -extent.z()};
   FilledVoxmap voxmap(grid);
-  const std::uint8_t grade = DensityMapping::grade_from_density(1.8);
-  GradeBricks::Brick brick;
-  brick.fill(grade);
-  voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i&, GradeBricks::Brick& out) {
-    out = brick;
+  voxmap.grade = sample_bricks(grid.dims, [](const Vec3i&, GradeBricks::Brick& out) {
+    out.fill(DensityMapping::grade_from_density(1.8));
     return true;
   });
   voxmap.frame = "phantom";
@@ -349,13 +340,8 @@ FilledVoxmap block(double voxel_mm) {
 }
 
 Tool cap(double voxel_mm) {
-  constexpr int kSteps = 64;  // exact erosion takes the arc through the vertices
   Tool tool;
-  const double rim = std::asin(kWidthMm / 2 / kRadiusMm);
-  for (int i = 0; i <= kSteps; ++i) {
-    const double angle = rim * i / kSteps;
-    tool.profile.points.emplace_back(kRadiusMm * std::sin(angle), kRadiusMm * (1 - std::cos(angle)));
-  }
+  tool.profile = arc(kRadiusMm, std::asin(kWidthMm / 2 / kRadiusMm), 64);  // exact erosion takes the arc through them
   tool.profile.points.emplace_back(kWidthMm / 2, 8);
   tool.profile.points.emplace_back(0, 8);
   const int resolution = static_cast<int>(std::ceil(kWidthMm / (kSpacingVoxels * voxel_mm))) + 1;

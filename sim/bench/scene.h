@@ -58,7 +58,7 @@ const char* name_of(Contact contact);
 struct Approach {
   double posterior_mm, superior_mm;        ///< position on the face
   double tilt_posterior_deg, tilt_up_deg;  ///< of the spin axis against the face's normal
-  std::array<double, 3> depth_mm;          ///< by Contact, found by find_depth() at 1024³ × 1024³
+  std::array<double, 3> depth_mm;          ///< by Contact, found at 1024³ × 1024³ (tests/bench/scene_test.cpp)
 };
 
 /// Different positions and tilts; the same at every resolution.
@@ -77,10 +77,6 @@ SubstepArgs args_without_voi(const Substep& substep, const Tool& tool, const Vox
 /// Number of shell points in bone, in the arithmetic of the deterministic engines. Uses every core.
 std::int64_t count_touching(const Voxmap& voxmap, const Tool& tool, const Substep& substep);
 
-/// Depth at which `wanted` points touch, within 0.2 %, by bisection; for wanted = 0 kClearance_mm above the first
-/// contact.
-double find_depth(const Voxmap& voxmap, const Tool& tool, const Approach& approach, double wanted);
-inline constexpr double kClearance_mm = 0.3;
 /// Touching points of a case with a shell of `points`.
 double wanted_points(Contact contact, double points);
 

@@ -3,7 +3,7 @@
 
 #include "sim/bench/suite.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -124,7 +124,7 @@ class Bench {
     const bool whole = size.shell == plan_.sizes.back().shell;
     ProgramSet set{plan_, control_, report_, setup, size, {}};
     make_programs(set, whole);
-    measure_memory(set);
+    for (const auto& program : set.programs) add_memory(program->label().engine, size, program->bytes(), report_);
     measure_contact(set, Contact::severe, last);
     if (whole && plan_.light) measure_contact(set, Contact::light, last);
     if (whole) measure_contact(set, Contact::none, last);
@@ -167,28 +167,22 @@ Plan full_plan() {
 }
 
 Plan sphere_plan() {
-  Plan plan;
-  plan.engines = {"exact"};
-  return plan;
+  return {.engines = {"exact"}, .sizes = {}};
 }
 
 Plan quick_plan() {
-  Plan plan;
-  plan.engines = {"exact", "bricked", "direct"};
-  plan.sizes = {{256, 256}, {256, 1024}, {1024, 1024}};
-  plan.light = false;
-  plan.details = false;
-  plan.sphere_voxels_mm = {};
-  return plan;
+  return {.engines = {"exact", "bricked", "direct"},
+          .sizes = {{256, 256}, {256, 1024}, {1024, 1024}},
+          .light = false,
+          .details = false,
+          .sphere_voxels_mm = {}};
 }
 
 void check_plan(const Plan& plan) {
   for (const std::string& engine : plan.engines) {
-    const auto& known = engine_names();
-    if (std::find(known.begin(), known.end(), engine) != known.end()) continue;
-    std::string names;
-    for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
-    throw InputError({}, "--engines", "\"" + engine + "\"", "expected some of " + names);
+    if (std::ranges::count(engine_names(), engine) > 0) continue;
+    throw InputError({}, "--engines", "\"" + engine + "\"",
+                     fmt::format("expected some of {}", fmt::join(engine_names(), ", ")));
   }
   if (plan.device == "serial") {
     throw InputError({}, "--device", "\"serial\" is not an OpenCL device",
@@ -199,21 +193,6 @@ void check_plan(const Plan& plan) {
 
 Json run_bench(const Plan& plan, const BenchControl& control) {
   return Bench(plan, control).run();
-}
-
-std::string find_depths(int voxmap, int shell) {
-  const FilledVoxmap bone = BoneSeries().at(voxmap);
-  const Tool tool = cap_tool(shell);
-  const auto points = static_cast<double>(tool.shell.codes.size());
-  std::string out;
-  for (const Approach& approach : kApproaches) {
-    const auto depth = [&](Contact contact) {
-      return find_depth(bone, tool, approach, wanted_points(contact, points));
-    };
-    out += fmt::format("{{{:.4f}, {:.4f}, {:.4f}}}\n", depth(Contact::severe), depth(Contact::light),
-                       depth(Contact::none));
-  }
-  return out;
 }
 
 }  // namespace reamsim::bench

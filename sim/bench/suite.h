@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "sim/bench/program.h"
 #include "sim/run/simulation.h"
 
 namespace reamsim::bench {
@@ -29,6 +28,15 @@ Spread spread_of(const std::vector<double>& values);
 inline constexpr double kExactOperations = 68;
 /// Memory that it needs, bytes: fill read and written, and grade read, once in a window of 64 frames.
 inline constexpr double kExactBytes = 5.0 / 64;
+
+/// Names a program.
+struct Label {
+  std::string engine;   ///< bricked | direct | octree | implicit
+  std::string variant;  ///< deterministic: that of `reamsim run` | published: the paper's racing pass
+};
+inline std::string name_of(const Label& who) {
+  return who.engine + (who.variant == "published" ? ", published" : "");
+}
 
 /// The benchmark's report (docs/columns.md): what was measured, as rows.
 using Json = nlohmann::ordered_json;
@@ -60,13 +68,9 @@ struct Plan {
 
 /// All engines: `exact`, then those of `remove`, fastest first.
 const std::vector<std::string>& engine_names();
-/// All of the paper's tables; eleven minutes on two cores.
-Plan full_plan();
-/// `severe` and `none` at 256³ and 1024³ for `exact`, `bricked` and `direct`; a minute.
-Plan quick_plan();
-
-/// The plunged sphere with `erosion: exact` alone; half a minute.
-Plan sphere_plan();
+Plan full_plan();    ///< all of the paper's tables; eleven minutes on two cores
+Plan quick_plan();   ///< `severe` and `none` at 256³ and 1024³ for `exact`, `bricked` and `direct`; a minute
+Plan sphere_plan();  ///< the plunged sphere with `erosion: exact` alone; half a minute
 
 /// Progress, and the request to stop.
 struct BenchControl {
@@ -80,9 +84,6 @@ void check_plan(const Plan& plan);
 /// Runs the plan. Throws InputError (no such engine or device), RunError (no OpenCL; wrong number of touching points),
 /// Interrupted. Programs that the device cannot hold are in its list `skipped`.
 Json run_bench(const Plan& plan, const BenchControl& control);
-
-/// Depths of the approaches for a voxmap and a shell, as text for scene.cpp.
-std::string find_depths(int voxmap, int shell);
 
 /// The first frames in contact are left out: caches and clocks of the processor are not as they will be.
 inline constexpr std::size_t kWarmUpFrames = 20;

@@ -41,25 +41,16 @@ struct WholeFrames {
   StructureBytes bytes;
 };
 
-/// A folder that exists as long as this object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    path_ = (std::filesystem::temp_directory_path() / "reamsim-bench-XXXXXX").string();
-    if (mkdtemp(path_.data()) == nullptr) throw RunError(path_ + ": cannot be created");
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  [[nodiscard]] const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
+/// The path of a new folder, which is removed with it.
+std::shared_ptr<const std::string> temporary_folder() {
+  std::string path = (std::filesystem::temp_directory_path() / "reamsim-bench-XXXXXX").string();
+  if (mkdtemp(path.data()) == nullptr) throw RunError(path + ": cannot be created");
+  return {new std::string(path), [](const std::string* folder) {
+            std::error_code ignored;
+            std::filesystem::remove_all(*folder, ignored);
+            delete folder;
+          }};
+}
 
 /// Writes rows and adds up what the frames report.
 class CountingSink final : public FrameSink {
@@ -98,8 +89,8 @@ SimulationInput scene_of(const ExactRuns& runs, const Motion& motion) {
 double time_run(const ExactRuns& runs, const Motion& motion, const BenchControl& control, WholeFrames& out) {
   SimulationInput scene = scene_of(runs, motion);
   const std::unique_ptr<Engine> engine = load_engine(scene);
-  const TemporaryFolder folder;
-  CountingSink sink(runs.bone->grid.voxel_mm, folder.path());
+  const auto folder = temporary_folder();
+  CountingSink sink(runs.bone->grid.voxel_mm, *folder);
   Stopwatch watch;
   double kernel_before_s = 0;
   std::int64_t contacts_before = 0, contacts = 0;
@@ -160,25 +151,18 @@ double cap_mm3(double depth_mm) {
   return std::numbers::pi * depth_mm * depth_mm * (kRadiusMm - depth_mm / 3);
 }
 
-/// More of the sphere with `exact`: median device time of a frame, and the voxels that lose bone in it.
-struct ExactFrames {
-  Json kernel_ms = {}, voxels = {};
-  /// On one compute unit of a processor with several, if its driver can divide it.
-  Json one_core_ms = {}, one_core_kernel_ms = {};
-};
-
 /// A row of the report: time per frame of the plunged sphere at 0.2 mm/s and 1 kHz, and the volume's error down to
 /// `depth_mm`. `exact`: whole frames with the rows of forces.csv, by window of 64; others: from the pose to the sums,
-/// by depth.
+/// by depth. null: what only `exact` has.
 Json sphere_row(const std::string& engine, ErosionMode erosion, double voxel_mm, const Spread& ms, double removed_mm3,
-                double depth_mm, const ExactFrames& exact = {}) {
+                double depth_mm) {
   Json row{{"engine", engine}, {"erosion", name_of(erosion)}, {"voxel_mm", voxel_mm}};
   row.update(spread_ms(ms));
   row.update({{"times_real_time", 1 / ms.median},
-              {"kernel_ms", exact.kernel_ms},
-              {"one_core_ms", exact.one_core_ms},
-              {"one_core_kernel_ms", exact.one_core_kernel_ms},
-              {"voxels", exact.voxels},
+              {"kernel_ms", nullptr},
+              {"one_core_ms", nullptr},
+              {"one_core_kernel_ms", nullptr},
+              {"voxels", nullptr},
               {"removed_mm3", removed_mm3},
               {"volume_error", removed_mm3 / cap_mm3(depth_mm) - 1},
               {"samples", ms.samples}});
@@ -222,19 +206,23 @@ std::vector<Motion> motions_at_depths() {
   return out;
 }
 
+/// Also the median device time of a frame, and the voxels that lose bone in it; and the times on one compute unit of a
+/// processor with several, if its driver can divide it.
 Json exact_row(const FilledVoxmap& bone, const Tool& tool, const Plan& plan, const BenchControl& control) {
   ExactRuns runs{.bone = &bone, .tool = &tool, .motions = motions_at_depths(), .device = plan.device};
   const WholeFrames frames = time_whole_frames(runs, control);
-  ExactFrames exact{.kernel_ms = spread_of(frames.kernel_ms).median, .voxels = frames.voxels};
+  Json row =
+      sphere_row("exact", ErosionMode::exact, bone.grid.voxel_mm, spread_of(frames.ms), frames.removed_mm3, kDepthMm);
+  row["kernel_ms"] = spread_of(frames.kernel_ms).median;
+  row["voxels"] = frames.voxels;
   const cl::DeviceInfo device = cl::choose_device(plan.device);
   if (!device.gpu && device.compute_units >= 2 && device.max_parts > 0) {
     runs.cores = 1;
     const WholeFrames one_core = time_whole_frames(runs, control);
-    exact.one_core_ms = spread_of(one_core.ms).median;
-    exact.one_core_kernel_ms = spread_of(one_core.kernel_ms).median;
+    row["one_core_ms"] = spread_of(one_core.ms).median;
+    row["one_core_kernel_ms"] = spread_of(one_core.kernel_ms).median;
   }
-  return sphere_row("exact", ErosionMode::exact, bone.grid.voxel_mm, spread_of(frames.ms), frames.removed_mm3, kDepthMm,
-                    exact);
+  return row;
 }
 
 constexpr int kWindowsOfCase = 3;     // the first of them untimed

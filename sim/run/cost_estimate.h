@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 #include "sim/run/simulation.h"
 
 namespace reamsim {

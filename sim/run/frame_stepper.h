@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sim/base/stopwatch.h"
+#include "sim/engine/common/engine.h"
 #include "sim/engine/common/substep.h"
-#include "sim/engine/make_engine.h"
 #include "sim/record/results.h"
 #include "sim/scene/scene.h"
 

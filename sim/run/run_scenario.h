@@ -10,7 +10,7 @@
 #include <string>
 
 #include "sim/base/error.h"
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scene/load_bone.h"

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "sim/base/error.h"
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 #include "sim/record/results.h"
 #include "sim/record/run_totals.h"
 #include "sim/run/balance.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sim/bone/phantom.h"
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 #include "sim/run/balance.h"
 #include "sim/run/simulation.h"
 #include "sim/verify/closed_forms.h"

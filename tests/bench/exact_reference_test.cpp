@@ -12,8 +12,8 @@
 #include "sim/base/error.h"
 #include "sim/bench/scene.h"
 #include "sim/bone/voxmap/sample_voxels.h"
+#include "sim/engine/common/engine.h"
 #include "sim/engine/common/substep.h"
-#include "sim/engine/make_engine.h"
 #include "tests/bench/reference/exact.h"
 
 namespace reamsim::reference {

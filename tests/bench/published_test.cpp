@@ -4,9 +4,8 @@
 // The published programs against the engine: same contacts, same force where each point has a voxel to itself.
 #include <gtest/gtest.h>
 
-#include "sim/bench/program.h"
-#include "sim/bench/scene.h"
-#include "sim/engine/make_engine.h"
+#include "sim/bench/measure.h"
+#include "sim/engine/common/engine.h"
 
 namespace reamsim::bench {
 namespace {

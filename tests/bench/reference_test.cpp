@@ -13,8 +13,8 @@
 
 #include "sim/base/error.h"
 #include "sim/bench/scene.h"
+#include "sim/engine/common/engine.h"
 #include "sim/engine/common/substep.h"
-#include "sim/engine/make_engine.h"
 
 namespace reamsim {
 

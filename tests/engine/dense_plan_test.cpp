@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The published memory layouts, and what happens when they do not fit.
+#include "sim/engine/common/engine.h"
 #include "sim/engine/dense/dense_state.h"
-#include "sim/engine/make_engine.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

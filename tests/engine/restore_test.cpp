@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "sim/base/error.h"
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::restore_tests {

@@ -4,8 +4,8 @@
 // Substep by substep: which voxels each engine touches, and what they give.
 #include <gtest/gtest.h>
 
+#include "sim/engine/common/engine.h"
 #include "sim/engine/common/substep.h"
-#include "sim/engine/make_engine.h"
 #include "tests/engine/outcome.h"
 
 namespace reamsim::test::substep_agreement_tests {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 #include "sim/tool/point_shell.h"
 #include "tests/engine/sweep.h"
 

@@ -12,7 +12,7 @@
 
 #include "sim/base/error.h"
 #include "sim/engine/common/device_bricks.h"
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 #include "sim/run/cost_estimate.h"
 #include "sim/scene/contact_forecast.h"
 #include "tests/engine/frame_rows.h"

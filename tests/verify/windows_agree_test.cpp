@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 #include "sim/scenario/parse.h"
 #include "sim/scene/scene.h"
 #include "sim/verify/suite.h"

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 #include "sim/verify/suite.h"
 
 namespace reamsim::verify {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "kernels/window.h"
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 
 namespace reamsim {
 

@@ -11,7 +11,7 @@
 #include "kernels/shared.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/device/opencl.h"
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 
 namespace reamsim {
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 
 #include <algorithm>
 #include <bit>

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "sim/engine/make_engine.h"
+#include "sim/engine/common/engine.h"
 #include "tests/bench/reference/targets.h"
 
 namespace reamsim::reference {

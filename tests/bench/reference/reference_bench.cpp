@@ -20,8 +20,8 @@
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
 #include "sim/bench/scene.h"
+#include "sim/engine/common/engine.h"
 #include "sim/engine/common/substep.h"
-#include "sim/engine/make_engine.h"
 #include "tests/bench/reference/reference.h"
 #include "tests/bench/reference/sphere_bench.h"
 
