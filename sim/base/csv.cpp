@@ -106,7 +106,6 @@ CsvReader::CsvReader(const std::string& path, CsvLayout layout, const std::strin
   open(expected);
   for (int i = 0; i < layout_.skip_lines && in_; ++i) {
     in_.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-    byte_ += in_.gcount();
     ++line_;
   }
   read_header(expected);
@@ -116,7 +115,6 @@ void CsvReader::read_header(const std::string& expected) {
   const auto by_name = [](const CsvColumn& column) { return column.number == 0 && !column.may_be_missing; };
   has_header_ = std::ranges::any_of(layout_.columns, by_name);
   do {
-    before_ = {byte_, line_};
     if (!next_line()) throw InputError({path_, 0, 0}, "", "is empty", expected);
     if (has_header_ && is_header(text_)) return find_columns(trimmed(text_).substr(1), expected);
   } while (layout_.comments && trimmed(text_).starts_with('#'));
@@ -186,7 +184,6 @@ bool CsvReader::next_line() {
     if (in_.bad()) throw RunError(path_ + ": cannot be read to its end; is the disk damaged, or the memory exhausted?");
     if (in_.eof() && in_.gcount() == 0) return false;
     ++line_;
-    byte_ += in_.gcount();
     if (in_.fail() && !in_.eof())
       throw InputError(where(), "", "a line of more than " + std::to_string(kMostLine - 1) + " bytes",
                        "is this a CSV file?");
@@ -195,14 +192,6 @@ bool CsvReader::next_line() {
     if (line_ == 1 && text_.starts_with("\xEF\xBB\xBF")) text_.erase(0, 3);
   } while (trimmed(text_).empty());
   return true;
-}
-
-void CsvReader::seek(const Place& place) {
-  pending_ = false;
-  in_.clear();
-  in_.seekg(place.byte);
-  byte_ = place.byte;
-  line_ = place.line;
 }
 
 double CsvReader::value_of(std::size_t column, std::string_view cell, std::string_view may_be_empty) const {

@@ -35,11 +35,6 @@ struct CsvLayout {
 /// all have numbers, it is one if none of these columns has a number there.
 class CsvReader {
  public:
-  struct Place {
-    std::int64_t byte = 0;
-    int line = 0;  ///< read before it
-  };
-
   /// `expected` says what file this should be, for messages. `optional`: columns after the others that may be missing.
   /// Throws InputError: unreadable, larger than 4 GiB, empty, a column missing or given twice.
   CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
@@ -54,9 +49,6 @@ class CsvReader {
 
   [[nodiscard]] SourceLocation where() const { return {path_, line_, 0}; }
   [[nodiscard]] const std::vector<std::string>& skipped() const { return skipped_; }
-  [[nodiscard]] Place place() const { return pending_ ? before_ : Place{byte_, line_}; }
-  /// Goes on at a place that place() has returned. Only where the file is a regular one.
-  void seek(const Place& place);
 
  private:
   void open(const std::string& expected);
@@ -75,10 +67,8 @@ class CsvReader {
   std::size_t columns_ = 0;  ///< of the header, or of the first row
   bool has_header_ = true;
   bool pending_ = false;  ///< the line has been read to see that it is no header
-  Place before_;          ///< it
   std::ifstream in_;
   std::string text_;
-  std::int64_t byte_ = 0;  ///< after the line
   int line_ = 0;
 };
 

@@ -279,7 +279,8 @@ MemoryPlan plan_memory(const SimulationInput& scene) {
   const double resident = static_cast<double>(voxmap.grade.bytes()) + fill;
   const auto frames = static_cast<double>(scene.motion.poses.size());
   // What is held of the frames uses the memory that the compiler has left.
-  const double held = std::max(serial ? 0 : kCompilerBytes, path_bytes(frames) + log_bytes(frames));
+  const double held = std::max(serial ? 0 : kCompilerBytes, path_bytes(frames) + log_bytes(frames)) +
+                      static_cast<double>(scene.motion.key_bytes);
   // The engine is freed before the results are written.
   const double most = std::max(loading, resident + held + std::max(engine, results_bytes(bricks)));
   plan.process_bytes = static_cast<std::size_t>(kProgramBytes + most);

@@ -105,33 +105,6 @@ std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyfram
   return poses;
 }
 
-KeySegment segment_at(const std::vector<KeyPose>& keys, double time_s) {
-  const auto after = std::ranges::upper_bound(keys, time_s, {}, &KeyPose::time_s) - keys.begin();
-  const auto i = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(after - 1, 0, std::ssize(keys) - 2));
-  return {keys[i], keys[i + 1]};
-}
-
-KeyPose TrackIntegrator::next(KeyPose key) {
-  if (bone_from_poses) move_pose(*bone_from_poses, key.pose);
-  key.time_s -= start_s;
-  if (before) {
-    key.pose.spin_angle_rad =
-        before->pose.spin_angle_rad + spin_rad(before->pose.spin_rpm, key.pose.spin_rpm, key.time_s - before->time_s);
-  }
-  before = key;
-  return key;
-}
-
-KeyTrack store_track(std::vector<KeyPose> keys) {
-  const auto stored = std::make_shared<const std::vector<KeyPose>>(std::move(keys));
-  return {stored->back().time_s, [stored](double time_s) { return segment_at(*stored, time_s); }};
-}
-
-void note_start(double start_s, Diagnostics& report) {
-  if (start_s == 0) return;
-  report.note("motion: the first pose is at " + shortest_text(start_s) + " s; that is time 0 of the simulation");
-}
-
 void PushPlan::read_thrust(const std::string& path) {
   constexpr std::array<std::string_view, 2> kNames{"time_s", "thrust_n"};
   CsvReader csv(path, kNames, kExpectedFile);
@@ -224,11 +197,13 @@ ToolPose pose_between(const KeyPose& a, const KeyPose& b, double time_s) {
   return pose;
 }
 
-ToolPose pose_in_frame(const KeyTrack& track, std::size_t frame, double frame_rate_hz) {
+/// `keys`: two or more, in B, from time 0, with the spin angle.
+ToolPose pose_in_frame(const std::vector<KeyPose>& keys, std::size_t frame, double frame_rate_hz) {
   const double frame_time_s = static_cast<double>(frame) / frame_rate_hz;
-  const double time_s = std::min(frame_time_s, track.end_s);
-  const KeySegment keys = track.at(time_s);
-  ToolPose pose = pose_between(keys.begin, keys.end, time_s);
+  const double time_s = std::min(frame_time_s, keys.back().time_s);
+  const auto after = std::ranges::upper_bound(keys, time_s, {}, &KeyPose::time_s);
+  const auto end = std::clamp(after, keys.begin() + 1, keys.end() - 1);
+  ToolPose pose = pose_between(*(end - 1), *end, time_s);
   // The motion ends within the last frame: for the rest of that frame the tool only rotates.
   const double rest_s = frame_time_s - time_s;
   if (rest_s * frame_rate_hz > kEndSlack) pose.spin_angle_rad += spin_rad(pose.spin_rpm, pose.spin_rpm, rest_s);
@@ -245,12 +220,25 @@ std::size_t count_frames(double end_s, double frame_rate_hz) {
   return static_cast<std::size_t>(frames);
 }
 
-/// The poses of a plunge or of keyframes; empty for a CSV.
 std::vector<KeyPose> read_key_poses(const MotionSettings& settings, Diagnostics& report) {
   if (settings.plunge) return plunge_poses(*settings.plunge);
-  if (settings.csv) return {};
+  if (settings.csv) return read_pose_csv(*settings.csv, report);
   if (!settings.keyframes.empty()) return keyframe_poses(settings.keyframes, report);
   throw InputError(SourceLocation{}, "motion", "the motion is missing", "give plunge, push, keyframes or csv");
+}
+
+/// Takes key poses to B and to times from that of the first one, and integrates the spin angle.
+void integrate(std::vector<KeyPose>& keys, const std::optional<Rigid>& bone_from_poses) {
+  const double start_s = keys.front().time_s;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    KeyPose& key = keys[i];
+    if (bone_from_poses) move_pose(*bone_from_poses, key.pose);
+    key.time_s -= start_s;
+    if (i == 0) continue;
+    const KeyPose& before = keys[i - 1];
+    key.pose.spin_angle_rad =
+        before.pose.spin_angle_rad + spin_rad(before.pose.spin_rpm, key.pose.spin_rpm, key.time_s - before.time_s);
+  }
 }
 
 /// Warns of a key pose between two frames that the straight way between them misses, such as the end of a plunge.
@@ -293,16 +281,16 @@ Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidF
   const std::optional<Rigid> to_bone = bone_from_frame(settings.frame, glenoid);
   if (settings.push) return pushed_motion(settings, to_bone);
   std::vector<KeyPose> keys = read_key_poses(settings, report);
-  if (!settings.csv) {
-    note_start(keys.front().time_s, report);
-    TrackIntegrator integrator{to_bone, keys.front().time_s};
-    for (KeyPose& key : keys) key = integrator.next(key);
+  if (const double start_s = keys.front().time_s; start_s != 0) {
+    report.note("motion: the first pose is at " + shortest_text(start_s) + " s; that is time 0 of the simulation");
   }
-  const KeyTrack track = settings.csv ? open_csv_track(*settings.csv, to_bone, report) : store_track(keys);
+  integrate(keys, to_bone);
+  const auto track = std::make_shared<const std::vector<KeyPose>>(std::move(keys));
   const double rate_hz = settings.frame_rate_hz;
-  const auto pose = [track, rate_hz](std::size_t k) { return pose_in_frame(track, k, rate_hz); };
-  Motion motion{rate_hz, PoseSequence(count_frames(track.end_s, rate_hz), pose)};
-  warn_of_missed_keys(keys, motion, report);
+  const auto pose = [track, rate_hz](std::size_t k) { return pose_in_frame(*track, k, rate_hz); };
+  Motion motion{rate_hz, PoseSequence(count_frames(track->back().time_s, rate_hz), pose)};
+  motion.key_bytes = track->size() * sizeof(KeyPose);
+  if (!settings.csv) warn_of_missed_keys(*track, motion, report);
   return motion;
 }
 

@@ -115,6 +115,7 @@ struct Motion {
   int pass = 1;                  ///< number of the pass
   /// A tool that a hand pushes: `poses` are then those of unresisted_poses(), and the run has others.
   std::shared_ptr<const PushPlan> push = {};
+  std::size_t key_bytes = 0;  ///< memory of the key poses
 
   [[nodiscard]] double frame_s() const { return 1.0 / frame_rate_hz; }
   [[nodiscard]] std::int64_t last_frame() const { return first_frame + std::ssize(poses) - 1; }
@@ -129,8 +130,8 @@ std::optional<Rigid> bone_from_frame(PoseFrame frame, const std::optional<Glenoi
 
 /// Resamples keyframes, plunge or recorded CSV to the frame rate, in B, as interpolate(); the spin angle is the
 /// integral of the speed. The last frame ends at or after the motion: the tool rests at its last pose, with spin, until
-/// then. Rows of a long CSV are read again from the file, which must not change. `from: contact` must have been
-/// resolved (sim/scene/scene.h). Throws InputError where `frame: glenoid` has no glenoid frame.
+/// then. `from: contact` must have been resolved (sim/scene/scene.h). Throws InputError where `frame: glenoid` has no
+/// glenoid frame.
 Motion build_motion(const MotionSettings& settings, const std::optional<GlenoidFrame>& glenoid, Diagnostics& report);
 
 // What build_motion() is made of.
@@ -158,46 +159,11 @@ inline void move_pose(const Rigid& to, ToolPose& pose) {
   pose.orientation = (Quat(to.linear()) * pose.orientation).normalized();
 }
 
-struct KeySegment {
-  KeyPose begin;
-  KeyPose end;
-};
-
-/// The key poses of a motion in B: from time 0, with the spin angle. Any thread may call at().
-struct KeyTrack {
-  double end_s = 0;
-  std::function<KeySegment(double time_s)> at;  ///< the segment of a time, the last one for later times
-};
-
-/// The segment of a time among `keys`, at least two.
-KeySegment segment_at(const std::vector<KeyPose>& keys, double time_s);
-
-/// Takes key poses to those of a track: to B, and from the time of the first one; in their order.
-struct TrackIntegrator {
-  std::optional<Rigid> bone_from_poses;  ///< nullopt if the poses are in B
-  double start_s = 0;
-  std::optional<KeyPose> before{};  ///< the pose that next() has returned last
-
-  KeyPose next(KeyPose key);
-};
-
-/// A track in memory, of at least two poses that next() of an integrator has returned.
-KeyTrack store_track(std::vector<KeyPose> keys);
-
 /// The rows of a recorded CSV as the settings describe them (docs/inputs.md), with columns in any order; others are
 /// ignored with a note. The poses are those of the tool in the frame of motion.frame: units, registration and
 /// calibration are applied. With a max_gap_s rows without a pose are skipped. Throws InputError with file and line: as
 /// CsvReader, position beyond a kilometre, zero quaternion, times that do not increase or have a gap of more than
 /// max_gap_s, fewer than two or more than ten million rows.
 std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostics& report);
-
-/// The track of a recorded CSV. A file of up to 100,000 rows is read into memory, and so is one that can be read only
-/// once, such as a pipe. For a longer one the track holds an index, and reads blocks of rows again; throws as
-/// read_pose_csv(). Notes another start than time 0.
-KeyTrack open_csv_track(const CsvMotionSettings& settings, const std::optional<Rigid>& bone_from_poses,
-                        Diagnostics& report);
-
-/// Notes that time 0 of the simulation is the first pose, where that is at `start_s`.
-void note_start(double start_s, Diagnostics& report);
 
 }  // namespace reamsim

@@ -6,9 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <deque>
-#include <filesystem>
-#include <mutex>
 #include <string_view>
 #include <utility>
 
@@ -134,43 +131,18 @@ class PoseCsv {
   std::optional<Rigid> bone_from_tracker_, marker_from_tool_;
 };
 
-/// Reads all rows, and calls visit(pose, place before its row). Throws as read_pose_csv().
-void scan_pose_csv(PoseCsv& csv, const CsvMotionSettings& settings, Diagnostics& report,
-                   const std::function<void(const KeyPose&, const CsvReader::Place&)>& visit) {
-  Diagnostics row_report;
-  std::size_t rows = 0, warnings = 0;
-  double before_s = 0;
-  KeyPose pose;
-  for (CsvReader::Place place = csv.rows.place(); csv.next(pose, row_report); place = csv.rows.place(), ++rows) {
-    if (rows == kMaxRows)
-      throw InputError(csv.rows.where(), "", "more than ten million rows", "record at a lower rate");
-    const double gap_s = pose.time_s - before_s;
-    if (rows > 0 && !(pose.time_s > before_s)) {
-      throw InputError(csv.rows.where(), "",
-                       "time_s is " + shortest_text(pose.time_s) + " after " + shortest_text(before_s),
-                       "times must increase from row to row");
-    }
-    if (rows > 0 && settings.max_gap_s > 0 && gap_s > settings.max_gap_s) {
-      throw InputError(csv.rows.where(), "",
-                       "no pose for " + rounded_text(gap_s) + " s, from " + shortest_text(before_s) + " s to this row",
-                       "at most " + rounded_text(settings.max_gap_s) +
-                           " s is allowed: repair the recording, or raise motion.csv.max_gap_s");
-    }
-    before_s = pose.time_s;
-    for (const std::string& warning : std::exchange(row_report.warnings, {})) {
-      if (warnings++ < kMaxRowWarnings) report.warn(warning);
-    }
-    visit(pose, place);
+/// Refuses times that do not increase, and gaps of more than `most_s` > 0.
+void check_interval(const SourceLocation& where, double before_s, double time_s, double most_s) {
+  if (!(time_s > before_s)) {
+    throw InputError(where, "", "time_s is " + shortest_text(time_s) + " after " + shortest_text(before_s),
+                     "times must increase from row to row");
   }
-  const std::string& path = settings.path;
-  if (rows < 2) {
-    throw InputError(SourceLocation{path, 0, 0}, "", std::to_string(rows) + " rows of poses",
-                     "at least two are needed");
+  if (most_s > 0 && time_s - before_s > most_s) {
+    throw InputError(
+        where, "",
+        "no pose for " + rounded_text(time_s - before_s) + " s, from " + shortest_text(before_s) + " s to this row",
+        "at most " + rounded_text(most_s) + " s is allowed: repair the recording, or raise motion.csv.max_gap_s");
   }
-  if (warnings > kMaxRowWarnings)
-    report.warn(path + ": the same of " + std::to_string(warnings - kMaxRowWarnings) + " more rows");
-  if (csv.skipped_rows > 0)
-    report.note(path + ": " + std::to_string(csv.skipped_rows) + " rows without a pose were skipped");
 }
 
 }  // namespace
@@ -178,117 +150,26 @@ void scan_pose_csv(PoseCsv& csv, const CsvMotionSettings& settings, Diagnostics&
 std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostics& report) {
   PoseCsv csv(settings, report);
   std::vector<KeyPose> poses;
-  scan_pose_csv(csv, settings, report, [&](const KeyPose& pose, const auto&) { poses.push_back(pose); });
+  Diagnostics row_report;
+  std::size_t warnings = 0;
+  for (KeyPose pose; csv.next(pose, row_report); poses.push_back(pose)) {
+    if (poses.size() == kMaxRows)
+      throw InputError(csv.rows.where(), "", "more than ten million rows", "record at a lower rate");
+    if (!poses.empty()) check_interval(csv.rows.where(), poses.back().time_s, pose.time_s, settings.max_gap_s);
+    for (const std::string& warning : std::exchange(row_report.warnings, {})) {
+      if (warnings++ < kMaxRowWarnings) report.warn(warning);
+    }
+  }
+  const std::string& path = settings.path;
+  if (poses.size() < 2) {
+    throw InputError(SourceLocation{path, 0, 0}, "", std::to_string(poses.size()) + " rows of poses",
+                     "at least two are needed");
+  }
+  if (warnings > kMaxRowWarnings)
+    report.warn(path + ": the same of " + std::to_string(warnings - kMaxRowWarnings) + " more rows");
+  if (csv.skipped_rows > 0)
+    report.note(path + ": " + std::to_string(csv.skipped_rows) + " rows without a pose were skipped");
   return poses;
-}
-
-namespace {
-
-namespace fs = std::filesystem;
-
-constexpr std::size_t kStoredRows = 100'000;  // rows of a file that is held in memory: 10 MB
-constexpr std::size_t kBlockRows = 1024;      // rows that are read at once
-/// Blocks in memory, 2 MB: several threads may follow the motion, each in its own block.
-constexpr std::size_t kMaxBlocks = 16;
-
-struct BlockStart {
-  CsvReader::Place place;
-  KeyPose key;  ///< the first one
-};
-
-/// A long recorded CSV: an index of its blocks, and those that were used last.
-class LongCsv {
- public:
-  LongCsv(PoseCsv csv, std::string path, const TrackIntegrator& start, std::vector<BlockStart> index)
-      : csv_(std::move(csv)), path_(std::move(path)), state_(state()), start_(start), index_(std::move(index)) {}
-
-  [[nodiscard]] KeySegment at(double time_s) {
-    const auto time_of = [](const BlockStart& start) { return start.key.time_s; };
-    const auto after = std::ranges::upper_bound(index_, time_s, {}, time_of) - index_.begin();
-    return segment_at(*block(static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0))), time_s);
-  }
-
- private:
-  /// The rows of a block, and the first one of the next, so that no segment lies between blocks.
-  using Keys = std::vector<KeyPose>;
-  struct Block {
-    std::size_t number;
-    std::shared_ptr<const Keys> keys;
-  };
-
-  std::shared_ptr<const Keys> block(std::size_t number) {
-    const std::lock_guard lock(mutex_);
-    const auto found = std::ranges::find(blocks_, number, &Block::number);
-    if (found != blocks_.end()) {
-      std::rotate(blocks_.begin(), found, found + 1);
-    } else {
-      blocks_.push_front({number, std::make_shared<const Keys>(read(number))});
-      if (blocks_.size() > kMaxBlocks) blocks_.pop_back();
-    }
-    return blocks_.front().keys;
-  }
-
-  Keys read(std::size_t number) {
-    const BlockStart& start = index_[number];
-    TrackIntegrator integrator{start_.bone_from_poses, start_.start_s, start.key};
-    Keys keys{start.key};
-    Diagnostics discarded;
-    if (state() != state_) fail();
-    csv_.rows.seek(start.place);
-    KeyPose key;
-    if (!csv_.next(key, discarded) || key.time_s - start_.start_s != start.key.time_s) fail();
-    while (keys.size() <= kBlockRows && csv_.next(key, discarded)) {
-      discarded.warnings.clear();
-      keys.push_back(integrator.next(key));
-    }
-    if (keys.size() < 2) fail();
-    return keys;
-  }
-
-  [[noreturn]] void fail() const {
-    throw RunError(path_ + ": the file changed while the program read it; keep it unchanged during a run");
-  }
-
-  /// Size and time of the file, which differ when it has changed.
-  [[nodiscard]] std::pair<std::uintmax_t, fs::file_time_type> state() const {
-    std::error_code error;
-    return {fs::file_size(path_, error), fs::last_write_time(path_, error)};
-  }
-
-  std::mutex mutex_;
-  PoseCsv csv_;
-  std::string path_;
-  std::pair<std::uintmax_t, fs::file_time_type> state_;
-  TrackIntegrator start_;
-  std::vector<BlockStart> index_;
-  std::deque<Block> blocks_;  ///< the one used last first
-};
-
-}  // namespace
-
-KeyTrack open_csv_track(const CsvMotionSettings& settings, const std::optional<Rigid>& bone_from_poses,
-                        Diagnostics& report) {
-  PoseCsv csv(settings, report);
-  const bool seekable = fs::is_regular_file(settings.path);
-  TrackIntegrator integrator{bone_from_poses};
-  std::size_t rows = 0;
-  std::vector<KeyPose> stored;
-  std::vector<BlockStart> index;
-  KeyPose last;
-  scan_pose_csv(csv, settings, report, [&](const KeyPose& pose, const CsvReader::Place& place) {
-    if (rows == 0) integrator.start_s = pose.time_s;
-    last = integrator.next(pose);
-    if (rows % kBlockRows == 0) index.push_back({place, last});
-    ++rows;
-    if (!seekable || rows <= kStoredRows) stored.push_back(last);
-    if (seekable && rows == kStoredRows + 1) stored = {};
-  });
-  note_start(integrator.start_s, report);
-  if (!stored.empty()) return store_track(std::move(stored));
-  // A block of a single row would hold no segment.
-  if (rows % kBlockRows == 1) index.pop_back();
-  const auto track = std::make_shared<LongCsv>(std::move(csv), settings.path, integrator, std::move(index));
-  return {last.time_s, [track](double time_s) { return track->at(time_s); }};
 }
 
 }  // namespace reamsim

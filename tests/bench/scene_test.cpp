@@ -84,7 +84,7 @@ TEST(BenchScene, PosesTouchWhatTheyShouldAtASmallSize) {
 constexpr double kClearance_mm = 0.3;
 
 /// Depth at which `wanted` points touch, within 0.2 %, by bisection; for wanted = 0 kClearance_mm above the first
-/// contact.
+/// contact. The depths of kApproaches were found with it.
 double find_depth(const Voxmap& voxmap, const Tool& tool, const Approach& approach, double wanted) {
   double low = -8, high = 8;  // mm: clear of the bone, deep in it
   for (int i = 0; i < 40; ++i) {
@@ -107,20 +107,6 @@ TEST(BenchScene, FoundDepthTouchesWhatWasAskedFor) {
   const double clear = find_depth(bone, tool, kApproaches[2], 0);
   EXPECT_EQ(count_touching(bone, tool, substep_at(pose_at(kApproaches[2], clear))), 0);
   EXPECT_GT(count_touching(bone, tool, substep_at(pose_at(kApproaches[2], clear + 1.5 * kClearance_mm))), 0);
-}
-
-// For who changes the scene: the depths of kApproaches. `bench_test --gtest_also_run_disabled_tests
-// --gtest_filter=*DepthsOfTheApproaches`
-TEST(BenchScene, DISABLED_DepthsOfTheApproaches) {
-  const FilledVoxmap bone = BoneSeries().at(kVoxmaps.back());
-  const Tool tool = cap_tool(kShells.back());
-  const auto points = static_cast<double>(tool.shell.codes.size());
-  for (const Approach& approach : kApproaches) {
-    for (const Contact contact : kContacts) {
-      std::cout << find_depth(bone, tool, approach, wanted_points(contact, points)) << ' ';
-    }
-    std::cout << '\n';
-  }
 }
 
 }  // namespace

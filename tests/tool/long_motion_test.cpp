@@ -1,106 +1,15 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <random>
-#include <thread>
 
-#include "sim/base/error.h"
-#include "sim/base/text.h"
 #include "sim/tool/tool_path.h"
-#include "tests/support/temp_dir.h"
 
 namespace reamsim {
 namespace {
-
-using ::testing::HasSubstr;
-
-constexpr unsigned kMotionSeed = 21;
-
-/// A recorded motion at irregular times around 1 ms.
-void write_rows(const std::string& path, int rows) {
-  std::mt19937 random(kMotionSeed);
-  std::uniform_real_distribution<double> noise(-1, 1);
-  std::ofstream csv(path);
-  csv << "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,spin_rpm\n";
-  for (int i = 0; i < rows; ++i) {
-    csv << shortest_text(2 + 1e-3 * i + 3e-4 * noise(random));
-    for (int k = 0; k < 3; ++k) csv << ',' << shortest_text(5 * noise(random));
-    csv << ",1";
-    for (int k = 0; k < 3; ++k) csv << ',' << shortest_text(1e-2 * noise(random));
-    csv << ',' << shortest_text(250 + 50 * noise(random)) << '\n';
-  }
-}
-
-bool same(const ToolPose& a, const ToolPose& b) {
-  return a.position_mm == b.position_mm && a.orientation.coeffs() == b.orientation.coeffs() &&
-         a.spin_angle_rad == b.spin_angle_rad && a.spin_rpm == b.spin_rpm;
-}
-
-class LongCsv : public ::testing::Test {
- protected:
-  static constexpr int kStored = 100'000;  ///< rows of the longest file that is held in memory
-
-  Motion motion_of(const std::string& name, int rows) {
-    MotionSettings settings;
-    settings.csv.emplace().path = dir_.path() + "/" + name;
-    settings.frame_rate_hz = 1000;
-    write_rows(settings.csv->path, rows);
-    return build_motion(settings, GlenoidFrame{}, report_);
-  }
-
-  test::TempDir dir_;
-  Diagnostics report_;
-};
-
-TEST_F(LongCsv, StreamedPosesAreThoseInMemory) {
-  RecordProperty("seed", kMotionSeed);
-  const Motion stored = motion_of("stored.csv", kStored);
-  const Motion streamed = motion_of("streamed.csv", kStored + 20'000);
-  ASSERT_GT(streamed.poses.size(), stored.poses.size());
-  const std::size_t compared = stored.poses.size() - 2;  // the next row follows
-  for (std::size_t k = 0; k < compared; ++k) ASSERT_TRUE(same(stored.poses[k], streamed.poses[k])) << k;
-  std::mt19937 random(kMotionSeed);
-  for (int i = 0; i < 300; ++i) {
-    const std::size_t k = random() % compared;
-    ASSERT_TRUE(same(stored.poses[k], streamed.poses[k])) << k << ", seed " << kMotionSeed;
-  }
-}
-
-TEST_F(LongCsv, ThreadsReadAtTheSameTime) {
-  const Motion stored = motion_of("stored.csv", kStored);
-  const Motion streamed = motion_of("streamed.csv", kStored + 1);
-  std::vector<std::size_t> wrong(4, 0);
-  std::vector<std::thread> threads;
-  for (std::size_t t = 0; t < wrong.size(); ++t) {
-    threads.emplace_back([&, t] {
-      for (std::size_t i = 0; i < 5000; ++i) {
-        const std::size_t k = t * 20'000 + i;
-        wrong[t] += same(stored.poses[k], streamed.poses[k]) ? 0 : 1;
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  EXPECT_EQ(wrong, std::vector<std::size_t>(4, 0));
-}
-
-TEST_F(LongCsv, AFileThatChangesIsARunError) {
-  const Motion motion = motion_of("poses.csv", kStored + 5000);
-  const ToolPose first = motion.poses.front();
-  EXPECT_TRUE(first.position_mm.allFinite());
-  std::ofstream(dir_.path() + "/poses.csv", std::ios::app) << "1e6,0,0,0,1,0,0,0,0\n";
-  try {
-    (void)motion.poses.back();
-    ADD_FAILURE() << "no complaint";
-  } catch (const RunError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("poses.csv: the file changed"));
-  }
-}
 
 ToolPose at_height(double z_mm) {
   ToolPose pose;
