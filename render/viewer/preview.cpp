@@ -20,7 +20,7 @@
 #include "sim/bone/bone.h"
 #include "sim/bone/voxmap/density.h"
 #include "sim/bone/voxmap/voxel_grid.h"
-#include "sim/scenario/passes.h"
+#include "sim/scenario/derived.h"
 #include "sim/scenario/paths.h"
 #include "sim/scene/load_bone.h"
 #include "sim/tool/motion.h"
