@@ -21,7 +21,7 @@
 #include "sim/record/citation.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
-#include "sim/scenario/shipped.h"
+#include "sim/scenario/paths.h"
 
 namespace reamsim {
 

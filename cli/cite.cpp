@@ -26,8 +26,8 @@ void require_results(const std::string& dir) {
     if (std::filesystem::exists(dir + "/" + mark)) return;
   }
   const bool exists = std::filesystem::exists(dir);
-  throw InputError({dir, 0, 0}, "", exists ? "holds no results of reamsim" : "not found",
-                   "give a results folder, or none to cite the program");
+  refuse_file(dir, exists ? "holds no results of reamsim" : "not found",
+              "give a results folder, or none to cite the program");
 }
 
 void cite_command(const CiteOptions& options) {

@@ -3,28 +3,47 @@
 
 #include "cli/command_line.h"
 
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <sstream>
-#include <tuple>
 #include <utility>
 
 #include "cli/commands.h"
-#include "cli/manual.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/scenario/parse.h"
+#include "sim/scenario/key_tree.h"
 
 namespace reamsim {
 
 namespace {
+
+/// What an exit status means for a command; "": for the program as a whole.
+struct Status {
+  std::string_view command;
+  Entry entry;
+};
+/// Of any command, unless a later entry is of the command itself.
+constexpr std::string_view kAnyCommand = "*";
+constexpr std::array<Status, 12> kStatuses{
+    {{kAnyCommand, {"0", "done"}},
+     {kAnyCommand, {"1", "the command failed"}},
+     {"", {"1", "the command failed; of verify: a figure exceeds its tolerance; of sweep run: a run failed"}},
+     {"run", {"1", "the run failed"}},
+     {"sweep run", {"1", "the command failed, or a run of the study did"}},
+     {"verify", {"1", "the command failed, or a figure exceeds its tolerance"}},
+     {kAnyCommand, {"2", "the input is wrong; the message says what, where, and what to do"}},
+     {"",
+      {"75",
+       "of run, sweep run and uq: interrupted, with a checkpoint; the same command continues, of run with --resume"}},
+     {"run", {"75", "interrupted, with a checkpoint: the same command with --resume continues"}},
+     {"sweep run", {"75", "interrupted; the same command continues"}},
+     {"uq", {"75", "interrupted; the same command continues"}},
+     {kAnyCommand, {"130", "interrupted"}}}};
 
 /// Visits `app` and the groups of options that belong to it, which CLI11 keeps as nameless commands.
 template <class Visit>
@@ -51,14 +70,9 @@ void set_value(const std::string& type, ArgumentText& out) {
   } else if (type.find('|') != std::string::npos) {
     out.choices = split(type, '|');
   }
-  out.value = type.substr(0, type.find(':'));
-  if (type.find(':') != std::string::npos && brace == std::string::npos && !type.starts_with("INT") &&
-      !type.starts_with("FLOAT")) {
-    out.value = type;  // HH:MM:SS
-  }
-  if (out.choices.empty()) return;
-  out.value.clear();
-  for (const std::string& choice : out.choices) out.value += (out.value.empty() ? "" : "|") + choice;
+  const bool has_range = type.starts_with("INT") || type.starts_with("FLOAT");
+  out.value = has_range ? type.substr(0, type.find(':')) : type;  // also HH:MM:SS
+  if (!out.choices.empty()) out.value = fmt::format("{}", fmt::join(out.choices, "|"));
 }
 
 /// "1 to 1024" of CLI11's "INT:INT in [1 - 1024]"; "" without a range.
@@ -75,9 +89,7 @@ std::string others_of(const CLI::Option& option) {
   std::vector<std::string> names;
   for (const CLI::Option* other : option.get_excludes()) names.push_back("--" + other->get_lnames().front());
   std::ranges::sort(names);
-  std::string out;
-  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
-  return out;
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 ArgumentText text_of(const CLI::Option& option) {
@@ -117,8 +129,7 @@ std::string entry_line(const std::string& term, std::string_view meaning) {
 
 std::string option_line(const CLI::Option& option) {
   const ArgumentText text = text_of(option);
-  std::string term;
-  for (const std::string& flag : text.flags) term += (term.empty() ? "" : ",") + flag;
+  std::string term = fmt::format("{}", fmt::join(text.flags, ","));
   // CLI11 has a flag that takes a value after "=" as "--film{mp4}".
   if (option.get_expected_min() == 0 && option.get_name(false, true).find('{') != std::string::npos) term += "[=VALUE]";
   if (!text.value.empty()) term += " " + text.value;
@@ -143,16 +154,12 @@ std::vector<ListedCommand> listed_commands(const CLI::App& root) {
 }
 
 std::string command_names(const CLI::App& root) {
-  std::vector<std::string> names;
-  for (const ListedCommand& command : listed_commands(root)) {
+  const std::vector<ListedCommand> commands = listed_commands(root);
+  std::vector<std::string_view> names;
+  for (const ListedCommand& command : commands) {
     if (command.name.find(' ') == std::string::npos) names.push_back(command.name);
   }
-  std::string out;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (i > 0) out += i + 1 == names.size() ? " or " : ", ";
-    out += names[i];
-  }
-  return out;
+  return join_or(names);
 }
 
 std::vector<ArgumentText> options_of(const CLI::App& command) {
@@ -218,78 +225,12 @@ void set_help(CLI::App& app) {
   app.formatter(std::make_shared<HelpFormatter>());
 }
 
-namespace {
-
-constexpr const char* kTuningVariable = "REAMSIM_ENGINE_TUNING";
-
-/// Sets one member from "name=value"; false where the text is none of them.
-bool set_tuning(EngineTuning& tuning, const std::string& text) {
-  const std::string name = text.substr(0, text.find('='));
-  const std::string value = name.size() < text.size() ? text.substr(name.size() + 1) : "";
-  if (name == "kernel_shape" && from_name<KernelShape>(value)) {
-    tuning.kernel_shape = *from_name<KernelShape>(value);
-    return true;
-  }
-  for (const auto& [flag, member] : {std::pair{"culling", &tuning.culling}, std::pair{"windows", &tuning.windows}}) {
-    if (name != flag || (value != "true" && value != "false")) continue;
-    *member = value == "true";
-    return true;
-  }
-  const char* const end = value.data() + value.size();
-  return name == "work_group_size" && std::from_chars(value.data(), end, tuning.work_group_size).ptr == end &&
-         tuning.work_group_size >= 0;
-}
-
-EngineTuning tuning_of_environment() {
-  EngineTuning tuning;
-  const char* const given = std::getenv(kTuningVariable);
-  std::istringstream words(given == nullptr ? "" : given);
-  for (std::string word; words >> word;) {
-    if (!set_tuning(tuning, word)) {
-      throw InputError(
-          {}, kTuningVariable, "found " + word,
-          "expected kernel_shape=auto|cpu|gpu, culling=true|false, windows=true|false or work_group_size=N");
-    }
-  }
-  return tuning;
-}
-
-}  // namespace
-
 void add_overrides(CLI::App& command, std::vector<std::string>& overrides, const std::string& what) {
   command.add_option("--set", overrides, what + "; repeatable")->type_name("KEY.PATH=VALUE")->expected(1)->take_all();
 }
 
-void ScenarioOptions::add_to(CLI::App& command) {
-  take_shipped_names(
-      *command.add_option("SCENARIO", file, "Scenario file (YAML), or the name of a shipped one")->required(),
-      ShippedKind::scenario);
-  add_overrides(command, overrides, "Override a key of the scenario, for example bone.voxel_mm=0.4");
-  command.add_option("--device", device, "auto, serial, or part of the name of an OpenCL device")->type_name("NAME");
-  command.add_option("--engine", engine, "Engine (default: that of the scenario)")
-      ->type_name("auto|exact|bricked|direct|octree|implicit");
-}
-
-Scenario ScenarioOptions::parse() const {
-  std::vector<std::string> all = overrides;
-  for (const auto& [option, value, key] :
-       {std::tuple{"--device", &device, "engine.device="}, std::tuple{"--engine", &engine, "engine.type="}}) {
-    const bool twice = !value->empty() && std::ranges::any_of(overrides, [prefix = key](const std::string& set) {
-      return set.starts_with(prefix);
-    });
-    if (twice) throw InputError({}, option, std::string("given beside --set ") + key + "...", "give one of them");
-  }
-  if (!device.empty()) all.push_back("engine.device=" + device);
-  if (!engine.empty()) all.push_back("engine.type=" + engine);
-  Scenario scenario = parse_scenario(file, all);
-  scenario.engine.tuning = tuning_of_environment();
-  return scenario;
-}
-
 std::string lower_extension(const std::string& path) {
-  std::string text = std::filesystem::path(path).extension().string();
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
+  return lower_case(std::filesystem::path(path).extension().string());
 }
 
 BoneSource source_of_file(const std::string& path) {

@@ -4,10 +4,11 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/scenario/choices.h"
-#include "sim/scenario/shipped.h"
+#include "sim/scenario/paths.h"
 
 namespace CLI {
 class App;
@@ -16,9 +17,16 @@ class Option;
 
 namespace reamsim {
 
-struct Entry;
-
 // What the commands and their options say of themselves. Help, man page and completion are made from it.
+
+inline constexpr std::string_view kDescription =
+    "reamsim simulates glenoid reaming: it turns a scenario into cutting forces, pictures and an OpenVDB grid.";
+
+/// A term and what it means.
+struct Entry {
+  std::string_view term;
+  std::string_view meaning;
+};
 
 /// A command that users may call: "sweep run" and its parser.
 struct ListedCommand {

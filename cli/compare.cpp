@@ -48,15 +48,12 @@ void check_folders(const std::vector<std::string>& dirs) {
   std::set<fs::path> seen;
   for (const std::string& dir : dirs) {
     std::error_code error;
-    if (!fs::is_directory(dir, error)) {
-      throw InputError({dir, 0, 0}, "", "folder not found", "expected the results folder of a finished run");
-    }
-    if (!seen.insert(fs::canonical(dir)).second) {
-      throw InputError({dir, 0, 0}, "", "folder given twice", "give different runs");
-    }
+    if (!fs::is_directory(dir, error))
+      refuse_file(dir, "folder not found", "expected the results folder of a finished run");
+    if (!seen.insert(fs::canonical(dir)).second) refuse_file(dir, "folder given twice", "give different runs");
     for (const char* file : {"summary.json", "forces.csv", "scenario.yaml"}) {
       if (fs::is_regular_file(dir + "/" + file, error)) continue;
-      throw InputError({dir, 0, 0}, "", std::string("has no ") + file, "expected the results folder of a finished run");
+      refuse_file(dir, std::string("has no ") + file, "expected the results folder of a finished run");
     }
   }
 }
@@ -87,16 +84,12 @@ void set_means(std::vector<ComparedRun>& runs, const std::vector<ComparedMetric>
   }
 }
 
-std::string number(double value) {
-  return std::isfinite(value) ? rounded_text(value) : "-";
-}
-
 /// "1.5 (+12.3 %)", or of many runs "1.5".
 std::string entry(const ComparedMetric& metric, std::size_t run) {
   const double relative = metric.relative(run);
-  if (run == 0 || metric.values.size() > kMostWithDifferences || !std::isfinite(relative))
-    return number(metric.values[run]);
-  return number(metric.values[run]) + fmt::format(" ({:+.2f} %)", 100 * relative);
+  const bool differs = run > 0 && metric.values.size() <= kMostWithDifferences && std::isfinite(relative);
+  return (std::isfinite(metric.values[run]) ? rounded_text(metric.values[run]) : "-") +
+         (differs ? fmt::format(" ({:+.2f} %)", 100 * relative) : "");
 }
 
 bool is_left_out(const ComparedMetric& metric) {

@@ -11,7 +11,6 @@
 #include <cstring>
 #include <exception>
 
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 
 namespace reamsim {
@@ -24,6 +23,12 @@ constexpr double kRedrawSeconds = 0.1;
 constexpr double kLongSeconds = 60;
 /// Of parts: the time of less than that says nothing of the rest.
 constexpr double kLeastFraction = 0.02;
+
+/// Whether a line may be drawn again and have colours: a terminal that is not dumb.
+bool is_terminal(int descriptor) {
+  const char* const kind = std::getenv("TERM");
+  return isatty(descriptor) == 1 && kind != nullptr && std::strcmp(kind, "dumb") != 0;
+}
 
 }  // namespace
 
@@ -62,11 +67,6 @@ PrintOnError::~PrintOnError() {
     console_.print(report_);
   } catch (...) {  // no memory: the error itself is what counts
   }
-}
-
-bool is_terminal(int descriptor) {
-  const char* const kind = std::getenv("TERM");
-  return isatty(descriptor) == 1 && kind != nullptr && std::strcmp(kind, "dumb") != 0;
 }
 
 bool has_colors() {

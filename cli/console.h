@@ -30,7 +30,7 @@ class Console {
   void say(const std::string& line) const;
   /// say() for each line of a text.
   void say_lines(std::string_view text) const;
-  /// "reamsim: warning: ..." on stderr, in colour on a terminal (styled()); also when quiet.
+  /// "reamsim: warning: ..." on stderr, in colour on a terminal; also when quiet.
   void warn(const std::string& line) const;
   /// Prints the warnings of a stage, and its notes when verbose. Clears the report.
   void print(Diagnostics& report) const;
@@ -50,13 +50,10 @@ class PrintOnError {
   int exceptions_before_;
 };
 
-/// Whether text for this stream may have colours and a line may be drawn again: a terminal that is not dumb.
-bool is_terminal(int descriptor);
 /// Whether messages on standard error have colours: a terminal, and NO_COLOR (no-color.org) is not set.
 bool has_colors();
 
-/// Progress of one stage: a bar with rate and time left on a terminal, a line every tenth elsewhere, and one at once
-/// where it takes more than a minute; nothing when quiet.
+/// Progress of one stage: a bar on a terminal; elsewhere a line every tenth, and at once of more than a minute.
 class Progress {
  public:
   Progress(const Console& console, std::string stage, std::string unit);
@@ -89,13 +86,11 @@ class Progress {
   Stopwatch watch_;
 };
 
-/// Prints one JSON document, which is all that a command with --json writes to standard output. Bytes that are no
-/// UTF-8, as names of files may have, are replaced.
+/// Prints all that a command with --json writes to standard output. Bytes that are no UTF-8 are replaced.
 void print_json(const nlohmann::ordered_json& json);
 
-/// Calls `work` with a console that is quiet. Where it throws, prints {"program", "ok": false, "mistakes": [...]}, or
-/// "error" where the input is not to blame, and throws again, so that standard error and exit status are the usual
-/// ones.
+/// Calls `work` with a console that is quiet. Where it throws, prints {"program", "ok": false, "mistakes": [...]}, with
+/// "error" where the input is not to blame, and throws again.
 void run_with_json(const Console& console, const std::function<void(const Console&)>& work);
 
 }  // namespace reamsim

@@ -17,16 +17,13 @@ class Console;
 /// Opens closed standard streams; otherwise the next opened file would take their place and receive console text.
 void open_standard_streams();
 
-/// Where the address space is limited (`ulimit -v`), libraries end the program by a signal, without a reason.
-/// Afterwards these signals end it with a message that names the limit, and exit status 1.
+/// Signals by which libraries end the program where `ulimit -v` limits it get a message that says so, and status 1.
 void explain_fatal_signals();
 
-/// Writes what is left of standard output. Returns `status`, or 1 with a message where text was lost although the
-/// command succeeded. A reader that has closed its end of a pipe (`| head`) is no error.
+/// Returns `status`, or 1 with a message where a command that succeeded lost text; a reader that left (`| head`) may.
 int flush_standard_output(int status);
 
-/// The folder for compiled kernels of a command that uses `device`; none for "serial". Says where it is not the usual
-/// one and the command is verbose.
+/// The folder for compiled kernels of a command that uses `device`; none for "serial". Said where it is unusual.
 std::unique_ptr<cl::KernelCache> prepare_opencl(const std::string& device, const Console& console);
 
 /// What --version prints: program, commit, build, libraries, OpenCL devices of this machine, licence.

@@ -3,17 +3,15 @@
 
 #include "cli/first_scenario.h"
 
-#include <fmt/core.h>
-#include <algorithm>
+#include <fmt/ranges.h>
 #include <filesystem>
-#include <iterator>
 
 #include "cli/command_line.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/bone/mesh_source.h"
 #include "sim/scenario/parse.h"
-#include "sim/scenario/shipped.h"
+#include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
@@ -123,12 +121,36 @@ std::string motion_text(const PlungeSettings& plunge) {
       plunge.retract_mm_s, plunge.spin_rpm);
 }
 
+/// Sets a key in the lines of a YAML text with two spaces a level: replaces its line, or adds it to its section.
+void set_key(std::vector<std::string>& lines, const std::vector<std::string>& names, const std::string& value) {
+  std::size_t at = 0;
+  for (std::size_t depth = 0; depth < names.size(); ++depth, ++at) {
+    const std::size_t indent = 2 * depth;
+    const std::string key = std::string(indent, ' ') + names[depth] + ":";
+    const bool last = depth + 1 == names.size();
+    std::size_t end = at;  // of the section, without the comments behind it
+    for (; at < lines.size() && !lines[at].starts_with(key); ++at) {
+      const std::size_t first = lines[at].find_first_not_of(' ');
+      if (first == std::string::npos || lines[at][first] == '#') continue;
+      if (first < indent) break;
+      end = at + 1;
+    }
+    if (at == lines.size() || !lines[at].starts_with(key)) {
+      at = end;
+      lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(at), last ? key + " " + value : key);
+    } else if (last) {
+      lines[at] = key + " " + value;
+    }
+  }
+}
+
 }  // namespace
 
-std::string own_reamer() {
-  const fs::path path = fs::path(shipped_folder("assets")) / "reamer_convex.stl";
+std::string reamer_or_own(const std::string& given) {
+  const fs::path reamer = given.empty() ? fs::path(shipped_folder("assets")) / "reamer_convex.stl" : fs::path(given);
   std::error_code ignored;
-  return fs::exists(path, ignored) ? path.string() : "";
+  if (fs::is_regular_file(reamer, ignored)) return reamer.string();
+  throw InputError({reamer.string(), 0, 0}, "--tool", "there is no such reamer", "give a mesh with --tool MESH");
 }
 
 BoneSettings first_bone(const std::string& path, double voxel_mm, double scale, double threshold_hu,
@@ -153,15 +175,13 @@ void crop_round_glenoid(CtSettings& ct, const Vec3& near_mm) {
 }
 
 PlungeSettings first_plunge() {
-  PlungeSettings out;
-  out.from = PlungeStart::contact;
-  out.approach_mm = 2;
-  out.feed_mm_s = 1;
-  out.depth_mm = 3;
-  out.dwell_s = 0.2;
-  out.retract_mm = 12;
-  out.retract_mm_s = 20;
-  return out;
+  return {.from = PlungeStart::contact,
+          .approach_mm = 2,
+          .feed_mm_s = 1,
+          .depth_mm = 3,
+          .dwell_s = 0.2,
+          .retract_mm = 12,
+          .retract_mm_s = 20};
 }
 
 std::string text_of(const FirstScenario& first) {
@@ -169,68 +189,20 @@ std::string text_of(const FirstScenario& first) {
                      first.first_line, bone_text(first), yaml_quoted(first.tool_path), motion_text(first.plunge));
 }
 
-namespace {
-
-using Lines = std::vector<std::string>;
-
-std::size_t indent_of(const std::string& line) {
-  return std::min(line.find_first_not_of(' '), line.size());
-}
-
-bool is_code(const std::string& line) {
-  const std::size_t first = indent_of(line);
-  return first < line.size() && line[first] != '#';
-}
-
-/// The line `name:` with this indent from `begin` on, within its section; the end of the section without one.
-std::size_t find_name(const Lines& lines, std::size_t begin, std::size_t indent, const std::string& name) {
-  std::size_t end = begin;
-  for (std::size_t i = begin; i < lines.size(); ++i) {
-    if (!is_code(lines[i])) continue;
-    if (indent_of(lines[i]) < indent) break;
-    if (indent_of(lines[i]) == indent && lines[i].compare(indent, name.size() + 1, name + ":") == 0) return i;
-    end = i + 1;
-  }
-  return end;
-}
-
-void set_key(Lines& lines, const std::vector<std::string>& names, const std::string& value) {
-  constexpr std::size_t kIndent = 2;
-  std::size_t at = 0;
-  for (std::size_t depth = 0; depth < names.size(); ++depth) {
-    const std::size_t indent = kIndent * depth;
-    const std::string key = std::string(indent, ' ') + names[depth] + ":";
-    const bool last = depth + 1 == names.size();
-    at = find_name(lines, at, indent, names[depth]);
-    if (at == lines.size() || !lines[at].starts_with(key)) {
-      lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(at), last ? key + " " + value : key);
-    } else if (last) {
-      lines[at] = key + " " + value;
-    }
-    ++at;
-  }
-}
-
-}  // namespace
-
 std::string with_keys(const std::string& text, const std::vector<std::string>& assignments) {
-  Lines lines = split(text, '\n');
+  std::vector<std::string> lines = split(text, '\n');
   for (const std::string& assignment : assignments) {
-    const std::size_t equals = std::min(assignment.find('='), assignment.size());
-    if (equals == assignment.size()) {
+    const std::size_t equals = assignment.find('=');
+    if (equals == std::string::npos)
       throw InputError({}, "--set", "found " + printable(assignment), "expected KEY.PATH=VALUE");
-    }
     set_key(lines, split(assignment.substr(0, equals), '.'), assignment.substr(equals + 1));
   }
-  std::string out;
-  for (std::size_t i = 0; i < lines.size(); ++i) out += (i == 0 ? "" : "\n") + lines[i];
-  return out;
+  return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
 std::vector<std::string> bone_keys(const std::vector<std::string>& assignments) {
-  std::vector<std::string> out;
-  std::ranges::copy_if(assignments, std::back_inserter(out),
-                       [](const std::string& assignment) { return assignment.starts_with("bone."); });
+  std::vector<std::string> out = assignments;
+  std::erase_if(out, [](const std::string& assignment) { return !assignment.starts_with("bone."); });
   return out;
 }
 
@@ -253,19 +225,8 @@ std::optional<double> scale_of(std::optional<double> of_option, const std::vecto
   return scale;
 }
 
-namespace {
-
-constexpr const char* kGiveScale = "give --scale";
-
-std::string why(const FoundScale& found) {
-  const std::string length = fmt::format("the mesh is then {:.0f} mm long", found.length_mm);
-  if (found.assumed) return "mm is assumed; " + length + ", and a scapula 100 to 220 mm";
-  return "the file is in " + found.unit + "; " + length + ", as a scapula";
-}
-
-}  // namespace
-
 MeshScale mesh_scale(const std::string& path, std::optional<double> of_option, const Console& console) {
+  constexpr const char* kGiveScale = "give --scale";
   if (source_of_file(path) != BoneSource::mesh) {
     if (of_option) throw InputError({path, 0, 0}, "--scale", "only a mesh has a scale", "leave it out");
     return {};
@@ -275,7 +236,10 @@ MeshScale mesh_scale(const std::string& path, std::optional<double> of_option, c
     return {.scale = *of_option, .why = "given by --scale"};
   }
   const FoundScale found = find_scale_of(path, kGiveScale);
-  MeshScale out{.scale = found.scale, .why = why(found)};
+  const std::string length = fmt::format("the mesh is then {:.0f} mm long", found.length_mm);
+  const MeshScale out{.scale = found.scale,
+                      .why = found.assumed ? "mm is assumed; " + length + ", and a scapula 100 to 220 mm"
+                                           : "the file is in " + found.unit + "; " + length + ", as a scapula"};
   const std::string text = fmt::format("bone.mesh.scale: {}: {}", shortest_text(out.scale), out.why);
   if (found.scale == 1 && !found.assumed) {
     console.say(text);

@@ -5,20 +5,20 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cli/console.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
 
-// The first scenario of a bone, which `init` and `preview` write.
+// The first scenario of a bone, which `init` and `preview` write. Its landmarks: landmark_roles.cpp.
 
-/// The convex reamer that comes with the program: in the folder of the sources, or where it is installed; "" without
-/// it.
-std::string own_reamer();
+/// `given`, or where it is "" the convex reamer that comes with the program. Throws InputError where there is no such
+/// file.
+std::string reamer_or_own(const std::string& given);
 
-/// The settings of a bone file: `voxel_mm` and, for a mesh, `scale`, for a CT, `threshold_hu`, and more overrides.
-/// Throws InputError.
+/// The settings of a bone file; `scale` is of a mesh, `threshold_hu` of a CT, `more` are overrides. Throws InputError.
 BoneSettings first_bone(const std::string& path, double voxel_mm, double scale, double threshold_hu,
                         const std::vector<std::string>& more = {});
 
@@ -37,6 +37,18 @@ struct FirstScenario {
   std::optional<Rigid> glenoid;  ///< bone_from_glenoid that was found
   PlungeSettings plunge;
 };
+
+/// Landmarks of a scapula for a first scenario, LPS, mm.
+struct Landmarks {
+  std::optional<Vec3> center;
+  GlenoidSettings glenoid;         ///< landmarks where all three are there, else the superior direction; and the rim
+  std::vector<std::string> found;  ///< for the user: which point was understood as what, and which were not used
+};
+
+/// The landmarks of markups files, by `given`, "ROLE=LABEL", or by their labels in any case: "Glenoid centre", "TS",
+/// "rim-3". Labels that name the other side of the body are left out. Throws InputError: an unreadable file, an unknown
+/// role or label, two points for one role, no point that is understood, a superior point at the centre.
+Landmarks find_landmarks(const std::vector<std::string>& files, const std::vector<std::string>& given, BodySide side);
 
 /// The file: comments say what its keys are for.
 std::string text_of(const FirstScenario& first);
@@ -59,9 +71,8 @@ struct MeshScale {
   std::string why;  ///< for a comment: "given by --scale"; "" of a scan, whose file says its unit
 };
 
-/// The scale that the option --scale gives, or by the length of the mesh, which is then said at once: what follows may
-/// fail because it is wrong. Throws InputError: --scale for a scan, an unreadable mesh, an unknown unit, or a mesh that
-/// is too long or too short for a bone with a glenoid, whose voxels could fill the memory.
+/// The scale of the option, or by the length of the mesh, which is then said at once: what follows may fail because it
+/// is wrong. Throws InputError: --scale for a scan, an unknown unit, a length that no bone with a glenoid has.
 MeshScale mesh_scale(const std::string& path, std::optional<double> of_option, const Console& console);
 
 }  // namespace reamsim

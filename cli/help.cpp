@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -10,13 +12,32 @@
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
-#include "cli/manual.h"
 #include "sim/base/error.h"
-#include "sim/scenario/shipped.h"
+#include "sim/scenario/paths.h"
 
 namespace reamsim {
 
 namespace {
+
+constexpr std::array<Entry, 9> kVariables{
+    {{"NO_COLOR", "If set and not empty, messages on a terminal have no colours. Elsewhere they never have."},
+     {"TERM", "With dumb, progress is printed as lines and messages have no colours."},
+     {"POCL_CACHE_DIR", "Folder for compiled OpenCL kernels."},
+     {"XDG_CACHE_HOME",
+      "Without POCL_CACHE_DIR, kernels are in its folder pocl/kcache; without both, in .cache/pocl/kcache of HOME."},
+     {"TMPDIR", "Folder for compiled kernels where none of these can be written; otherwise /tmp."},
+     {"POCL_MAX_PTHREAD_COUNT", "Maximum number of threads of the OpenCL device PoCL."},
+     {"POCL_AFFINITY", "1, the default of reamsim, binds the threads of PoCL to processors; 0 does not."},
+     {"REAMSIM_PYTHON",
+      "The Python that computes the statistics of fit, uq and sweep; otherwise /usr/bin/python3, or python3 of PATH."},
+     {"HOME", "Replaces ${HOME} in a scenario, as any variable ${NAME} is replaced there."}}};
+
+constexpr std::array<Entry, 5> kExamples{
+    {{"reamsim check my.yaml", "Validates a scenario and estimates time and memory."},
+     {"reamsim run my.yaml -o out/my", "Simulates it. Open out/my/report.html afterwards."},
+     {"reamsim run my.yaml --set bone.voxel_mm=0.3 -o out/fine", "The same with smaller voxels."},
+     {"reamsim render out/my --film", "Makes a film of the finished run."},
+     {"reamsim cite out/my", "Prints what a paper about this run should cite."}}};
 
 /// The scripts of the shells ask the program what can stand at the place of the last word: completions().
 constexpr const char* kBash = R"bash(# bash completion for reamsim; written by: reamsim help --format bash
@@ -200,7 +221,7 @@ std::string command_section(const ListedCommand& command) {
 /// reamsim(1) for man(7): all commands and options of `root`.
 std::string man_page(const CLI::App& root) {
   std::string out = ".TH REAMSIM 1 \"\" \"reamsim " REAMSIM_VERSION "\" \"User Commands\"\n";
-  out += section("NAME") + "reamsim \\- " + escaped(kSummary) + "\n";
+  out += section("NAME") + "reamsim \\- simulate glenoid reaming\n";
   out += section("SYNOPSIS") + bold("reamsim") + " " + italic("COMMAND") + " [" + italic("OPTIONS") + "]\n";
   out += section("DESCRIPTION") + line(kDescription);
   out += ".PP\n" + line(
@@ -224,8 +245,7 @@ struct HelpOptions {
 
 /// The command that the words name, such as "sweep run". Throws InputError.
 ListedCommand named_command(const CLI::App& root, const std::vector<std::string>& words) {
-  std::string name;
-  for (const std::string& word : words) name += (name.empty() ? "" : " ") + word;
+  const std::string name = fmt::format("{}", fmt::join(words, " "));
   if (name.empty()) return {"", &root};
   const std::vector<ListedCommand> commands = listed_commands(root);
   const auto found = std::ranges::find(commands, name, &ListedCommand::name);

@@ -3,13 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
@@ -21,8 +17,8 @@
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
+#include "sim/scenario/paths.h"
 #include "sim/scenario/scenario.h"
-#include "sim/scenario/shipped.h"
 #include "sim/scene/load_bone.h"
 
 namespace reamsim {
@@ -36,66 +32,52 @@ namespace {
 /// crop), of the public scapula mesh (with and without near_mm), of the VDB of that mesh and of the phantom of
 /// trajectories/default.yaml, at 0.8, 0.4 and 0.25 mm. The forms fit within 0.1 s or a fifth. Only ratios count.
 struct StageTime {
+  BoneSource source;
   BoneStage stage;
   const char* name;
   double fixed_s, per_area_s, per_volume_s;
 };
 
-constexpr std::array kCt{StageTime{BoneStage::read, "reading the scan", 0.2, 0, 0},
-                         StageTime{BoneStage::filter, "filtering the scan", 1.2, 0, 0},
-                         StageTime{BoneStage::segment, "segmenting the bone", 0.6, 0, 0},
-                         StageTime{BoneStage::correct_density, "correcting the density of its boundary", 0.55, 0, 0},
-                         StageTime{BoneStage::voxels, "making voxels", 0.65, 0, 0.036},
-                         StageTime{BoneStage::anatomy, "placing the glenoid", 0.01, 0, 0},
-                         StageTime{BoneStage::write, "writing the VDB", 0, 0.09, 0}};
-constexpr std::array kMesh{StageTime{BoneStage::read, "reading the mesh", 0.01, 0, 0},
-                           StageTime{BoneStage::distances, "computing distances to its surface", 0.17, 0, 0.031},
-                           StageTime{BoneStage::voxels, "making voxels", 0.01, 0, 0.007},
-                           StageTime{BoneStage::anatomy, "placing the glenoid", 0.01, 0, 0},
-                           StageTime{BoneStage::write, "writing the VDB", 0, 0.1, 0}};
-constexpr std::array kVdb{StageTime{BoneStage::read, "reading the VDB", 0, 0.03, 0},
-                          StageTime{BoneStage::anatomy, "placing the glenoid", 0.01, 0, 0},
-                          StageTime{BoneStage::write, "writing the VDB", 0, 0.09, 0}};
-constexpr std::array kPhantom{StageTime{BoneStage::voxels, "making voxels", 0.1, 0, 0.0275},
-                              StageTime{BoneStage::anatomy, "placing the glenoid", 0.01, 0, 0},
-                              StageTime{BoneStage::write, "writing the VDB", 0, 0.03, 0}};
+constexpr StageTime kStages[]{
+    {BoneSource::ct, BoneStage::read, "reading the scan", 0.2, 0, 0},
+    {BoneSource::ct, BoneStage::filter, "filtering the scan", 1.2, 0, 0},
+    {BoneSource::ct, BoneStage::segment, "segmenting the bone", 0.6, 0, 0},
+    {BoneSource::ct, BoneStage::correct_density, "correcting the density of its boundary", 0.55, 0, 0},
+    {BoneSource::ct, BoneStage::voxels, "making voxels", 0.65, 0, 0.036},
+    {BoneSource::ct, BoneStage::anatomy, "placing the glenoid", 0.01, 0, 0},
+    {BoneSource::ct, BoneStage::write, "writing the VDB", 0, 0.09, 0},
+    {BoneSource::mesh, BoneStage::read, "reading the mesh", 0.01, 0, 0},
+    {BoneSource::mesh, BoneStage::distances, "computing distances to its surface", 0.17, 0, 0.031},
+    {BoneSource::mesh, BoneStage::voxels, "making voxels", 0.01, 0, 0.007},
+    {BoneSource::mesh, BoneStage::anatomy, "placing the glenoid", 0.01, 0, 0},
+    {BoneSource::mesh, BoneStage::write, "writing the VDB", 0, 0.1, 0},
+    {BoneSource::vdb, BoneStage::read, "reading the VDB", 0, 0.03, 0},
+    {BoneSource::vdb, BoneStage::anatomy, "placing the glenoid", 0.01, 0, 0},
+    {BoneSource::vdb, BoneStage::write, "writing the VDB", 0, 0.09, 0},
+    {BoneSource::phantom, BoneStage::voxels, "making voxels", 0.1, 0, 0.0275},
+    {BoneSource::phantom, BoneStage::anatomy, "placing the glenoid", 0.01, 0, 0},
+    {BoneSource::phantom, BoneStage::write, "writing the VDB", 0, 0.03, 0}};
 
-/// Where the face is searched round `near_mm`.
-constexpr StageTime kFace{BoneStage::anatomy, "placing the glenoid", 0.3, 0, 0.011};
-
-std::span<const StageTime> times_of(BoneSource source) {
-  switch (source) {
-    case BoneSource::ct:
-      return kCt;
-    case BoneSource::mesh:
-      return kMesh;
-    case BoneSource::vdb:
-      return kVdb;
-    case BoneSource::phantom:
-      break;
-  }
-  return kPhantom;
-}
-
-/// Shows on `bar` how far `reamsim import` is, by the usual times of its stages. A stage that this bone does not have
-/// is passed over.
+/// Shows on `bar` how far `reamsim import` is. A stage that this bone does not have is passed over.
 StageSink progress_on(Progress& bar, const BoneSettings& settings) {
   struct Part {
-    StageTime time;
+    BoneStage stage;
+    const char* name;
     double before_s;
   };
   const double area = std::pow(settings.voxel_mm, -2), volume = std::pow(settings.voxel_mm, -3);
   std::vector<Part> parts;
   double total_s = 0;
-  for (const StageTime& usual : times_of(settings.source)) {
+  for (const StageTime& usual : kStages) {
+    if (usual.source != settings.source) continue;
     if (usual.stage == BoneStage::filter && settings.ct.filter == CtFilter::none) continue;
-    parts.push_back({usual.stage == BoneStage::anatomy && settings.glenoid.near_mm ? kFace : usual, total_s});
-    const StageTime& time = parts.back().time;
-    total_s += time.fixed_s + time.per_area_s * area + time.per_volume_s * volume;
+    parts.push_back({usual.stage, usual.name, total_s});
+    const bool face = usual.stage == BoneStage::anatomy && settings.glenoid.near_mm;  // is searched round near_mm
+    total_s += face ? 0.3 + 0.011 * volume : usual.fixed_s + usual.per_area_s * area + usual.per_volume_s * volume;
   }
   return [&bar, parts, total_s](BoneStage stage) {
-    const auto part = std::ranges::find(parts, stage, [](const Part& p) { return p.time.stage; });
-    if (part != parts.end()) bar.begin_part(part->before_s / total_s, part->time.name);
+    const auto part = std::ranges::find(parts, stage, &Part::stage);
+    if (part != parts.end()) bar.begin_part(part->before_s / total_s, part->name);
   };
 }
 
@@ -108,8 +90,7 @@ struct ImportOptions {
   bool overwrite = false;
 };
 
-/// The bone settings of the scenario; for a mesh or a CT the defaults with `--set`. The surface voxels are those of a
-/// run.
+/// That of the input, or for a mesh or a CT the defaults with `--set`. The surface voxels are those of a run.
 Scenario scenario_of(const ImportOptions& options) {
   Scenario scenario;
   if (is_scenario_name(options.input)) {
@@ -136,19 +117,14 @@ Bone load_checked(const Scenario& scenario, Diagnostics& report, const StageSink
 }
 
 void import_command(const ImportOptions& options, const Console& console) {
-  if (lower_extension(options.output) != ".vdb") {
-    throw InputError({options.output, 0, 0}, "", "output file does not end in .vdb", "use -o NAME.vdb");
-  }
+  if (lower_extension(options.output) != ".vdb")
+    refuse_file(options.output, "output file does not end in .vdb", "use -o NAME.vdb");
   require_replaceable_file(options.output, "-o", options.overwrite, is_vdb_of_reamsim, {options.input});
   const Scenario scenario = scenario_of(options);
   const BoneSettings& settings = scenario.bone;
   require_replaceable_file(options.output, "-o", options.overwrite, is_vdb_of_reamsim,
                            {settings.ct.path, settings.mesh.path, settings.vdb.path});
-  const ForcedStop forced([unfinished = options.output + ".tmp"] {
-    std::error_code ignored;
-    fs::remove(unfinished, ignored);
-    return StopOutcome{};
-  });
+  const ForcedStop forced = removing_unfinished(options.output);
   Progress bar(console, "import", "");
   const StageSink stages = progress_on(bar, settings);
   Diagnostics report;
@@ -179,10 +155,7 @@ void add_import_command(CLI::App& app, Console& console) {
           "shipped one) whose bone is imported")
       ->required()
       ->transform(shipped_scenario_or_path, "");
-  command->add_option("-o,--output", options->output, "VDB file to write")
-      ->type_name("FILE.vdb")
-      ->required()
-      ->check(refuse_empty);
+  add_output(*command, options->output, "VDB file to write", "FILE.vdb")->required();
   add_overrides(*command, options->overrides,
                 "Override a key of the bone section, for example bone.ct.threshold_hu=250");
   command->add_flag("--overwrite", options->overwrite, "Replace the output file");

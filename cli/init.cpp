@@ -8,12 +8,10 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/first_scenario.h"
-#include "cli/landmark_roles.h"
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -111,10 +109,8 @@ Vec3 only_face(const BoneSettings& settings, Diagnostics& of_bone, Diagnostics& 
   return best.center_mm;
 }
 
-/// A point on the face of the glenoid of a bone, for bone.glenoid.near_mm, without any hint: in a CT next to the heads
-/// of 16 to 32 mm radius (joints_in_scan()), else by a search of the whole surface (search_faces()). `given`: a mesh
-/// or a CT without a glenoid; a known side of a CT excludes the other. Notes what was found, and its confidence. Throws
-/// InputError where no place resembles a glenoid, or several do.
+/// A point on the face of the glenoid: in a CT next to the heads of 16 to 32 mm radius, else anywhere on the surface. A
+/// known side of a CT excludes the other. Throws InputError where no place resembles a glenoid, or several do.
 Vec3 locate_glenoid(const BoneSettings& given, Diagnostics& report) {
   BoneSettings settings = given;
   settings.voxel_mm = kSearchVoxel_mm;
@@ -153,13 +149,6 @@ struct InitOptions {
 
 bool is_first_scenario(const std::string& path) {
   return read_file_start(path, std::string_view(kFirstLine).size()) == kFirstLine;
-}
-
-/// The reamer of the options, or that of the program.
-std::string tool_of(const InitOptions& options) {
-  const std::string tool = options.tool.empty() ? own_reamer() : options.tool;
-  if (!tool.empty()) return tool;
-  throw InputError({}, "--tool", "missing, and the program has no reamer of its own", "give the mesh of a reamer");
 }
 
 /// A path relative to the folder of the scenario.
@@ -262,9 +251,7 @@ void read_landmarks(InitOptions& options, const Console& console) {
 /// Throws InputError for an input that is neither scan nor mesh, and for options that it cannot use.
 void check_input(const InitOptions& options) {
   const BoneSource source = source_of_file(options.input);
-  if (source == BoneSource::vdb) {
-    throw InputError({options.input, 0, 0}, "", "is a VDB file", "expected a CT or a mesh");
-  }
+  if (source == BoneSource::vdb) refuse_file(options.input, "is a VDB file", "expected a CT or a mesh");
   if (source == BoneSource::mesh && options.threshold_hu) {
     throw InputError({}, "--threshold-hu", "has no effect on a mesh", "leave it out");
   }
@@ -273,20 +260,14 @@ void check_input(const InitOptions& options) {
   }
 }
 
-/// What `--set` says beside an option of its own.
-void take_overrides(InitOptions& options) {
-  options.scale = scale_of(options.scale, options.overrides);
-  const auto side = value_set(options.overrides, "bone.side");
-  if (options.side.empty() && side) options.side = *side;
-}
-
 void init_command(InitOptions options, const Console& console) {
-  take_overrides(options);
+  options.scale = scale_of(options.scale, options.overrides);
+  if (options.side.empty()) options.side = value_set(options.overrides, "bone.side").value_or("");
   check_input(options);
   std::vector<std::string> inputs{options.input, options.tool};
   inputs.insert(inputs.end(), options.markups.begin(), options.markups.end());
   require_replaceable_file(options.output, "-o", options.overwrite, is_first_scenario, inputs);
-  const std::string tool = tool_of(options);
+  const std::string tool = reamer_or_own(options.tool);
   read_landmarks(options, console);
   options.used_scale = mesh_scale(options.input, options.scale, console);
   Diagnostics report;
@@ -317,10 +298,7 @@ void add_init_command(CLI::App& app, Console& console) {
   auto options = std::make_shared<InitOptions>();
   command->add_option("INPUT", options->input, "CT (DICOM folder, NRRD, NIfTI, MetaImage) or mesh (STL, OBJ, PLY)")
       ->required();
-  command->add_option("-o,--output", options->output, "Scenario to write (YAML)")
-      ->type_name("FILE.yaml")
-      ->required()
-      ->check(refuse_empty);
+  add_output(*command, options->output, "Scenario to write (YAML)", "FILE.yaml")->required();
   command
       ->add_option("--near", options->near_mm,
                    "A point within 8 mm of the centre of the glenoid's face, mm: LPS of a CT, the frame of a mesh "

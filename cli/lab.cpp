@@ -16,7 +16,7 @@
 #include "sim/base/error.h"
 #include "sim/base/process.h"
 #include "sim/record/force_log.h"
-#include "sim/scenario/shipped.h"
+#include "sim/scenario/paths.h"
 
 namespace reamsim {
 

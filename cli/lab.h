@@ -13,11 +13,9 @@
 namespace reamsim {
 
 // The statistics of `fit`, `uq` and `sweep` are those of the Python package (python/src/reamsim/lab), in a process of
-// its own. It is started by the interpreter that the environment variable REAMSIM_PYTHON names, otherwise that of the
-// system.
+// the interpreter that REAMSIM_PYTHON names, otherwise of that of the system.
 
-/// Throws RunError where Python or one of its packages is missing: before a command simulates what needs them at its
-/// end.
+/// Throws RunError where Python or one of its packages is missing: before a command simulates what needs them.
 void require_lab();
 
 /// Calls a command of the package with its paths and a job, whose texts are UTF-8. Throws InputError and RunError as

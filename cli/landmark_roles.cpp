@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cli/landmark_roles.h"
+#include "cli/first_scenario.h"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -9,13 +9,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <map>
 #include <set>
 #include <string_view>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/scenario/markups.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
@@ -73,30 +73,27 @@ bool is_of_side(std::string_view label, BodySide side) {
 }
 
 /// A point of a file.
-struct Candidate {
-  MarkupsPoint point;
+struct Candidate : MarkupsPoint {
   std::string file;
   std::string frame;
   bool used = false;
 };
 
-std::string text_of(const Candidate& candidate) {
-  const Vec3& p = candidate.point.position_mm;
-  return fmt::format("{} of {} ({}) at ({:.2f}, {:.2f}, {:.2f})", shown_text(candidate.point.label),
-                     shown_path(candidate.file), candidate.frame, p.x(), p.y(), p.z());
+std::string text_of(const Candidate& point) {
+  const Vec3& p = point.position_mm;
+  return fmt::format("{} of {} ({}) at ({:.2f}, {:.2f}, {:.2f})", shown_text(point.label), shown_path(point.file),
+                     point.frame, p.x(), p.y(), p.z());
 }
 
-std::string labels_of(const std::vector<Candidate>& candidates) {
-  std::vector<MarkupsPoint> points;
-  for (const Candidate& candidate : candidates) points.push_back(candidate.point);
-  return points.empty() ? "no points" : "the points " + shown_labels(points);
+std::string labels_of(const std::vector<Candidate>& points) {
+  return points.empty() ? "no points" : "the points " + shown_labels({points.begin(), points.end()});
 }
 
 std::vector<Candidate> points_of(const std::vector<std::string>& files) {
   std::vector<Candidate> out;
   for (const std::string& file : files) {
     const Markups markups = read_markups(file);
-    for (const MarkupsPoint& point : markups.points()) out.push_back({point, file, markups.frame});
+    for (const MarkupsPoint& point : markups.points()) out.push_back({{point}, file, markups.frame});
   }
   return out;
 }
@@ -118,22 +115,21 @@ class Assignment {
       throw InputError({}, "--point", "found " + shown_text(text),
                        std::string("expected ROLE=LABEL, ROLE one of ") + kRoles);
     const std::string label = text.substr(equals + 1);
-    const auto has_label = [&](const Candidate& candidate) { return candidate.point.label == label; };
-    const auto count = std::ranges::count_if(all_, has_label);
+    const auto count = std::ranges::count(all_, label, &Candidate::label);
     if (count != 1) {
       throw InputError({}, "--point", (count == 0 ? "no point " : "several points ") + shown_text(label),
                        "the markups have " + labels_of(all_));
     }
-    add(static_cast<Role>(role - kRoleNames.begin()), *std::ranges::find_if(all_, has_label));
+    add(static_cast<Role>(role - kRoleNames.begin()), *std::ranges::find(all_, label, &Candidate::label));
   }
 
   /// Roles that are not given are found by labels.
   void find(BodySide side) {
-    const std::map<Role, std::vector<const Candidate*>> given = chosen_;
+    const auto given = chosen_;
     for (Candidate& candidate : all_) {
-      const std::optional<Role> role = role_of(candidate.point.label);
+      const std::optional<Role> role = role_of(candidate.label);
       if (candidate.used || !role || given.contains(*role)) continue;
-      if (is_of_side(candidate.point.label, side)) add(*role, candidate);
+      if (is_of_side(candidate.label, side)) add(*role, candidate);
     }
   }
 
@@ -141,17 +137,18 @@ class Assignment {
     const auto found = chosen_.find(role);
     if (found == chosen_.end()) return std::nullopt;
     if (found->second.size() > 1) {
-      std::string both;
-      for (const Candidate* candidate : found->second) both += (both.empty() ? "" : " and ") + text_of(*candidate);
-      throw InputError({}, "--markups", "several points may be the " + name_of(role) + ": " + both,
+      std::vector<std::string> all;
+      for (const Candidate* candidate : found->second) all.push_back(text_of(*candidate));
+      throw InputError({}, "--markups",
+                       fmt::format("several points may be the {}: {}", name_of(role), fmt::join(all, " and ")),
                        "give --point " + name_of(role) + "=LABEL, --side, or labels that differ");
     }
     return placed(*found->second.front());
   }
 
-  [[nodiscard]] std::vector<Vec3> points(Role role) const {
+  [[nodiscard]] std::vector<Vec3> rim() const {
     std::vector<Vec3> out;
-    const auto found = chosen_.find(role);
+    const auto found = chosen_.find(Role::rim);
     if (found == chosen_.end()) return out;
     for (const Candidate* candidate : found->second) out.push_back(placed(*candidate));
     return out;
@@ -164,14 +161,13 @@ class Assignment {
       out.push_back(name_of(role) + ": " + (several ? fmt::format("{} points, the first ", points.size()) : "") +
                     text_of(*points.front()));
     }
-    std::vector<Candidate> rest;
-    std::ranges::copy_if(all_, std::back_inserter(rest), [](const Candidate& candidate) { return !candidate.used; });
+    std::vector<Candidate> rest = all_;
+    std::erase_if(rest, [](const Candidate& candidate) { return candidate.used; });
     if (!rest.empty()) out.push_back("not used: " + labels_of(rest) + "; --point ROLE=LABEL uses one as " + kRoles);
     return out;
   }
 
   [[nodiscard]] bool empty() const { return chosen_.empty(); }
-  [[nodiscard]] const std::vector<Candidate>& all() const { return all_; }
 
  private:
   void add(Role role, Candidate& candidate) {
@@ -179,10 +175,10 @@ class Assignment {
     candidate.used = true;
   }
 
-  static Vec3 placed(const Candidate& candidate) {
-    if (candidate.point.placed) return candidate.point.position_mm;
-    throw InputError({shown_path(candidate.file), 0, 0}, "",
-                     "the point " + shown_text(candidate.point.label) + " is not placed yet", "place it in 3D Slicer");
+  static Vec3 placed(const Candidate& point) {
+    if (point.placed) return point.position_mm;
+    refuse_file(shown_path(point.file), "the point " + shown_text(point.label) + " is not placed yet",
+                "place it in 3D Slicer");
   }
 
   std::vector<Candidate> all_;
@@ -207,16 +203,17 @@ std::vector<Vec3> ordered_round(std::vector<Vec3> rim) {
 }  // namespace
 
 Landmarks find_landmarks(const std::vector<std::string>& files, const std::vector<std::string>& given, BodySide side) {
-  Assignment roles(points_of(files));
+  const std::vector<Candidate> all = points_of(files);
+  Assignment roles(all);
   for (const std::string& text : given) roles.give(text);
   roles.find(side);
   if (roles.empty()) {
-    throw InputError({}, "--markups", "no label was understood: the files have " + labels_of(roles.all()),
+    throw InputError({}, "--markups", "no label was understood: the files have " + labels_of(all),
                      std::string("give --point ROLE=LABEL, ROLE one of ") + kRoles);
   }
   const std::optional<Vec3> center = roles.point(Role::center), superior = roles.point(Role::superior),
                             trigonum = roles.point(Role::trigonum), angle = roles.point(Role::inferior_angle);
-  const std::vector<Vec3> rim = ordered_round(roles.points(Role::rim));
+  const std::vector<Vec3> rim = ordered_round(roles.rim());
   Landmarks out{.center = center, .glenoid = {}, .found = roles.said()};
   const auto unused = [&](const std::string& role, const std::string& why) {
     out.found.push_back(role + " is not used: " + why);

@@ -12,7 +12,6 @@
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/environment.h"
-#include "cli/manual.h"
 #include "cli/stop.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
@@ -29,8 +28,7 @@ int complain(const char* message, int status) {
   return status;
 }
 
-/// For std::terminate(): functions of libraries that must not throw, and find no memory. Results and DIR.lock stay,
-/// which no longer locks.
+/// For std::terminate(): functions of libraries that must not throw, and find no memory. Results stay.
 [[noreturn]] void end_with_message() {
   complain("out of memory, or a program error: use a larger bone.voxel_mm or a smaller crop, or report it", kFailed);
   reamsim::stop_reader_server();

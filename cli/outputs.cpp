@@ -23,8 +23,7 @@ namespace {
 
 constexpr const char* kNoSpectrum =
     "no torque spectrum: the tool does not rotate, or contact lasts less than four revolutions, or a revolution takes "
-    "more than "
-    "100,000 frames";
+    "more than 100,000 frames";
 
 /// The pose as read from forces.csv, so that re-rendered pictures are byte-identical.
 ToolPose as_logged(ToolPose pose) {

@@ -49,8 +49,7 @@ class RunConsole : public RunMonitor {
   std::optional<Progress> progress_;  ///< of the simulation
 };
 
-/// Makes pictures, plots, meshes and report of a run, with progress on the terminal. A separate thread renders frames,
-/// during a simulation as soon as their snapshots are written.
+/// Makes pictures, plots, meshes and report of a run. A thread renders frames as soon as their snapshots are written.
 class Outputs : public PictureSink {
  public:
   /// For a run that is simulated, with all outputs that its scenario asks for.
@@ -64,8 +63,8 @@ class Outputs : public PictureSink {
   void snapshots_written(std::int64_t frame) override;
   [[nodiscard]] const FillBricks& fill_before() const override { return run_->inputs().fill; }
   void end(const SimulationInput& scene, const std::string& dir) override;
-  /// Another thread makes plots and meshes meanwhile. Throws InputError when a result is missing or damaged, RunError
-  /// when an output cannot be made or written, and Interrupted; always after both threads have ended.
+  /// Another thread makes plots and meshes meanwhile. Throws InputError for a missing or damaged result, RunError and
+  /// Interrupted, always after both threads have ended.
   void make(Diagnostics& report) override;
   [[nodiscard]] std::string render_context() const override { return render_context_; }
   /// Writes report.html if the options ask for it.

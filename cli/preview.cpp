@@ -14,13 +14,11 @@
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/first_scenario.h"
-#include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
-#include "sim/scenario/shipped.h"
 
 namespace reamsim {
 
@@ -44,8 +42,7 @@ std::string recorded_absolute_path(const std::string& path) {
   return recorded_path(fs::absolute(path).lexically_normal().string());
 }
 
-/// A first scenario for the bone in `options.input`: its file, the reamer `tool`, and a plunge along the normal of a
-/// glenoid that is still to be placed.
+/// A first scenario for the bone in `options.input`, with a plunge into a glenoid that is still to be placed.
 PreviewRequest starting_request(const PreviewOptions& options, const std::string& tool, const Console& console) {
   const MeshScale scale = mesh_scale(options.input, scale_of(options.scale, options.overrides), console);
   const FirstScenario first{.first_line = "# A first scenario, put together by reamsim preview.",
@@ -68,18 +65,13 @@ PreviewRequest starting_request(const PreviewOptions& options, const std::string
   return out;
 }
 
-/// Whether the preview can show, and its page place, what this key lacks.
-bool is_placed_in_page(const Mistake& mistake) {
-  return mistake.key == "bone.side" || mistake.key == "motion.frame";
-}
-
 /// The scenario. A glenoid frame or a side that is still missing is no mistake, because the page is there to place it.
 Scenario parse_for_preview(const std::string& file, std::vector<std::string> overrides) {
   try {
     return parse_scenario(file, overrides);
   } catch (const InputError& error) {
-    if (!std::ranges::all_of(error.mistakes(), is_placed_in_page)) throw;
-    const auto names = [&](const char* key) { return std::ranges::count(error.mistakes(), key, &Mistake::key) > 0; };
+    const auto names = [&](const char* key) { return std::ranges::count(error.mistakes(), key, &Mistake::key); };
+    if (names("bone.side") + names("motion.frame") < std::ssize(error.mistakes())) throw;
     if (names("bone.side")) overrides.emplace_back("bone.side=left");
     if (names("motion.frame")) overrides.emplace_back("motion.frame=bone");
     Scenario scenario = parse_scenario(file, overrides);
@@ -90,13 +82,7 @@ Scenario parse_for_preview(const std::string& file, std::vector<std::string> ove
 }
 
 PreviewRequest request_of(const PreviewOptions& options, const Console& console) {
-  if (!is_scenario_name(options.input)) {
-    const std::string tool = options.tool.empty() ? own_reamer() : options.tool;
-    if (tool.empty() || !fs::is_regular_file(tool)) {
-      throw InputError({tool, 0, 0}, "--tool", "there is no such reamer", "give a mesh with --tool MESH");
-    }
-    return starting_request(options, tool, console);
-  }
+  if (!is_scenario_name(options.input)) return starting_request(options, reamer_or_own(options.tool), console);
   if (!options.tool.empty()) throw InputError({}, "--tool", "the scenario names the reamer", "change tool.mesh there");
   if (options.scale) throw InputError({}, "--scale", "the scenario has a scale", "change bone.mesh.scale there");
   const Scenario scenario = parse_for_preview(options.input, options.overrides);
@@ -117,16 +103,11 @@ std::string page_of(const PreviewRequest& request, Diagnostics& report) {
 
 void preview_command(const PreviewOptions& options, const Console& console) {
   const std::string kind = lower_extension(options.output);
-  if (kind != ".html" && kind != ".htm") {
-    throw InputError({options.output, 0, 0}, "", "output file does not end in .html", "use -o NAME.html");
-  }
+  if (kind != ".html" && kind != ".htm")
+    refuse_file(options.output, "output file does not end in .html", "use -o NAME.html");
   require_replaceable_file(options.output, "-o", options.overwrite, is_preview_page, {options.input});
   const PreviewRequest request = request_of(options, console);
-  const ForcedStop forced([unfinished = options.output + ".tmp"] {
-    std::error_code ignored;
-    fs::remove(unfinished, ignored);
-    return StopOutcome{};
-  });
+  const ForcedStop forced = removing_unfinished(options.output);
   Diagnostics report;
   const PrintOnError warnings_of_error(report, console);
   const std::string page = page_of(request, report);
@@ -148,10 +129,7 @@ void add_preview_command(CLI::App& app, Console& console) {
           "OBJ, PLY), or VDB")
       ->required()
       ->transform(shipped_scenario_or_path, "");
-  command->add_option("-o,--output", options->output, "HTML file to write")
-      ->type_name("FILE.html")
-      ->required()
-      ->check(refuse_empty);
+  add_output(*command, options->output, "HTML file to write", "FILE.html")->required();
   command->add_option("--tool", options->tool, "Reamer of a bone without a scenario (default: the convex one)")
       ->type_name("MESH");
   command->add_option("--scale", options->scale, "Mesh without a scenario: file units to mm (default: by its length)");

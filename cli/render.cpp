@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
@@ -8,10 +10,9 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <string>
 #include <string_view>
-#include <vector>
 
+#include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/outputs.h"
 #include "render/plots/plots.h"
@@ -69,10 +70,6 @@ ResultSettings settings_of(const RenderOptions& options, const std::string& own_
   return parse_result_settings(options.dir + "/scenario.yaml", overrides);
 }
 
-bool describes_a_camera(const std::string& option) {
-  return option.starts_with('{');
-}
-
 /// The cameras that an option describes in braces. Its mistakes name the option instead of the key that it sets.
 std::vector<UserCamera> described_cameras(const RenderOptions& options, const std::string& described) {
   constexpr std::string_view kPlace = "--set render.user_cameras=", kKey = "render.user_cameras.0.";
@@ -89,12 +86,11 @@ std::vector<UserCamera> described_cameras(const RenderOptions& options, const st
   }
 }
 
-/// The cameras of the results that an option names, or those that it describes; `known` are those of
-/// render.user_cameras.
+/// Adds the cameras that an option names or describes; `known` are those of render.user_cameras.
 void add_cameras(const RenderOptions& options, const std::string& option, const std::vector<UserCamera>& known,
                  RenderSettings& settings) {
   const auto own = std::ranges::find(known, option, &UserCamera::name);
-  if (describes_a_camera(option)) {
+  if (option.starts_with('{')) {
     std::ranges::move(described_cameras(options, option), std::back_inserter(settings.user_cameras));
   } else if (own != known.end()) {
     settings.user_cameras.push_back(*own);
@@ -149,8 +145,8 @@ void require_kept(const std::string& dir) {
   const std::optional<Manifest> manifest = read_manifest(dir);
   if (!manifest || !manifest->complete) return;
   if (manifest->files.contains("reamed.vdb") && std::filesystem::exists(dir + "/snapshots")) return;
-  throw InputError({dir, 0, 0}, "", "holds no grid and snapshots, from which pictures are made",
-                   "add `keep: [pictures]` to the study of this run, and run the study again");
+  refuse_file(dir, "holds no grid and snapshots, from which pictures are made",
+              "add `keep: [pictures]` to the study of this run, and run the study again");
 }
 
 /// Throws InputError where `--only` names what a run with a checkpoint only cannot give.
@@ -199,8 +195,7 @@ void require_states_for_film(const RenderOptions& options, const PictureOptions&
           ", which keeps up to 150 states, or show these slowly with --film-rate " + rate);
 }
 
-/// Checks everything that can be wrong with the options before the first file is written: the cameras against the run,
-/// the states that a film needs, and its program. Throws InputError, RunError.
+/// Checks cameras, and states and program of a film, before the first file is written. Throws InputError, RunError.
 void require_drawable(const RenderOptions& options, const PictureOptions& pictures, const RunData& run) {
   require_states_for_film(options, pictures, run.inputs().frames.size());
   const RunView view(run, pictures.settings);
@@ -213,16 +208,13 @@ void require_drawable(const RenderOptions& options, const PictureOptions& pictur
 
 /// What was made, and where it is.
 std::string where_to_look(const RenderOptions& options, bool has_report) {
-  std::string made;
-  for (const std::string& kind : options.only) made += (made.empty() ? "" : ", ") + kind;
-  if (!made.empty()) return made + ": " + options.dir;
+  if (!options.only.empty()) return fmt::format("{}: {}", fmt::join(options.only, ", "), options.dir);
   return has_report ? "report: " + options.dir + "/report.html" : "pictures and plots: " + options.dir;
 }
 
 void render_command(const RenderOptions& options, const Console& console) {
-  if (!std::filesystem::is_directory(options.dir)) {
-    throw InputError({options.dir, 0, 0}, "", "folder not found", "expected the results folder of a finished run");
-  }
+  if (!std::filesystem::is_directory(options.dir))
+    refuse_file(options.dir, "folder not found", "expected the results folder of a finished run");
   require_kept(options.dir);
   const ResultSettings settings = settings_of(options, "");
   PictureOptions pictures{.settings = settings.render,
@@ -278,11 +270,7 @@ void add_render_command(CLI::App& app, Console& console) {
       ->take_all()
       ->check(CLI::IsMember(
           {"pictures", "before_after", "contact_sheet", "turntable", "film", "plots", "meshes", "report"}));
-  command
-      ->add_option("--set", options->overrides,
-                   "Override a render setting, for example render.background=transparent; repeatable")
-      ->expected(1)
-      ->take_all();
+  add_overrides(*command, options->overrides, "Override a render setting, for example render.background=transparent");
   command->add_option("--width", options->width_px, "Width of the pictures in pixels");
   command->add_option("--height", options->height_px, "Height of the pictures in pixels");
   command->add_option("--context", options->context, "OpenGL context")->type_name("auto|osmesa|egl");

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <mutex>
 #include <thread>
 
@@ -65,8 +66,7 @@ void install_stop_handler() {
     if (sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
     sigaddset(&signals, signal);
   }
-  // Blocked in this and in all later threads, and taken by one of their own: a handler would be replaced by that of the
-  // kernel compiler.
+  // Blocked in all threads, and taken by one of their own: a handler would be replaced by that of the kernel compiler.
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::thread(watch_for_stop, signals).detach();
   interrupt_reading_when(stop_requested);
@@ -88,6 +88,14 @@ ForcedStop::ForcedStop(std::function<StopOutcome()> end) {
 ForcedStop::~ForcedStop() {
   const std::lock_guard lock(end_mutex);
   end_by_force = nullptr;
+}
+
+ForcedStop removing_unfinished(const std::string& file) {
+  return ForcedStop([unfinished = file + ".tmp"] {
+    std::error_code ignored;
+    std::filesystem::remove(unfinished, ignored);
+    return StopOutcome{};
+  });
 }
 
 StopGrace::StopGrace() {

@@ -25,8 +25,7 @@ struct StopOutcome {
   std::string message = "interrupted";
 };
 
-/// What to do when a command is ended by force: `end` tidies up. It is called on another thread, while the command
-/// still works.
+/// `end` tidies up when a command is ended by force, on another thread, while the command still works.
 class ForcedStop {
  public:
   explicit ForcedStop(std::function<StopOutcome()> end);
@@ -34,6 +33,9 @@ class ForcedStop {
   ForcedStop(const ForcedStop&) = delete;
   ForcedStop& operator=(const ForcedStop&) = delete;
 };
+
+/// The ForcedStop of a command that writes `file`, which has the ending ".tmp" until it is complete.
+ForcedStop removing_unfinished(const std::string& file);
 
 /// The ForcedStop of a command whose unfinished results in `folder` (OutputFolder) are of no use.
 template <class Folder>

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
+#include <set>
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
@@ -29,16 +30,6 @@ std::string SweepOptions::dir(const Study& study) const {
   return output.empty() ? "out/" + study.name : output;
 }
 
-SweepRuns load_sweep(const SweepOptions& options) {
-  SweepRuns out;
-  out.study = read_study(options.file);
-  out.plan = make_plan(out.study, options.overrides);
-  out.runs = identify_runs(out.study, out.plan, [](std::size_t) {
-    if (stop_requested()) throw Interrupted();
-  });
-  return out;
-}
-
 void add_jobs(CLI::App& command, int& jobs) {
   jobs = static_cast<int>(std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
   command
@@ -49,12 +40,19 @@ void add_jobs(CLI::App& command, int& jobs) {
 
 namespace {
 
-void print(const RunMessages& messages, const Console& console) {
-  for (const std::string& line : messages.lines()) console.warn(line);
+/// Reads the study and parses the scenarios of all runs. Throws InputError for a wrong study.
+SweepRuns load_sweep(const SweepOptions& options) {
+  SweepRuns out;
+  out.study = read_study(options.file);
+  out.plan = make_plan(out.study, options.overrides);
+  out.runs = identify_runs(out.study, out.plan, [](std::size_t) {
+    if (stop_requested()) throw Interrupted();
+  });
+  return out;
 }
 
-void say_lines_of(const std::vector<std::string>& lines, const Console& console) {
-  for (const std::string& line : lines) console.say(line);
+void print(const RunMessages& messages, const Console& console) {
+  for (const std::string& line : messages.lines()) console.warn(line);
 }
 
 // --- plan ---
@@ -83,24 +81,22 @@ struct StudyEstimate {
   }
 };
 
-/// Bytes on the disk: summary and scenario 12 kB; 230 bytes per frame in forces.csv, as runs of the shipped scenarios
-/// have. Grids and pictures are not estimated.
-double disk_bytes(const Study& study, const StudyEstimate& estimate, std::size_t runs) {
-  constexpr double kSummaryBytes = 12e3, kFrameBytes = 230;
-  const double rows = study.keep.forces || study.keep.pictures ? kFrameBytes * static_cast<double>(estimate.frames) : 0;
-  return kSummaryBytes * static_cast<double>(runs) + rows;
-}
-
+/// `runs`: at least one.
 void print_estimate(const Console& console, const Study& study, const StudyEstimate& estimate, std::size_t runs,
                     int jobs) {
-  const int parallel = std::min(jobs, static_cast<int>(runs));
+  const std::size_t parallel = std::min(static_cast<std::size_t>(jobs), runs);
   console.say(fmt::format("time: about {:.2g} s with --jobs {}, the longest run {:.2g} s{}",
-                          estimate.total_s / std::max(1, parallel), jobs, estimate.longest_s,
+                          estimate.total_s / static_cast<double>(parallel), jobs, estimate.longest_s,
                           study.keep.pictures ? ", plus pictures" : ""));
   console.say("memory: up to " + megabytes(estimate.largest_bytes) + " per job, " +
-              megabytes(estimate.largest_bytes * static_cast<std::size_t>(std::max(1, parallel))) + " in total");
+              megabytes(estimate.largest_bytes * parallel) + " in total");
+  // Of the files of runs of the shipped scenarios. Grids and pictures are not estimated.
+  constexpr std::size_t kSummaryBytes = 12'000, kFrameBytes = 230;
+  const bool forces = study.keep.forces || study.keep.pictures;
+  const std::size_t bytes =
+      kSummaryBytes * runs + (forces ? kFrameBytes * static_cast<std::size_t>(estimate.frames) : 0);
   const std::string more = study.keep.grids || study.keep.pictures ? ", plus grids and pictures" : "";
-  console.say("disk: about " + megabytes(static_cast<std::size_t>(disk_bytes(study, estimate, runs))) + more);
+  console.say("disk: about " + megabytes(bytes) + more);
 }
 
 void plan_command(const StudyOptions& options, const Console& console) {
@@ -115,7 +111,7 @@ void plan_command(const StudyOptions& options, const Console& console) {
     }
   }
   console.say(fmt::format("{}: {} runs of {}", sweep.study.name, sweep.runs.size(), sweep.study.base));
-  say_lines_of(same_runs(sweep.runs), console);
+  for (const std::string& line : same_runs(sweep.runs)) console.say(line);
   StudyEstimate estimate;
   Progress progress(console, "check", "runs");
   std::int64_t checked = 0;
@@ -135,9 +131,8 @@ void plan_command(const StudyOptions& options, const Console& console) {
   if (!valid.empty()) print_estimate(console, sweep.study, estimate, valid.size(), options.jobs);
   print(mistakes, console);
   if (mistakes.runs() > 0) {
-    throw InputError({options.sweep.file, 0, 0}, "",
-                     fmt::format("{} of {} runs are wrong", mistakes.runs(), sweep.runs.size()),
-                     "correct the study or its scenario; the warnings above name the mistakes");
+    refuse_file(options.sweep.file, fmt::format("{} of {} runs are wrong", mistakes.runs(), sweep.runs.size()),
+                "correct the study or its scenario; the warnings above name the mistakes");
   }
 }
 
@@ -219,11 +214,6 @@ std::vector<std::size_t> runs_to_do(const SweepRuns& sweep, const StudyFolder& f
   return out;
 }
 
-StudyFolder folder_to_run(const SweepOptions& options, const Study& study) {
-  keep_results_of_uq(options, options.dir(study));
-  return {study, options.dir(study)};
-}
-
 /// Simulates what is missing. Returns whether all is done that could be.
 class StudyRun {
  public:
@@ -232,14 +222,14 @@ class StudyRun {
         console_(console),
         shard_(parse_shard(options_.shard)),
         sweep_(load_sweep(options_.sweep)),
-        folder_(folder_to_run(options_.sweep, sweep_.study)) {}
+        folder_(folder_to_run()) {}
 
   void run() {
     const std::vector<std::size_t> runs = runs_to_do(sweep_, folder_, shard_);
     if (options_.shard.empty()) require_lab();
     console_.say(fmt::format("{}: {} runs in the study, {} to simulate -> {}", sweep_.study.name, sweep_.runs.size(),
                              runs.size(), folder_.path()));
-    say_lines_of(same_runs(sweep_.runs), console_);
+    for (const std::string& line : same_runs(sweep_.runs)) console_.say(line);
     note_wrong_scenarios();
     for (const std::size_t i : runs) folder_.forget_failure(sweep_.runs[i].id);
     Progress progress(console_, "sweep", "runs");
@@ -262,6 +252,12 @@ class StudyRun {
   [[nodiscard]] const SweepRuns& runs() const { return sweep_; }
 
  private:
+  StudyFolder folder_to_run() {
+    const std::string dir = options_.sweep.dir(sweep_.study);
+    keep_results_of_uq(options_.sweep, dir);
+    return {sweep_.study, dir};
+  }
+
   void note_wrong_scenarios() {
     for (std::size_t i = 0; i < sweep_.runs.size() && shard_.index == 0; ++i) {
       if (!sweep_.runs[i].id.empty()) continue;

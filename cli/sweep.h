@@ -37,11 +37,7 @@ struct SweepRuns {
   std::vector<IdentifiedRun> runs;
 };
 
-/// Reads the study and parses the scenarios of all runs. Throws InputError for a wrong study.
-SweepRuns load_sweep(const SweepOptions& options);
-
-/// Simulates the runs that are not done, and collects them. Throws RunError where some fail, Suspended when it is
-/// interrupted.
+/// Simulates the runs that are not done, and collects them. Throws RunError where some fail, and Suspended.
 SweepRuns simulate_study(const SweepOptions& options, int jobs, const Console& console);
 
 /// The option --jobs.
@@ -51,8 +47,7 @@ void add_jobs(CLI::App& command, int& jobs);
 void add_sweep_submit(CLI::App& sweep, Console& console);
 void add_sweep_worker(CLI::App& sweep);
 
-// `sweep run`, `sweep collect` and `uq` write tables and pages of the same names into the folder of a study. Where one
-// replaced those of the other, the rest of the folder would contradict them.
+// `sweep` and `uq` write files of the same names into the folder of a study, which must not replace one another.
 
 /// Throws InputError where `dir` holds an analysis of `uq`, unless the study is that of its own runs (runs.yaml).
 void keep_results_of_uq(const SweepOptions& options, const std::string& dir);
@@ -60,8 +55,8 @@ void keep_results_of_uq(const SweepOptions& options, const std::string& dir);
 /// Throws InputError where `dir` holds runs of a study that is no analysis of `uq`.
 void keep_results_of_sweep(const std::string& dir);
 
-/// Collects the runs of a study and shows them: writes runs.csv, effects.* and sweep.html into its folder, and prints
-/// counts, a table and the paths. Throws RunError.
+/// Writes runs.csv, effects.* and sweep.html into the folder, and prints counts, a table and the paths. Throws
+/// RunError.
 void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const Console& console);
 
 /// "36 runs: 36 done, 0 failed, 0 interrupted, 0 missing".
@@ -79,9 +74,7 @@ struct WorkerAnswer {
   /// The message of a failure; of a check, its RunEstimate as JSON; of a run, whether it was continued, or "".
   std::string text;
 
-  [[nodiscard]] bool has_failed() const {
-    return outcome != Outcome::done && outcome != Outcome::busy && outcome != Outcome::interrupted;
-  }
+  [[nodiscard]] bool has_failed() const { return outcome == Outcome::failed || outcome == Outcome::wrong_input; }
 };
 
 /// What a run would take.
@@ -95,10 +88,9 @@ struct RunEstimate {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunEstimate, load_s, simulate_s, memory_bytes, frames, warnings)
 
 /// Distributes runs (indices in the plan) over `jobs` processes of this program, which divide the processors among
-/// them; each loads OpenCL and a bone that several runs share once. They simulate into the study's folder `dir`, or,
-/// where it is "", check. Calls `answered` for each run. A worker that ends by itself fails its run and is replaced.
-/// Returns false where stop_requested() ended the work; workers have then ended, and saved what they could. Throws
-/// RunError where no worker can be started.
+/// them. They simulate into the study's folder `dir`, or, where it is "", check. Calls `answered` for each run. A
+/// worker that ends by itself fails its run and is replaced. Returns false where stop_requested() ended the work and
+/// the workers. Throws RunError where no worker can be started.
 bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
              const std::string& dir, int jobs, const std::function<void(const WorkerAnswer&)>& answered);
 

@@ -27,26 +27,13 @@ constexpr int kLeastLimit_s = 120;
 
 struct SubmitOptions {
   SweepOptions sweep;
-  bool slurm = false, snakemake = false, parallel = false;
+  BatchSystem system = BatchSystem::parallel;
   int shards = 0;
   int jobs = 1;
   std::string time_limit = "01:00:00";
   std::string to;
   bool overwrite = false;
-
-  [[nodiscard]] BatchSystem system() const {
-    if (slurm) return BatchSystem::slurm;
-    return snakemake ? BatchSystem::snakemake : BatchSystem::parallel;
-  }
 };
-
-bool is_submission(const std::string& path) {
-  return is_submission_text(read_file_start(path, 256));
-}
-
-std::string absolute_path(const std::string& path) {
-  return fs::absolute(path).lexically_normal().string();
-}
 
 int shards_of(const SubmitOptions& options, std::size_t runs) {
   const int most = static_cast<int>(std::min<std::size_t>(runs, 1'000'000));
@@ -67,7 +54,7 @@ Submission submission_of(const SubmitOptions& options) {
   return {.name = study.name,
           .program = fs::read_symlink("/proc/self/exe").string(),
           .study = study.file,
-          .output = absolute_path(options.sweep.dir(study)),
+          .output = fs::absolute(options.sweep.dir(study)).lexically_normal().string(),
           .overrides = options.sweep.overrides,
           .shards = shards_of(options, plan.runs.size()),
           .jobs = options.jobs,
@@ -85,7 +72,8 @@ void write_submission(const std::string& path, const SubmissionFile& file) {
 
 void submit_command(const SubmitOptions& options, const Console& console) {
   const Submission submission = submission_of(options);
-  const SubmissionScripts scripts = submission_scripts(options.system(), submission);
+  const SubmissionScripts scripts = submission_scripts(options.system, submission);
+  const auto is_submission = [](const std::string& path) { return is_submission_text(read_file_start(path, 256)); };
   const auto path_of = [&](const SubmissionFile& file) { return options.to + "/" + file.path; };
   for (const SubmissionFile& file : scripts.files) {
     std::error_code error;
@@ -109,9 +97,13 @@ void add_sweep_submit(CLI::App& sweep, Console& console) {
   auto options = std::make_shared<SubmitOptions>();
   options->sweep.add_to(*command);
   auto* system = command->add_option_group("system");
-  system->add_flag("--slurm", options->slurm, "A Slurm job array, which is requeued before its time limit");
-  system->add_flag("--snakemake", options->snakemake, "A Snakemake 7 workflow with a profile for Slurm");
-  auto* parallel = system->add_flag("--parallel", options->parallel, "A script of GNU parallel for one machine");
+  const auto add = [&](const char* flag, BatchSystem chosen, const char* description) {
+    return system->add_flag_callback(
+        flag, [options, chosen] { options->system = chosen; }, description);
+  };
+  add("--slurm", BatchSystem::slurm, "A Slurm job array, which is requeued before its time limit");
+  add("--snakemake", BatchSystem::snakemake, "A Snakemake 7 workflow with a profile for Slurm");
+  auto* parallel = add("--parallel", BatchSystem::parallel, "A script of GNU parallel for one machine");
   system->require_option(1);
   command->add_option("--shards", options->shards, "Parts of the study (default: 10, at most a run each)")
       ->check(CLI::Range(1, 1'000'000));

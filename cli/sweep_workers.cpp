@@ -8,6 +8,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -20,7 +22,6 @@
 #include <optional>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "cli/environment.h"
 #include "cli/outputs.h"
@@ -33,7 +34,7 @@
 #include "sim/record/output_folder.h"
 #include "sim/run/cost_estimate.h"
 #include "sim/run/simulation.h"
-#include "sim/scenario/passes.h"
+#include "sim/scenario/derived.h"
 #include "sim/scene/clearance.h"
 #include "sim/scene/contact_forecast.h"
 #include "sim/study/study_folder.h"
@@ -48,13 +49,10 @@ constexpr int kMostDeaths = 20;
 
 /// How a process ended, in words.
 std::string cause_of(int status) {
-  if (WIFSIGNALED(status)) {
-    const int signal = WTERMSIG(status);
-    const std::string hint = signal == SIGKILL ? "; the system may have run out of memory: use fewer --jobs" : "";
-    return std::string("its process was ended by signal ") + std::to_string(signal) + " (" + strsignal(signal) + ")" +
-           hint;
-  }
-  return "its process ended with status " + std::to_string(WEXITSTATUS(status));
+  if (!WIFSIGNALED(status)) return fmt::format("its process ended with status {}", WEXITSTATUS(status));
+  const int signal = WTERMSIG(status);
+  return fmt::format("its process was ended by signal {} ({}){}", signal, strsignal(signal),
+                     signal == SIGKILL ? "; the system may have run out of memory: use fewer --jobs" : "");
 }
 
 /// A process that works on one run at a time.
@@ -236,14 +234,12 @@ bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const
     setenv("POCL_AFFINITY", "0", 1);
     setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(std::max(1L, processors / jobs)).c_str(), 0);
   }
-  std::vector<std::vector<std::string>> commands;
-  for (int i = 0; i < jobs; ++i) {
-    std::vector<std::string> command{"/proc/self/exe", "sweep", "worker", options.file};
-    if (!dir.empty()) command.insert(command.end(), {"-o", dir});
-    for (const std::string& text : options.overrides) command.insert(command.end(), {"--set", text});
-    command.insert(command.end(), {"--part", std::to_string(i), std::to_string(jobs)});
-    commands.push_back(std::move(command));
-  }
+  std::vector<std::string> command{"/proc/self/exe", "sweep", "worker", options.file};
+  if (!dir.empty()) command.insert(command.end(), {"-o", dir});
+  for (const std::string& text : options.overrides) command.insert(command.end(), {"--set", text});
+  std::vector<std::vector<std::string>> commands(static_cast<std::size_t>(jobs), command);
+  for (std::size_t i = 0; i < commands.size(); ++i)
+    commands[i].insert(commands[i].end(), {"--part", std::to_string(i), std::to_string(jobs)});
   return Work(std::move(commands), sweep, runs, answered).run();
 }
 
@@ -251,8 +247,7 @@ namespace {
 
 constexpr double kEstimateTiming_s = 0.1;
 
-/// Validates runs as `reamsim check` does, and estimates their cost. Of runs with the same bone, tool and force basis,
-/// only the first is timed.
+/// Checks runs and estimates their cost. Of runs with the same bone, tool and force basis, only the first is timed.
 class RunEstimator {
  public:
   /// `resources` must have a cache of bones. Throws InputError with every mistake of the scenario.
@@ -307,8 +302,7 @@ void take_processors(int index, int count) {
   if (CPU_COUNT(&own) > 0) sched_setaffinity(0, sizeof own, &own);
 }
 
-/// Works on runs that it reads from standard input, line by line ("INDEX ID"), and answers each with a line on standard
-/// output (WorkerAnswer).
+/// Works on runs from standard input ("INDEX ID"), and answers each with a line on standard output (WorkerAnswer).
 class RunWorker {
  public:
   /// Without the study's folder it only checks.

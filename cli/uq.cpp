@@ -43,8 +43,7 @@ Json points_json(const UqDesign& design) {
   return out;
 }
 
-/// Of each run the force law at its first point, with the sampled constants, and that of the run itself. Throws
-/// InputError where the force basis of a run is damaged or does not hold for them.
+/// Of each run the force law at its first point, with the sampled constants, and that of the run. Throws InputError.
 Json laws_json(const UqDesign& design, const std::vector<std::string>& run_dirs) {
   Json out = Json::array();
   if (!design.needs_basis()) return out;
@@ -91,7 +90,7 @@ void evaluate(const UqDesign& design, const SweepRuns& done, const StudyFolder& 
                       {{"program", "reamsim " REAMSIM_VERSION},
                        {"inputs", inputs},
                        {"constants", constants},
-                       {"n", design.a().rows()},
+                       {"n", design.samples()},
                        {"points", points_json(design)},
                        {"runs", ids},
                        {"laws", laws_json(design, run_dirs)},

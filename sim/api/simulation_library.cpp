@@ -10,7 +10,7 @@
 #include "sim/run/frame_stepper.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
-#include "sim/scenario/shipped.h"
+#include "sim/scenario/paths.h"
 #include "sim/tool/motion.h"
 
 namespace reamsim {

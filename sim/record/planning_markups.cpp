@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/record/summary.h"
-#include "sim/scenario/passes.h"
+#include "sim/scenario/derived.h"
 
 namespace reamsim {
 

@@ -15,10 +15,9 @@
 #include "sim/record/output_folder.h"
 #include "sim/record/recorder.h"
 #include "sim/record/result_json.h"
+#include "sim/scenario/derived.h"
 #include "sim/scenario/parse.h"
-#include "sim/scenario/passes.h"
 #include "sim/scenario/paths.h"
-#include "sim/scenario/presets.h"
 
 namespace reamsim {
 

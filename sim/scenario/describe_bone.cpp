@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include "sim/scenario/derived.h"
 #include "sim/scenario/parse_steps.h"
-#include "sim/scenario/presets.h"
 
 namespace reamsim {
 
@@ -57,36 +57,35 @@ void describe_wear(KeyVisitor& v, PhantomSettings& phantom) {
 
 void describe_glenoid_phantom(KeyVisitor& v, PhantomSettings& phantom) {
   const When glenoid{"shape", {"glenoid"}};
+  const auto key = [&](std::string_view name, auto& value, std::string_view doc, Range range,
+                       std::string_view default_by = "") {
+    v.key(name, value, doc, {.range = range, .when = glenoid, .default_by = default_by});
+  };
   v.key("walch", phantom.walch,
         "Walch type; changes other defaults. none: healthy; A1, A2: minor, severe concentric wear; B2: biconcave; C: "
         "dysplastic",
         {.when = glenoid});
   v.defaults([&phantom] { apply_walch_defaults(phantom); });
-  v.key("height_mm", phantom.height_mm, "Face height, superior to inferior",
-        {.range = between(10, 80), .when = glenoid, .default_by = "walch"});
-  v.key("width_mm", phantom.width_mm, "Face width, anterior to posterior, of the wider inferior part",
-        {.range = between(6, 79), .when = glenoid, .default_by = "walch"});
-  v.key("face_radius_mm", phantom.face_radius_mm, "Radius of curvature of the unworn face",
-        {.range = between(15, 1000), .when = glenoid, .default_by = "walch"});
-  v.key("vault_depth_mm", phantom.vault_depth_mm, "Vault depth, face to neck",
-        {.range = between(5, 100), .when = glenoid});
-  v.key("version_deg", phantom.version_deg, "Version before wear, scapular frame; retroversion positive",
-        {.range = between(-45, 45), .when = glenoid, .default_by = "walch"});
-  v.key("inclination_deg", phantom.inclination_deg, "Inclination before wear, scapular frame; superior tilt positive",
-        {.range = between(-45, 45), .when = glenoid, .default_by = "walch"});
+  key("height_mm", phantom.height_mm, "Face height, superior to inferior", between(10, 80), "walch");
+  key("width_mm", phantom.width_mm, "Face width, anterior to posterior, of the wider inferior part", between(6, 79),
+      "walch");
+  key("face_radius_mm", phantom.face_radius_mm, "Radius of curvature of the unworn face", between(15, 1000), "walch");
+  key("vault_depth_mm", phantom.vault_depth_mm, "Vault depth, face to neck", between(5, 100));
+  key("version_deg", phantom.version_deg, "Version before wear, scapular frame; retroversion positive",
+      between(-45, 45), "walch");
+  key("inclination_deg", phantom.inclination_deg, "Inclination before wear, scapular frame; superior tilt positive",
+      between(-45, 45), "walch");
   describe_wear(v, phantom);
-  v.key("subchondral_density_g_cm3", phantom.subchondral_density_g_cm3,
-        "Subchondral plate density; default measured in one scanned shoulder", {.range = kDensity, .when = glenoid});
-  v.key("subchondral_mm", phantom.subchondral_mm, "Subchondral plate thickness",
-        {.range = between(0.2, 10), .when = glenoid});
-  v.key("shell_mm", phantom.shell_mm, "Cortical thickness of the vault", {.range = between(0.2, 10), .when = glenoid});
-  v.key("trabecular_gradient", phantom.trabecular_gradient,
-        "1: trabecular density is 2 times trabecular_density_g_cm3 under the plate, 0.7 times deep in the vault; 0: "
-        "uniform",
-        {.range = between(0, 1), .when = glenoid});
-  v.key("texture", phantom.texture, "Relative amplitude of trabecular texture",
-        {.range = between(0, 1), .when = glenoid});
-  v.key("seed", phantom.seed, "Texture seed", {.range = between(0, 2147483647), .when = glenoid});
+  key("subchondral_density_g_cm3", phantom.subchondral_density_g_cm3,
+      "Subchondral plate density; default measured in one scanned shoulder", kDensity);
+  key("subchondral_mm", phantom.subchondral_mm, "Subchondral plate thickness", between(0.2, 10));
+  key("shell_mm", phantom.shell_mm, "Cortical thickness of the vault", between(0.2, 10));
+  key("trabecular_gradient", phantom.trabecular_gradient,
+      "1: trabecular density is 2 times trabecular_density_g_cm3 under the plate, 0.7 times deep in the vault; 0: "
+      "uniform",
+      between(0, 1));
+  key("texture", phantom.texture, "Relative amplitude of trabecular texture", between(0, 1));
+  key("seed", phantom.seed, "Texture seed", between(0, 2147483647));
 }
 
 void describe_phantom(KeyVisitor& v, PhantomSettings& phantom) {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <numeric>
 #include <ranges>
 #include <utility>
@@ -152,16 +151,15 @@ bool differs_in_unit_only(const KeyNode& key, std::string_view unknown) {
   return stem.size() < key.info.name.size() && unknown.starts_with(stem) && is_unit_suffix(unknown.substr(stem.size()));
 }
 
-/// Levenshtein's edit distance, without regard to case.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+/// Levenshtein's edit distance.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
     std::size_t diagonal = row[0];
     row[0] = i;
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (lower(a[i - 1]) == lower(b[j - 1]) ? 0 : 1);
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
       diagonal = row[j];
       row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
     }
@@ -169,16 +167,15 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// The element of `all` whose name is most like `unknown`, or nullptr where none is alike.
+/// The element of `all` whose name is most like `unknown`, in any case; nullptr where none is alike.
 template <class Range, class Name>
-auto* nearest(const Range& all, std::string_view unknown, const Name& name) {
+auto* nearest(const Range& all, const std::string& unknown, const Name& name) {
   const std::ranges::range_value_t<Range>* best = nullptr;
   std::size_t least = std::max<std::size_t>(1, unknown.size() / 3) + 1;
   for (const auto& candidate : all) {
-    const std::size_t distance = edit_distance(name(candidate), unknown);
-    if (distance >= least) continue;
-    least = distance;
-    best = &candidate;
+    const std::size_t distance = edit_distance(lower_case(std::string(name(candidate))), lower_case(unknown));
+    if (distance < least) best = &candidate;
+    least = std::min(least, distance);
   }
   return best;
 }
@@ -232,12 +229,11 @@ std::string_view without_unit(std::string_view name) {
 }
 
 std::string range_text(const Range& range) {
-  const bool low = std::isfinite(range.min);
-  const bool high = std::isfinite(range.max);
-  if (!low && !high) return "";
-  if (low && high && range.min == range.max) return number_text(range.min);
+  const bool low = std::isfinite(range.min), high = std::isfinite(range.max);
+  if (low && range.min == range.max) return number_text(range.min);
   if (low && high) return number_text(range.min) + " to " + number_text(range.max);
-  return low ? "at least " + number_text(range.min) : "up to " + number_text(range.max);
+  if (low) return "at least " + number_text(range.min);
+  return high ? "up to " + number_text(range.max) : "";
 }
 
 std::string join_or(const std::vector<std::string_view>& words) {

@@ -46,8 +46,8 @@ std::string range_text(const Range& range);
 /// "a, b or c".
 std::string join_or(const std::vector<std::string_view>& words);
 
-/// The key of a path as `--set` takes it: "motion.plunge.depth_mm", "motion.passes.0.tool.mesh". Throws InputError at
-/// `where` for an unknown one, with the key that was probably meant, and for a section or list.
+/// The key of a path as `--set` takes it: "motion.passes.0.tool.mesh". Throws InputError at `where` for an unknown one,
+/// with the key that was probably meant, and for a section or list.
 const KeyNode& find_key(const std::string& path, const SourceLocation& where);
 
 /// What to say of an unknown key in `section`: "did you mean feed_mm_s (mm/s)?", or the keys there are.

@@ -86,8 +86,7 @@ constexpr Range kPosition = between(-10000, 10000);
 /// Range of the components of a direction, which need not be normalized.
 constexpr Range kComponent = between(-1000, 1000);
 
-/// Visits the keys of a scenario in the order of the documentation. describe_scenario() calls it; implementations read,
-/// write or list keys.
+/// Reads, writes or lists the keys of a scenario, in the order in which describe_scenario() calls it.
 class KeyVisitor {
  public:
   virtual ~KeyVisitor() = default;
@@ -194,8 +193,7 @@ class KeyVisitor {
   }
 };
 
-/// The description of all keys: path, type, range or choices, whether required, and meaning. Units are part of the
-/// names; defaults are those of the structs.
+/// The description of all keys. Units are part of their names; defaults are those of the structs.
 void describe_scenario(KeyVisitor& v, Scenario& scenario);
 
 }  // namespace reamsim

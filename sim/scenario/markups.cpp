@@ -10,12 +10,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
-#include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/scenario/show.h"
@@ -26,14 +21,12 @@ namespace {
 
 constexpr std::size_t kMostLabelsShown = 20;
 
+/// In small letters, with one space between words.
 std::string folded_label(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    const bool blank = c == ' ' || c == '\t';
-    if (blank && (out.empty() || out.back() == ' ')) continue;
-    out += blank ? ' ' : c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  }
-  if (out.ends_with(' ')) out.pop_back();
+  std::string out = lower_case(std::string(without_blanks(text)));
+  std::ranges::replace(out, '\t', ' ');
+  const auto rest = std::ranges::unique(out, [](char a, char b) { return a == ' ' && b == ' '; });
+  out.erase(rest.begin(), rest.end());
   return out;
 }
 
@@ -82,11 +75,18 @@ std::vector<std::string> cells_of(std::string_view line) {
 /// Slicer 5 writes two cells beyond its header: the state of the point (2: placed), and who made it.
 constexpr std::string_view kState = "position status", kPlaced = "2";
 
-/// An .fcsv, line by line.
+/// An .fcsv, line by line. Versions of Slicer 4 and 5 name their coordinate system: 0 or RAS, 1 or LPS; without it, and
+/// in files of Slicer 3, the points are RAS, as Slicer reads them. Throws InputError with line.
 class FcsvParser {
  public:
-  explicit FcsvParser(const std::string& path) { out_.path = path; }
+  explicit FcsvParser(const std::string& path) : path_(path) {}
 
+  Markups read(const std::string& text) {
+    for (const std::string& line : split(text, '\n')) take(line);
+    return finish();
+  }
+
+ private:
   void take(std::string_view line) {
     ++line_;
     line = trimmed_cell(line);
@@ -96,17 +96,15 @@ class FcsvParser {
   }
 
   Markups finish() {
-    if (!known_ && markup_.points.empty()) fail("is no markups file of 3D Slicer", kExpectedMarkups);
-    out_.frame = lps_ ? "LPS, as its header says"
-                      : (stated_ ? "RAS, as its header says"
-                                 : "RAS, as 3D Slicer takes it where the header names no coordinate system");
-    out_.markups.push_back(markup_);
-    return out_;
+    if (!known_ && points_.empty()) fail("is no markups file of 3D Slicer", kExpectedMarkups);
+    const char* const unstated = "RAS, as 3D Slicer takes it where the header names no coordinate system";
+    return {.path = path_,
+            .markups = {{name_, std::move(points_)}},
+            .frame = stated_ ? std::string(lps_ ? "LPS" : "RAS") + ", as its header says" : unstated};
   }
 
- private:
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
-    throw InputError({shown_path(out_.path), line_, 0}, "", found, expected);
+    throw InputError({shown_path(path_), line_, 0}, "", found, expected);
   }
 
   void take_comment(std::string_view comment) {
@@ -127,12 +125,12 @@ class FcsvParser {
       columns_ = cells_of(value);
       if (columns_.size() == 14) columns_.emplace_back(kState);
     } else if (key == "name") {
-      markup_.name = std::string(value);
+      name_ = value;
     }
   }
 
   void take_frame(std::string_view value) {
-    if (!markup_.points.empty()) fail("names its coordinate system after points", "expected it before them");
+    if (!points_.empty()) fail("names its coordinate system after points", "expected it before them");
     lps_ = value == "1" || value == "LPS";
     stated_ = true;
     if (lps_ || value == "0" || value == "RAS") return;
@@ -153,7 +151,7 @@ class FcsvParser {
     // 0.0 is added so that a sign that changes leaves no negative zero.
     point.position_mm = lps_ ? as_written : Vec3(0.0 - as_written.x(), 0.0 - as_written.y(), as_written.z());
     point.position_mm.array() += 0.0;
-    markup_.points.push_back(std::move(point));
+    points_.push_back(std::move(point));
   }
 
   [[nodiscard]] std::optional<std::string> cell(const std::vector<std::string>& cells, std::string_view name) const {
@@ -172,22 +170,15 @@ class FcsvParser {
     return *value;
   }
 
-  Markups out_;
-  Markup markup_;
+  const std::string& path_;
+  std::string name_;
+  std::vector<MarkupsPoint> points_;
   int line_ = 0;
   bool known_ = false;   // a comment says that this is an .fcsv
   bool stated_ = false;  // and one names its frame
   bool lps_ = false;
   std::vector<std::string> columns_{"label", "x", "y", "z", "sel", "vis"};  // of Slicer 3
 };
-
-/// The text of an .fcsv. Versions of Slicer 4 and 5 name their coordinate system: 0 or RAS, 1 or LPS; without it, and
-/// in files of Slicer 3, the points are RAS, as Slicer reads them. Throws InputError with line.
-Markups parse_fcsv(const std::string& text, const std::string& path) {
-  FcsvParser parser(path);
-  for (const std::string& line : split(text, '\n')) parser.take(line);
-  return parser.finish();
-}
 
 using MarkupsJson = nlohmann::json;
 
@@ -197,92 +188,73 @@ constexpr int kMostMarkupsLevels = 32;
 constexpr std::array<std::pair<std::string_view, double>, 6> kMarkupsUnits{
     {{"mm", 1}, {"um", 1e-3}, {"µm", 1e-3}, {"cm", 10}, {"m", 1000}, {"[in_i]", 25.4}}};
 
-/// The markups of a document.
-class JsonMarkups {
- public:
-  explicit JsonMarkups(Markups file) : out_(std::move(file)) {}
+/// A text of an object, or "" where there is none.
+std::string text_in(const MarkupsJson& json, const char* key, const Markups& file) {
+  if (!json.contains(key) || json[key].is_null()) return "";
+  if (!json[key].is_string()) file.fail(std::string(key) + " is no text", kExpectedMarkups);
+  return json[key].get<std::string>();
+}
 
-  Markups read(const MarkupsJson& json) {
-    if (!json.is_object() || !json.contains("markups") || !json["markups"].is_array())
-      out_.fail("is no markups file of 3D Slicer: there is no list \"markups\"", kExpectedMarkups);
-    for (const MarkupsJson& markup : json["markups"]) take(markup);
-    return std::move(out_);
+/// Notes the frame in `file`.
+bool is_lps(const MarkupsJson& markup, Markups& file) {
+  const std::string frame = text_in(markup, "coordinateSystem", file);
+  const bool lps = frame.empty() || frame == "LPS";
+  if (!lps && frame != "RAS") {
+    file.fail("coordinateSystem is " + shown_text(frame),
+              "expected LPS or RAS; save the points again in 3D Slicer, in the frame of the patient");
   }
+  const std::string said = frame.empty() ? "LPS, the default of its schema" : frame + ", as its header says";
+  if (file.frame.empty()) file.frame = said;
+  if (file.frame != said) file.frame = "LPS and RAS, as its markups say";
+  return lps;
+}
 
- private:
-  void take(const MarkupsJson& json) {
-    if (!json.is_object()) out_.fail("has a markup that is no object", kExpectedMarkups);
-    Markup markup;
-    markup.name = text(json, "name");
-    const bool lps = is_lps(json);
-    const double unit_mm = unit_mm_of(json);
-    if (!json.contains("controlPoints") || json["controlPoints"].is_null()) return out_.markups.push_back(markup);
-    if (!json["controlPoints"].is_array()) out_.fail("controlPoints is no list", kExpectedMarkups);
-    for (const MarkupsJson& point : json["controlPoints"]) markup.points.push_back(point_of(point, lps, unit_mm));
-    out_.markups.push_back(std::move(markup));
+double unit_mm_of(const MarkupsJson& markup, const Markups& file) {
+  if (!markup.contains("coordinateUnits") || markup["coordinateUnits"].is_null()) return 1;
+  // A code of UCUM, or the code with its scheme and its meaning.
+  const MarkupsJson& units = markup["coordinateUnits"];
+  const MarkupsJson& code = units.is_array() && !units.empty() ? units[0] : units;
+  for (const auto& [name, mm] : kMarkupsUnits) {
+    if (code == MarkupsJson(name)) return mm;
   }
+  file.fail("coordinateUnits is " + shown_text(code.is_string() ? code.get<std::string>() : code.dump()),
+            "expected mm, um, cm, m or [in_i]");
+}
 
-  /// A text, or "" where there is none.
-  [[nodiscard]] std::string text(const MarkupsJson& json, const char* key) const {
-    if (!json.contains(key) || json[key].is_null()) return "";
-    if (!json[key].is_string()) out_.fail(std::string(key) + " is no text", kExpectedMarkups);
-    return json[key].get<std::string>();
+MarkupsPoint point_of(const MarkupsJson& json, bool lps, double unit_mm, const Markups& file) {
+  if (!json.is_object()) file.fail("has a control point that is no object", kExpectedMarkups);
+  MarkupsPoint point;
+  point.label = text_in(json, "label", file);
+  const std::string status = text_in(json, "positionStatus", file);
+  const bool has_position = json.contains("position") && !json["position"].is_null();
+  point.placed = has_position && (status.empty() || status == "defined");
+  if (!point.placed) return point;
+  const MarkupsJson& position = json["position"];
+  const std::string name = "the position of the point " + shown_text(point.label);
+  const bool three = position.is_array() && position.size() == 3;
+  if (!three) file.fail(name + " is " + shown_text(position.dump()), "expected 3 numbers");
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!position[i].is_number()) file.fail(name + " has " + shown_text(position[i].dump()), "expected 3 numbers");
+    const double value = position[i].get<double>() * unit_mm;
+    if (!std::isfinite(value)) file.fail(name + " is not finite", "expected 3 numbers");
+    point.position_mm[static_cast<Eigen::Index>(i)] = lps || i == 2 ? value + 0.0 : 0.0 - value;
   }
+  return point;
+}
 
-  bool is_lps(const MarkupsJson& json) {
-    const std::string frame = text(json, "coordinateSystem");
-    const bool lps = frame.empty() || frame == "LPS";
-    if (!lps && frame != "RAS") {
-      out_.fail("coordinateSystem is " + shown_text(frame),
-                "expected LPS or RAS; save the points again in 3D Slicer, in the frame of the patient");
-    }
-    const std::string said = frame.empty() ? "LPS, the default of its schema" : frame + ", as its header says";
-    if (out_.frame.empty()) out_.frame = said;
-    if (out_.frame != said) out_.frame = "LPS and RAS, as its markups say";
-    return lps;
-  }
+Markup markup_of(const MarkupsJson& json, Markups& file) {
+  if (!json.is_object()) file.fail("has a markup that is no object", kExpectedMarkups);
+  Markup markup{.name = text_in(json, "name", file), .points = {}};
+  const bool lps = is_lps(json, file);
+  const double unit_mm = unit_mm_of(json, file);
+  if (!json.contains("controlPoints") || json["controlPoints"].is_null()) return markup;
+  if (!json["controlPoints"].is_array()) file.fail("controlPoints is no list", kExpectedMarkups);
+  for (const MarkupsJson& point : json["controlPoints"]) markup.points.push_back(point_of(point, lps, unit_mm, file));
+  return markup;
+}
 
-  [[nodiscard]] double unit_mm_of(const MarkupsJson& json) const {
-    if (!json.contains("coordinateUnits") || json["coordinateUnits"].is_null()) return 1;
-    // A code of UCUM, or the code with its scheme and its meaning.
-    const MarkupsJson& units = json["coordinateUnits"];
-    const MarkupsJson& code = units.is_array() && !units.empty() ? units[0] : units;
-    if (code.is_string()) {
-      for (const auto& [name, mm] : kMarkupsUnits) {
-        if (code.get_ref<const std::string&>() == name) return mm;
-      }
-    }
-    out_.fail("coordinateUnits is " + shown_text(code.is_string() ? code.get<std::string>() : code.dump()),
-              "expected mm, um, cm, m or [in_i]");
-  }
-
-  [[nodiscard]] MarkupsPoint point_of(const MarkupsJson& json, bool lps, double unit_mm) const {
-    if (!json.is_object()) out_.fail("has a control point that is no object", kExpectedMarkups);
-    MarkupsPoint point;
-    point.label = text(json, "label");
-    const std::string status = text(json, "positionStatus");
-    const bool has_position = json.contains("position") && !json["position"].is_null();
-    point.placed = has_position && (status.empty() || status == "defined");
-    if (!point.placed) return point;
-    const MarkupsJson& position = json["position"];
-    const std::string name = "the position of the point " + shown_text(point.label);
-    const bool three = position.is_array() && position.size() == 3;
-    if (!three) out_.fail(name + " is " + shown_text(position.dump()), "expected 3 numbers");
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (!position[i].is_number()) out_.fail(name + " has " + shown_text(position[i].dump()), "expected 3 numbers");
-      const double value = position[i].get<double>() * unit_mm;
-      if (!std::isfinite(value)) out_.fail(name + " is not finite", "expected 3 numbers");
-      point.position_mm[static_cast<Eigen::Index>(i)] = lps || i == 2 ? value + 0.0 : 0.0 - value;
-    }
-    return point;
-  }
-
-  Markups out_;
-};
-
-/// The text of an .mrk.json (schema 1.0.0 to 1.0.4). Without coordinateSystem it is LPS, without coordinateUnits mm, as
-/// the schema says. Throws InputError.
-Markups parse_markups_json(const std::string& text, const Markups& file) {
+/// The text of an .mrk.json (schema 1.0.0 to 1.0.4), LPS and mm where it does not say. Throws InputError.
+Markups parse_markups_json(const std::string& text, Markups file) {
   bool too_deep = false;
   const auto visit = [&](int depth, MarkupsJson::parse_event_t, MarkupsJson&) {
     too_deep = too_deep || depth > kMostMarkupsLevels;
@@ -290,7 +262,10 @@ Markups parse_markups_json(const std::string& text, const Markups& file) {
   };
   const MarkupsJson json = MarkupsJson::parse(text, visit, /*allow_exceptions=*/false);
   if (json.is_discarded() || too_deep) file.fail("is no JSON, or is cut off", kExpectedMarkups);
-  return JsonMarkups(file).read(json);
+  if (!json.is_object() || !json.contains("markups") || !json["markups"].is_array())
+    file.fail("is no markups file of 3D Slicer: there is no list \"markups\"", kExpectedMarkups);
+  for (const MarkupsJson& markup : json["markups"]) file.markups.push_back(markup_of(markup, file));
+  return file;
 }
 
 }  // namespace
@@ -305,7 +280,7 @@ std::string shown_labels(const std::vector<MarkupsPoint>& points) {
 }
 
 void Markups::fail(const std::string& found, const std::string& expected) const {
-  throw InputError({shown_path(path), 0, 0}, "", found, expected);
+  refuse_file(shown_path(path), found, expected);
 }
 
 std::vector<MarkupsPoint> Markups::points() const {
@@ -360,7 +335,7 @@ Markups read_markups(const std::string& path) {
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) file.fail("is empty", kExpectedMarkups);
   const bool json = text[first] == '{' || text[first] == '[';
-  Markups out = json ? parse_markups_json(text, file) : parse_fcsv(text, path);
+  Markups out = json ? parse_markups_json(text, file) : FcsvParser(path).read(text);
   const std::size_t points = out.points().size();
   if (points > kMostMarkupsPoints)
     out.fail("has " + std::to_string(points) + " points", "at most 100,000 are possible");

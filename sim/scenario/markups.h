@@ -42,16 +42,14 @@ struct Markups {
   [[nodiscard]] Vec3 position_mm(std::string_view label) const;
   /// The position of the only point. Throws InputError where there are several or none.
   [[nodiscard]] Vec3 only_position_mm() const;
-  /// The positions of the only markup, in its order. Throws InputError where there are several, or a point is not
-  /// placed.
+  /// The positions of the only markup, in its order. Throws InputError: several markups, a point that is not placed.
   [[nodiscard]] std::vector<Vec3> positions_mm() const;
   /// Throws InputError with the file.
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
 };
 
-/// Reads an .fcsv of any version of 3D Slicer or an .mrk.json; its content says which. RAS becomes LPS, other units
-/// become mm. Throws InputError with the file: no markups, a frame that is no frame of the patient (IJK), an unknown
-/// unit, a value that is no number; more than 16 MB or 100,000 points.
+/// Reads an .fcsv of any version of 3D Slicer or an .mrk.json, by its content. RAS becomes LPS, other units become mm.
+/// Throws InputError: no markups, a frame or unit that is unknown, no number, more than 16 MB or 100,000 points.
 Markups read_markups(const std::string& path);
 
 /// The labels of points for a message: "A", "B" and 3 more.
@@ -68,27 +66,14 @@ class MarkupsKeys {
     return info.point && node.kind == YamlNode::Kind::map && node.find("markups") != nullptr;
   }
 
-  /// The point of a value, LPS, mm. Throws InputError with the place of the value, `key`, the file and its labels.
-  Vec3 point(const KeyInfo& info, const YamlNode& node, const std::string& key);
-  /// The points of a value: those that `point` lists, or all of the file.
-  std::vector<Vec3> points(const KeyInfo& info, const YamlNode& node, const std::string& key);
+  /// The point of a value, or with `several` those that `point` lists, or all of the file; LPS, mm. Throws InputError
+  /// with the place of the value, `key`, the file and its labels.
+  std::vector<Vec3> points(const KeyInfo& info, const YamlNode& node, const std::string& key, bool several);
 
   [[nodiscard]] const std::vector<MarkupsSource>& sources() const { return sources_; }
 
  private:
-  /// What a value asks for.
-  struct Request {
-    const YamlNode& node;
-    const std::string& key;
-    std::vector<std::string> labels{};  ///< empty: what the file has
-  };
-
-  [[nodiscard]] Request request_of(const YamlNode& node, const std::string& key) const;
-  const Markups& file_of(const Request& request);
-  std::vector<Vec3> read(const KeyInfo& info, const Request& request, bool one);
-  void remember(const Request& request, const Markups& markups, std::size_t points);
-  template <class Work>
-  decltype(auto) located(const Request& request, const Work& work) const;
+  std::vector<Vec3> found_points(const KeyInfo& info, const YamlNode& node, const std::string& key, bool several);
 
   std::string file_;
   std::string folder_;

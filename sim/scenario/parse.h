@@ -24,8 +24,7 @@ struct ResultSettings {
   ToolSpin tool_spin = ToolSpin::envelope;
 };
 
-/// Reads them, with overrides. Unlike parse_scenario(), it does not require the input files: rendering needs the
-/// results only.
+/// Reads them, with overrides. Does not require the input files.
 ResultSettings parse_result_settings(const std::string& path, const std::vector<std::string>& overrides = {});
 
 /// What forces depend on beside the geometry, in a run's scenario.yaml.
@@ -41,8 +40,7 @@ struct LawSettings {
 /// a table in the overrides replaces the power law of the run. Does not require the input files. Throws InputError.
 LawSettings parse_law_settings(const std::string& path, const std::vector<std::string>& overrides = {});
 
-/// A bone section that consists of a source ("ct" or "mesh"), its path and overrides ("bone.voxel_mm=0.5"), for
-/// `reamsim import`; validated as in a scenario.
+/// A bone section of a source ("ct" or "mesh"), its path and overrides ("bone.voxel_mm=0.5"), for `reamsim import`.
 BoneSettings parse_bone_settings(const std::string& source, const std::string& path,
                                  const std::vector<std::string>& overrides);
 
@@ -57,8 +55,7 @@ std::string scenario_json_schema();
 /// The table of keys for docs/keys.md (Markdown), generated from the same description.
 std::string scenario_key_table();
 
-/// Every file that the scenario names as an input, for provenance: (its key, absolute path). The scenario file itself
-/// is not among them. A DICOM folder appears as a folder.
+/// Every file or DICOM folder that the scenario names as an input: (its key, absolute path).
 std::vector<std::pair<std::string, std::string>> input_files(const Scenario& scenario);
 
 }  // namespace reamsim

@@ -15,8 +15,8 @@ namespace reamsim {
 
 // The steps of parse_scenario() before and after read_keys().
 
-/// The file's document, with overrides, in the present version of the format. `notes`: see migrate(). Throws
-/// InputError.
+/// The file's document, with overrides, in the present version of the format; `notes` gets a line for each key of an
+/// older one. Throws InputError.
 YamlNodePtr read_document(const std::string& path, const std::vector<std::string>& overrides,
                           std::vector<std::string>& notes);
 
@@ -26,23 +26,16 @@ YamlNodePtr read_document(const std::string& path, const std::vector<std::string
 /// Throws InputError ("--set key=value: ..."): no "=", no key, an index beyond the list.
 YamlNodePtr apply_override(const YamlNodePtr& document, const std::string& assignment);
 
-/// Brings a scenario with keys of format version 1 to version 2: renames keys and drops those that have no effect any
-/// more. Adds a note for each ("FILE:LINE:COLUMN: KEY: ..."). Throws InputError where a key is given under both names.
-YamlNodePtr migrate(const YamlNodePtr& document, const std::string& file, std::vector<std::string>& notes);
-
 /// Reads the keys that `describe` visits into `scenario`, with their places and the files of markups; lists unknown
-/// keys of the document. Checks each key by itself (type, range, choice, where it applies); check_rules() checks keys
-/// against each other. Expands paths and makes them absolute. `folder`: base of relative paths. `file`: name in
-/// messages.
+/// keys of the document. Checks each key by itself; check_rules() checks keys against each other. `folder`: base of
+/// relative paths. `file`: name in messages.
 ///
 /// Lists each mistake and continues with the default value. Does not report consequences of a mistake: keys that depend
-/// on a wrong or missing choice, missing keys beside an unknown key (probably a typing error), and the contents of a
-/// section that is not one.
+/// on a wrong or missing choice, missing keys beside an unknown key, the contents of a section that is not one.
 void read_keys(const YamlNodePtr& document, const std::string& file, const std::string& folder,
                void (*describe)(KeyVisitor&, Scenario&), Scenario& scenario, MistakeList& mistakes);
 
-/// The rules that concern more than one key. Lists a mistake for each broken rule, at the key to change; skips rules of
-/// keys that have a mistake already.
+/// Lists a mistake for each broken rule of more than one key, at the key to change, unless these have mistakes already.
 void check_rules(const Scenario& scenario, const KeyLocations& locations, MistakeList& mistakes);
 
 // Rules of one section each. They throw InputError at the key to change.

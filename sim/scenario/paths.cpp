@@ -3,19 +3,21 @@
 
 #include "sim/scenario/paths.h"
 
+#include <dlfcn.h>
 #include <fcntl.h>
+#include <fmt/ranges.h>
+#include <link.h>
 #include <poll.h>
 #include <pwd.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
-#include <vector>
 
-#include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/scenario/show.h"
@@ -90,37 +92,26 @@ std::string expand_variables(const std::string& text, const SourceLocation& wher
 
 void require_input(const std::string& path, TextKind kind, const SourceLocation& where, const std::string& key) {
   const std::string name = shown_path(path);
-  const std::string wanted = kind == TextKind::input_file ? "a file" : "a file or a folder";
+  const std::string expected = kind == TextKind::input_file ? "expected a file" : "expected a file or a folder";
+  const auto refuse = [&](const std::string& found, const char* more) {
+    throw InputError(where, key, found, expected + more);
+  };
   std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (const std::string reason = unreachable_reason(path); !reason.empty()) {
-    throw InputError(where, key, name + " cannot be read (" + reason + ")",
-                     "expected " + wanted + " with read permission, in folders that may be searched");
-  }
-  if (status.type() == fs::file_type::not_found) {
-    throw InputError(where, key, "no such file: " + name, "expected " + wanted + " that exists");
-  }
-  const bool folder = status.type() == fs::file_type::directory;
-  if (folder && kind == TextKind::input_file) {
-    throw InputError(where, key, name + " is a folder", "expected " + wanted);
-  }
-  if (!folder && status.type() != fs::file_type::regular) {
-    // It is read more than once: for its checksum, and again by --resume.
-    throw InputError(where, key, name + " is a pipe, a device or a socket", "expected " + wanted + " on a disk");
-  }
-  if (access(path.c_str(), folder ? R_OK | X_OK : R_OK) != 0) {
-    throw InputError(where, key, name + " cannot be read", "expected " + wanted + " with read permission");
-  }
+  const fs::file_type type = fs::status(path, error).type();
+  if (const std::string reason = unreachable_reason(path); !reason.empty())
+    refuse(name + " cannot be read (" + reason + ")", " with read permission, in folders that may be searched");
+  if (type == fs::file_type::not_found) refuse("no such file: " + name, " that exists");
+  const bool folder = type == fs::file_type::directory;
+  if (folder && kind == TextKind::input_file) refuse(name + " is a folder", "");
+  // It is read more than once: for its checksum, and again by --resume.
+  if (!folder && type != fs::file_type::regular) refuse(name + " is a pipe, a device or a socket", " on a disk");
+  if (access(path.c_str(), folder ? R_OK | X_OK : R_OK) != 0) refuse(name + " cannot be read", " with read permission");
 }
 
 /// `path` with "${" as "$${".
-std::string escape_path(const std::string& path) {
-  std::string out;
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    if (path.compare(i, 2, "${") == 0) out += '$';
-    out += path[i];
-  }
-  return out;
+std::string escape_path(std::string path) {
+  for (std::size_t at = 0; (at = path.find("${", at)) != std::string::npos; at += 3) path.insert(at, "$");
+  return path;
 }
 
 }  // namespace
@@ -163,64 +154,163 @@ namespace {
 constexpr int kPipeWait_ms = 10'000;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& found) {
-  throw InputError({shown_path(path), 0, 0}, "", found, "expected a scenario file (YAML)");
+  refuse_file(shown_path(path), found, "expected a scenario file (YAML)");
 }
 
 [[noreturn]] void refuse_with_reason(const std::string& path, int error) {
   refuse(path, "cannot be read (" + std::generic_category().message(error) + ")");
 }
 
-/// A descriptor of the file.
-int open_to_read(const std::string& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // or it would wait for a pipe's writer
-  if (file >= 0) return file;
-  if (errno == ENOENT || errno == ENOTDIR) refuse(path, "no such file");
-  refuse_with_reason(path, errno);
-}
-
-/// A file that is open for reading.
-class OpenFile {
- public:
-  explicit OpenFile(const std::string& path) : path_(path), file_(open_to_read(path)) {
-    struct stat status {};
-    is_pipe_ = fstat(file_, &status) == 0 && S_ISFIFO(status.st_mode);
+/// A descriptor of a file that is open for reading.
+struct OpenFile {
+  // Without O_NONBLOCK it would wait for a pipe's writer.
+  explicit OpenFile(const std::string& path) : descriptor(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+    if (descriptor >= 0) return;
+    if (errno == ENOENT || errno == ENOTDIR) refuse(path, "no such file");
+    refuse_with_reason(path, errno);
   }
-  ~OpenFile() { close(file_); }
+  ~OpenFile() { close(descriptor); }
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
 
-  /// Reads into `text`; false at the end of the file.
-  bool read_on(std::string& text) const {
-    std::array<char, 65536> chunk{};
-    wait_for_text();
-    const ssize_t count = read(file_, chunk.data(), chunk.size());
-    if (count < 0 && errno == EISDIR) refuse(path_, "is a folder");
-    if (count < 0 && errno != EAGAIN && errno != EINTR) refuse_with_reason(path_, errno);
-    if (count > 0) text.append(chunk.data(), static_cast<std::size_t>(count));
-    return count != 0;
-  }
-
- private:
-  /// A pipe has an end only after a writer has opened it, which poll() waits for and read() does not.
-  void wait_for_text() const {
-    pollfd input{.fd = file_, .events = POLLIN, .revents = 0};
-    if (poll(&input, 1, is_pipe_ ? kPipeWait_ms : -1) == 0)
-      refuse(path_, "is a pipe into which nothing was written for 10 s");
-  }
-
-  const std::string& path_;
-  int file_;
-  bool is_pipe_ = false;
+  int descriptor;
 };
 
 }  // namespace
 
 std::string read_scenario_text(const std::string& path, std::size_t most_bytes) {
   const OpenFile file(path);
+  struct stat status {};
+  const bool is_pipe = fstat(file.descriptor, &status) == 0 && S_ISFIFO(status.st_mode);
+  std::array<char, 65536> chunk{};
   std::string text;
-  while (text.size() <= most_bytes && file.read_on(text)) {
+  while (text.size() <= most_bytes) {
+    // A pipe has an end only after a writer has opened it, which poll() waits for and read() does not.
+    pollfd input{.fd = file.descriptor, .events = POLLIN, .revents = 0};
+    if (poll(&input, 1, is_pipe ? kPipeWait_ms : -1) == 0)
+      refuse(path, "is a pipe into which nothing was written for 10 s");
+    const ssize_t count = read(file.descriptor, chunk.data(), chunk.size());
+    if (count == 0) break;
+    if (count > 0) text.append(chunk.data(), static_cast<std::size_t>(count));
+    if (count < 0 && errno == EISDIR) refuse(path, "is a folder");
+    if (count < 0 && errno != EAGAIN && errno != EINTR) refuse_with_reason(path, errno);
   }
   return text;
+}
+
+namespace {
+
+/// Places of the shipped folders, from the folder of own_file(): an install prefix with bin/reamsim, a checkout with
+/// build/NAME/cli and build/NAME/python, beside the program, and a prefix with
+/// lib/python3/dist-packages/reamsim/_simulation.so.
+constexpr std::array kPlaces{"../share/reamsim", "../../..", ".", "../../../../share/reamsim"};
+
+/// The file that holds this code: the executable, or a module that it loaded. "" where that is unknown.
+fs::path own_file() {
+  static const char here = 0;
+  Dl_info info{};
+  void* found = nullptr;
+  std::error_code error;
+  const bool known = dladdr1(&here, &info, &found, RTLD_DL_LINKMAP) != 0 && found != nullptr;
+  const std::string module = known ? static_cast<const link_map*>(found)->l_name : "";  // "": the executable
+  return fs::canonical(module.empty() ? "/proc/self/exe" : module, error);
+}
+
+std::string folder_of(ShippedKind kind) {
+  const std::string scenarios = shipped_folder("trajectories");
+  return scenarios.empty() || kind == ShippedKind::scenario ? scenarios : scenarios + "/studies";
+}
+
+const char* text_of(ShippedKind kind) {
+  return kind == ShippedKind::scenario ? "scenario" : "study";
+}
+
+/// The file of this name, or "".
+std::string file_of(const std::string& name, ShippedKind kind) {
+  const std::vector<std::string> names = shipped_names(kind);
+  return std::ranges::find(names, name) == names.end() ? "" : folder_of(kind) + "/" + name + ".yaml";
+}
+
+/// Where a text stands that may be a name.
+struct Place {
+  SourceLocation where;
+  std::string key = "";     ///< "": an argument
+  std::string folder = "";  ///< of relative paths
+};
+
+[[noreturn]] void refuse_unknown(const std::string& name, ShippedKind kind, const Place& place) {
+  const ShippedKind other = kind == ShippedKind::scenario ? ShippedKind::study : ShippedKind::scenario;
+  if (place.key.empty() && !file_of(name, other).empty()) {
+    throw InputError(place.where, "", fmt::format("is a shipped {}, not a {}", text_of(other), text_of(kind)),
+                     kind == ShippedKind::scenario ? "use reamsim sweep" : "use reamsim run");
+  }
+  const std::string found = place.key.empty() ? "" : shown_path(name) + ": ";
+  throw InputError(place.where, place.key,
+                   fmt::format("{}no such file, and no shipped {} of this name", found, text_of(kind)),
+                   fmt::format("expected a file (YAML) or one of {}", fmt::join(shipped_names(kind), ", ")));
+}
+
+/// The shipped file that a text names, or the text where it is a path: it exists in the folder or has a slash. Refuses
+/// "default.yaml" where there is no such file, but a shipped name without the ending. Without shipped files, and with
+/// `may_be_other`, an unknown name is a path as well.
+std::string file_meant(const std::string& text, ShippedKind kind, const Place& place, bool may_be_other) {
+  const fs::path path(text);
+  std::error_code ignored;
+  const bool is_word = !text.empty() && text.find('/') == std::string::npos &&
+                       fs::symlink_status(place.folder / path, ignored).type() == fs::file_type::not_found;
+  if (!is_word) return text;
+  if (!is_scenario_name(text)) {
+    const std::string file = file_of(text, kind);
+    if (file.empty() && !may_be_other && !shipped_names(kind).empty()) refuse_unknown(text, kind, place);
+    return file.empty() ? text : file;
+  }
+  const std::string name = path.stem().string();
+  if (file_of(name, kind).empty()) return text;
+  throw InputError(place.where, place.key, "no such file" + (place.key.empty() ? "" : ": " + shown_path(text)),
+                   fmt::format("use `{}` (without {}), the shipped {}, or give a file that exists", name,
+                               path.extension().string(), text_of(kind)));
+}
+
+}  // namespace
+
+std::string shipped_folder(const std::string& name) {
+  const fs::path own = own_file().parent_path();
+  if (own.empty()) return "";
+  std::error_code error;
+  for (const char* place : kPlaces) {
+    const fs::path folder = (own / place / name).lexically_normal();
+    if (fs::is_directory(folder, error)) return folder.string();
+  }
+  return "";
+}
+
+std::vector<std::string> shipped_names(ShippedKind kind) {
+  std::vector<std::string> names;
+  std::error_code error;  // a folder that cannot be read has no names
+  for (fs::directory_iterator entry(folder_of(kind), error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->path().extension() == ".yaml") names.push_back(entry->path().stem().string());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+bool is_scenario_name(const std::string& path) {
+  const std::string ending = lower_case(fs::path(path).extension().string());
+  return ending == ".yaml" || ending == ".yml";
+}
+
+std::string shipped_or_path(const std::string& argument, ShippedKind kind) {
+  return file_meant(argument, kind, {{shown_path(argument), 0, 0}}, false);
+}
+
+std::string shipped_scenario_or_path(const std::string& argument) {
+  return file_meant(argument, ShippedKind::scenario, {{shown_path(argument), 0, 0}}, true);
+}
+
+std::string shipped_scenario_of_key(const std::string& text, const std::string& folder, const SourceLocation& where,
+                                    const std::string& key) {
+  if (text.find('$') != std::string::npos) return text;  // ${NAME} becomes a path
+  return file_meant(text, ShippedKind::scenario, {where, key, folder}, false);
 }
 
 }  // namespace reamsim

@@ -21,9 +21,8 @@ struct FrameSpan {
 /// Ascending, of the passes that touch the bone; none: not known, or no contact.
 using FrameSpans = std::vector<FrameSpan>;
 
-/// Frames of which a snapshot is kept for pictures: 0, `last` and, between, every n-th. Without a number in the
-/// settings these are evenly spaced: for a film along the run, else in `contact`, the time in which the tools are
-/// expected to touch bone, without that between passes, or along the run if that is none. Ascending.
+/// Frames of which a snapshot is kept for pictures, ascending: 0, `last` and, between, every n-th. Without a number in
+/// the settings these are evenly spaced: for a film or without contact along the run, else in contact.
 std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last, const FrameSpans& contact);
 
 /// Of `frames` (ascending), those in contact with a margin of 5 %; all of them if there are not two of these.
@@ -32,8 +31,8 @@ std::vector<std::int64_t> in_contact(const std::vector<std::int64_t>& frames, co
 /// At most `most` (2 or more) of `frames` (ascending), evenly distributed, with the first and the last.
 std::vector<std::int64_t> evenly_among(const std::vector<std::int64_t>& frames, std::size_t most);
 
-/// Of the frames with a snapshot, those that are rendered as still pictures: all of them, or some where a film has set
-/// their number: the first, the last, and others in contact.
+/// Of the frames with a snapshot, those of still pictures: all, or where a film has set their number the first, the
+/// last, and others in contact.
 std::vector<std::int64_t> still_frames(const std::vector<std::int64_t>& frames, const RenderSettings& settings,
                                        const FrameSpans& contact);
 

@@ -18,8 +18,7 @@ namespace reamsim {
 
 namespace {
 
-/// Lists every key of a document that the tree does not have, with the key that was probably meant. Leaves sections
-/// that do not hold keys to the reader.
+/// Lists every key of a document that the tree does not have, with the key that was probably meant.
 void reject_unknown_keys(const YamlNode& node, const KeyNode& section, const std::string& path, const std::string& file,
                          MistakeList& mistakes) {
   for (const YamlEntry& entry : node.entries) {
@@ -40,11 +39,7 @@ class ScenarioReader : public KeyVisitor {
  public:
   ScenarioReader(YamlNodePtr document, std::string file, std::string folder, MistakeList& mistakes)
       : file_(std::move(file)), folder_(std::move(folder)), markups_(file_, folder_), mistakes_(mistakes) {
-    Level top;
-    top.node = std::move(document);
-    top.where = {file_, 0, 0};
-    top.has_unknown = mistakes.has_key_in("");
-    levels_.push_back(std::move(top));
+    levels_.push_back({.node = std::move(document), .where = {file_, 0, 0}, .has_unknown = mistakes.has_key_in("")});
   }
 
   [[nodiscard]] const KeyLocations& locations() const { return locations_; }
@@ -127,14 +122,14 @@ class ScenarioReader : public KeyVisitor {
   /// The section, list or item being read; its node is null where the document does not have it.
   struct Level {
     YamlNodePtr node;
-    std::string path;
+    std::string path{};
     SourceLocation where;
-    bool skipped = false;                            // wrong as a whole: its keys are not checked
-    bool has_unknown = false;                        // a missing key may be the unknown one
-    std::map<std::string_view, std::string> chosen;  // values of the choices read so far
-    std::set<std::string_view> unknown_choices;      // choices whose value is wrong or missing
-    std::set<std::string_view> contradicted;         // choices that exclude a given key
-    std::vector<MissingByChoice> missing;
+    bool skipped = false;                              // wrong as a whole: its keys are not checked
+    bool has_unknown = false;                          // a missing key may be the unknown one
+    std::map<std::string_view, std::string> chosen{};  // values of the choices read so far
+    std::set<std::string_view> unknown_choices{};      // choices whose value is wrong or missing
+    std::set<std::string_view> contradicted{};         // choices that exclude a given key
+    std::vector<MissingByChoice> missing{};
   };
 
   enum class Applies { yes, no, unknown };
@@ -176,8 +171,7 @@ class ScenarioReader : public KeyVisitor {
     if (info.when.values.empty()) throw error;
     level.missing.push_back({info.when.choice, error});
   }
-  /// The value of a key; nullptr where it is absent or cannot be judged. Throws where it is required, or does not
-  /// apply.
+  /// The value of a key; nullptr where it is absent or cannot be judged. Throws: missing, or does not apply.
   YamlNodePtr take(const KeyInfo& info) {
     Level& level = levels_.back();
     const YamlEntry* entry = level.node ? level.node->find(info.name) : nullptr;
@@ -267,7 +261,7 @@ class ScenarioReader : public KeyVisitor {
   }
   void read(const KeyInfo& info, const YamlNode& node, std::optional<Vec3>& value) {
     if (MarkupsKeys::are_in(info, node)) {
-      value = markups_.point(info, node, path_of(info.name));
+      value = markups_.points(info, node, path_of(info.name), false).front();
       return;
     }
     const std::vector<double> numbers = components(info, node, 3);
@@ -279,7 +273,7 @@ class ScenarioReader : public KeyVisitor {
   }
   void read(const KeyInfo& info, const YamlNode& node, std::vector<Vec3>& values) {
     if (MarkupsKeys::are_in(info, node)) {
-      values = markups_.points(info, node, path_of(info.name));
+      values = markups_.points(info, node, path_of(info.name), true);
       return;
     }
     if (node.kind != YamlNode::Kind::sequence || std::ssize(node.items) < info.least_points) reject(info, node);
@@ -301,13 +295,11 @@ class ScenarioReader : public KeyVisitor {
     value = q;
   }
   void push(const std::string& path, YamlNodePtr node, bool skipped) {
-    Level level;
-    level.node = std::move(node);
-    level.path = path;
-    level.where = locations_.of(path);
-    level.skipped = skipped || levels_.back().skipped;
-    level.has_unknown = mistakes_.has_key_in(path);
-    levels_.push_back(std::move(level));
+    levels_.push_back({.node = std::move(node),
+                       .path = path,
+                       .where = locations_.of(path),
+                       .skipped = skipped || levels_.back().skipped,
+                       .has_unknown = mistakes_.has_key_in(path)});
   }
   /// Takes a section or list. Returns whether there was no mistake.
   bool take_whole(const KeyInfo& info, YamlNode::Kind kind, YamlNodePtr& node) {

@@ -5,11 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <string_view>
-#include <vector>
 
-#include "sim/scenario/passes.h"
+#include "sim/scenario/derived.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
@@ -38,21 +36,15 @@ void check_glenoid(const Scenario& s, const KeyLocations& at) {
   if (const auto& marks = glenoid.landmarks) {
     const Vec3 medial = marks->trigonum_spinae_mm - marks->glenoid_center_mm;
     const Vec3 inferior = marks->inferior_angle_mm - marks->glenoid_center_mm;
-    const bool apart = medial.norm() > 1 && inferior.norm() > 1;
-    if (!apart || are_parallel(medial, inferior)) {
-      at.fail("bone.glenoid.landmarks", "found three points on one line or closer than 1 mm",
-              "three points that span a plane");
-    }
-    return;
+    if (medial.norm() > 1 && inferior.norm() > 1 && !are_parallel(medial, inferior)) return;
+    at.fail("bone.glenoid.landmarks", "found three points on one line or closer than 1 mm",
+            "three points that span a plane");
   }
   const bool any = glenoid.center_mm || glenoid.normal || glenoid.superior;
   if (!any || glenoid.near_mm) return;
-  const auto need = [&](bool given, const std::string& name) {
-    if (!given) at.fail("bone.glenoid." + name, "missing", "center_mm, normal and superior together");
-  };
-  need(glenoid.center_mm.has_value(), "center_mm");
-  need(glenoid.normal.has_value(), "normal");
-  need(glenoid.superior.has_value(), "superior");
+  const char* const missing = !glenoid.center_mm ? "center_mm" : !glenoid.normal ? "normal" : "superior";
+  if (!glenoid.center_mm || !glenoid.normal || !glenoid.superior)
+    at.fail(std::string("bone.glenoid.") + missing, "missing", "center_mm, normal and superior together");
   if (are_parallel(*glenoid.normal, *glenoid.superior)) {
     at.fail("bone.glenoid.superior", "found the direction of normal", "a direction across it");
   }
@@ -76,25 +68,11 @@ void need_glenoid_frame(const Scenario& s, const KeyLocations& at, bool in_it, c
   at.fail(key, "frame is glenoid but bone.glenoid is missing", "bone.glenoid, or frame: bone");
 }
 
-void check_motion_frame(const Scenario& s, const KeyLocations& at) {
-  need_glenoid_frame(s, at, s.motion.frame == PoseFrame::glenoid, "motion.frame");
-}
-
-void check_pilot_hole_frame(const Scenario& s, const KeyLocations& at) {
-  const auto& hole = s.bone.pilot_hole;
-  need_glenoid_frame(s, at, hole && hole->frame == PoseFrame::glenoid, "bone.pilot_hole.frame");
-}
-
 void check_camera_frames(const Scenario& s, const KeyLocations& at) {
   for (std::size_t i = 0; i < s.render.user_cameras.size(); ++i) {
     need_glenoid_frame(s, at, s.render.user_cameras[i].frame == PoseFrame::glenoid,
                        "render.user_cameras." + std::to_string(i) + ".frame");
   }
-}
-
-void check_implant_frame(const Scenario& s, const KeyLocations& at) {
-  const auto& implant = s.metrics.implant;
-  need_glenoid_frame(s, at, implant && implant->frame == ImplantFrame::glenoid, "metrics.implant.frame");
 }
 
 void check_crop(const Scenario& s, const KeyLocations& at) {
@@ -159,8 +137,8 @@ void check_keyframes(const Scenario& s, const KeyLocations& at) {
     at.fail("motion.keyframes", "found a list of " + std::to_string(keys.size()), "two or more keyframes");
   }
   for (std::size_t i = 1; i < keys.size(); ++i) {
-    if (keys[i].time_s > keys[i - 1].time_s) continue;
-    at.fail("motion.keyframes." + std::to_string(i) + ".time_s", "found " + number_text(keys[i].time_s),
+    require(at, keys[i].time_s > keys[i - 1].time_s, "motion.keyframes." + std::to_string(i) + ".time_s",
+            keys[i].time_s,
             "a time later than that of the previous keyframe, " + number_text(keys[i - 1].time_s) + " s");
   }
 }
@@ -188,8 +166,6 @@ void check_frame_count(const Scenario& s, const KeyLocations& at) {
           "at most " + number_text(kMaxFrames) + " frames");
 }
 
-// The engine `implicit` knows the tool by its envelope of revolution, and has no shell points.
-
 void require_envelope(const Scenario& s, const KeyLocations& at, const std::string& because) {
   for (const PassSpec& pass : passes_of(s)) {
     if (pass.tool.spin == ToolSpin::envelope) continue;
@@ -197,6 +173,7 @@ void require_envelope(const Scenario& s, const KeyLocations& at, const std::stri
   }
 }
 
+/// The engine `implicit` knows the tool by its envelope of revolution, and has no shell points.
 void check_spin_of_implicit(const Scenario& s, const KeyLocations& at) {
   if (s.engine.type == EngineKind::implicit) require_envelope(s, at, "engine.type is implicit");
 }
@@ -270,8 +247,15 @@ const std::vector<Rule> kRules{
     {{"bone.glenoid"}, check_glenoid},
     {{"bone.glenoid.rim_mm"}, check_rim},
     {{"bone.source", "bone.side", "bone.glenoid", "bone.phantom.shape", "bone.pilot_hole", "motion.frame"}, check_side},
-    {{"bone.source", "bone.glenoid", "motion.frame"}, check_motion_frame},
-    {{"bone.source", "bone.glenoid", "bone.pilot_hole"}, check_pilot_hole_frame},
+    {{"bone.source", "bone.glenoid", "motion.frame"},
+     [](const Scenario& s, const KeyLocations& at) {
+       need_glenoid_frame(s, at, s.motion.frame == PoseFrame::glenoid, "motion.frame");
+     }},
+    {{"bone.source", "bone.glenoid", "bone.pilot_hole"},
+     [](const Scenario& s, const KeyLocations& at) {
+       const auto& hole = s.bone.pilot_hole;
+       need_glenoid_frame(s, at, hole && hole->frame == PoseFrame::glenoid, "bone.pilot_hole.frame");
+     }},
     {{"bone.source", "bone.glenoid", "render.user_cameras"}, check_camera_frames},
     {{"bone.ct"}, check_crop},
     {{"bone.phantom"}, check_phantom},
@@ -285,7 +269,11 @@ const std::vector<Rule> kRules{
     {{"engine.type", "tool.spin", "motion.passes"}, check_spin_of_implicit},
     {{"engine.type", "cutting.law"}, check_law_of_implicit},
     {{"metrics.implant"}, check_implant},
-    {{"bone.source", "bone.glenoid", "metrics.implant"}, check_implant_frame},
+    {{"bone.source", "bone.glenoid", "metrics.implant"},
+     [](const Scenario& s, const KeyLocations& at) {
+       const auto& implant = s.metrics.implant;
+       need_glenoid_frame(s, at, implant && implant->frame == ImplantFrame::glenoid, "metrics.implant.frame");
+     }},
     {{"cutting.specific_energy_table"}, check_energy_table},
     {{"cutting.size_effect"}, check_size_effect},
     {{"cutting", "tool.spin", "motion.passes"}, check_edge_force},

@@ -3,14 +3,15 @@
 
 #pragma once
 
-#include <array>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "sim/base/error.h"
 #include "sim/base/geometry.h"
 #include "sim/scenario/choices.h"
-#include "sim/scenario/key_locations.h"
 #include "sim/scenario/motion_settings.h"
 
 namespace reamsim {
@@ -317,6 +318,40 @@ struct OutputSettings {
   double checkpoint_s = 60;  ///< wall time between two checkpoints of a run; 0: none
 };
 
+/// The place of each key in the file, by path ("motion.keyframes.0.time_s"); of a missing key that of its section.
+class KeyLocations {
+ public:
+  void set(const std::string& path, const SourceLocation& where, bool given) { places_[path] = {where, given}; }
+  [[nodiscard]] SourceLocation of(const std::string& path) const {
+    const auto found = places_.find(path);
+    return found == places_.end() ? SourceLocation{} : found->second.where;
+  }
+  /// Whether the file (or --set) has the key.
+  [[nodiscard]] bool given(const std::string& path) const {
+    const auto found = places_.find(path);
+    return found != places_.end() && found->second.given;
+  }
+  /// Adds the place of the key to mistakes that name a key and no place, as those that the loaded data show.
+  [[nodiscard]] InputError located(const InputError& error) const {
+    std::vector<Mistake> mistakes = error.mistakes();
+    for (Mistake& mistake : mistakes) {
+      if (mistake.where.file.empty() && !mistake.key.empty()) mistake.where = of(mistake.key);
+    }
+    return InputError(std::move(mistakes));
+  }
+  /// Throws an InputError at a key: `found`, "expected " and `expected`.
+  [[noreturn]] void fail(const std::string& key, const std::string& found, const std::string& expected) const {
+    throw InputError(of(key), key, found, "expected " + expected);
+  }
+
+ private:
+  struct Place {
+    SourceLocation where;
+    bool given = false;
+  };
+  std::map<std::string, Place> places_;
+};
+
 /// A key whose points come from a markups file of 3D Slicer (sim/scenario/markups.h). Its value is that of the numbers.
 struct MarkupsSource {
   std::string key;    ///< as for KeyLocations
@@ -324,7 +359,7 @@ struct MarkupsSource {
   std::string found;  ///< for a note: which points, and the frame of the file
 };
 
-/// The version of the format that is written. Version 1 is read as well: see migrate().
+/// The version of the format that is written. Version 1 is read as well.
 constexpr int kScenarioVersion = 2;
 
 struct Scenario {

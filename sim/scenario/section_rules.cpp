@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
 
 #include "sim/base/geometry.h"
 #include "sim/scenario/parse_steps.h"
@@ -19,7 +18,7 @@ bool are_parallel(const Vec3& a, const Vec3& b) {
 
 namespace {
 
-/// A mistake where the balance of forces cannot be tried with these settings. `section`: what needs it.
+/// Throws where the balance of forces of `section` cannot be tried with these settings.
 void check_balance(const Scenario& s, const KeyLocations& at, const std::string& section) {
   const auto fail = [&](const std::string& key, const std::string& found, const std::string& expected) {
     at.fail(key, "found " + found, expected + ", because " + section + " is given");

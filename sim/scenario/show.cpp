@@ -40,9 +40,7 @@ bool is_digit(char c) {
 /// Words that some YAML reader or other takes for something else than text.
 bool is_reserved_word(std::string_view text) {
   static constexpr std::array kWords{"null", "true", "false", "yes", "no", "on", "off", "y", "n"};
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](char c) { return (c >= 'A' && c <= 'Z') ? char(c - 'A' + 'a') : c; });
-  return std::ranges::find(kWords, lower) != kWords.end();
+  return std::ranges::find(kWords, lower_case(std::string(text))) != kWords.end();
 }
 
 }  // namespace

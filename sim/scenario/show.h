@@ -29,8 +29,7 @@ std::string shown(const YamlNode& node);
 /// A node as YAML on one line: 0.25, "a b", [0, 0, 5]. `quotes`: texts that have them keep them.
 std::string flow_text(const YamlNode& node, bool quotes);
 
-/// The shortest decimal that reads back as the same double, in a form that every YAML and JSON reader takes for a
-/// number (1.0e+20, not 1e+20).
+/// The shortest decimal that reads back as the same double, a number for every YAML and JSON reader (1.0e+20).
 std::string number_text(double value);
 
 /// "[1, 2, 3]".

@@ -330,9 +330,7 @@ void add_row(std::string& out, const KeyNode& key, const KeyNode& section) {
   for (const auto& child : key.children) add_row(out, child, key);
 }
 
-constexpr const char* kHead =
-    "| key | type | default | values | what it is |\n"
-    "|---|---|---|---|---|\n";
+constexpr const char* kHead = "| key | type | default | values | what it is |\n|---|---|---|---|---|\n";
 
 }  // namespace
 
@@ -362,8 +360,7 @@ std::string scenario_key_table() {
   const KeyNode& root = key_tree();
   std::string out = kHead;
   for (const auto& key : root.children) {
-    if (!key.children.empty()) continue;
-    add_row(out, key, root);
+    if (key.children.empty()) add_row(out, key, root);
   }
   for (const auto& section : root.children) {
     if (section.children.empty()) continue;

@@ -12,12 +12,10 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <set>
 #include <sstream>
-#include <string>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include "sim/base/text.h"
 #include "sim/scenario/show.h"
@@ -55,8 +53,7 @@ class LineIndex {
   std::vector<std::size_t> starts_{0};
 };
 
-/// Builds the tree of one document from yaml-cpp's events. Unlike yaml-cpp's own tree, it reports duplicate keys,
-/// recursive aliases and the size after merging.
+/// Unlike yaml-cpp's own tree, it reports duplicate keys, recursive aliases and the size after merging.
 class YamlBuilder : public YAML::EventHandler {
  public:
   YamlBuilder(const LineIndex& lines, std::string file) : lines_(lines), file_(std::move(file)) {}
@@ -70,10 +67,7 @@ class YamlBuilder : public YAML::EventHandler {
   }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
-    auto node = std::make_shared<YamlNode>();
-    node->mark = mark_of(mark);
-    if (anchor != 0) anchors_[anchor] = node;
-    add(node, node->mark);
+    add_named(std::make_shared<YamlNode>(YamlNode{.mark = mark_of(mark)}), anchor);
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto found = anchors_.find(anchor);
@@ -85,14 +79,10 @@ class YamlBuilder : public YAML::EventHandler {
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
-    auto node = std::make_shared<YamlNode>();
-    node->kind = YamlNode::Kind::scalar;
-    node->mark = mark_of(mark);
+    const YamlNodePtr node = std::make_shared<YamlNode>(
+        YamlNode{.kind = YamlNode::Kind::scalar, .mark = mark_of(mark), .text = value, .quoted = tag == "!"});
     require_no_tag(tag, node->mark);
-    node->text = value;
-    node->quoted = tag == "!";
-    if (anchor != 0) anchors_[anchor] = node;
-    add(node, node->mark);
+    add_named(node, anchor);
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
@@ -110,24 +100,19 @@ class YamlBuilder : public YAML::EventHandler {
   struct Open {
     std::shared_ptr<YamlNode> node;
     YAML::anchor_t anchor = 0;
-    std::string key;  // a map's key without its value yet
-    YamlMark key_mark;
-    bool has_key = false;
-    std::vector<YamlNodePtr> merges;  // values of "<<"
+    std::optional<std::string> key{};  // a map's key without its value yet
+    YamlMark key_mark{};
+    std::vector<YamlNodePtr> merges{};  // values of "<<"
   };
 
   void open(YamlNode::Kind kind, const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) {
-    Open opened;
-    opened.node = std::make_shared<YamlNode>();
-    opened.node->kind = kind;
-    opened.node->mark = mark_of(mark);
-    opened.anchor = anchor;
+    const Open opened{std::make_shared<YamlNode>(YamlNode{.kind = kind, .mark = mark_of(mark)}), anchor};
     require_no_tag(tag, opened.node->mark);
     if (open_.size() >= static_cast<std::size_t>(YamlLimits::kMaxDepth)) {
       fail(opened.node->mark, "more than " + std::to_string(YamlLimits::kMaxDepth) + " levels of nesting",
            "expected the few levels of a scenario");
     }
-    open_.push_back(std::move(opened));
+    open_.push_back(opened);
   }
   void close() {
     Open closed = std::move(open_.back());
@@ -141,8 +126,11 @@ class YamlBuilder : public YAML::EventHandler {
       fail(node.mark, "more than " + std::to_string(YamlLimits::kMaxDepth) + " levels of nesting through aliases",
            "expected the few levels of a scenario");
     }
-    if (closed.anchor != 0) anchors_[closed.anchor] = closed.node;
-    add(closed.node, node.mark);
+    add_named(closed.node, closed.anchor);
+  }
+  void add_named(const YamlNodePtr& node, YAML::anchor_t anchor) {
+    if (anchor != 0) anchors_[anchor] = node;
+    add(node, node->mark);
   }
   void add(const YamlNodePtr& node, const YamlMark& mark) {
     count(1, mark);
@@ -155,28 +143,19 @@ class YamlBuilder : public YAML::EventHandler {
     }
   }
   void add_to_map(Open& map, const YamlNodePtr& node, const YamlMark& mark) {
-    if (map.has_key) {
-      map.has_key = false;
-      if (map.key == "<<") {
-        map.merges.push_back(node);
-      } else {
-        YamlNodePtr value = node;
-        if (node->kind == YamlNode::Kind::null) {
-          // yaml-cpp puts a value that is left out where the next thing begins; the key is where the user has to look.
-          auto nothing = std::make_shared<YamlNode>();
-          nothing->mark = map.key_mark;
-          value = nothing;
-        }
-        map.node->entries.push_back({std::move(map.key), map.key_mark, std::move(value)});
-      }
+    if (!map.key) {
+      if (node->kind != YamlNode::Kind::scalar)
+        fail(mark, "found " + shown(*node) + " instead of a key", "expected a key name");
+      map.key = node->text;
+      map.key_mark = mark;
       return;
     }
-    if (node->kind != YamlNode::Kind::scalar) {
-      fail(mark, "found " + shown(*node) + " instead of a key", "expected a key name");
-    }
-    map.key = node->text;
-    map.key_mark = mark;
-    map.has_key = true;
+    const std::string key = *std::exchange(map.key, std::nullopt);
+    if (key == "<<") return map.merges.push_back(node);
+    // yaml-cpp puts a value that is left out where the next thing begins; the key is where the user has to look.
+    const bool nothing = node->kind == YamlNode::Kind::null;
+    map.node->entries.push_back(
+        {key, map.key_mark, nothing ? std::make_shared<YamlNode>(YamlNode{.mark = map.key_mark}) : node});
   }
   void merge(Open& map) {
     std::map<std::string_view, int> lines;
@@ -322,8 +301,8 @@ void require_text(std::string_view text, const LineIndex& lines, const std::stri
 
 YamlNodePtr parse_yaml(std::string_view text, const std::string& file) {
   if (text.size() > YamlLimits::kMaxBytes) {
-    throw InputError({file, 0, 0}, "", "larger than " + std::to_string(YamlLimits::kMaxBytes >> 20) + " MiB",
-                     "expected a scenario (put long recordings into motion.csv)");
+    refuse_file(file, "larger than " + std::to_string(YamlLimits::kMaxBytes >> 20) + " MiB",
+                "expected a scenario (put long recordings into motion.csv)");
   }
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // the byte order mark that some editors write
   const LineIndex lines(text);

@@ -37,12 +37,12 @@ struct YamlNode {
   enum class Kind { null, scalar, sequence, map };
 
   Kind kind = Kind::null;
-  YamlMark mark;
-  std::string text;     ///< scalar: its value
+  YamlMark mark{};
+  std::string text{};   ///< scalar: its value
   bool quoted = false;  ///< scalar: in quotes or a block, hence text whatever it looks like
-  std::vector<YamlNodePtr> items;
-  std::vector<YamlEntry> entries;  ///< keys are unique
-  int height = 0;                  ///< levels below this node
+  std::vector<YamlNodePtr> items{};
+  std::vector<YamlEntry> entries{};  ///< keys are unique
+  int height = 0;                    ///< levels below this node
 
   /// The entry of a key, or nullptr.
   [[nodiscard]] const YamlEntry* find(std::string_view key) const;
@@ -55,9 +55,8 @@ struct YamlLimits {
   static constexpr int kMaxDepth = 32;
 };
 
-/// Parses one YAML document; an empty one gives a null node. `file` is for messages only.
-/// Throws InputError with line and column: not text, syntax error, duplicate key, a key that is no plain name, unknown
-/// or recursive alias, more than one document, or a limit passed.
+/// Parses one YAML document; an empty one gives a null node. `file` is for messages only. Throws InputError with line
+/// and column, also for duplicate keys, recursive aliases, tags, and more than one document.
 YamlNodePtr parse_yaml(std::string_view text, const std::string& file);
 
 }  // namespace reamsim

@@ -6,9 +6,11 @@
 #include <utility>
 
 #include "sim/anatomy/find_glenoid.h"
+#include "sim/base/error.h"
 #include "sim/bone/voxmap/voxmap.h"
+#include "sim/scenario/derived.h"
 #include "sim/scenario/parse_steps.h"
-#include "sim/scenario/passes.h"
+#include "sim/scene/load_bone.h"
 #include "sim/scene/swept_bone.h"
 #include "sim/tool/tool_path.h"
 

@@ -20,14 +20,15 @@ bool names_input(const KeyNode& key) {
          (key.info.text == TextKind::input_file || key.info.text == TextKind::input_path);
 }
 
-}  // namespace
-
+/// An empty cell leaves the value of the base scenario.
 KeyValue value_of_cell(const std::string& key, const std::string& cell, const std::string& folder,
                        const SourceLocation& where) {
   const KeyNode& known = find_key(key, where);
   if (cell.empty() || !names_input(known)) return {cell, cell};
   return {cell, json_string(recorded_path(resolve_path(cell, known.info.text, folder, where, key)))};
 }
+
+}  // namespace
 
 KeyValue value_of_node(const std::string& key, const YamlNode& node, const std::string& folder,
                        const SourceLocation& where) {
@@ -48,7 +49,8 @@ struct CsvLine {
   std::vector<std::string> cells;
 };
 
-/// The lines of a CSV text (RFC 4180: quotes may hold commas, line ends and doubled quotes), without empty ones.
+/// The lines of a CSV text (RFC 4180: quotes may hold commas, line ends and doubled quotes), without blank ones, which
+/// spreadsheets leave below a table.
 class CsvLines {
  public:
   CsvLines(const std::string& text, const std::string& file) : text_(text), file_(file) {}
@@ -57,7 +59,8 @@ class CsvLines {
     while (at_ < text_.size()) {
       line = {.number = number_, .cells = {""}};
       read_cells(line);
-      if (line.cells.size() > 1 || !line.cells[0].empty()) return true;
+      const auto is_blank = [](const std::string& cell) { return without_blanks(cell).empty(); };
+      if (!std::ranges::all_of(line.cells, is_blank)) return true;
     }
     return false;
   }
@@ -103,32 +106,26 @@ class TableReader {
     if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
     CsvLines lines(text, file_);
     CsvLine line;
-    if (!lines.next(line)) throw InputError({file_, 0, 0}, "", "is empty", "expected a header line of scenario keys");
+    if (!lines.next(line)) refuse_file(file_, "is empty", "expected a header line of scenario keys");
     const CsvLine header = line;
     check_header(header);
     while (lines.next(line)) {
-      if (is_blank(line)) continue;  // spreadsheets leave such lines below a table
       if (table_.levels.size() >= kMostRows) {
         throw InputError({file_, line.number, 0}, "", "more than a million rows", "divide the study");
       }
       mistakes_.attempt([&] { add(header, line); });
     }
-    if (table_.levels.empty() && mistakes_.empty()) {
-      throw InputError({file_, 0, 0}, "", "has no rows", "expected a row per patient below the header");
-    }
+    if (table_.levels.empty() && mistakes_.empty())
+      refuse_file(file_, "has no rows", "expected a row per patient below the header");
     return std::move(table_);
   }
 
  private:
-  static bool is_blank(const CsvLine& line) {
-    return std::ranges::all_of(line.cells, [](const std::string& cell) { return without_blanks(cell).empty(); });
-  }
-
   void check_header(const CsvLine& header) {
-    if (header.cells.size() == 1) refuse_other_separator(header.cells[0], {file_, header.number, 0});
+    const SourceLocation where{file_, header.number, 0};
+    if (header.cells.size() == 1) refuse_other_separator(header.cells[0], where);
     for (const std::string& cell : header.cells) {
       const std::string name(without_blanks(cell));
-      const SourceLocation where{file_, header.number, 0};
       if (name.empty()) throw InputError(where, "", "a column without a name", "name a key of the scenario, or label");
       if (std::ranges::count(header.cells, cell) > 1) throw InputError(where, name, "a column given twice", "keep one");
       if (name == kLabel) continue;
@@ -136,10 +133,8 @@ class TableReader {
       find_key(name, where);
       table_.keys.push_back(name);
     }
-    if (table_.keys.empty()) {
-      throw InputError({file_, header.number, 0}, "", "no column is a scenario key",
-                       "expected for example bone.ct.path");
-    }
+    if (table_.keys.empty())
+      throw InputError(where, "", "no column is a scenario key", "expected for example bone.ct.path");
   }
 
   void add(const CsvLine& header, const CsvLine& line) {
@@ -152,17 +147,16 @@ class TableReader {
     std::vector<KeyValue> level;
     std::vector<Mistake> of_row;
     for (std::size_t i = 0; i < line.cells.size(); ++i) {
-      const std::string name(without_blanks(header.cells[i]));
+      const std::string name(without_blanks(header.cells[i])), cell(without_blanks(line.cells[i]));
       if (name == kLabel) {
-        table_.labels.emplace_back(without_blanks(line.cells[i]));
-      } else {
-        const std::string cell(without_blanks(line.cells[i]));
-        try {
-          level.push_back(value_of_cell(name, cell, folder_, where));
-        } catch (const InputError& error) {
-          of_row.insert(of_row.end(), error.mistakes().begin(), error.mistakes().end());
-          level.push_back({.shown = cell, .applied = ""});
-        }
+        table_.labels.push_back(cell);
+        continue;
+      }
+      try {
+        level.push_back(value_of_cell(name, cell, folder_, where));
+      } catch (const InputError& error) {
+        of_row.insert(of_row.end(), error.mistakes().begin(), error.mistakes().end());
+        level.push_back({.shown = cell, .applied = ""});
       }
     }
     table_.mistakes.push_back(std::move(of_row));

@@ -51,42 +51,17 @@ namespace {
 namespace fs = std::filesystem;
 using Numbers = std::vector<std::pair<std::string, double>>;
 
-/// The names of all numbers, each once; new ones follow those of the runs before.
-class NumberColumns {
- public:
-  void add(const Numbers& numbers) {
-    for (const auto& [name, value] : numbers) {
-      if (places_.emplace(name, names_.size()).second) names_.push_back(name);
-    }
-  }
-  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
-  /// By column; NaN where a number is missing.
-  [[nodiscard]] std::vector<double> values(const Numbers& numbers) const {
-    std::vector<double> out(names_.size(), std::numeric_limits<double>::quiet_NaN());
-    for (const auto& [name, value] : numbers) out[places_.at(name)] = value;
-    return out;
-  }
-
- private:
-  std::map<std::string, std::size_t> places_;
-  std::vector<std::string> names_;
-};
-
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostSummaryBytes = 16'000'000;
-
-/// Sections of summary.json that are not the same in every run of a scenario.
-bool differs_from_run_to_run(const std::string& name) {
-  return name == "timings_s" || name == "memory_mb";
-}
 
 void flatten(const Json& json, const std::string& name, Numbers& out) {
   if (json.is_number()) {
     out.emplace_back(name, json.get<double>());
   } else if (json.is_object()) {
     for (const auto& [key, value] : json.items()) {
-      if (!name.empty() || !differs_from_run_to_run(key)) flatten(value, name.empty() ? key : name + "." + key, out);
+      const bool differs_from_run_to_run = name.empty() && (key == "timings_s" || key == "memory_mb");
+      if (!differs_from_run_to_run) flatten(value, name.empty() ? key : name + "." + key, out);
     }
   } else if (json.is_array()) {
     for (std::size_t i = 0; i < json.size(); ++i) flatten(json[i], name + "." + std::to_string(i), out);
@@ -145,18 +120,22 @@ RunMessages warnings_of_runs(const StudyFolder& folder, const StudyPlan& plan, c
 
 CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
                             std::size_t most_in_table) {
-  NumberColumns columns;
+  std::vector<std::string> names;  // of all numbers; new ones follow those of the runs before
+  std::map<std::string, std::size_t> places;
   std::vector<RunState> states;  // once: other processes may work on the study
   for (const IdentifiedRun& run : runs) {
     states.push_back(state_of(folder, run));
-    if (states.back() == RunState::done) columns.add(read_run_summary(folder.run_dir(run.id)).numbers);
+    if (states.back() != RunState::done) continue;
+    for (const auto& [name, value] : read_run_summary(folder.run_dir(run.id)).numbers) {
+      if (places.emplace(name, names.size()).second) names.push_back(name);
+    }
   }
   CollectedStudy out{.counts = {}, .table = {plan.columns, {}, {}, runs.size()}, .warnings = {}};
   std::vector<std::size_t> results;  // places of the numbers that are no parameters
-  for (std::size_t i = 0; i < columns.names().size(); ++i) {
-    if (std::ranges::find(plan.columns, columns.names()[i]) != plan.columns.end()) continue;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (std::ranges::find(plan.columns, names[i]) != plan.columns.end()) continue;
     results.push_back(i);
-    out.table.results.push_back(columns.names()[i]);
+    out.table.results.push_back(names[i]);
   }
   const std::vector<bool> in_table = runs_of_table(runs.size(), most_in_table);
   // Replaces an older file when it is complete.
@@ -164,13 +143,14 @@ CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, co
   std::ofstream file(unfinished, std::ios::binary);
   file << "run,id,status,message";
   for (const std::string& name : plan.columns) file << ',' << csv_text(name);
-  for (const std::string& name : columns.names()) file << ',' << name;
+  for (const std::string& name : names) file << ',' << name;
   file << '\n';
   for (std::size_t i = 0; i < runs.size(); ++i) {
     CollectedRun run = collected(folder, plan.runs[i], runs[i], states[i]);
     count(run.state, out.counts);
     const RunSummary summary = run.state == RunState::done ? read_run_summary(folder.run_dir(run.id)) : RunSummary();
-    run.numbers = columns.values(summary.numbers);
+    run.numbers.assign(names.size(), std::numeric_limits<double>::quiet_NaN());
+    for (const auto& [name, value] : summary.numbers) run.numbers[places.at(name)] = value;
     out.warnings.add(run.number, summary.warnings);
     for (const std::string& warning : summary.warnings) run.message += (run.message.empty() ? "" : "; ") + warning;
     write_row(run, file);
@@ -221,11 +201,6 @@ std::vector<bool> runs_of_table(std::size_t all, std::size_t most) {
 
 namespace {
 
-std::string words_of(std::string name) {
-  std::ranges::replace(name, '_', ' ');
-  return name;
-}
-
 /// Units that only results have, beside those of scenario keys.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kUnitsOfResults{
     {{"_percent", "%"}, {"_mm3", "mm³"}, {"_mm2", "mm²"}, {"_mj", "mJ"}, {"_nmm", "N·mm"}}};
@@ -251,12 +226,13 @@ ColumnName made_name(const std::string& key, std::size_t more) {
   std::string index;
   while (at > 0 && is_whole_number(parts[at])) index = " " + parts[at--] + index;
   const auto [name, unit] = name_and_unit(parts[at]);
-  std::string text = words_of(name) + index;
+  std::string text = name + index;
   if (needs_parent(name)) ++more;
   while (at > 0 && (more > 0 || is_whole_number(parts[at]))) {
     if (!is_whole_number(parts[--at])) --more;
-    text = words_of(name_and_unit(parts[at]).first) + " " + text;
+    text = name_and_unit(parts[at]).first + " " + text;
   }
+  std::ranges::replace(text, '_', ' ');
   return {key, text, unit};
 }
 
@@ -294,11 +270,8 @@ std::vector<ColumnName> column_names(const std::vector<std::string>& keys) {
   std::vector<std::size_t> unnamed;
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const auto found = std::ranges::find(fixed, keys[i], &ColumnName::key);
-    if (found != fixed.end()) {
-      out[i] = *found;
-    } else {
-      unnamed.push_back(i);
-    }
+    out[i] = found == fixed.end() ? ColumnName{} : *found;
+    if (found == fixed.end()) unnamed.push_back(i);
   }
   // Names that several keys would have get more parts.
   for (std::size_t more = 0; more <= kMostParents && !unnamed.empty(); ++more) {

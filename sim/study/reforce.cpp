@@ -4,7 +4,6 @@
 #include "sim/study/reforce.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -17,16 +16,9 @@
 #include "sim/record/recorder.h"
 #include "sim/record/result_json.h"
 #include "sim/record/summary.h"
+#include "sim/scenario/show.h"
 
 namespace reamsim {
-
-namespace {
-
-Vec3 vector_of(const float* values) {
-  return {double{values[0]}, double{values[1]}, double{values[2]}};
-}
-
-}  // namespace
 
 double Recalibration::density(int grade) const {
   return now.density_from_hu(
@@ -54,6 +46,9 @@ std::span<const BasisRow> ForceBasis::of(std::int64_t frame) const {
 }
 
 FrameForces ForceBasis::forces(std::int64_t frame, const ForceConstants& constants) const {
+  const auto vector_of = [](const float* values) -> Vec3 {
+    return Eigen::Map<const Eigen::Vector3f>(values).cast<double>();
+  };
   FrameForces out;
   for (const BasisRow& row : of(frame)) {
     const bool edge = row.grade == 0;
@@ -190,77 +185,65 @@ RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std:
 
 namespace {
 
-constexpr std::array<std::string_view, kForceChannels> kChannelColumns{
-    "force_x_n",    "force_y_n",    "force_z_n",     "torque_x_nmm",
-    "torque_y_nmm", "torque_z_nmm", "axial_force_n", "spin_torque_nmm"};
-
 constexpr const char* kExpected = "a CSV file with time_s and any of axial_force_n, spin_torque_nmm, force_x_n, ...";
-
-std::vector<ForceChannel> channels_in(const std::vector<std::string_view>& names) {
-  const auto has = [&](int channel) {
-    return std::ranges::find(names, kChannelColumns[static_cast<std::size_t>(channel)]) != names.end();
-  };
-  std::vector<ForceChannel> out;
-  for (int i = 0; i < 6; ++i)
-    if (has(i)) out.push_back(static_cast<ForceChannel>(i));
-  if (has(6) && !(has(0) && has(1) && has(2))) out.push_back(ForceChannel::axial_force);
-  if (has(7) && !(has(3) && has(4) && has(5))) out.push_back(ForceChannel::spin_torque);
-  return out;
-}
-
-/// A cell as a number; NaN where it is empty.
-double cell_value(std::string_view cell, const SourceLocation& where, std::string_view column) {
-  if (cell.empty()) return std::nan("");
-  char* end = nullptr;
-  const std::string text(cell);
-  const double value = std::strtod(text.c_str(), &end);
-  if (end == text.c_str() + text.size() && std::isfinite(value)) return value;
-  throw InputError(where, std::string(column), "is not a finite number", "expected a number or an empty cell");
-}
 
 std::size_t place_of(const std::vector<std::string_view>& names, std::string_view name) {
   return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
 }
 
-}  // namespace
-
-std::string column_of(ForceChannel channel) {
-  return std::string(kChannelColumns[static_cast<std::size_t>(channel)]);
+/// The columns of forces and torques that a file has.
+std::vector<std::string> force_columns_in(const std::vector<std::string_view>& names) {
+  static constexpr std::array<std::string_view, 8> kColumns{"force_x_n",     "force_y_n",      "force_z_n",
+                                                            "torque_x_nmm",  "torque_y_nmm",   "torque_z_nmm",
+                                                            "axial_force_n", "spin_torque_nmm"};
+  const auto has = [&](std::size_t i) { return place_of(names, kColumns[i]) < names.size(); };
+  const bool force = has(0) && has(1) && has(2), torque = has(3) && has(4) && has(5);
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < kColumns.size(); ++i) {
+    if (has(i) && !(i == 6 && force) && !(i == 7 && torque)) out.emplace_back(kColumns[i]);
+  }
+  return out;
 }
 
+/// A cell as a number; NaN where it is empty.
+double cell_value(std::string_view cell, const SourceLocation& where, const std::string& column) {
+  if (cell.empty()) return std::nan("");
+  const auto value = parse_number(cell);
+  if (value && std::isfinite(*value)) return *value;
+  throw InputError(where, column, "is not a finite number", "expected a number or an empty cell");
+}
+
+}  // namespace
+
 MeasuredForces read_measured_forces(const std::string& path) {
-  const std::string text = read_file(path, kExpected);
-  const std::string header = csv_header(text.substr(0, text.find('\n')), {path, 1, 0});
+  const std::vector<std::string> lines = split(read_file(path, kExpected), '\n');
+  const auto fail = [&](int line, const std::string& column, const std::string& found) {
+    throw InputError({path, line, 0}, column, found, std::string("expected ") + kExpected);
+  };
+  const std::string header = csv_header(lines.front(), {path, 1, 0});
   const std::vector<std::string_view> names = csv_cells(header);
-  MeasuredForces out{.channels = channels_in(names), .time_s = {}, .values = {}, .file = path};
-  out.values.resize(out.channels.size());
-  const std::size_t time = place_of(names, "time_s");
-  if (time == names.size())
-    throw InputError({path, 1, 0}, "time_s", "column missing", std::string("expected ") + kExpected);
-  if (out.channels.empty())
-    throw InputError({path, 1, 0}, "", "no measured column", std::string("expected ") + kExpected);
-  int number = 1;
-  for (std::size_t begin = text.find('\n'); begin != std::string::npos && begin + 1 < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin + 1), text.size());
-    const std::string_view line(text.data() + begin + 1, end - begin - 1);
-    begin = end;
-    ++number;
-    const std::vector<std::string_view> cells = csv_cells(line);
+  MeasuredForces out{.columns = force_columns_in(names), .time_s = {}, .values = {}};
+  out.values.resize(out.columns.size());
+  if (place_of(names, "time_s") == names.size()) fail(1, "time_s", "column missing");
+  if (out.columns.empty()) fail(1, "", "no measured column");
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const std::string& line = lines[i];
+    const SourceLocation where{path, static_cast<int>(i) + 1, 0};
     if (line.empty() || line == "\r") continue;
-    const SourceLocation where{path, number, 0};
+    const std::vector<std::string_view> cells = csv_cells(line);
     if (cells.size() == 1) refuse_other_separator(line, where);
     if (cells.size() < names.size())
       throw InputError(where, "", "has fewer cells than the header", "expected a cell for each column");
-    const double t = cell_value(cells[time], where, "time_s");
+    const auto value = [&](const std::string& column) {
+      return cell_value(cells[place_of(names, column)], where, column);
+    };
+    const double t = value("time_s");
     if (std::isnan(t) || (!out.time_s.empty() && t <= out.time_s.back()))
       throw InputError(where, "time_s", "does not ascend", "expected ascending times");
     out.time_s.push_back(t);
-    for (std::size_t c = 0; c < out.channels.size(); ++c) {
-      const std::string column = column_of(out.channels[c]);
-      out.values[c].push_back(cell_value(cells[place_of(names, column)], where, column));
-    }
+    for (std::size_t c = 0; c < out.columns.size(); ++c) out.values[c].push_back(value(out.columns[c]));
   }
-  if (out.time_s.empty()) throw InputError({path, 0, 0}, "", "has no rows", std::string("expected ") + kExpected);
+  if (out.time_s.empty()) fail(0, "", "has no rows");
   return out;
 }
 

@@ -86,34 +86,19 @@ struct ClampedVolume {
 };
 ClampedVolume clamped_volume(const BasisRun& run, const std::optional<Recalibration>& recalibration);
 
-/// Writes forces.csv, scenario.yaml and summary.json of the run with other constants into `to`, which may be its own
-/// folder. Returns the totals. Throws RunError, and InputError where forces.csv of the run is damaged.
+/// Writes forces.csv, scenario.yaml and summary.json with other constants into `to`, perhaps the run's own folder.
+/// Returns the totals. Throws RunError, and InputError where forces.csv of the run is damaged.
 RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std::string& to);
 
-enum class ForceChannel {
-  force_x,
-  force_y,
-  force_z,
-  torque_x,
-  torque_y,
-  torque_z,
-  axial_force,
-  spin_torque,
-};
-inline constexpr int kForceChannels = 8;
-
-std::string column_of(ForceChannel channel);
-
 struct MeasuredForces {
-  std::vector<ForceChannel> channels;
+  std::vector<std::string> columns;  ///< "axial_force_n", ...
   std::vector<double> time_s;
-  std::vector<std::vector<double>> values;  ///< by channel and time; NaN where nothing was measured
-  std::string file = {};                    ///< for messages
+  std::vector<std::vector<double>> values;  ///< by column and time; NaN where nothing was measured
 };
 
-/// Reads a CSV file with `time_s` and any columns of ForceChannel; others are skipped, and cells may be empty. Axial
-/// force and spin torque are left out where all three components are given, whose projections they are. Throws
-/// InputError: no such file, no column, no row, times not ascending.
+/// Reads a CSV file with `time_s` and any columns of forces and torques, as forces.csv has them; others are skipped,
+/// and cells may be empty. Axial force and spin torque are left out where all three components are given, whose
+/// projections they are. Throws InputError: no such file, no column, no row, times not ascending.
 MeasuredForces read_measured_forces(const std::string& path);
 
 }  // namespace reamsim

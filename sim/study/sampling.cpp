@@ -3,6 +3,7 @@
 
 #include "sim/study/study_plan.h"
 
+#include <array>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/random/sobol.hpp>
 #include <cmath>
@@ -19,8 +20,7 @@ namespace {
 
 using Points = std::vector<std::vector<double>>;
 
-/// The random number of a counter: SplitMix64 (Steele, Lea and Flood 2014). The same on every machine, unlike the
-/// distributions of the standard library.
+/// SplitMix64 (Steele, Lea and Flood 2014), the same on every machine, unlike distributions of the standard library.
 std::uint64_t mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15U;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
@@ -74,13 +74,12 @@ Points sobol(int n, int dimensions, std::uint64_t seed) {
 }
 
 Points saltelli(int n, int dimensions, std::uint64_t seed) {
-  const auto count = static_cast<std::size_t>(dimensions);
   Points points;
   for (const std::vector<double>& both : sobol(n, 2 * dimensions, seed)) {
     const std::vector<double> a(both.begin(), both.begin() + dimensions), b(both.begin() + dimensions, both.end());
     points.push_back(a);
     points.push_back(b);
-    for (std::size_t d = 0; d < count; ++d) {
+    for (std::size_t d = 0; d < a.size(); ++d) {
       points.push_back(a);
       points.back()[d] = b[d];
     }
@@ -91,16 +90,8 @@ Points saltelli(int n, int dimensions, std::uint64_t seed) {
 }  // namespace
 
 Points unit_points(SampleMethod method, int n, int dimensions, std::uint64_t seed) {
-  switch (method) {
-    case SampleMethod::sobol:
-      return sobol(n, dimensions, seed);
-    case SampleMethod::latin_hypercube:
-      return latin_hypercube(n, dimensions, seed);
-    case SampleMethod::monte_carlo:
-      return monte_carlo(n, dimensions, seed);
-    default:
-      return saltelli(n, dimensions, seed);
-  }
+  static constexpr std::array kMethods{sobol, latin_hypercube, monte_carlo, saltelli};  // as SampleMethod
+  return kMethods[static_cast<std::size_t>(method)](n, dimensions, seed);
 }
 
 int Distribution::dimensions() const {

@@ -63,8 +63,7 @@ struct SampleSettings {
   std::vector<std::vector<double>> points;  ///< given points of the unit cube, in place of those of the method
 };
 
-/// A study: a base scenario and what varies. Every level of `vary` is combined with every row of the table and every
-/// sample.
+/// A base scenario and what varies: every level of `vary` with every row of the table and every sample.
 struct Study {
   std::string file;              ///< absolute
   std::string name;              ///< key `name`; without it the file's stem
@@ -76,8 +75,7 @@ struct Study {
   KeptFiles keep{.forces = false, .grids = false, .pictures = false};
 };
 
-/// Reads and validates a study file. Throws InputError with all mistakes: file, line, column, key, what was found, what
-/// to do. Keys are those of scenarios; whether their values are valid is known only from each run's scenario.
+/// Throws InputError with all mistakes. Whether values of keys are valid is known only from each run's scenario.
 Study read_study(const std::string& path);
 
 /// assets/study.schema.json with the keys that a scenario has now.
@@ -88,15 +86,9 @@ std::string study_json_schema(const std::string& schema);
 KeyValue value_of_node(const std::string& key, const YamlNode& node, const std::string& folder,
                        const SourceLocation& where);
 
-/// The same as the cell of a table has it; an empty one leaves the value of the base scenario.
-KeyValue value_of_cell(const std::string& key, const std::string& cell, const std::string& folder,
-                       const SourceLocation& where);
-
-/// Reads a CSV file whose columns are scenario keys, and one row per patient. An empty cell leaves the value of the
-/// base scenario; a column `label` names the rows and is no key. Cells follow RFC 4180. A row
-/// with a cell that names no input file (it does not exist, is a folder, has a variable that is not set) stays, with
-/// its mistakes, so that the other rows run; values of other keys are checked with the scenario of their run.
-/// `mistakes` gets those of the table itself, with line and key: rows of another length, unknown keys.
+/// Reads a CSV file (RFC 4180) whose columns are scenario keys, and one row per patient. An empty cell leaves the value
+/// of the base scenario; a column `label` names the rows. A row with a cell that names no input file stays, with its
+/// mistakes, so that the other rows run. `mistakes` gets those of the table: rows of another length, unknown keys.
 CohortTable read_cohort_table(const std::string& path, const std::string& folder, MistakeList& mistakes);
 
 }  // namespace reamsim

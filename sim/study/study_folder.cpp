@@ -8,8 +8,8 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 #include <algorithm>
+#include <array>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <random>
 #include <set>
@@ -88,10 +88,7 @@ StudyFolder StudyFolder::open(const Study& study, const std::string& dir) {
 }
 
 void StudyFolder::mark(const Study& study) const {
-  Json json;
-  json["program"] = "reamsim " REAMSIM_VERSION;
-  json["kind"] = "study";
-  json["study"] = study.name;
+  const Json json{{"program", "reamsim " REAMSIM_VERSION}, {"kind", "study"}, {"study", study.name}};
   if (is_study(dir_) && read_file_start(mark_of(dir_), kMostBytes) == json.dump(2) + "\n") return;
   // Shards on several machines may do so at the same time: each writes a file of its own.
   std::random_device random;
@@ -108,12 +105,10 @@ RunState StudyFolder::state(const std::string& id) const {
   const auto has = [&](const char* name) {
     return manifest->files.contains(name) && fs::file_size(run_dir(id) + "/" + name, error) > 0 && !error;
   };
-  const auto has_whole_summary = [&] {
-    return parse_result_json(read_file_start(run_dir(id) + "/summary.json", kMostBytes)).is_object();
-  };
-  if (manifest && manifest->complete && has("summary.json") && has_whole_summary() && has("scenario.yaml") &&
+  if (manifest && manifest->complete && has("summary.json") && has("scenario.yaml") &&
       (!keep_.forces || has("forces.csv")) && (!keep_.grids || has("reamed.vdb")) &&
-      (!keep_.pictures || has("forces.png"))) {
+      (!keep_.pictures || has("forces.png")) &&
+      parse_result_json(read_file_start(run_dir(id) + "/summary.json", kMostBytes)).is_object()) {
     return RunState::done;
   }
   // Before the unfinished folder, which a process that the system ended leaves as well.
@@ -133,14 +128,12 @@ std::vector<std::string> StudyFolder::run_names() const {
 
 std::string StudyFolder::failure(const std::string& id) const {
   const Json json = parse_result_json(read_file_start(dir_ + "/failed/" + id + ".json", kMostBytes));
-  if (!json.is_object() || !json.contains("message") || !json["message"].is_string()) return "";
-  return json["message"].get<std::string>();
+  const Json message = json.is_object() ? json.value("message", Json()) : Json();
+  return message.is_string() ? message.get<std::string>() : "";
 }
 
 void StudyFolder::note_failure(const std::string& id, const std::string& message) const {
-  Json json;
-  json["run"] = id;
-  json["message"] = printable(message);
+  const Json json{{"run", id}, {"message", printable(message)}};
   replace_file(dir_ + "/failed/" + id + ".json", json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
@@ -156,12 +149,6 @@ void StudyFolder::sync() const {
   if (!synced) fail_to_write(dir_);
 }
 
-namespace {
-
-constexpr std::size_t kIdDigits = 16;  // 64 bits: a collision among a million runs has a probability of 3e-8
-
-}  // namespace
-
 std::string run_id(const Scenario& scenario, const KeptFiles& keep, Checksums& checksums) {
   Scenario counted = scenario;
   counted.name.clear();
@@ -174,7 +161,8 @@ std::string run_id(const Scenario& scenario, const KeptFiles& keep, Checksums& c
     if (!checksums.contains(path)) checksums[path] = sha256_of(path);
   }
   const auto sum_of = [&](const std::string& path) { return inputs.contains(path) ? checksums.at(path) : path; };
-  return sha256_of_text("reamsim " REAMSIM_VERSION "\n" + to_yaml(counted, sum_of)).substr(0, kIdDigits);
+  constexpr std::size_t kDigits = 16;  // 64 bits: a collision among a million runs has a probability of 3e-8
+  return sha256_of_text("reamsim " REAMSIM_VERSION "\n" + to_yaml(counted, sum_of)).substr(0, kDigits);
 }
 
 namespace {
@@ -183,39 +171,27 @@ constexpr std::size_t kMostShown = 3;
 /// Runs of the plan that are compared. Those of a larger plan differ from each other in what varies alone.
 constexpr std::size_t kMostCompared = 200;
 
-using Values = std::map<std::string, std::string>;
-
-Values values_of(const std::string& yaml, const std::string& name) {
-  const ScenarioValues all = values_of_scenario(*parse_yaml(yaml, name));
-  return {all.begin(), all.end()};
-}
-
-std::string shown_value(const Values& values, const std::string& key) {
-  const auto found = values.find(key);
-  return found == values.end() ? "missing" : printable(found->second);
-}
-
-std::vector<std::string> differences_of(const Values& there, const Values& here) {
-  std::set<std::string> keys;
-  for (const Values* values : {&there, &here}) {
-    for (const auto& [key, value] : *values) keys.insert(key);
-  }
+std::vector<std::string> differences_of(const ScenarioValues& there, const ScenarioValues& here) {
+  std::map<std::string, std::array<std::string, 2>> both;
+  for (const auto& [key, value] : there) both[key] = {printable(value), "missing"};
+  for (const auto& [key, value] : here)
+    both.try_emplace(key, std::array<std::string, 2>{"missing"}).first->second[1] = printable(value);
   std::vector<std::string> out;
-  for (const std::string& key : keys) {
-    const std::string found = shown_value(there, key), expected = shown_value(here, key);
-    if (found != expected) out.push_back(fmt::format("{} is {} there and {} in this plan", key, found, expected));
+  for (const auto& [key, values] : both) {
+    if (values[0] != values[1])
+      out.push_back(fmt::format("{} is {} there and {} in this plan", key, values[0], values[1]));
   }
   return out;
 }
 
 /// Those to the most similar run of the plan.
-std::vector<std::string> least_differences(const Values& there, const Study& study, const StudyPlan& plan,
+std::vector<std::string> least_differences(const ScenarioValues& there, const Study& study, const StudyPlan& plan,
                                            const std::vector<IdentifiedRun>& runs) {
   std::optional<std::vector<std::string>> least;
   for (std::size_t i = 0; i < std::min(runs.size(), kMostCompared); ++i) {
     if (runs[i].id.empty()) continue;
-    std::vector<std::string> found =
-        differences_of(there, values_of(to_yaml(scenario_of(study, plan.runs[i])), "plan"));
+    const std::string here = to_yaml(scenario_of(study, plan.runs[i]));
+    std::vector<std::string> found = differences_of(there, values_of_scenario(*parse_yaml(here, "plan")));
     if (!least || found.size() < least->size()) least = std::move(found);
   }
   return least.value_or(std::vector<std::string>{});
@@ -236,7 +212,8 @@ std::string text_of_other_runs(const Study& study, const StudyPlan& plan, const 
                          : fmt::format("{} results in {} belong to another plan of this study", others.size(), dir);
   std::vector<std::string> differences;
   try {
-    differences = least_differences(values_of(read_file(file, "the scenario of a run"), file), study, plan, runs);
+    const YamlNodePtr there = parse_yaml(read_file(file, "the scenario of a run"), file);
+    differences = least_differences(values_of_scenario(*there), study, plan, runs);
   } catch (const InputError&) {
     // Damaged: the count stays true.
   }

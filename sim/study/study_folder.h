@@ -4,8 +4,6 @@
 #pragma once
 
 #include <map>
-#include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -63,9 +61,8 @@ using Checksums = std::map<std::string, std::string>;
 /// when an input cannot be read.
 std::string run_id(const Scenario& scenario, const KeptFiles& keep, Checksums& checksums);
 
-/// A line for the user where the folder has finished runs that are none of this plan; else "". Compares one of them
-/// with the run of the plan that is most like it, but for version, input files, output and render, and names at most
-/// three differences: "bone.voxel_mm is 1 there and 0.5 in this plan".
+/// A line for the user where the folder has finished runs that are none of this plan; else "". Names at most three
+/// differences from the most similar run of the plan: "bone.voxel_mm is 1 there and 0.5 in this plan".
 std::string text_of_other_runs(const Study& study, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
                                const StudyFolder& folder);
 

@@ -3,6 +3,8 @@
 
 #include "sim/study/study_plan.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -17,7 +19,6 @@
 #include "sim/scenario/parse.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/show.h"
-#include "sim/study/study.h"
 #include "sim/study/study_folder.h"
 
 namespace reamsim {
@@ -94,8 +95,8 @@ class Planner {
     for (const Variation& variation : study_.vary) runs *= static_cast<double>(variation.levels.size());
     if (study_.table) runs *= static_cast<double>(study_.table->levels.size());
     if (runs <= static_cast<double>(kMostRuns)) return;
-    throw InputError({shown_path(study_.file), 0, 0}, "", "the study has " + rounded_text(runs) + " runs",
-                     "expected at most " + std::to_string(kMostRuns) + ": vary fewer keys, or sample them");
+    refuse_file(shown_path(study_.file), "the study has " + rounded_text(runs) + " runs",
+                "expected at most " + std::to_string(kMostRuns) + ": vary fewer keys, or sample them");
   }
 
   void combine(const std::vector<const Variation*>& variations, std::size_t depth, const PlannedRun& so_far) {
@@ -149,12 +150,9 @@ class Planner {
     }
     const bool tilt = sampled.distribution.kind == Distribution::Kind::tilt_sd_deg;
     const Vec3 after = tilt ? tilted(before, parts[0], parts[1]) : before + Vec3(parts[0], parts[1], parts[2]);
-    const auto column = std::ranges::find(plan_.columns, sampled.key) - plan_.columns.begin();
-    if (column < static_cast<std::ptrdiff_t>(run.cells.size())) {
-      run.cells[static_cast<std::size_t>(column)] = vector_text(after);
-    } else {
-      run.cells.push_back(vector_text(after));
-    }
+    const auto column = static_cast<std::size_t>(std::ranges::find(plan_.columns, sampled.key) - plan_.columns.begin());
+    run.cells.resize(std::max(run.cells.size(), column + 1));
+    run.cells[column] = vector_text(after);
     for (int d = 0; d < dimensions; ++d) run.cells.push_back(number_text(parts[static_cast<std::size_t>(d)]));
     run.overrides.push_back(sampled.key + "=" + vector_text(after));
   }
@@ -167,15 +165,15 @@ class Planner {
     const KeyInfo& info = find_key(sampled.key, sampled.where).info;
     if (node != nullptr && MarkupsKeys::are_in(info, *node)) {
       return MarkupsKeys(shown_path(study_.base), std::filesystem::path(study_.base).parent_path().string())
-          .point(info, *node, sampled.key);
+          .points(info, *node, sampled.key, false)
+          .front();
     }
-    Vec3 out;
-    bool read = node != nullptr && node->items.size() == 3;
-    for (std::size_t i = 0; read && i < 3; ++i) {
-      const auto value = parse_number(node->items[i]->text);
-      read = value.has_value();
-      if (read) out[static_cast<int>(i)] = *value;
+    std::vector<double> numbers;
+    for (const YamlNodePtr& item : node == nullptr ? std::vector<YamlNodePtr>{} : node->items) {
+      if (const auto value = parse_number(item->text)) numbers.push_back(*value);
     }
+    const bool read = numbers.size() == 3 && node->items.size() == 3;
+    const Vec3 out = read ? Vec3(numbers[0], numbers[1], numbers[2]) : Vec3::Zero();
     const bool tilt = sampled.distribution.kind == Distribution::Kind::tilt_sd_deg;
     if (read && (!tilt || out.norm() > 0)) return out;
     throw InputError(sampled.where, sampled.key, "has no vector that the sample could change",
@@ -192,11 +190,10 @@ class Planner {
 }  // namespace
 
 std::vector<std::string> part_columns(const SampledKey& sampled) {
-  if (sampled.distribution.kind == Distribution::Kind::tilt_sd_deg) {
-    return {sampled.key + ".tilt_1_deg", sampled.key + ".tilt_2_deg"};
-  }
+  const std::string& key = sampled.key;
+  if (sampled.distribution.kind == Distribution::Kind::tilt_sd_deg) return {key + ".tilt_1_deg", key + ".tilt_2_deg"};
   if (sampled.distribution.kind != Distribution::Kind::shift_sd_mm) return {};
-  return {sampled.key + ".shift_x_mm", sampled.key + ".shift_y_mm", sampled.key + ".shift_z_mm"};
+  return {key + ".shift_x_mm", key + ".shift_y_mm", key + ".shift_z_mm"};
 }
 
 StudyPlan make_plan(const Study& study, const std::vector<std::string>& overrides) {
@@ -210,14 +207,14 @@ constexpr std::size_t kMostGroups = 3, kMostNumbers = 5;
 /// "3, 5 and 7"; of many the first ones.
 std::string numbers_text(const std::vector<std::size_t>& rows) {
   const std::size_t shown = rows.size() <= kMostNumbers ? rows.size() - 1 : kMostNumbers;
-  std::string out;
-  for (std::size_t i = 0; i < shown; ++i) out += (i == 0 ? "" : ", ") + std::to_string(rows[i] + 1);
-  return out + " and " +
-         (shown + 1 == rows.size() ? std::to_string(rows.back() + 1) : std::to_string(rows.size() - shown) + " more");
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < shown; ++i) numbers.push_back(rows[i] + 1);
+  return fmt::format(
+      "{} and {}", fmt::join(numbers, ", "),
+      shown + 1 == rows.size() ? fmt::to_string(rows.back() + 1) : fmt::format("{} more", rows.size() - shown));
 }
 
-/// The mistakes of the scenario that are not those of keys whose cells were refused: these keys have the value of the
-/// base scenario, or none.
+/// Mistakes but those of keys whose cells were refused, which have the value of the base scenario, or none.
 std::vector<Mistake> further_mistakes(const PlannedRun& run, const InputError& error) {
   MistakeList refused;
   if (!run.mistakes.empty()) refused.add(InputError(run.mistakes));

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -27,15 +26,13 @@ namespace reamsim {
 /// points. Throws InputError for more dimensions than the sequence has.
 std::vector<std::vector<double>> unit_points(SampleMethod method, int n, int dimensions, std::uint64_t seed);
 
-/// A sample of a normal, lognormal or uniform distribution from u in (0, 1): the inverse of its cumulative
-/// distribution.
+/// The inverse of the cumulative distribution (normal, lognormal, uniform) at u in (0, 1).
 double sample_number(const Distribution& distribution, double u);
 
 double normal_quantile(double u);
 
-/// `direction`, of unit length, rotated about the axis (a·e₁ + b·e₂) by its length in degrees, where e₁ and e₂ are unit
-/// vectors across the direction: e₁ along direction × x, or direction × y where the direction
-/// lies no nearer to y than to x.
+/// `direction`, of unit length, rotated about the axis (a·e₁ + b·e₂) by its length in degrees; e₁ and e₂ are unit
+/// vectors across it: e₁ along direction × x, or direction × y where the direction lies no nearer to y than to x.
 Vec3 tilted(const Vec3& direction, double a_deg, double b_deg);
 
 struct PlannedRun {
@@ -52,15 +49,13 @@ struct StudyPlan {
   std::vector<PlannedRun> runs;
 };
 
-/// Columns of the independent parts of a tilt or shift: KEY.tilt_1_deg, KEY.tilt_2_deg or KEY.shift_x_mm, _y, _z; none
-/// of a number.
+/// Columns of the parts of a tilt or shift: KEY.tilt_1_deg, KEY.tilt_2_deg or KEY.shift_x_mm, _y, _z; none of a number.
 std::vector<std::string> part_columns(const SampledKey& sampled);
 
-/// Combines every level of `vary`, every row of the table and every sample: the first variation changes slowest,
-/// samples fastest, so that runs with the same bone tend to be neighbours. The samples are the same for every
-/// combination. A tilt or shift changes the vector that the run has otherwise, and adds part_columns(). `overrides`:
-/// for every run, after those of the study. Throws InputError: too many runs, or a vector to change that neither the
-/// base scenario nor the study gives.
+/// Combines every level of `vary`, every row of the table and every sample, the first variation slowest, samples
+/// fastest, so that runs with the same bone tend to be neighbours. A tilt or shift changes the vector that the run has
+/// otherwise, and adds part_columns(). `overrides`: for every run, after those of the study. Throws InputError: too
+/// many runs, or a vector to change that neither the base scenario nor the study gives.
 StudyPlan make_plan(const Study& study, const std::vector<std::string>& overrides = {});
 
 struct IdentifiedRun {

@@ -2,18 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <string>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/scenario/key_tree.h"
 #include "sim/scenario/paths.h"
-#include "sim/scenario/shipped.h"
 #include "sim/scenario/show.h"
 #include "sim/scenario/yaml_tree.h"
 #include "sim/study/study.h"
@@ -94,10 +91,9 @@ class StudyReader {
     if (node.kind != YamlNode::Kind::scalar)
       reject(node, "base", "expected a scenario: its path, or the name of a shipped one");
     const SourceLocation where = node.mark.in(file_);
-    const std::string scenario = shipped_scenario_of_key(node.text, folder_, where, "base");
+    study_.base = shipped_scenario_of_key(node.text, folder_, where, "base");
     // A folder of the program may have ${ in its name, which only a text of the study replaces.
-    study_.base =
-        scenario == node.text ? resolve_path(scenario, TextKind::input_file, folder_, where, "base") : scenario;
+    if (study_.base == node.text) study_.base = resolve_path(node.text, TextKind::input_file, folder_, where, "base");
   }
 
   void read_set(const YamlNode& node) {
@@ -125,12 +121,10 @@ class StudyReader {
       throw InputError(item.entries[1].mark.in(file_), "vary", "two keys in one entry of the list",
                        "begin the second with \"- \" to combine both, or write zip: {...} where they vary together");
     }
-    if (entry.key != "zip") {
-      Variation out{.keys = {entry.key}, .levels = {}};
-      for (const KeyValue& value : values_of(entry)) out.levels.push_back({value});
-      return out;
-    }
-    return zipped(entry);
+    if (entry.key == "zip") return zipped(entry);
+    Variation out{.keys = {entry.key}, .levels = {}};
+    for (const KeyValue& value : values_of(entry)) out.levels.push_back({value});
+    return out;
   }
 
   Variation zipped(const YamlEntry& zip) {
@@ -267,14 +261,9 @@ class StudyReader {
 
   void read_parameters(const YamlNode& node, const std::string& key, Distribution& out) const {
     const bool one = out.dimensions() > 1;
-    std::vector<double> numbers;
-    if (one) numbers.push_back(number(node, key));
-    for (const YamlNodePtr& item : node.items) numbers.push_back(number(*item, key));
-    if (numbers.size() != (one ? 1U : 2U)) {
-      reject(node, key, one ? "expected one number" : "expected two numbers, such as [0.5, 0.1]");
-    }
-    out.a = numbers[0];
-    out.b = one ? 0 : numbers[1];
+    if (!one && node.items.size() != 2) reject(node, key, "expected two numbers, such as [0.5, 0.1]");
+    out.a = number(one ? node : *node.items[0], key);
+    out.b = one ? 0 : number(*node.items[1], key);
     using Kind = Distribution::Kind;
     if (out.kind == Kind::uniform && !(out.a < out.b)) reject(node, key, "expected the lower end first");
     if (out.kind == Kind::lognormal && !(out.a > 0)) reject(node, key, "expected a median above 0");

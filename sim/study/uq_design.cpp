@@ -3,6 +3,8 @@
 
 #include "sim/study/uq_design.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <string_view>
@@ -14,14 +16,12 @@
 #include "sim/scenario/key_tree.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
-#include "sim/study/study_plan.h"
 
 namespace reamsim {
 
 namespace {
 
-/// The keys whose other values ForceBasis::forces() and Recalibration account for. Any other, such as the speed floor,
-/// changes the basis itself.
+/// The keys whose other values ForceBasis::forces() and Recalibration account for. Any other changes the basis itself.
 constexpr std::array<std::string_view, 9> kConstants{"cutting.specific_energy_j_mm3",
                                                      "cutting.reference_density_g_cm3",
                                                      "cutting.density_exponent",
@@ -36,10 +36,6 @@ constexpr std::array<std::string_view, 9> kConstants{"cutting.specific_energy_j_
 constexpr std::string_view kRunsMark = "# The runs of an uncertainty analysis; written by reamsim.\n";
 
 constexpr std::string_view kWithBasis = "output.force_basis=true";
-
-std::string runs_file(const std::string& dir) {
-  return dir + "/runs.yaml";
-}
 
 bool is_constant(const SampledKey& sampled) {
   return std::ranges::find(kConstants, sampled.key) != kConstants.end();
@@ -87,7 +83,7 @@ bool depends_on_law(const std::string& name) {
 }
 
 bool holds_uq_runs(const std::string& dir) {
-  return read_file_start(runs_file(dir), kRunsMark.size()) == kRunsMark;
+  return read_file_start(dir + "/runs.yaml", kRunsMark.size()) == kRunsMark;
 }
 
 bool has_forces_of_base_law(const Study& runs, const std::string& dir) {
@@ -212,22 +208,21 @@ std::string UqDesign::write_runs(const std::string& dir) const {
   text += "keep: [summary, forces]\n";
   if (runs.sample) {
     const StudyPlan plan = make_plan(runs);
-    std::string table;
-    for (const SampledKey& sampled : runs.sample->of) table += (table.empty() ? "" : ",") + csv_text(sampled.key);
-    table += "\n";
+    std::vector<std::string> cells;
+    for (const SampledKey& sampled : runs.sample->of) cells.push_back(csv_text(sampled.key));
+    std::string table = fmt::format("{}\n", fmt::join(cells, ","));
     for (const PlannedRun& run : plan.runs) {
-      std::string line;
-      const std::size_t first = run.overrides.size() - runs.sample->of.size();  // behind those of `set`
-      for (std::size_t i = first; i < run.overrides.size(); ++i) {
-        const std::string& assignment = run.overrides[i];
-        line += (line.empty() ? "" : ",") + quoted_cell(assignment.substr(assignment.find('=') + 1));
+      const std::size_t first = run.overrides.size() - cells.size();  // behind those of `set`
+      for (std::size_t i = 0; i < cells.size(); ++i) {
+        const std::string& assignment = run.overrides[first + i];
+        cells[i] = quoted_cell(assignment.substr(assignment.find('=') + 1));
       }
-      table += line + "\n";
+      table += fmt::format("{}\n", fmt::join(cells, ","));
     }
     replace_file(dir + "/runs_table.csv", table);
     text += "table: runs_table.csv\n";
   }
-  const std::string path = runs_file(dir);
+  const std::string path = dir + "/runs.yaml";
   replace_file(path, text);
   return path;
 }

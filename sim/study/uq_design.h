@@ -35,11 +35,9 @@ class UqDesign {
   explicit UqDesign(Study study);
 
   [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return inputs_; }
-  /// Two independent samples of the unit cube, rows · inputs.
-  [[nodiscard]] const Eigen::MatrixXd& a() const { return a_; }
-  [[nodiscard]] const Eigen::MatrixXd& b() const { return b_; }
-  /// All points: the rows of `a`, those of `b`, and for every input those of `a` with its column of `b`.
+  /// Of two independent samples A and B of the unit cube the rows, and for every input those of A with its column of B.
   [[nodiscard]] std::vector<Eigen::VectorXd> points() const;
+  [[nodiscard]] int samples() const { return study_.sample->n; }
   [[nodiscard]] std::size_t runs() const { return run_points_.size(); }
   /// The run of a point. Its number in the study of runs is one more.
   [[nodiscard]] std::size_t run_of(const Eigen::VectorXd& point) const { return run_places_.at(run_part(point)); }
@@ -58,7 +56,7 @@ class UqDesign {
 
   Study study_;
   std::vector<UncertainInput> inputs_;
-  Eigen::MatrixXd a_, b_;
+  Eigen::MatrixXd a_, b_;                        ///< A and B, rows · inputs
   std::vector<std::vector<double>> run_points_;  ///< coordinates of the inputs that are no constants
   std::map<std::vector<double>, std::size_t> run_places_;
 };

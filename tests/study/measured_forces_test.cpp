@@ -17,14 +17,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::vector<ForceChannel> kAxial{ForceChannel::axial_force, ForceChannel::spin_torque};
+const std::vector<std::string> kAxial{"axial_force_n", "spin_torque_nmm"};
 
 TEST(MeasuredForcesFile, IsReadWithTheColumnsThatItHas) {
   const TempDir dir;
   const std::string path = dir.path() + "/measured.csv";
   std::ofstream(path) << "spin_torque_nmm,time_s,note,axial_force_n\n1,0.5,a,2\n,0.75,b,3\n";
   const MeasuredForces found = read_measured_forces(path);
-  ASSERT_EQ(found.channels, kAxial);
+  ASSERT_EQ(found.columns, kAxial);
   EXPECT_EQ(found.time_s, (std::vector{0.5, 0.75}));
   EXPECT_EQ(found.values[0], (std::vector{2.0, 3.0}));
   EXPECT_TRUE(std::isnan(found.values[1][1]));

@@ -1,28 +1,98 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+// reamsim reforce and fit: other constants of the force law for a finished run, and those of measured forces.
+
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 #include <array>
 #include <filesystem>
 #include <memory>
 
+#include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/lab.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/record/force_log.h"
+#include "sim/record/citation.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/result_json.h"
+#include "sim/scenario/derived.h"
 #include "sim/scenario/key_tree.h"
-#include "sim/scenario/presets.h"
 #include "sim/study/reforce.h"
 
 namespace reamsim {
 
 namespace {
 
-struct FitCommandOptions {
+struct ReforceOptions {
+  std::string dir;
+  std::string output;
+  std::vector<std::string> overrides;
+  bool overwrite = false;
+};
+
+void print_clamped(const ClampedVolume& clamped, const Console& console) {
+  if (!(clamped.whole_mm3 > 0)) return;
+  if (clamped.at_most_mm3 > 0) {
+    console.warn(
+        fmt::format("{:.3g} of {:.4g} mm3 of removed bone had 2 g/cm3 or more in the run, and are taken as 2: "
+                    "their density after another calibration is not known",
+                    clamped.at_most_mm3, clamped.whole_mm3));
+  }
+  if (clamped.beyond_mm3 > 0) {
+    console.warn(
+        fmt::format("{:.3g} of {:.4g} mm3 of removed bone would exceed 2 g/cm3, and are taken as 2, as in a run",
+                    clamped.beyond_mm3, clamped.whole_mm3));
+  }
+}
+
+void print_figures(const RunTotals& totals, const Console& console) {
+  console.say(
+      fmt::format("peak axial force {:.1f} N, peak spin torque {:.0f} N mm, energy {:.4g} mJ; energy balance {:.1e}",
+                  totals.peak_axial_force_n, totals.peak_spin_torque_nmm, totals.energy_mj, totals.balance));
+}
+
+/// Throws InputError for options that exclude one another.
+void check_options(const ReforceOptions& options, bool recalibrates) {
+  if (!std::filesystem::is_directory(options.dir))
+    refuse_file(options.dir, "folder not found", "expected the results folder of a finished run");
+  if (options.output.empty() && !options.overwrite)
+    throw InputError({}, "-o", "no output given", "give -o DIR, or --overwrite to replace the forces of the run");
+  if (options.output.empty() && recalibrates) {
+    throw InputError({}, "--set", "bone.density: the density grades of the run would not match its scenario any more",
+                     "give -o DIR for another calibration");
+  }
+}
+
+void reforce_command(const ReforceOptions& options, const Console& console) {
+  if (!options.output.empty() || options.overwrite) check_options(options, false);
+  const BasisRun run = open_basis_run(options.dir);
+  const LawSettings law = changed_law(run, options.overrides);
+  const auto change = recalibration(run, law);
+  check_options(options, change.has_value());
+  RunTotals totals(run.voxel_mm);
+  if (options.output.empty()) {
+    ResultUpdate update(options.dir, ResultKind::run);
+    totals = write_reforced(run, law, options.dir);
+    update.finish();
+    console.say("forces, summary and scenario replaced in " + options.dir +
+                "; `reamsim render` draws its plots and report again");
+  } else {
+    OutputFolder folder(
+        {.dir = options.output, .kind = ResultKind::run, .overwrite = options.overwrite, .inputs = {options.dir}});
+    folder.clear();
+    const ForcedStop forced = abandoning(folder);
+    totals = write_reforced(run, law, folder.path());
+    write_citation(folder.path(), cite_results(folder.path()));
+    finish(folder, console);
+    console.say("forces, summary and scenario: " + folder.final_path());
+  }
+  if (change) print_clamped(clamped_volume(run, change), console);
+  print_figures(totals, console);
+}
+
+struct FitOptions {
   std::string dir;
   std::string measured;
   std::string model = "law";
@@ -63,7 +133,7 @@ Json limits() {
 /// NaN becomes null.
 Json json_of(const MeasuredForces& measured) {
   Json out = Json::object();
-  for (std::size_t i = 0; i < measured.channels.size(); ++i) out[column_of(measured.channels[i])] = measured.values[i];
+  for (std::size_t i = 0; i < measured.columns.size(); ++i) out[measured.columns[i]] = measured.values[i];
   return out;
 }
 
@@ -77,7 +147,7 @@ bool is_residuals(const std::string& path) {
 }
 
 /// Throws InputError for options that contradict each other.
-void check_options(const FitCommandOptions& options) {
+void check_options(const FitOptions& options) {
   if (!options.edges.empty() && options.model != "classes") {
     throw InputError({}, "--class-edges", "has no effect with --model " + options.model, "add --model classes");
   }
@@ -92,7 +162,7 @@ void check_options(const FitCommandOptions& options) {
   }
 }
 
-void fit_command(const FitCommandOptions& options, const Console& console) {
+void fit_command(const FitOptions& options, const Console& console) {
   check_options(options);
   const std::vector<std::string> inputs{options.dir, options.measured};
   if (!options.output.empty()) require_replaceable_file(options.output, "-o", options.overwrite, is_fit, inputs);
@@ -117,9 +187,21 @@ void fit_command(const FitCommandOptions& options, const Console& console) {
 
 }  // namespace
 
+void add_reforce_command(CLI::App& app, Console& console) {
+  auto* command = app.add_subcommand("reforce", "Compute the forces of a finished run for other constants");
+  auto options = std::make_shared<ReforceOptions>();
+  command->add_option("DIR", options->dir, "Results folder of a run with output.force_basis: true")->required();
+  add_overrides(*command, options->overrides, "Override a constant, for example cutting.specific_energy_j_mm3=0.2");
+  add_output(*command, options->output, "Folder for forces.csv, summary.json and scenario.yaml");
+  command->add_flag("--overwrite", options->overwrite,
+                    "Replace the forces of DIR, or with -o an existing results folder");
+  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
+  command->callback([options, &console] { reforce_command(*options, console); });
+}
+
 void add_fit_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("fit", "Find the constants of the force law that best explain measured forces");
-  auto options = std::make_shared<FitCommandOptions>();
+  auto options = std::make_shared<FitOptions>();
   command->add_option("DIR", options->dir, "Results folder of a run with output.force_basis: true")->required();
   command
       ->add_option("MEASURED.csv", options->measured,
@@ -135,9 +217,7 @@ void add_fit_command(CLI::App& app, Console& console) {
                    "gap of more than 0.05 g/cm3")
       ->delimiter(',');
   command->add_flag("--fixed-normal-ratio", options->fixed_normal_ratio, "Keep the normal ratio k_n of the run");
-  command->add_option("-o,--output", options->output, "Write constants, covariance and residuals to this JSON file")
-      ->type_name("FILE.json")
-      ->check(refuse_empty);
+  add_output(*command, options->output, "Write constants, covariance and residuals to this JSON file", "FILE.json");
   command->add_option("--residuals", options->residuals, "Write measured and fitted values to this CSV file")
       ->type_name("FILE.csv")
       ->check(refuse_empty);
