@@ -3,6 +3,7 @@
 
 #include "render/gl/camera.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,12 +23,9 @@ constexpr double kMinSine = 0.01;
 
 /// The rotation of a camera that is seen from the target in the direction `towards_viewer`.
 Mat3 view_rotation(const Vec3& towards_viewer, const Vec3& up) {
-  const Vec3 z = towards_viewer.normalized();
-  const Vec3 x = up.cross(z).normalized();
+  const Vec3 z = towards_viewer.normalized(), x = up.cross(z).normalized();
   Mat3 eye_from_bone;
-  eye_from_bone.row(0) = x.transpose();
-  eye_from_bone.row(1) = z.cross(x).transpose();
-  eye_from_bone.row(2) = z.transpose();
+  eye_from_bone << x.transpose(), z.cross(x).transpose(), z.transpose();
   return eye_from_bone;
 }
 
@@ -83,8 +81,7 @@ DepthRow depth_row(const Camera& camera) {
 /// Throws InputError for a size below one pixel.
 Camera sized_camera(const std::string& name, int width_px, int height_px) {
   if (width_px < 1 || height_px < 1) {
-    throw InputError({}, "render.width_px",
-                     "a picture of " + std::to_string(width_px) + " x " + std::to_string(height_px) + " pixels",
+    throw InputError({}, "render.width_px", fmt::format("a picture of {} x {} pixels", width_px, height_px),
                      "expected at least 1 x 1");
   }
   return {.name = name, .width_px = width_px, .height_px = height_px};
@@ -174,9 +171,7 @@ Camera make_turntable_camera(const ViewTarget& target, double turn, int width_px
   Camera camera{.name = "turntable", .width_px = width_px, .height_px = height_px};
   constexpr double kElevation_deg = 15;
   const Vec3& up = target.superior;
-  double radius_mm = 5;
-  double low_mm = -5;
-  double high_mm = 5;
+  double radius_mm = 5, low_mm = -5, high_mm = 5;
   for (const Vec3& p : target.bone_mm) {
     const Vec3 from_focus = p - target.focus_mm;
     if (from_focus.norm() > kGlenoidRadius_mm) continue;
@@ -185,8 +180,7 @@ Camera make_turntable_camera(const ViewTarget& target, double turn, int width_px
     low_mm = std::min(low_mm, height_mm);
     high_mm = std::max(high_mm, height_mm);
   }
-  const double sine = std::sin(radians(kElevation_deg));
-  const double cosine = std::cos(radians(kElevation_deg));
+  const double sine = std::sin(radians(kElevation_deg)), cosine = std::cos(radians(kElevation_deg));
   const double tall_mm = cosine * (high_mm - low_mm) + 2 * sine * radius_mm;
   const double angle = 2 * std::numbers::pi * turn;
   const Vec3 level = std::cos(angle) * target.outward + std::sin(angle) * up.cross(target.outward);

@@ -5,29 +5,18 @@
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <numeric>
 #include <span>
-#include <string_view>
 #include <utility>
 
 #include "sim/base/error.h"
 
 namespace reamsim {
-
 namespace {
-
-std::string error_name(GLenum code) {
-  constexpr std::array<const char*, 7> kNames{"invalid enum",
-                                              "invalid value",
-                                              "invalid operation",
-                                              nullptr,
-                                              nullptr,
-                                              "out of memory",
-                                              "invalid framebuffer operation"};
-  const std::size_t i = code - GL_INVALID_ENUM;  // the codes are consecutive
-  return i < kNames.size() && kNames[i] != nullptr ? kNames[i] : "unknown error";
-}
 
 constexpr int kSamples = 4;
 constexpr GLsizei kMaxLog = 4096;
@@ -35,22 +24,11 @@ constexpr GLsizei kMaxLog = 4096;
 /// The log of a shader or program, on one line.
 std::string log_of(decltype(Gl::GetShaderInfoLog) get, GLuint id) {
   std::string log(kMaxLog, '\0');
-  get(id, kMaxLog, nullptr, log.data());
-  log = std::string(log.c_str());
+  GLsizei length = 0;
+  get(id, kMaxLog, &length, log.data());
+  log.resize(static_cast<std::size_t>(length));
   std::ranges::replace(log, '\n', ' ');
   return log.substr(0, log.find_last_not_of(' ') + 1);
-}
-
-GLuint compile(const Gl& gl, const std::string& name, GLenum type, const std::vector<const char*>& texts) {
-  const GLuint shader = gl.CreateShader(type);
-  gl.ShaderSource(shader, static_cast<GLsizei>(texts.size()), texts.data(), nullptr);
-  gl.CompileShader(shader);
-  GLint done = 0;
-  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &done);
-  if (done == GL_TRUE) return shader;
-  const std::string log = log_of(gl.GetShaderInfoLog, shader);
-  gl.DeleteShader(shader);
-  throw RunError("the shader '" + name + "' does not compile: " + log);
 }
 
 }  // namespace
@@ -71,26 +49,29 @@ void Gl::check(const char* doing) const {
   // A lost context reports errors forever, so only a few are drained.
   for (int i = 0; i < 16 && GetError() != GL_NO_ERROR; ++i) {
   }
-  throw RunError(std::string("OpenGL failed while ") + doing + ": " + error_name(code));
+  throw RunError(fmt::format("OpenGL failed while {}: {}", doing,
+                             code == GL_OUT_OF_MEMORY ? "out of memory" : fmt::format("error {:#06x}", code)));
 }
 
 GlProgram::GlProgram(const Gl& gl, const std::string& name, const std::vector<const char*>& vertex,
                      const std::vector<const char*>& fragment)
-    : gl_(gl) {
-  const GLuint vertex_id = compile(gl, name, GL_VERTEX_SHADER, vertex);
-  const GLuint fragment_id = compile(gl, name, GL_FRAGMENT_SHADER, fragment);
-  id_ = gl.CreateProgram();
-  gl.AttachShader(id_, vertex_id);
-  gl.AttachShader(id_, fragment_id);
-  gl.LinkProgram(id_);
-  gl.DeleteShader(vertex_id);
-  gl.DeleteShader(fragment_id);
+    : gl_(gl), id_(gl.CreateProgram()) {
+  std::string log;
+  for (const auto& [type, texts] : {std::pair(GL_VERTEX_SHADER, &vertex), {GL_FRAGMENT_SHADER, &fragment}}) {
+    const GLuint shader = gl.CreateShader(static_cast<GLenum>(type));
+    gl.ShaderSource(shader, static_cast<GLsizei>(texts->size()), texts->data(), nullptr);
+    gl.CompileShader(shader);
+    log += log_of(gl.GetShaderInfoLog, shader);
+    gl.AttachShader(id_, shader);
+    gl.DeleteShader(shader);  // with the program
+  }
+  gl.LinkProgram(id_);  // fails for a shader that does not compile
   GLint done = 0;
   gl.GetProgramiv(id_, GL_LINK_STATUS, &done);
   if (done == GL_TRUE) return;
-  const std::string log = log_of(gl.GetProgramInfoLog, id_);
+  log += log_of(gl.GetProgramInfoLog, id_);
   gl.DeleteProgram(id_);
-  throw RunError("the shader '" + name + "' does not link: " + log);
+  throw RunError("the shader '" + name + "' does not compile: " + log);
 }
 
 GlProgram::~GlProgram() {
@@ -108,8 +89,7 @@ GlMesh::GlMesh(const Gl& gl, std::span<const float> vertices, std::span<const in
   gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(), GL_STATIC_DRAW);
   gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers_[1]);
   gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(), GL_STATIC_DRAW);
-  int stride = 0;
-  for (const int size : attribute_sizes) stride += size;
+  const int stride = std::accumulate(attribute_sizes.begin(), attribute_sizes.end(), 0);
   std::size_t offset = 0;
   GLuint attribute = 0;
   for (const int size : attribute_sizes) {
@@ -154,8 +134,8 @@ GlTarget::GlTarget(const Gl& gl, int width, int height, bool multisample)
   gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
   gl.GetIntegerv(GL_MAX_SAMPLES, &samples);
   if (width < 1 || height < 1 || width > largest || height > largest) {
-    throw RunError("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-                   " pixels are not supported; this OpenGL supports 1 to " + std::to_string(largest) + " on a side");
+    throw RunError(fmt::format("a picture of {} x {} pixels are not supported; this OpenGL supports 1 to {} on a side",
+                               width, height, largest));
   }
   samples = multisample ? std::min(samples, kSamples) : 0;
   attach(framebuffers_[0], buffers_[0], GL_COLOR_ATTACHMENT0, GL_RGBA8, samples);
@@ -164,8 +144,7 @@ GlTarget::GlTarget(const Gl& gl, int width, int height, bool multisample)
   for (const std::size_t i : {0U, 1U}) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffers_[i]);
     if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || gl.GetError() != GL_NO_ERROR) {
-      throw RunError("OpenGL cannot create a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-                     " pixels");
+      throw RunError(fmt::format("OpenGL cannot create a picture of {} x {} pixels", width, height));
     }
   }
 }
@@ -211,9 +190,7 @@ EGLDeviceEXT software_device(const DynamicLibrary& egl) {
   if (query_devices(static_cast<EGLint>(devices.size()), devices.data(), &count) != EGL_TRUE) return nullptr;
   for (const EGLDeviceEXT device : std::span(devices).first(static_cast<std::size_t>(count))) {
     const char* const extensions = query_string(device, EGL_EXTENSIONS);
-    if (extensions != nullptr &&
-        std::string_view(extensions).find("EGL_MESA_device_software") != std::string_view::npos)
-      return device;
+    if (extensions != nullptr && std::strstr(extensions, "EGL_MESA_device_software") != nullptr) return device;
   }
   return nullptr;
 }
@@ -234,8 +211,8 @@ EGLDisplay open_display(const DynamicLibrary& egl) {
 
 /// The bound API is per thread, and OpenGL ES is the default.
 void bind_opengl(const DynamicLibrary& egl) {
-  const auto bind = egl.function<decltype(&eglBindAPI)>("eglBindAPI");
-  if (bind(EGL_OPENGL_API) != EGL_TRUE) throw RunError("EGL has no OpenGL");
+  if (egl.function<decltype(&eglBindAPI)>("eglBindAPI")(EGL_OPENGL_API) != EGL_TRUE)
+    throw RunError("EGL has no OpenGL");
 }
 
 EGLContext create_context(const DynamicLibrary& egl, EGLDisplay display) {
@@ -261,12 +238,8 @@ using CreateContextAttribs = OSMesaContext (*)(const int* attributes, OSMesaCont
 using MakeCurrent = GLboolean (*)(OSMesaContext context, void* buffer, GLenum type, GLsizei width, GLsizei height);
 using DestroyContext = void (*)(OSMesaContext context);
 using GetProcAddress = void (*(*)(const char* name))();
-constexpr int OSMESA_RGBA = GL_RGBA;
-constexpr int OSMESA_FORMAT = 0x22;
-constexpr int OSMESA_PROFILE = 0x33;
-constexpr int OSMESA_CORE_PROFILE = 0x34;
-constexpr int OSMESA_CONTEXT_MAJOR_VERSION = 0x36;
-constexpr int OSMESA_CONTEXT_MINOR_VERSION = 0x37;
+constexpr int kOsmesaFormat = 0x22, kOsmesaProfile = 0x33, kOsmesaCoreProfile = 0x34;
+constexpr int kOsmesaMajorVersion = 0x36, kOsmesaMinorVersion = 0x37;
 
 }  // namespace
 
@@ -318,15 +291,8 @@ std::unique_ptr<OffscreenContext> make_osmesa_context() {
   const auto set_current = osmesa.function<MakeCurrent>("OSMesaMakeCurrent");
   const auto destroy = osmesa.function<DestroyContext>("OSMesaDestroyContext");
   const auto address = osmesa.function<GetProcAddress>("OSMesaGetProcAddress");
-  const int attributes[] = {OSMESA_FORMAT,
-                            OSMESA_RGBA,
-                            OSMESA_PROFILE,
-                            OSMESA_CORE_PROFILE,
-                            OSMESA_CONTEXT_MAJOR_VERSION,
-                            4,
-                            OSMESA_CONTEXT_MINOR_VERSION,
-                            5,
-                            0};
+  const int attributes[] = {
+      kOsmesaFormat, GL_RGBA, kOsmesaProfile, kOsmesaCoreProfile, kOsmesaMajorVersion, 4, kOsmesaMinorVersion, 5, 0};
   const auto create = osmesa.function<CreateContextAttribs>("OSMesaCreateContextAttribs");
   const OSMesaContext context = create(attributes, nullptr);
   if (context == nullptr) throw RunError("OSMesa cannot create an OpenGL 4.5 core context");

@@ -32,7 +32,7 @@ namespace reamsim {
   X(DepthMask) X(Disable) X(DrawArrays) X(DrawElements) X(Enable) X(EnableVertexAttribArray) \
   X(FramebufferRenderbuffer) X(GenBuffers) X(GenFramebuffers) X(GenRenderbuffers) X(GenTextures) X(GenVertexArrays) \
   X(BindRenderbuffer) X(GetError) X(GetIntegerv) X(GetProgramInfoLog) X(GetProgramiv) X(GetShaderInfoLog) \
-  X(GetShaderiv) X(GetString) X(GetUniformLocation) X(LinkProgram) X(PixelStorei) X(ReadPixels) \
+  X(GetString) X(GetUniformLocation) X(LinkProgram) X(PixelStorei) X(ReadPixels) \
   X(RenderbufferStorageMultisample) X(ShaderSource) X(StencilFunc) X(StencilOpSeparate) X(TexImage2D) X(TexParameteri) X(Uniform1f) X(Uniform1i) \
   X(Uniform3fv) X(Uniform4fv) X(UniformMatrix4fv) X(UseProgram) X(VertexAttribPointer) X(Viewport)
 // clang-format on
@@ -53,7 +53,7 @@ struct Gl {
 /// A linked shader program. This and the classes below need a current context from construction to destruction.
 class GlProgram {
  public:
-  /// Each shader is the concatenation of its texts. Throws RunError with the compiler's log.
+  /// Each shader is the concatenation of its texts. Throws RunError with the logs of compiler and linker.
   GlProgram(const Gl& gl, const std::string& name, const std::vector<const char*>& vertex,
             const std::vector<const char*>& fragment);
   ~GlProgram();

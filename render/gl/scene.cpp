@@ -24,12 +24,9 @@ namespace {
 
 /// From this factor on supersampling needs no multisampling.
 constexpr int kSupersamplingAlone = 3;
-/// Depth offset of the tool towards the viewer, against z-fighting with the bone that it touches.
-constexpr double kToolOffset_mm = 0.6;
-/// The same of the cut through it: enough against the cut face of the bone in the same plane.
-constexpr double kToolCutOffset_mm = 0.05;
-/// The same of contour lines.
-constexpr double kLineLift_mm = 0.35;
+/// Depth offsets towards the viewer against z-fighting with the bone: of the tool, of the cut through it, which lies in
+/// the plane of the bone's cut face, and of contour lines.
+constexpr double kToolOffset_mm = 0.6, kToolCutOffset_mm = 0.05, kLineLift_mm = 0.35;
 /// Bone behind a section fades by 1/e over 25 mm.
 constexpr double kHaze_per_mm = 0.04;
 
@@ -49,10 +46,11 @@ Eigen::Vector4d local_plane(const Camera& camera, const Rigid& bone_from_local) 
   return bone_from_local.matrix().transpose() * *camera.cut_plane;
 }
 
-/// Uses a program and sets the uniforms that several programs have.
+/// Uses a program and sets the uniforms that several programs have; OpenGL ignores the others.
 void use_program(const GlProgram& program, const DrawCall& call) {
   program.use();
   program.set("clip_from_bone", call.camera.clip_from_bone());
+  program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
   program.set("key_direction", call.settings.light.normalized());
   program.set("samples_per_px", 1.0 * call.settings.supersampling);
 }
@@ -102,20 +100,6 @@ Vec3 corner_mm(const BoneSurface& surface, std::uint32_t vertex) {
   return Eigen::Map<const Eigen::Vector3f>(surface.vertices.data() + vertex * BoneSurface::kStride).cast<double>();
 }
 
-/// The unit normals of all triangles that are not degenerate.
-std::vector<Vec3> triangle_normals(const BoneSurface& surface) {
-  std::vector<Vec3> normals;
-  normals.reserve(surface.indices.size() / 3);
-  for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
-    const Vec3 a = corner_mm(surface, surface.indices[i]);
-    const Vec3 b = corner_mm(surface, surface.indices[i + 1]);
-    const Vec3 c = corner_mm(surface, surface.indices[i + 2]);
-    const Vec3 normal = (b - a).cross(c - a);
-    if (normal.squaredNorm() > 0) normals.push_back(normal.normalized());
-  }
-  return normals;
-}
-
 /// Is the box outside one plane of the view frustum?
 bool outside_frustum(const Eigen::AlignedBox3d& box_mm, const Camera& camera) {
   const Eigen::Matrix4d clip_from_bone = camera.clip_from_bone();
@@ -152,10 +136,14 @@ bool faces_away(const TileBounds& bounds, const Camera& camera) {
 
 TileBounds tile_bounds(const BoneSurface& surface) {
   TileBounds out;
-  for (const std::uint32_t vertex : surface.indices) out.box_mm.extend(corner_mm(surface, vertex));
-  const std::vector<Vec3> normals = triangle_normals(surface);
+  std::vector<Vec3> normals;  // of the triangles that are not degenerate
   Vec3 sum = Vec3::Zero();
-  for (const Vec3& normal : normals) sum += normal;
+  for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
+    std::array<Vec3, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) out.box_mm.extend(corners[k] = corner_mm(surface, surface.indices[i + k]));
+    const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    if (normal.squaredNorm() > 0) sum += normals.emplace_back(normal.normalized());
+  }
   if (sum.norm() < 1e-9) return out;
   out.mean_normal = sum.normalized();
   double cosine = 1;
@@ -172,12 +160,12 @@ bool may_be_visible(const TileBounds& bounds, const Camera& camera) {
 
 Scene::Scene(const Gl& gl, const std::vector<ToolSurface>& tools)
     : gl_(gl),
-      programs_{program_of(gl, "background", embedded::shader_background),
-                program_of(gl, "bone", embedded::shader_bone),
-                program_of(gl, "cut_face", embedded::shader_cut_face),
-                program_of(gl, "line", embedded::shader_line),
-                program_of(gl, "tool", embedded::shader_tool),
-                program_of(gl, "tool_cut", embedded::shader_tool_cut)},
+      background_program_(program_of(gl, "background", embedded::shader_background)),
+      bone_program_(program_of(gl, "bone", embedded::shader_bone)),
+      cut_face_program_(program_of(gl, "cut_face", embedded::shader_cut_face)),
+      line_program_(program_of(gl, "line", embedded::shader_line)),
+      tool_program_(program_of(gl, "tool", embedded::shader_tool)),
+      tool_cut_program_(program_of(gl, "tool_cut", embedded::shader_tool_cut)),
       depth_colors_(color_texture(gl, reamsim::depth_colors())),
       density_colors_(color_texture(gl, reamsim::density_colors())),
       empty_array_(gl.GenVertexArrays, gl.DeleteVertexArrays) {
@@ -223,17 +211,16 @@ void Scene::draw_background(Background background) const {
   gl_.Disable(GL_DEPTH_TEST);
   gl_.Disable(GL_BLEND);
   gl_.Disable(GL_CULL_FACE);
-  programs_.background.use();
-  programs_.background.set("white", background == Background::white ? 1 : 0);
+  background_program_.use();
+  background_program_.set("white", background == Background::white ? 1 : 0);
   gl_.BindVertexArray(empty_array_[0]);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 void Scene::draw_bone(const DrawCall& call) const {
-  const GlProgram& program = programs_.bone;
+  const GlProgram& program = bone_program_;
   use_program(program, call);
   program.set("eye_from_bone", call.camera.eye_from_bone.matrix());
-  program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
   program.set("depth_max_mm", call.depth_max_mm);
   program.set("haze_per_mm", call.camera.cut_plane ? kHaze_per_mm : 0.0);
   program.set("depth_colors", 0);
@@ -256,7 +243,7 @@ void Scene::draw_cut_face(const DrawCall& call) const {
   }
   const std::array<std::uint32_t, 6> indices{0, 1, 2, 0, 2, 3};
   const GlMesh quad(gl_, vertices, std::array{3, 2}, indices);
-  const GlProgram& program = programs_.cut_face;
+  const GlProgram& program = cut_face_program_;
   use_program(program, call);
   program.set("density_max_g_cm3", call.density_max_g_cm3);
   program.set("face", 0);
@@ -271,9 +258,8 @@ void Scene::draw_cut_face(const DrawCall& call) const {
 void Scene::draw_lines(const DrawCall& call) const {
   const double width_px = kContourWidth_px * std::max(0.6, call.camera.height_px / 1080.0);
   const GlMesh mesh = line_ribbons(gl_, call.lines, call.camera, width_px + 1);
-  const GlProgram& program = programs_.line;
+  const GlProgram& program = line_program_;
   use_program(program, call);
-  program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
   program.set("half_width_px", 0.5 * width_px);
   program.set("opacity", kContourOpacity);
   gl_.Disable(GL_CULL_FACE);
@@ -287,7 +273,7 @@ void Scene::draw_tool(const DrawCall& call) const {
   const Rigid& bone_from_tool = call.tool->bone_from_tool;
   const bool cut_open = call.camera.cut_plane.has_value();
   const GlMesh& tool = tools_.at(call.tool->pass);
-  const GlProgram& program = programs_.tool;
+  const GlProgram& program = tool_program_;
   use_program(program, call);
   program.set("clip_from_tool", Eigen::Matrix4d(call.camera.clip_from_bone() * bone_from_tool.matrix()));
   program.set("eye_from_tool", (call.camera.eye_from_bone * bone_from_tool).matrix());
@@ -296,15 +282,12 @@ void Scene::draw_tool(const DrawCall& call) const {
   // Views other than sections show the face behind the tool, unless the user selects steel.
   const bool steel = cut_open || call.settings.tool_material == ToolMaterial::steel;
   program.set("brushed", steel ? 1 : 0);
-  if (!steel) {
-    draw_translucent(tool, program);
-    return;
-  }
+  if (!steel) return draw_translucent(tool);
   gl_.Disable(GL_BLEND);
   gl_.Disable(GL_CULL_FACE);
   gl_.DepthMask(GL_TRUE);
   if (cut_open) {
-    draw_tool_cut(tool, program, call);
+    draw_tool_cut(tool, call);
     gl_.Enable(GL_CULL_FACE);
     gl_.CullFace(GL_BACK);
   }
@@ -312,10 +295,9 @@ void Scene::draw_tool(const DrawCall& call) const {
   tool.draw();
 }
 
-void Scene::draw_tool_cut(const GlMesh& tool, const GlProgram& program, const DrawCall& call) const {
+void Scene::draw_tool_cut(const GlMesh& tool, const DrawCall& call) const {
   // The plane is inside the tool where more of its back faces than of its front faces are behind the plane. The bone
   // does not hide them: it may reach into the tool by the part of a voxel that smoothing rounds its edges by.
-  program.use();
   gl_.Enable(GL_STENCIL_TEST);
   gl_.Disable(GL_DEPTH_TEST);
   gl_.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
@@ -327,28 +309,26 @@ void Scene::draw_tool_cut(const GlMesh& tool, const GlProgram& program, const Dr
   gl_.Enable(GL_DEPTH_TEST);
   gl_.StencilFunc(GL_NOTEQUAL, 0, 255);
   gl_.StencilOpSeparate(GL_FRONT_AND_BACK, GL_KEEP, GL_KEEP, GL_KEEP);
-  const GlProgram& cut = programs_.tool_cut;
-  cut.use();
+  const GlProgram& cut = tool_cut_program_;
+  use_program(cut, call);
   const Eigen::Matrix4d bone_from_clip = call.camera.clip_from_bone().inverse();
   cut.set("plane_in_clip", Eigen::Vector4d(bone_from_clip.transpose() * *call.camera.cut_plane));
   cut.set("depth_offset", kToolCutOffset_mm * call.camera.clip_depth_per_mm());
-  cut.set("samples_per_px", 1.0 * call.settings.supersampling);
   gl_.BindVertexArray(empty_array_[0]);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
   gl_.Disable(GL_STENCIL_TEST);
 }
 
-void Scene::draw_translucent(const GlMesh& tool, const GlProgram& program) const {
+void Scene::draw_translucent(const GlMesh& tool) const {
+  const GlProgram& program = tool_program_;
   gl_.Enable(GL_BLEND);
   gl_.Enable(GL_CULL_FACE);
-
   // First the back faces, faintly: the inside of the far walls.
   gl_.CullFace(GL_FRONT);
   gl_.DepthMask(GL_FALSE);
   program.set("opacity_facing", 0.10);
   program.set("opacity_edge", 0.45);
   tool.draw();
-
   // Then only the nearest layer: a depth pass, and colour where the depth is equal.
   gl_.CullFace(GL_BACK);
   gl_.DepthMask(GL_TRUE);

@@ -25,9 +25,7 @@ struct TileBounds {
   double normal_cone_sine = 1;       ///< sine of the largest angle to a normal; 1: a right angle or more
 };
 
-/// Bounds of a surface that has triangles.
 TileBounds tile_bounds(const BoneSurface& surface);
-
 /// False only if all of it is outside the camera's frustum, cut away, or, without a cut, faces away.
 bool may_be_visible(const TileBounds& bounds, const Camera& camera);
 
@@ -81,9 +79,6 @@ class Scene {
   [[nodiscard]] PixelImage draw(const DrawCall& call);
 
  private:
-  struct Programs {
-    GlProgram background, bone, cut_face, line, tool, tool_cut;
-  };
   struct Tile {
     Tile(const Gl& gl, const BoneSurface& surface)
         : mesh(gl, surface.vertices, BoneSurface::kAttributeSizes, surface.indices), bounds(tile_bounds(surface)) {}
@@ -97,12 +92,12 @@ class Scene {
   void draw_cut_face(const DrawCall& call) const;
   void draw_lines(const DrawCall& call) const;
   void draw_tool(const DrawCall& call) const;
-  /// The cut through the tool; `program` draws the tool.
-  void draw_tool_cut(const GlMesh& tool, const GlProgram& program, const DrawCall& call) const;
-  void draw_translucent(const GlMesh& tool, const GlProgram& program) const;
+  // With the program of the tool in use.
+  void draw_tool_cut(const GlMesh& tool, const DrawCall& call) const;
+  void draw_translucent(const GlMesh& tool) const;
 
   const Gl& gl_;
-  Programs programs_;
+  GlProgram background_program_, bone_program_, cut_face_program_, line_program_, tool_program_, tool_cut_program_;
   std::map<std::tuple<int, int, bool>, GlTarget> targets_;  ///< by width, height and whether it is multisampled
   std::deque<GlMesh> tools_;
   std::map<std::size_t, Tile> bone_;  ///< those that are not empty
