@@ -66,7 +66,7 @@ SliceAxes axes_from(const std::vector<double>& cosines) {
 /// What the slice, or one of the functional groups of a frame, says about its place and its values.
 void fill_place(const DicomValues& values, DicomHeader& header) {
   const std::vector<double> spacing = values.numbers({0x0028, 0x0030});
-  if (spacing.size() >= 2) header.pixel_spacing_mm = Vec2(spacing[1], spacing[0]);
+  if (!spacing.empty()) header.pixel_spacing_mm = Vec2(spacing[spacing.size() > 1 ? 1 : 0], spacing[0]);
   const gdcm::Tag position_tag(0x0020, 0x0032);
   const std::vector<double> position = values.numbers(position_tag);
   if (position.size() >= 3) {
@@ -81,7 +81,7 @@ void fill_place(const DicomValues& values, DicomHeader& header) {
   const std::vector<double> intercept = values.numbers({0x0028, 0x1052}), slope = values.numbers({0x0028, 0x1053});
   header.rescales = header.rescales || !intercept.empty() || !slope.empty();
   if (!intercept.empty()) header.intercept = intercept[0];
-  if (!slope.empty()) header.slope = slope[0];
+  if (!slope.empty() && slope[0] != 0) header.slope = slope[0];  // 0: left empty by the exporter
   add_tags(values, header.tags);
 }
 
@@ -271,7 +271,10 @@ bool DicomFrames::take_plain(const ForeignFile& file) {
   const DicomValues values(data);
   const gdcm::ByteValue* value = values.raw({0x7fe0, 0x0010});
   const gdcm::TransferSyntax syntax = reader.GetFile().GetHeader().GetDataSetTransferSyntax();
-  if (value == nullptr || syntax == gdcm::TransferSyntax::ExplicitVRBigEndian) return false;
+  if (value == nullptr || syntax == gdcm::TransferSyntax::ExplicitVRBigEndian ||
+      syntax == gdcm::TransferSyntax::ImplicitVRBigEndianPrivateGE) {
+    return false;
+  }
   set_format(file, std::max(1, values.short_integer({0x0028, 0x0002})), values.short_integer({0x0028, 0x0100}),
              values.short_integer({0x0028, 0x0101}), values.short_integer({0x0028, 0x0102}),
              values.short_integer({0x0028, 0x0103}) == 1);

@@ -80,7 +80,8 @@ bool is_better(const DicomSeries& a, const DicomSeries& b) {
 /// False for screenshots and renderings.
 bool may_be_a_volume(const DicomSeries& series) {
   const DicomHeader& first = series.first();
-  return first.photometric.starts_with("MONOCHROME") && (first.position_mm || first.frames > 1);
+  return first.photometric.starts_with("MONOCHROME") &&
+         ((first.position_mm && first.axes && first.pixel_spacing_mm) || first.frames > 1);
 }
 
 const DicomSeries& named_series(const std::vector<DicomSeries>& all, const std::string& name,

@@ -28,13 +28,18 @@ struct DicomStack {
   double kvp = 0;          ///< 0: unknown
 };
 
-bool is_placed(const DicomHeader& header) {
-  return header.position_mm && header.axes && header.pixel_spacing_mm;
+/// The element of a slice's place that is missing or no geometry; "" if all are there.
+std::string unplaced_by(const DicomHeader& header) {
+  if (!header.position_mm) return "position (0020,0032)";
+  if (!header.axes || header.axes->colwise().squaredNorm().minCoeff() < 0.5) return "orientation (0020,0037)";
+  if (!header.pixel_spacing_mm || !(header.pixel_spacing_mm->minCoeff() > 0)) return "pixel spacing (0028,0030)";
+  return "";
 }
 
 /// False for screenshots, dose reports and multi-frame files that do not say where their frames lie.
 bool may_be_slice(const DicomHeader& header) {
-  return (header.frames <= 1 || header.frame >= 0) && header.photometric.starts_with("MONOCHROME") && is_placed(header);
+  return (header.frames <= 1 || header.frame >= 0) && header.photometric.starts_with("MONOCHROME") &&
+         unplaced_by(header).empty();
 }
 
 [[noreturn]] void refuse_image(const DicomHeader& header) {
@@ -46,9 +51,8 @@ bool may_be_slice(const DicomHeader& header) {
                     header.frames),
         "convert it to NRRD or NIfTI (3D Slicer, dcm2niix), or export single slices");
   }
-  if (!is_placed(header)) {
-    throw file.error("an image without position (0020,0032), orientation (0020,0037) or pixel spacing (0028,0030)",
-                     "export the original series");
+  if (const std::string missing = unplaced_by(header); !missing.empty()) {
+    throw file.error("an image without a valid " + missing, "export the original series");
   }
   throw file.error("pixels of kind '" + header.photometric + "'",
                    "expected MONOCHROME2, as CT slices have; export the original series");
@@ -59,17 +63,19 @@ std::vector<const DicomHeader*> slices_among(const DicomSeries& series, std::vec
                                              Diagnostics& report) {
   std::vector<const DicomHeader*> out;
   std::vector<std::string> others;
+  std::string reason;
   for (const DicomHeader& header : series.images) {
     if (may_be_slice(header)) {
       out.push_back(&header);
     } else {
+      if (others.empty() && header.photometric.starts_with("MONOCHROME")) reason = unplaced_by(header);
       others.push_back(header.path);
     }
   }
   if (out.empty()) refuse_image(series.images.front());
   if (!others.empty()) {
     report.warn("images of the DICOM series skipped because they are not slices: " + std::to_string(others.size()) +
-                ", the first is " + others.front());
+                ", the first is " + others.front() + (reason.empty() ? "" : ", which has no valid " + reason));
     skipped.insert(skipped.begin(), others.begin(), others.end());
   }
   return out;
@@ -80,16 +86,15 @@ bool belong_together(const ScanGeometry& a, const ScanGeometry& b) {
   return a.dims == b.dims && (a.step_mm - b.step_mm).leftCols<2>().cwiseAbs().maxCoeff() <= kSameAxes * side;
 }
 
-/// The geometry in the header of a slice.
+/// The geometry in the header of a slice, 1 mm thick: the positions of its neighbours say more.
 ScanGeometry geometry_of(const DicomHeader& header) {
   ScanGeometry out;
   out.dims = Vec3i(header.columns, header.rows, 1);
   out.step_mm.col(0) = header.axes->col(0) * header.pixel_spacing_mm->x();
   out.step_mm.col(1) = header.axes->col(1) * header.pixel_spacing_mm->y();
-  out.step_mm.col(2) = header.normal() * (header.slice_spacing_mm > 0 ? header.slice_spacing_mm : 1);
+  out.step_mm.col(2) = header.normal();
   out.origin_mm = *header.position_mm;
-  if (out.is_valid()) return out;
-  throw InputError({header.path}, kScanKey, "voxel spacing or axes are degenerate", "export the original series");
+  return out;
 }
 
 /// Groups of slices of one size, spacing and orientation, the largest group first.

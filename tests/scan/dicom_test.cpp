@@ -211,7 +211,26 @@ TEST_F(Dicom, PicturesInASeriesAreLeftOut) {
   ASSERT_EQ(report_.warnings.size(), 1U);
   EXPECT_THAT(report_.warnings[0],
               AllOf(HasSubstr("images of the DICOM series skipped because they are not slices: 1, the first is "),
-                    HasSubstr("dose_report.dcm")));
+                    HasSubstr("dose_report.dcm, which has no valid position (0020,0032)")));
+}
+
+TEST_F(Dicom, OddGeometryAndRescaleOfSlices) {
+  // A slope of 0 stands for none, a slice thickness is not used, and one spacing is that of rows and columns.
+  write_slices(egg_, folder_.file("odd"),
+               {.more = {{0x00180050, element(0x18, 0x50, "DS", "0.0005")},
+                         {0x00280030, element(0x28, 0x30, "DS", "1")},
+                         {0x00281053, element(0x28, 0x1053, "DS", "0")}}});
+  ASSERT_EQ(egg_.spacing_mm.head<2>(), Vec2::Ones());
+  expect_egg("odd");
+  // An image without geometry beside the slices is skipped; a series of such images is refused.
+  write_slices(egg_, folder_.file("cd"));
+  const TestImage one = cropped(egg_, {0, 0, 0}, {26, 30, 1});
+  write_slices(one, folder_.file("cd/scout"), {.more = {{0x00280030, element(0x28, 0x30, "DS", "0\\0")}}});
+  expect_egg("cd");
+  ASSERT_EQ(report_.warnings.size(), 1U);
+  EXPECT_THAT(report_.warnings[0], HasSubstr("which has no valid pixel spacing (0028,0030)"));
+  write_slices(egg_, folder_.file("none"), {.more = {{0x00200037, element(0x20, 0x37, "DS", "0\\0\\0\\0\\0\\0")}}});
+  EXPECT_THAT(error_of("none"), HasSubstr("an image without a valid orientation (0020,0037)"));
 }
 
 TEST_F(Dicom, SlicesInOnePlace) {
