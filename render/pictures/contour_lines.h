@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/pictures/page_layout.h"
+#include "render/pictures/overlay.h"
 #include "sim/base/geometry.h"
 
 namespace reamsim {
