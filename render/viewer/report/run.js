@@ -3,7 +3,7 @@
 
 // Reamer, readings, curves and picture at one time of the run.
 import uPlot from "uplot";
-import { bytesOf, choices, find, fixedText, part, sayValue, significantText } from "../shared/scene.js";
+import { choices, find, fixedText, part, sayValue, significantText } from "../shared/scene.js";
 
 // The plot: panels over one time axis, with one cursor.
 // Okabe and Ito's colours, as in forces.gp.
@@ -144,7 +144,6 @@ class Run {
     this.plot = plot;
     this.onMove = onMove;
     this.pictures = pictures;
-    this.urls = new Map();
     this.camera = pictures.cameras[0];
     this.slider = find("time");
     this.slider.max = plot.frame.length - 1;
@@ -184,29 +183,16 @@ class Run {
   }
 
   // The picture nearest in time.
-  nearestPicture() {
-    const time = this.plot.time_s[this.row];
-    return this.pictures.time_s.reduce((best, t, i, all) => (Math.abs(t - time) < Math.abs(all[best] - time) ? i : best), 0);
-  }
-
   showPicture() {
     if (this.camera === undefined) return;
-    const i = this.nearestPicture();
-    const image = find("frame-picture");
+    const time = this.plot.time_s[this.row], image = find("frame-picture");
+    const i = this.pictures.time_s.reduce((best, t, k, all) => (Math.abs(t - time) < Math.abs(all[best] - time) ? k : best), 0);
     const key = `${this.camera.name}/${i}`;
     if (image.dataset.key === key) return;
-    image.dataset.key = key;
-    image.dataset.frame = this.pictures.frames[i];
-    image.src = this.urlOf(key, i);
+    Object.assign(image.dataset, { key, frame: this.pictures.frames[i] });
+    image.src = `data:image/jpeg;base64,${this.camera.jpegs[i]}`;
     image.alt = `${names[this.camera.name] ?? this.camera.name} picture of frame ${this.pictures.frames[i]}, ${fixedText(this.pictures.time_s[i], 3)} s`;
     find("frame-caption").textContent = `Nearest picture: frame ${this.pictures.frames[i]}, ${fixedText(this.pictures.time_s[i], 3)}\u00a0s`;
-  }
-
-  urlOf(key, i) {
-    if (!this.urls.has(key)) {
-      this.urls.set(key, URL.createObjectURL(new Blob([bytesOf(this.camera.jpegs[i])], { type: "image/jpeg" })));
-    }
-    return this.urls.get(key);
   }
 
   addReadings() {
