@@ -79,7 +79,7 @@ function drawTicks(u, times) {
 
 class Plots {
   constructor(place, data, pictureTimes, onMove) {
-    this.data = data;
+    Object.assign(this, { place, data });
     this.charts = panels.filter((panel) => data[panel.column]).map((panel) => {
       const means = data[panel.mean] ? `; dark: mean over ${data.mean_travel_mm} mm of travel` : "";
       const color = panel.color === "#009e73" ? "#00785a" : panel.color === "#d55e00" ? "#b34f00" : panel.color;
@@ -89,7 +89,6 @@ class Plots {
       const columns = [data.time_s, data[panel.column], ...(data[panel.mean] ? [data[panel.mean]] : [])];
       return new uPlot(optionsOf(panel, data, pictureTimes, onMove), columns, box);
     });
-    this.place = place;
     new ResizeObserver(() => this.resize()).observe(place);
     this.resize();
     this.addRanges();
@@ -141,9 +140,7 @@ const readings = [
 class Run {
   // `onMove` is told the row and the time that are shown, and whether bone was removed by then.
   constructor(plot, pictures, onMove) {
-    this.plot = plot;
-    this.onMove = onMove;
-    this.pictures = pictures;
+    Object.assign(this, { plot, pictures, onMove });
     this.camera = pictures.cameras[0];
     this.slider = find("time");
     this.slider.max = plot.frame.length - 1;

@@ -21,8 +21,7 @@ function rampColor(t) {
 
 export class Scatter {
   constructor(study, showRun) {
-    this.study = study;
-    this.showRun = showRun;
+    Object.assign(this, { study, showRun });
     this.canvas = find("scatter-canvas");
     this.context = this.canvas.getContext("2d", { willReadFrequently: true });
     this.runs = new Uint32Array();
@@ -102,10 +101,7 @@ export class Scatter {
   }
 
   drawAxes(draw, x, y) {
-    draw.strokeStyle = "#e3e5e8";
-    draw.fillStyle = "#333";
-    draw.lineWidth = 1;
-    draw.textAlign = "right";
+    Object.assign(draw, { strokeStyle: "#e3e5e8", fillStyle: "#333", lineWidth: 1, textAlign: "right" });
     for (const value of stepsOf(this.up.low, this.up.high, 7)) {
       if (this.up.ticks) break;
       draw.beginPath();
@@ -211,8 +207,7 @@ export class Scatter {
     const draw = this.context;
     if (this.picture) draw.putImageData(this.picture, 0, 0);
     const { run, x, y } = this.points[chosen];
-    draw.strokeStyle = "#000";
-    draw.lineWidth = 2;
+    Object.assign(draw, { strokeStyle: "#000", lineWidth: 2 });
     draw.beginPath();
     draw.arc(x, y, 7, 0, 2 * Math.PI);
     draw.stroke();
