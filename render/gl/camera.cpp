@@ -117,7 +117,7 @@ double Camera::clip_depth_per_mm() const {
 
 Vec2 Camera::pixel(const Vec3& point_mm) const {
   const Vec3 eye = eye_from_bone * point_mm;
-  const double shrink = eye_mm ? 1 - eye.z() / *eye_mm : 1;
+  const double shrink = depth_ratio(eye);
   return {0.5 * width_px + eye.x() / mm_per_px / shrink, 0.5 * height_px - eye.y() / mm_per_px / shrink};
 }
 

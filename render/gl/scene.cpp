@@ -55,15 +55,6 @@ void use_program(const GlProgram& program, const DrawCall& call) {
   program.set("samples_per_px", 1.0 * call.settings.supersampling);
 }
 
-/// Eye coordinates: unit vector from a point towards the viewer, and the millimetres of a pixel there.
-Vec3 view_at(const Camera& camera, const Vec3& eye) {
-  return camera.eye_mm ? Vec3((Vec3(0, 0, *camera.eye_mm) - eye).normalized()) : Vec3(Vec3::UnitZ());
-}
-
-double mm_per_px_at(const Camera& camera, const Vec3& eye) {
-  return camera.mm_per_px * (camera.eye_mm ? 1 - eye.z() / *camera.eye_mm : 1);
-}
-
 /// Closed lines as ribbons that face the viewer, with one width in the picture, moved towards the viewer against
 /// z-fighting with the surface. Per vertex: position in B (mm); place across the ribbon (−1 … 1), brightness (0 or 1).
 GlMesh line_ribbons(const Gl& gl, const std::vector<SurfaceLine>& lines, const Camera& camera, double width_px) {
@@ -77,11 +68,12 @@ GlMesh line_ribbons(const Gl& gl, const std::vector<SurfaceLine>& lines, const C
       const Vec3 eye = camera.eye_from_bone * line.points_mm[i];
       const Vec3 before = camera.eye_from_bone * line.points_mm[(i + count - 1) % count];
       const Vec3 after = camera.eye_from_bone * line.points_mm[(i + 1) % count];
-      const Vec3 view = view_at(camera, eye);
+      const Vec3 view = camera.towards_viewer(eye);
       const Vec3 side = (after - before).cross(view).normalized();  // 0 where the line points at the viewer
       for (const double across : {-1.0, 1.0}) {
         const Vec3 corner =
-            bone_from_eye * (eye + across * 0.5 * width_px * mm_per_px_at(camera, eye) * side + kLineLift_mm * view);
+            bone_from_eye *
+            (eye + across * 0.5 * width_px * camera.mm_per_px * camera.depth_ratio(eye) * side + kLineLift_mm * view);
         for (const double value : corner) vertices.push_back(static_cast<float>(value));
         vertices.push_back(static_cast<float>(across));
         vertices.push_back(line.light ? 1.0F : 0.0F);
@@ -158,7 +150,7 @@ bool may_be_visible(const TileBounds& bounds, const Camera& camera) {
   return !faces_away(bounds, camera);
 }
 
-Scene::Scene(const Gl& gl, const std::vector<ToolSurface>& tools)
+Scene::Scene(const Gl& gl)
     : gl_(gl),
       background_program_(program_of(gl, "background", embedded::shader_background)),
       bone_program_(program_of(gl, "bone", embedded::shader_bone)),
@@ -168,10 +160,10 @@ Scene::Scene(const Gl& gl, const std::vector<ToolSurface>& tools)
       tool_cut_program_(program_of(gl, "tool_cut", embedded::shader_tool_cut)),
       depth_colors_(color_texture(gl, reamsim::depth_colors())),
       density_colors_(color_texture(gl, reamsim::density_colors())),
-      empty_array_(gl.GenVertexArrays, gl.DeleteVertexArrays) {
-  for (const ToolSurface& tool : tools) {
-    tools_.emplace_back(gl, tool.vertices, ToolSurface::kAttributeSizes, tool.indices);
-  }
+      empty_array_(gl.GenVertexArrays, gl.DeleteVertexArrays) {}
+
+void Scene::add_tool(const ToolSurface& tool) {
+  tools_.emplace_back(gl_, tool.vertices, ToolSurface::kAttributeSizes, tool.indices);
 }
 
 void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed) {

@@ -71,8 +71,10 @@ struct DrawCall {
 class Scene {
  public:
   /// Throws RunError when a shader does not compile.
-  Scene(const Gl& gl, const std::vector<ToolSurface>& tools);
+  explicit Scene(const Gl& gl);
 
+  /// The tool of the next pass.
+  void add_tool(const ToolSurface& tool);
   /// Uploads the changed tiles of the bone.
   void set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed);
   /// The picture without labels, of the camera's size. Throws RunError when that is too large.

@@ -8,6 +8,7 @@
 #include "sim/base/error.h"
 
 namespace reamsim {
+
 Canvas::Canvas(PixelImage& image)
     : surface_(
           cairo_image_surface_create_for_data(reinterpret_cast<unsigned char*>(image.pixels.data()),
@@ -31,8 +32,23 @@ void Canvas::fill_panel(const Box& box, double radius, const Rgba& color) const 
   cairo_arc(get(), box.x + radius, box.y + box.height - radius, radius, kQuarter, 2 * kQuarter);
   cairo_arc(get(), box.x + radius, box.y + radius, radius, 2 * kQuarter, 3 * kQuarter);
   cairo_close_path(get());
+  fill(color);
+}
+
+void Canvas::fill(const Rgba& color) const {
   set_color(color);
   cairo_fill(get());
+}
+
+void Canvas::stroke_halo(const Rgba& color, double width_px) const {
+  set_color(color);
+  cairo_set_line_width(get(), width_px);
+  cairo_stroke_preserve(get());
+}
+
+void Canvas::stroke(const Rgba& color, double width_px) const {
+  stroke_halo(color, width_px);
+  cairo_new_path(get());
 }
 
 void Canvas::check() const {

@@ -37,6 +37,11 @@ class Canvas {
   void set_color(const Rgba& color) const { cairo_set_source_rgba(get(), color.r, color.g, color.b, color.a); }
   /// Fills a panel with round corners, as a background for text.
   void fill_panel(const Box& box, double radius, const Rgba& color = kPanelColor) const;
+  /// Fill or stroke the path, and keep colour and width.
+  void fill(const Rgba& color) const;
+  void stroke(const Rgba& color, double width_px) const;
+  /// Strokes the path before it is drawn again, narrower or filled.
+  void stroke_halo(const Rgba& color, double width_px) const;
   void line(const Vec2& from, const Vec2& to) const;
   /// Appends a closed polygon of its own to the path.
   void trace(const std::vector<Vec2>& points) const;

@@ -12,8 +12,7 @@
 namespace reamsim {
 namespace {
 
-constexpr double kHalfTitle = 27;  // pixels of a page 1080 high
-constexpr double kHalfHead = 56;
+constexpr double kHalfTitle = 27, kHalfHead = 56;  // pixels of a page 1080 high
 
 /// The gap between the halves; it absorbs an odd width.
 int gap_px(int width_px) {
@@ -45,15 +44,9 @@ void draw_half_title(PixelImage& image, const PageLayout& page, const std::strin
 
 constexpr std::size_t kMaxFrames = 20;
 constexpr std::uint32_t kPage_rgb = 0xf4f6f9;
-/// Limits of a cell's width over height.
-constexpr double kMaxAspect = 1.6;
-constexpr double kMinAspect = 0.8;
-// Margins around the cells, pixels of a page 1080 high and at least 1440 wide.
-constexpr double kMargin = 24;
-constexpr double kGap = 8;
-constexpr double kCaption = 20;
-/// Lower cells have no caption, because it would be illegible.
-constexpr int kMinCaptioned_px = 80;
+constexpr double kMinAspect = 0.8, kMaxAspect = 1.6;     // of a cell: width over height
+constexpr double kMargin = 24, kGap = 8, kCaption = 20;  // pixels of a page 1080 high and at least 1440 wide
+constexpr int kMinCaptioned_px = 80;                     // captions of lower cells would be illegible
 
 SheetGrid grid_of(const RunView& view) {
   const auto cells = static_cast<int>(ContactSheet::frames_on(view).size());
@@ -101,10 +94,8 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px) {
     height = std::min(height, width / kMinAspect);
     if (width * height <= largest) continue;
     largest = width * height;
-    best.columns = columns;
-    best.rows = rows;
-    best.cell_width_px = std::max(1, static_cast<int>(width));
-    best.cell_height_px = std::max(1, static_cast<int>(height));
+    best = {cells, columns,    rows, std::max(1, static_cast<int>(width)), std::max(1, static_cast<int>(height)),
+            area,  best.gap_px};
   }
   return best;
 }
@@ -136,8 +127,7 @@ void ContactSheet::add(PixelImage cell, const ForceRow& row) {
     text.draw(16 * u, 12 * u);
     canvas.finish();
   }
-  const int column = done_ % grid_.columns;
-  const int line = done_ / grid_.columns;
+  const int column = done_ % grid_.columns, line = done_ / grid_.columns;
   page_.paste(cell, static_cast<int>(grid_.area.x) + column * (grid_.cell_width_px + grid_.gap_px),
               static_cast<int>(grid_.area.y) + line * (grid_.cell_height_px + grid_.gap_px));
   if (done_++ == 0) first_s_ = row.time_s;
@@ -160,11 +150,11 @@ std::string ContactSheet::title() const {
     hidden.push_back(span(std::max(last_s_, last->time_s), rows.back().time_s));
     std::erase(hidden, "");
   }
-  std::string text;
+  std::string text = hidden.empty() ? "" : "; without contact, not shown: ";
   for (std::size_t i = 0; i < hidden.size(); ++i) {
-    text += (i == 0 ? " " : i + 1 < hidden.size() ? ", " : hidden.size() > 2 ? ", and " : " and ") + hidden[i];
+    text += (i == 0 ? "" : i + 1 < hidden.size() ? ", " : i > 1 ? ", and " : " and ") + hidden[i];
   }
-  return "Time and tool depth" + (text.empty() ? "" : "; without contact, not shown:" + text);
+  return "Time and tool depth" + text;
 }
 
 PixelImage ContactSheet::finish() {

@@ -24,31 +24,25 @@ constexpr int kMinKnown = 4;             // columns for a plane
 constexpr double kRidge = 1e-3;          // of the weight; keeps the fit to few columns defined
 constexpr double kLeastMargin = 0.1;     // of the spacing: the least value below zero outside the rim
 
-/// Weights of the columns around one.
-struct Window {
-  Window(double sigma, int reach_columns) : reach(reach_columns), weights(gaussian(sigma, reach_columns)) {}
-
-  int reach;
-  std::vector<double> weights;
-};
-
-/// The fit's value in the middle of a window, and the number of its known columns. 3 terms: a plane; 6: a quadratic.
+/// The fit's value in the middle of a window with these weights along each axis, and the number of its known columns. 3
+/// terms: a plane; 6: a quadratic.
 template <int Terms>
-std::pair<double, int> fit_in(const RasterField& field, const std::vector<std::uint8_t>& known, const Window& window,
-                              std::size_t own) {
+std::pair<double, int> fit_in(const RasterField& field, const std::vector<std::uint8_t>& known,
+                              const std::vector<double>& weights, std::size_t own) {
+  const int reach = static_cast<int>(weights.size()) / 2;
   using Basis = Eigen::Matrix<double, Terms, 1>;
   Eigen::Matrix<double, Terms, Terms> normal = Eigen::Matrix<double, Terms, Terms>::Zero();
   Basis right = Basis::Zero();
   int count = 0;
   const int i = field.raster.column(own), j = field.raster.row(own);
-  field.raster.for_each_near(own, window.reach, [&](std::size_t n) {
+  field.raster.for_each_near(own, reach, [&](std::size_t n) {
     if (known[n] == 0) return;
     const int di = field.raster.column(n) - i, dj = field.raster.row(n) - j;
     // Against the bias of a quadratic that spans a rim and the level face beside it (a bilateral filter).
     const double away = known[own] != 0 ? (field.values[n] - field.values[own]) / kValueSigma : 0;
-    const double weight = window.weights[static_cast<std::size_t>(di + window.reach)] *
-                          window.weights[static_cast<std::size_t>(dj + window.reach)] * std::exp(-0.5 * away * away);
-    const double x = static_cast<double>(di) / window.reach, y = static_cast<double>(dj) / window.reach;
+    const double weight = weights[static_cast<std::size_t>(di + reach)] *
+                          weights[static_cast<std::size_t>(dj + reach)] * std::exp(-0.5 * away * away);
+    const double x = static_cast<double>(di) / reach, y = static_cast<double>(dj) / reach;
     Basis basis;
     if constexpr (Terms == 3) {
       basis << 1, x, y;
@@ -168,21 +162,12 @@ std::vector<Vec2> resampled(const std::vector<Vec2>& loop, std::size_t count) {
 
 /// The Gaussian mean along the loop.
 std::vector<Vec2> mean_along(const std::vector<Vec2>& loop, double sigma_points) {
-  const auto count = static_cast<std::ptrdiff_t>(loop.size());
-  const auto reach = std::min(static_cast<std::ptrdiff_t>(std::ceil(3 * sigma_points)), (count - 1) / 2);
-  std::vector<double> weights;
-  double total = 0;
-  for (std::ptrdiff_t n = -reach; n <= reach; ++n) {
-    const double off = static_cast<double>(n) / sigma_points;
-    weights.push_back(std::exp(-0.5 * off * off));
-    total += weights.back();
-  }
-  std::vector<Vec2> out(loop.size(), Vec2::Zero());
-  for (std::ptrdiff_t i = 0; i < count; ++i) {
-    for (std::ptrdiff_t n = -reach; n <= reach; ++n) {
-      out[static_cast<std::size_t>(i)] += weights[static_cast<std::size_t>(n + reach)] / total *
-                                          loop[static_cast<std::size_t>((i + n + count) % count)];
-    }
+  const std::size_t count = loop.size();
+  const std::size_t reach = std::min(static_cast<std::size_t>(std::ceil(3 * sigma_points)), (count - 1) / 2);
+  const std::vector<double> weights = gaussian_weights(sigma_points, static_cast<int>(reach));
+  std::vector<Vec2> out(count, Vec2::Zero());
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t k = 0; k < weights.size(); ++k) out[i] += weights[k] * loop[(i + count + k - reach) % count];
   }
   return out;
 }
@@ -216,8 +201,8 @@ double RasterField::at(const Vec2& place_mm) const {
 
 RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known) {
   const double sigma = std::max(kLeastSigma, kWeightSigma_mm / field.spacing_mm);
-  const Window inside(sigma, std::min(kMaxReach, static_cast<int>(std::ceil(2.2 * sigma))));
-  const Window outside(kOutsideSigma, kOutsideReach);
+  const auto inside = gaussian(sigma, std::min(kMaxReach, static_cast<int>(std::ceil(2.2 * sigma))));
+  const auto outside = gaussian(kOutsideSigma, kOutsideReach);
   RasterField out = field;
   parallel_items(known.size(), [&](std::size_t n) {
     const auto [value, count] =
@@ -233,14 +218,10 @@ RasterField signed_depth(const RasterField& depth_mm, const std::vector<std::uin
   const double far_mm = kOutsideReach * depth_mm.spacing_mm;
   for (std::size_t n = 0; n < out.values.size(); ++n) {
     double& value = out.values[n];
-    if (reamed[n] != 0) {
-      value = std::max(value, margin_mm);
-    } else if (!std::isnan(value)) {
-      // At a wall the plane is still above zero beyond the rim. Mirrored, it passes zero between the two columns.
-      value = -std::clamp(std::abs(value), margin_mm, far_mm);
-    } else {
-      value = -far_mm;
-    }
+    // At a wall the plane is still above zero beyond the rim. Mirrored, it passes zero between the two columns.
+    value = reamed[n] != 0      ? std::max(value, margin_mm)
+            : std::isnan(value) ? -far_mm
+                                : -std::clamp(std::abs(value), margin_mm, far_mm);
   }
   return out;
 }

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/pictures/page_layout.h"
+#include "render/pictures/overlay.h"
 #include "sim/base/geometry.h"
 
 namespace reamsim {
@@ -47,14 +47,12 @@ struct RasterField {
   [[nodiscard]] double at(const Vec2& place_mm) const;
 };
 
-/// Smooths values by local least squares with Gaussian weights (Cleveland and Devlin 1988,
-/// doi:10.1080/01621459.1988.10478639): a quadratic in each known column, which unlike a mean has no bias where the
-/// values slope or end, with lower weights for values (mm) that differ, and a plane through the nearest known columns
-/// in each other column at most a few columns away; NaN beyond.
+/// Smooths values (mm) by local least squares with Gaussian weights (Cleveland and Devlin 1988,
+/// doi:10.1080/01621459.1988.10478639): a quadratic in each known column, which has no bias where the values slope or
+/// end; a plane in others at most a few columns away; NaN beyond.
 RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known);
 
-/// The depth of reamed columns, smoothed, with a negative value in all others, so that it passes zero at the rim and
-/// each contour of a value ≥ 0 is closed. `depth_mm` is used where `reamed` is 1.
+/// The smoothed depth of reamed columns, with negative values in all others, so that contours of values ≥ 0 are closed.
 RasterField signed_depth(const RasterField& depth_mm, const std::vector<std::uint8_t>& reamed);
 
 /// A closed line on which a field has one value; the field is greater on its left.
@@ -65,8 +63,7 @@ struct ContourLine {
   [[nodiscard]] double length_mm() const;
 };
 
-/// All lines of one value: marching squares, then smoothed along the line. The raster counts as surrounded by lower
-/// values, so that every line is closed.
+/// All lines of one value: marching squares, then smoothed along the line. Lower values surround the raster.
 std::vector<ContourLine> contour_lines(const RasterField& field, double value);
 
 /// The lines at the ticks of a legend above 0, ascending, without rings as short as those around a cannula's core.

@@ -31,7 +31,7 @@ double least_step(std::vector<double> values) {
   return least;
 }
 
-constexpr int kBlurReach = 5;
+constexpr int kBlurReach = 5;            // cells
 constexpr double kBlurSigma = 1.6;       // cells
 constexpr std::size_t kLargePatch = 40;  // cells; larger patches survive the blur
 constexpr int kPatchHalo = 2;            // cells around a patch that are raised with it
@@ -41,31 +41,31 @@ constexpr double kKeptFraction = 0.52;   // least fraction of the limit in a cel
 std::vector<double> blurred(const Raster& raster, const std::vector<double>& values, int step_i, int step_j) {
   const std::vector<double> weights = gaussian_weights(kBlurSigma, kBlurReach);
   std::vector<double> out(values.size(), 0.0);
-  for (int j = 0; j < raster.ny; ++j) {
-    for (int i = 0; i < raster.nx; ++i) {
-      for (int n = -kBlurReach; n <= kBlurReach; ++n) {
-        const int a = i + n * step_i, b = j + n * step_j;
-        if (!raster.contains(a, b)) continue;
-        out[raster.index(i, j)] += weights[static_cast<std::size_t>(n + kBlurReach)] * values[raster.index(a, b)];
-      }
+  for (std::size_t cell = 0; cell < values.size(); ++cell) {
+    for (int n = -kBlurReach; n <= kBlurReach; ++n) {
+      const int i = raster.column(cell) + n * step_i, j = raster.row(cell) + n * step_j;
+      if (!raster.contains(i, j)) continue;
+      out[cell] += weights[static_cast<std::size_t>(n + kBlurReach)] * values[raster.index(i, j)];
     }
   }
   return out;
 }
 
-/// The connected cells of equal value around a cell.
-std::vector<std::size_t> patch_of(const Raster& raster, const std::vector<std::uint8_t>& mask, std::size_t first,
-                                  std::vector<std::uint8_t>& seen) {
-  std::vector<std::size_t> patch{first};
-  seen[first] = 1;
+/// Extends a patch by all cells that belong to it and are connected with it. take(cell): whether a cell belongs to the
+/// patch and has not been taken before.
+template <class Take>
+void flood(const Raster& raster, std::vector<std::size_t>& patch, const Take& take) {
   for (std::size_t k = 0; k < patch.size(); ++k) {
     raster.for_each_near(patch[k], 1, [&](std::size_t cell) {
-      if (seen[cell] != 0 || mask[cell] != mask[first]) return;
-      seen[cell] = 1;
-      patch.push_back(cell);
+      if (take(cell)) patch.push_back(cell);
     });
   }
-  return patch;
+}
+
+/// Whether a cell is less than `reach` cells from the border of the raster.
+bool near_border(const Raster& raster, std::size_t cell, int reach) {
+  const int i = raster.column(cell), j = raster.row(cell);
+  return !raster.contains(i - reach, j - reach) || !raster.contains(i + reach, j + reach);
 }
 
 /// Raises the values in and around a patch until its cells are on their own side of the contour.
@@ -96,15 +96,14 @@ std::vector<double> smoothed_mask(const Raster& raster, const std::vector<std::u
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::min(values[i], limit[i]);
   std::vector<std::uint8_t> seen(mask.size(), 0);
   for (std::size_t first = 0; first < mask.size(); ++first) {
-    if (seen[first] != 0) continue;
-    const std::vector<std::size_t> patch = patch_of(raster, mask, first, seen);
+    if (std::exchange(seen[first], 1) != 0) continue;
+    std::vector<std::size_t> patch{first};
+    flood(raster, patch,
+          [&](std::size_t cell) { return mask[cell] == mask[first] && std::exchange(seen[cell], 1) == 0; });
     const bool inside = mask[first] != 0;
-    const auto at_border = [&](std::size_t cell) {
-      return !raster.contains(raster.column(cell) - 1, raster.row(cell) - 1) ||
-             !raster.contains(raster.column(cell) + 1, raster.row(cell) + 1);
-    };
     // A patch of zeros at the border continues beyond it, where all is 0.
-    const bool open = !inside && std::ranges::any_of(patch, at_border);
+    const bool open =
+        !inside && std::ranges::any_of(patch, [&](std::size_t cell) { return near_border(raster, cell, 1); });
     if (patch.size() < kLargePatch && !open) raise_patch(raster, inside, patch, limit, values);
   }
   return values;
@@ -167,22 +166,14 @@ void DepthField::exclude_rim_from_holes() {
   for (std::size_t n = 0; n < bone_.size(); ++n) {
     if (perforated_[n] == 0) continue;
     const double below_mm = before_mm_[n] - depth_.values[n] - spacing_mm();
-    const int i = raster.column(n), j = raster.row(n);
-    bool near_edge =
-        !raster.contains(i - kEdgeColumns, j - kEdgeColumns) || !raster.contains(i + kEdgeColumns, j + kEdgeColumns);
+    bool near_edge = near_border(raster, n, kEdgeColumns);
     raster.for_each_near(n, kEdgeColumns, [&](std::size_t k) {
       near_edge |= bone_[k] == 0 || (reamed_[k] == 0 && before_mm_[k] < below_mm);
     });
     if (near_edge) rim.push_back(n);
   }
   for (const std::size_t n : rim) perforated_[n] = 0;
-  for (std::size_t k = 0; k < rim.size(); ++k) {
-    raster.for_each_near(rim[k], 1, [&](std::size_t n) {
-      if (perforated_[n] == 0) return;
-      perforated_[n] = 0;
-      rim.push_back(n);
-    });
-  }
+  flood(raster, rim, [&](std::size_t n) { return std::exchange(perforated_[n], 0) != 0; });
 }
 
 /// Extends the depth by the mean of the nearest reamed columns to where the smoothed outline may reach.
@@ -220,8 +211,7 @@ std::vector<ContourLine> DepthField::reamed_outlines() const {
 }
 
 void DepthField::compute_totals() {
-  double sum_mm = 0;
-  double columns = 0;
+  double sum_mm = 0, columns = 0;
   for (std::size_t n = 0; n < bone_.size(); ++n) {
     if (reamed_[n] == 0) continue;
     deepest_mm_ = std::max(deepest_mm_, depth_.values[n]);

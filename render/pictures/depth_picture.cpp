@@ -19,18 +19,14 @@
 namespace reamsim {
 namespace {
 
-constexpr int kWidth_px = 1600;
-constexpr int kHeight_px = 1080;
-/// The fraction of the view that the map may fill.
-constexpr double kMapFraction = 0.95;
-/// Samples per pixel along each axis.
-constexpr int kMapSamples = 2;
+constexpr int kWidth_px = 1600, kHeight_px = 1080;
+constexpr double kMapFraction = 0.95;  // of the view, at most
+constexpr int kMapSamples = 2;         // per pixel along each axis
 
 using Rgb = Eigen::Vector3d;
+using Outlines = std::vector<std::vector<Vec2>>;  ///< pixels
 
-const Rgb kPaperRgb(0.984, 0.984, 0.988);
-const Rgb kBoneRgb(0.90, 0.87, 0.82);
-const Rgb kHoleRgb(0.75, 0.10, 0.12);
+const Rgb kPaperRgb(0.984, 0.984, 0.988), kBoneRgb(0.90, 0.87, 0.82), kHoleRgb(0.75, 0.10, 0.12);
 
 /// The view along −z of the map.
 Camera map_camera(const DepthField& field, const PageLayout& page) {
@@ -42,9 +38,11 @@ Camera map_camera(const DepthField& field, const PageLayout& page) {
   return camera;
 }
 
-std::vector<Vec2> pixels_of(const Camera& camera, const ContourLine& line) {
-  std::vector<Vec2> out;
-  for (const Vec2& p : line.points_mm) out.push_back(camera.pixel({p.x(), p.y(), 0}));
+Outlines outlines_px(const Camera& camera, const std::vector<ContourLine>& lines) {
+  Outlines out(lines.size());
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    for (const Vec2& p : lines[i].points_mm) out[i].push_back(camera.pixel({p.x(), p.y(), 0}));
+  }
   return out;
 }
 
@@ -65,7 +63,8 @@ class DepthPainter {
   [[nodiscard]] PixelImage paint() const {
     PixelImage page = plain_image(camera_.width_px, camera_.height_px, packed(kPaperRgb));
     const Canvas canvas(page);
-    const Outlines bone = outlines_px(field_.bone_outlines()), reamed = outlines_px(field_.reamed_outlines());
+    const Outlines bone = outlines_px(camera_, field_.bone_outlines());
+    const Outlines reamed = outlines_px(camera_, field_.reamed_outlines());
     fill(canvas, bone, image_of(bone, [&](const Along& x, const Along& y) { return bone_color(x, y); }));
     cairo_save(canvas.get());
     for (const auto& outline : bone) canvas.trace(outline);
@@ -78,11 +77,6 @@ class DepthPainter {
 
  private:
   using Along = DepthField::Along;
-  using Outlines = std::vector<std::vector<Vec2>>;  ///< pixels
-  /// Pixels of a row, from first to last − 1.
-  struct Span {
-    int first, last;
-  };
 
   /// The middle of the n-th sample along an axis of the picture.
   static double sample_px(int n) {
@@ -90,38 +84,22 @@ class DepthPainter {
     return pixel + (n % kMapSamples + 0.5) / kMapSamples;
   }
 
-  [[nodiscard]] Outlines outlines_px(const std::vector<ContourLine>& lines) const {
-    Outlines out;
-    for (const ContourLine& line : lines) out.push_back(pixels_of(camera_, line));
-    return out;
-  }
-
-  /// For each row of pixels those that lie within outlines, with a margin of a pixel for smooth edges.
-  [[nodiscard]] std::vector<Span> spans_of(const Outlines& outlines) const {
-    std::vector<Span> spans(static_cast<std::size_t>(camera_.height_px), {camera_.width_px, 0});
-    for (const std::vector<Vec2>& points : outlines) {
-      for (std::size_t n = 0; n < points.size(); ++n) {
-        const Vec2 &a = points[n], &b = points[(n + 1) % points.size()];
-        const Vec2 low = a.cwiseMin(b).array().floor() - 1, high = a.cwiseMax(b).array().floor() + 2;
-        const auto last_row = static_cast<int>(std::min(high.y(), 1.0 * camera_.height_px));
-        for (int row = static_cast<int>(std::max(low.y(), 0.0)); row < last_row; ++row) {
-          Span& span = spans[static_cast<std::size_t>(row)];
-          span.first = std::max(0, std::min(span.first, static_cast<int>(low.x())));
-          span.last = std::min(camera_.width_px, std::max(span.last, static_cast<int>(high.x())));
-        }
-      }
-    }
-    return spans;
-  }
-
-  /// A layer of the map within outlines: the mean colour of the samples of each pixel.
+  /// A layer of the map in the box of outlines, with a margin of a pixel for smooth edges: the mean colour of the
+  /// samples of each pixel.
   template <class Color>
   [[nodiscard]] PixelImage image_of(const Outlines& outlines, const Color& color) const {
     PixelImage image = plain_image(camera_.width_px, camera_.height_px, 0);
-    const std::vector<Span> spans = spans_of(outlines);
-    parallel_items(spans.size(), [&](std::size_t y) {
-      for (int column = spans[y].first; column < spans[y].last; ++column) {
-        const auto x = static_cast<std::size_t>(column);
+    Eigen::AlignedBox2d box;
+    for (const auto& outline : outlines) {
+      for (const Vec2& p : outline) box.extend(p);
+    }
+    const Vec2 picture(camera_.width_px, camera_.height_px);
+    using Pixel = Eigen::Matrix<std::size_t, 2, 1>;
+    const Pixel first = (box.min().array() - 1).max(0).min(picture.array()).matrix().cast<std::size_t>();
+    const Pixel end = (box.max().array() + 2).min(picture.array()).max(0).matrix().cast<std::size_t>();
+    parallel_items(end.y(), [&](std::size_t y) {
+      if (y < first.y()) return;
+      for (std::size_t x = first.x(); x < end.x(); ++x) {
         Rgb sum = Rgb::Zero();
         for (std::size_t n = 0; n < std::size_t{kMapSamples} * kMapSamples; ++n) {
           sum += color(columns_[kMapSamples * x + n % kMapSamples], rows_[kMapSamples * y + n / kMapSamples]);
@@ -172,7 +150,7 @@ std::vector<SeenContour> map_contours(const DepthField& field, const Camera& cam
   std::vector<SeenContour> out;
   for (const ContourLine& line : depth_contours(field.signed_depth_mm(), scale)) {
     SeenContour& seen = out.emplace_back(contour_style(line.value, scale));
-    seen.points_px = pixels_of(camera, line);
+    seen.points_px = outlines_px(camera, {line}).front();
     seen.visible.assign(seen.points_px.size(), true);
   }
   return out;

@@ -3,6 +3,7 @@
 
 #include "render/pictures/overlay.h"
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,12 +15,23 @@ namespace reamsim {
 namespace {
 
 // Lengths in pixels of a picture 1080 high.
+constexpr double kColumn = 388;
+constexpr double kPageMargin = 24;
+constexpr double kTitleLine = 46;
+constexpr double kLegendTop = 524;  // of the colour bar, below its title: six values fit above
+constexpr double kLegendMax = 420;
+constexpr double kSecondLegend = 0.54;  // of the labels' width
+constexpr double kBarWidth = 34;
+constexpr double kFoot = 266;  // directions and scale bar
+constexpr double kScaleBar = 10;
 constexpr double kTitle = 27;
 constexpr double kValue = 28;
 constexpr double kName = 22;     // of values, legends and directions
 constexpr double kValueGap = 9;  // between values
 constexpr double kReach = 56;    // of the arrows of directions
 constexpr Rgba kLineColor{0.78, 0.80, 0.83, 1};
+/// Tolerance for rounding, so that 0.1 · 30 counts as 3.
+constexpr double kScaleTolerance = 1e-9;
 
 /// Draws title and values, one below the other.
 void draw_values(const Canvas& canvas, const PageLayout& layout, const Labels& labels) {
@@ -55,10 +67,8 @@ void draw_legend(const Canvas& canvas, double u, const Legend& legend, const Box
     cairo_rectangle(c, bar.x, bar.y + row, bar.width, std::min(2.0, bar.height - row));
     cairo_fill(c);
   }
-  canvas.set_color(kTextColor);
-  cairo_set_line_width(c, std::max(1.0, 1.5 * u));
   cairo_rectangle(c, bar.x, bar.y, bar.width, bar.height);
-  cairo_stroke(c);
+  canvas.stroke(kTextColor, std::max(1.0, 1.5 * u));
   for (int tick = 0; tick < legend.scale.ticks(); ++tick) {
     const double y = bar.y + bar.height * (1 - tick * legend.scale.step / legend.scale.max);
     canvas.line({bar.x + bar.width, y}, {bar.x + bar.width + 8 * u, y});
@@ -71,9 +81,8 @@ void draw_scale_bar(const Canvas& canvas, const PageLayout& layout, const Camera
   const auto [bar, length_mm] = layout.scale_bar(camera, fraction);
   const Scale exact{length_mm, length_mm};
   const TextLine text(canvas, exact.label(1) + (camera.eye_mm ? " mm at target" : " mm"), kName * layout.unit);
-  canvas.set_color(kTextColor);
   cairo_rectangle(canvas.get(), bar.x, bar.y, bar.width, bar.height);
-  cairo_fill(canvas.get());
+  canvas.fill(kTextColor);
   text.draw(bar.x + std::max(0.0, 0.5 * (bar.width - text.width)), bar.y - text.height - 6 * layout.unit);
 }
 
@@ -112,24 +121,20 @@ void draw_ground(const Canvas& canvas, const PageLayout& layout, Background back
   canvas.line({x, 0}, {x, box.height});
 }
 
-constexpr double kText = 24;        // pixels of a picture 1080 high, as all lengths
+constexpr double kText = 24;
 constexpr double kMaxArrow = 0.22;  // of the view's width
 constexpr Rgba kForceColor{0.75, 0.10, 0.20, 1};
 
-/// An arrow with a light outline, visible on bone and steel. Lengths in pixels.
+/// An arrow with a light outline, visible on bone and steel.
 void stroke_arrow(const Canvas& canvas, const Vec2& from, const Vec2& to, double width) {
-  cairo_t* c = canvas.get();
   const Vec2 way = (to - from).normalized();
   const Vec2 side(-way.y(), way.x());
   const Vec2 neck = to - std::min(4.2 * width, (to - from).norm()) * way;
   canvas.trace({from + 0.5 * width * side, neck + 0.5 * width * side, neck + 1.6 * width * side, to,
                 neck - 1.6 * width * side, neck - 0.5 * width * side, from - 0.5 * width * side});
-  canvas.set_color({1, 1, 1, 0.9});
-  cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
-  cairo_set_line_width(c, 0.55 * width);
-  cairo_stroke_preserve(c);
-  canvas.set_color(kForceColor);
-  cairo_fill(c);
+  cairo_set_line_join(canvas.get(), CAIRO_LINE_JOIN_ROUND);
+  canvas.stroke_halo({1, 1, 1, 0.9}, 0.55 * width);
+  canvas.fill(kForceColor);
 }
 
 /// The text of a force beyond the tip of its arrow, within the view.
@@ -157,22 +162,17 @@ void draw_force(const Canvas& canvas, const Camera& camera, double u, const Forc
 
 void stroke_outline(const Canvas& canvas, const Camera& camera, double u, const std::vector<Vec3>& outline_mm) {
   if (outline_mm.empty()) return;
-  cairo_t* c = canvas.get();
   std::vector<Vec2> points;
   for (const Vec3& point : outline_mm) points.push_back(camera.pixel(point));
   canvas.trace(points);
-  canvas.set_color({1, 1, 1, 0.7});
-  cairo_set_line_width(c, std::max(2.0, 5 * u));
-  cairo_stroke_preserve(c);
-  canvas.set_color({0.15, 0.25, 0.40, 1});
-  cairo_set_line_width(c, std::max(1.0, 2.4 * u));
+  canvas.stroke_halo({1, 1, 1, 0.7}, std::max(2.0, 5 * u));
   const double dashes[] = {12 * u, 8 * u};
-  cairo_set_dash(c, dashes, 2, 0);
-  cairo_stroke(c);
-  cairo_set_dash(c, nullptr, 0, 0);
+  cairo_set_dash(canvas.get(), dashes, 2, 0);
+  canvas.stroke({0.15, 0.25, 0.40, 1}, std::max(1.0, 2.4 * u));
+  cairo_set_dash(canvas.get(), nullptr, 0, 0);
 }
 
-constexpr double kTextHeight = 19;   // pixels of a picture 1080 high
+constexpr double kTextHeight = 19;
 constexpr double kCharWidth = 0.62;  // of the height
 constexpr double kLeastRoom = 0.55;  // of the height: the least distance of a number's middle from other lines
 constexpr double kWantedRoom = 2;    // of the height: more room is no better
@@ -180,18 +180,6 @@ constexpr double kDarkBelow = 0.5;   // luminance of the colours below which a l
 const Rgba kLightLine{1, 1, 1, kContourOpacity};
 const Rgba kDarkLine{0.05, 0.07, 0.10, kContourOpacity};
 constexpr Rgba kHalo{1, 1, 1, 0.85};
-
-Box around(const Vec2& middle, double width, double height) {
-  return {middle.x() - 0.5 * width, middle.y() - 0.5 * height, width, height};
-}
-
-bool overlap(const Box& a, const Box& b) {
-  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
-}
-
-Vec2 middle_of(const Box& box) {
-  return {box.x + 0.5 * box.width, box.y + 0.5 * box.height};
-}
 
 /// Is a contour visible as far as its number reaches to both sides of one of its points?
 bool visible_around(const SeenContour& contour, std::size_t point, double reach_px) {
@@ -218,11 +206,78 @@ double room_at(const Vec2& place, const std::vector<SeenContour>& contours, std:
   return std::sqrt(least);
 }
 
-bool inside(const Box& box, const Camera& camera) {
-  return box.x >= 0 && box.y >= 0 && box.x + box.width <= camera.width_px && box.y + box.height <= camera.height_px;
+}  // namespace
+
+double picture_unit(int width_px, int height_px) {
+  return std::min(height_px / 1080.0, width_px / 1440.0);
 }
 
-}  // namespace
+PageLayout page_layout(int width_px, int height_px) {
+  const double unit = picture_unit(width_px, height_px);
+  const bool labelled = std::min(width_px, height_px) >= kMinLabelled_px;
+  const int column_px = labelled ? static_cast<int>(std::lround(kColumn * unit)) : 0;
+  return {width_px, height_px, width_px - column_px, unit};
+}
+
+Box PageLayout::labels() const {
+  const double margin = kPageMargin * unit;
+  return {view_width_px + margin, margin, width_px - view_width_px - 2 * margin, height_px - 2 * margin};
+}
+
+double PageLayout::values_y() const {
+  return labels().y + kTitleLine * unit;
+}
+
+Box PageLayout::legend_bar(int index) const {
+  const Box box = labels();
+  const double height = std::min(kLegendMax * unit, height_px - (kLegendTop + kFoot) * unit);
+  return {box.x + index * kSecondLegend * box.width, kLegendTop * unit, kBarWidth * unit, height};
+}
+
+Vec2 PageLayout::directions_px() const {
+  const Box box = labels();
+  return {box.x + 0.5 * box.width, height_px - 150 * unit};
+}
+
+std::pair<Box, double> PageLayout::scale_bar(const Camera& camera, double fraction) const {
+  const Box box = labels();
+  const double length_mm = round_down(camera.mm_per_px * std::min(fraction * view_width_px, box.width));
+  const double height = kScaleBar * unit;
+  return {{box.x, box.y + box.height - height, length_mm / camera.mm_per_px, height}, length_mm};
+}
+
+double round_down(double value) {
+  const double decade = std::pow(10.0, std::floor(std::log10(value) + kScaleTolerance));
+  const double lead = value / decade;
+  return decade * (lead >= 5 - kScaleTolerance ? 5 : lead >= 2 - kScaleTolerance ? 2 : 1);
+}
+
+double round_up(double value) {
+  const double below = round_down(value);
+  if (below >= value * (1 - kScaleTolerance)) return below;
+  const double decade = std::pow(10.0, std::floor(std::log10(below) + kScaleTolerance));
+  const double lead = below / decade;
+  return decade * (lead < 1.5 ? 2 : lead < 3 ? 5 : 10);
+}
+
+int Scale::ticks() const {
+  return static_cast<int>(std::floor(max / step + 1e-6)) + 1;
+}
+
+std::string Scale::label(int tick) const {
+  const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - kScaleTolerance)), 0, 6);
+  return fmt::format("{:.{}f}", tick * step, decimals);
+}
+
+Scale scale_up_to(double max) {
+  if (!(max > 0) || !std::isfinite(max)) return {1, 0.2};
+  const double step = round_up(max / 8);
+  return {step * std::ceil(max / step - 1e-6), step};
+}
+
+Scale scale_exactly(double max) {
+  return {max, round_up(max / 8)};
+}
 
 PixelImage blank_page(int width_px, int height_px, Background background) {
   PixelImage page = plain_image(width_px, height_px, background == Background::studio ? kColumnRgb : 0xffffff);
@@ -266,21 +321,23 @@ SeenContour contour_style(double value, const Scale& scale) {
 std::vector<ContourNumber> place_contour_numbers(const std::vector<SeenContour>& contours, const Camera& camera,
                                                  double unit) {
   const double height = kTextHeight * unit;
+  const Eigen::AlignedBox2d view(Vec2(0, 0), Vec2(camera.width_px, camera.height_px));
   std::vector<ContourNumber> out;
   for (std::size_t k = 0; k < contours.size(); ++k) {
     const SeenContour& contour = contours[k];
     const double width = (kCharWidth * static_cast<double>(contour.text.size()) + 0.4) * height;
+    const Vec2 half(0.5 * width, 0.5 * height);
     double best = -1;
-    Box best_box;
+    Eigen::AlignedBox2d best_box;
     for (std::size_t n = 0; n < contour.points_px.size(); ++n) {
       if (!visible_around(contour, n, width)) continue;
-      const Box box = around(contour.points_px[n], width, height);
-      if (!inside(box, camera)) continue;
-      if (std::ranges::any_of(out, [&](const ContourNumber& other) { return overlap(box, other.box); })) continue;
+      const Eigen::AlignedBox2d box(contour.points_px[n] - half, contour.points_px[n] + half);
+      if (!view.contains(box)) continue;
+      if (std::ranges::any_of(out, [&](const ContourNumber& other) { return box.intersects(other.box_px); })) continue;
       const double room = room_at(contour.points_px[n], contours, k);
       if (room < kLeastRoom * height) continue;
       double away = 8 * height;
-      for (const ContourNumber& other : out) away = std::min(away, (middle_of(other.box) - middle_of(box)).norm());
+      for (const ContourNumber& other : out) away = std::min(away, (other.box_px.center() - box.center()).norm());
       const double score = std::min(room, kWantedRoom * height) + 0.25 * away;
       if (score <= best) continue;
       best = score;
@@ -293,13 +350,10 @@ std::vector<ContourNumber> place_contour_numbers(const std::vector<SeenContour>&
 
 void draw_contours(PixelImage& image, double unit, const std::vector<SeenContour>& contours) {
   const Canvas canvas(image);
-  cairo_t* c = canvas.get();
-  cairo_set_line_width(c, std::max(1.0, kContourWidth_px * unit));
-  cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
+  cairo_set_line_join(canvas.get(), CAIRO_LINE_JOIN_ROUND);
   for (const SeenContour& contour : contours) {
-    canvas.set_color(contour.light ? kLightLine : kDarkLine);
     canvas.trace(contour.points_px);
-    cairo_stroke(c);
+    canvas.stroke(contour.light ? kLightLine : kDarkLine, std::max(1.0, kContourWidth_px * unit));
   }
   canvas.finish();
 }
@@ -307,17 +361,13 @@ void draw_contours(PixelImage& image, double unit, const std::vector<SeenContour
 void draw_contour_numbers(PixelImage& image, const Camera& camera, double unit,
                           const std::vector<SeenContour>& contours) {
   const Canvas canvas(image);
-  cairo_t* c = canvas.get();
+  cairo_set_line_join(canvas.get(), CAIRO_LINE_JOIN_ROUND);
   for (const ContourNumber& number : place_contour_numbers(contours, camera, unit)) {
     const TextLine text(canvas, contours[number.contour].text, kTextHeight * 0.92 * unit);
-    const Vec2 middle = middle_of(number.box);
+    const Vec2 middle = number.box_px.center();
     text.trace(middle.x() - 0.5 * text.width, middle.y() - 0.5 * text.height);
-    canvas.set_color(kHalo);
-    cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
-    cairo_set_line_width(c, 5 * unit);
-    cairo_stroke_preserve(c);
-    canvas.set_color(kTextColor);
-    cairo_fill(c);
+    canvas.stroke_halo(kHalo, 5 * unit);
+    canvas.fill(kTextColor);
   }
   canvas.finish();
 }

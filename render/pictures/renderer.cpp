@@ -29,6 +29,7 @@ struct MapVertex {
   double depth_mm;
   double reamed;
 };
+using MapTriangle = std::array<MapVertex, 3>;
 
 /// The face on a raster: the depth and height of its highest point in each column.
 struct FaceRaster {
@@ -37,30 +38,25 @@ struct FaceRaster {
   std::vector<std::uint8_t> reamed;
 };
 
-MapVertex vertex_of(const BoneSurface& tile, std::uint32_t index, const Rigid& map_from_bone) {
-  const float* v = tile.vertices.data() + std::size_t{index} * BoneSurface::kStride;
-  const Vec3 bone = Eigen::Map<const Eigen::Vector3f>{v}.cast<double>();
-  return {map_from_bone * bone, v[BoneSurface::kDepth], v[BoneSurface::kReamed]};
-}
-
-/// Calls visit(three vertices) for each triangle with a reamed corner.
-template <class Visit>
-void for_each_reamed_triangle(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone, const Visit& visit) {
+/// The triangles with a reamed corner.
+std::vector<MapTriangle> reamed_triangles(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone) {
+  std::vector<MapTriangle> out;
   for (const BoneSurface& tile : tiles) {
-    const auto reamed = [&](std::size_t i) {
-      return tile.vertices[tile.indices[i] * BoneSurface::kStride + BoneSurface::kReamed] > kReamedFrom;
+    const auto vertex = [&](std::size_t i) { return tile.vertices.data() + tile.indices[i] * BoneSurface::kStride; };
+    const auto mapped = [&](std::size_t i) -> MapVertex {
+      const Vec3 bone = Eigen::Map<const Eigen::Vector3f>{vertex(i)}.cast<double>();
+      return {map_from_bone * bone, vertex(i)[BoneSurface::kDepth], vertex(i)[BoneSurface::kReamed]};
     };
     for (std::size_t i = 0; i + 2 < tile.indices.size(); i += 3) {
-      if (!reamed(i) && !reamed(i + 1) && !reamed(i + 2)) continue;
-      visit(std::array{vertex_of(tile, tile.indices[i], map_from_bone),
-                       vertex_of(tile, tile.indices[i + 1], map_from_bone),
-                       vertex_of(tile, tile.indices[i + 2], map_from_bone)});
+      const auto reamed = [&](std::size_t k) { return vertex(i + k)[BoneSurface::kReamed] > kReamedFrom; };
+      if (reamed(0) || reamed(1) || reamed(2)) out.push_back({mapped(i), mapped(i + 1), mapped(i + 2)});
     }
   }
+  return out;
 }
 
 /// Enters the columns below a triangle where it is the highest so far.
-void rasterize(const std::array<MapVertex, 3>& t, FaceRaster& face) {
+void rasterize(const MapTriangle& t, FaceRaster& face) {
   const Vec2 a = t[0].place.head<2>(), b = t[1].place.head<2>(), c = t[2].place.head<2>();
   const double twice_area = (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
   if (twice_area <= 1e-12) return;  // seen from below
@@ -85,10 +81,11 @@ void rasterize(const std::array<MapVertex, 3>& t, FaceRaster& face) {
 }
 
 FaceRaster rasterized(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone, double spacing_mm) {
+  const std::vector<MapTriangle> triangles = reamed_triangles(tiles, map_from_bone);
   Eigen::AlignedBox2d bounds;
-  for_each_reamed_triangle(tiles, map_from_bone, [&](const std::array<MapVertex, 3>& triangle) {
+  for (const MapTriangle& triangle : triangles) {
     for (const MapVertex& v : triangle) bounds.extend(Vec2(v.place.head<2>()));
-  });
+  }
   FaceRaster out;
   if (bounds.isEmpty()) return out;
   const double spacing = std::max(spacing_mm, std::sqrt(bounds.volume() / kMaxColumns));
@@ -102,16 +99,8 @@ FaceRaster rasterized(const std::vector<BoneSurface>& tiles, const Rigid& map_fr
   out.height_mm = field;
   out.height_mm.values.assign(field.raster.count(), -std::numeric_limits<double>::infinity());
   out.reamed.assign(field.raster.count(), 0);
-  for_each_reamed_triangle(tiles, map_from_bone,
-                           [&](const std::array<MapVertex, 3>& triangle) { rasterize(triangle, out); });
+  for (const MapTriangle& triangle : triangles) rasterize(triangle, out);
   return out;
-}
-
-/// Unit vector from a point in B towards the viewer.
-Vec3 towards_viewer(const Camera& camera, const Vec3& point_mm) {
-  const Mat3 bone_from_eye = camera.eye_from_bone.linear().transpose();
-  if (!camera.eye_mm) return bone_from_eye.col(2);
-  return (camera.eye_from_bone.inverse() * Vec3(0, 0, *camera.eye_mm) - point_mm).normalized();
 }
 
 bool is_visible(const Vec3& point_mm, const Camera& camera, const BoneFields& bone) {
@@ -119,7 +108,7 @@ bool is_visible(const Vec3& point_mm, const Camera& camera, const BoneFields& bo
   if (camera.cut_plane && !kept(point_mm - kCutMargin_mm * Vec3(camera.cut_plane->head<3>().normalized())))
     return false;
   const VoxelGrid& grid = bone.voxmap.grid;
-  const Vec3 way = towards_viewer(camera, point_mm);
+  const Vec3 way = camera.eye_from_bone.linear().transpose() * camera.towards_viewer(camera.eye_from_bone * point_mm);
   std::vector<Vec3> points;
   for (double mm = kClear_voxels * grid.voxel_mm; mm < kMaxHiding_mm; mm += grid.voxel_mm) {
     const Vec3 p = point_mm + mm * way;
@@ -165,12 +154,6 @@ std::vector<SurfaceLine> face_contours(const std::vector<BoneSurface>& tiles, co
   return out;
 }
 
-std::vector<ToolSurface> tool_surfaces(const RunInputs& run) {
-  std::vector<ToolSurface> out;
-  for (const ToolPass& pass : run.passes) out.push_back(make_tool_surface(pass.tool));
-  return out;
-}
-
 }  // namespace
 
 Renderer::Renderer(const RunView& view)
@@ -178,7 +161,8 @@ Renderer::Renderer(const RunView& view)
       context_(make_context(view.settings().context, warning_)),
       fields_(view.run().voxmap(), fill_at(view.run().inputs(), view.frames().front()), view.run().unreamed()),
       tiles_(fields_),
-      scene_(context_->gl(), tool_surfaces(view.run().inputs())) {
+      scene_(context_->gl()) {
+  for (const ToolPass& pass : view.run().inputs().passes) scene_.add_tool(make_tool_surface(pass.tool));
   std::vector<std::size_t> all(tiles_.surfaces().size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   scene_.set_bone(tiles_.surfaces(), all);

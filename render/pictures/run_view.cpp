@@ -19,7 +19,6 @@
 #include "sim/tool/profile.h"
 
 namespace reamsim {
-
 namespace {
 
 std::string log_path(const std::string& dir) {
@@ -62,7 +61,7 @@ RunInputs read_inputs(const std::string& dir, const std::shared_ptr<const Stored
   return out;
 }
 
-/// How the log of a run is read: with the means and the rows that its pictures show.
+/// With the means and the rows that the pictures show.
 LogOptions log_options(const RunInputs& run) {
   return {.mean_travel_mm = run.whole_voxels ? run.voxmap->grid.voxel_mm : 0, .keep = run.frames};
 }
@@ -113,11 +112,7 @@ void include_tools(ViewTarget& target, const RunInputs& run, std::size_t deepest
 ViewTarget make_view_target(const RunInputs& run, const PredictedRun& predicted, const IsoSurface& bone) {
   ViewTarget target;
   target.bone_from_tool = predicted.bone.deepest.bone_from_tool();
-  if (run.glenoid) {
-    target_glenoid(target, *run.glenoid, run.side, run.voxmap->frame);
-  } else {
-    target_tool(target);
-  }
+  run.glenoid ? target_glenoid(target, *run.glenoid, run.side, run.voxmap->frame) : target_tool(target);
   const VoxelGrid& grid = run.voxmap->grid;
   for (const Eigen::Vector3f& p : bone.points) {
     target.bone_mm.emplace_back(grid.origin_mm + grid.voxel_mm * (p.cast<double>() + Vec3::Constant(0.5)));
@@ -237,15 +232,12 @@ namespace {
 
 /// The circle swept by the tool's outermost point, in B.
 std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from_tool) {
-  Vec3 widest = Vec3::Zero();
-  for (const Vec3& v : tool.vertices) {
-    if (v.head<2>().norm() > widest.head<2>().norm()) widest = v;
-  }
+  const Vec3 widest = *std::ranges::max_element(tool.vertices, {}, [](const Vec3& v) { return v.head<2>().norm(); });
+  const double radius = widest.head<2>().norm();
   std::vector<Vec3> circle;
   constexpr int kPoints = 128;
   for (int i = 0; i < kPoints; ++i) {
     const double angle = 2 * std::numbers::pi * i / kPoints;
-    const double radius = widest.head<2>().norm();
     circle.emplace_back(bone_from_tool * Vec3(radius * std::cos(angle), radius * std::sin(angle), widest.z()));
   }
   return circle;
@@ -310,9 +302,7 @@ Labels RunView::labels(const Camera& camera, const std::optional<PlacedTool>& to
 Captions::Captions(ForceLog log, double mean_travel_mm, bool arrows)
     : log_(std::move(log)), mean_(mean_travel_mm > 0 ? "mean " : ""), arrows_(arrows) {
   add_layer_means(log_, mean_travel_mm);
-  for (const ForceRow& row : log_.rows) {
-    max_force_n_ = std::max(max_force_n_, row.layer_force_n.norm());
-  }
+  for (const ForceRow& row : log_.rows) max_force_n_ = std::max(max_force_n_, row.layer_force_n.norm());
 }
 
 Captions::Values Captions::at(const ForceRow& row) const {

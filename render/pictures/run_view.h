@@ -48,7 +48,7 @@ struct RunInputs {
   [[nodiscard]] const ToolPose& pose_at(std::int64_t frame) const;
 };
 
-/// Chooses the poses of a long run that pictures need, in bounded memory and one pass (BoundedPath).
+/// Chooses the poses of a long run that pictures need, in bounded memory (BoundedPath).
 class RunPath {
  public:
   /// Voxmap, frames with a snapshot and tools of `run` are set.

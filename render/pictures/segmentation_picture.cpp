@@ -15,13 +15,9 @@
 namespace reamsim {
 namespace {
 
-constexpr int kSegmentationWidth_px = 1920;
-constexpr int kMaxHeight_px = 1400;
-constexpr int kGap_px = 24;
-constexpr int kHead_px = 44;
-constexpr int kFoot_px = 64;
-constexpr double kText_px = 20;
-constexpr double kOutline_px = 1.6;
+constexpr int kSegmentationWidth_px = 1920, kMaxHeight_px = 1400;
+constexpr int kGap_px = 24, kHead_px = 44, kFoot_px = 64;
+constexpr double kText_px = 20, kOutline_px = 1.6;
 /// The bone window of radiology: black at its lower end, white at its upper end.
 constexpr double kBlack_hu = -450, kWhite_hu = 1050;
 constexpr std::uint32_t kPaperColor = 0xf7f7f9;
@@ -29,11 +25,8 @@ constexpr Rgba kOutlineColor{0.90, 0.62, 0.0, 1};  // Okabe and Ito's orange
 constexpr Rgba kMarkColor{0.34, 0.71, 0.91, 1};    // and their sky blue
 constexpr Rgba kLetterColor{1, 1, 1, 0.9};
 
-double width_mm(const ScanPlane& plane) {
-  return plane.columns * plane.spacing_mm.x();
-}
-double height_mm(const ScanPlane& plane) {
-  return plane.rows * plane.spacing_mm.y();
+Vec2 size_mm(const ScanPlane& plane) {
+  return {plane.columns * plane.spacing_mm.x(), plane.rows * plane.spacing_mm.y()};
 }
 
 /// One plane and its place in the picture.
@@ -43,23 +36,25 @@ struct Panel {
   int x, y, width, height;
 
   /// Pixel position of the centre of a column and row.
-  [[nodiscard]] double px_x(double column) const { return x + (column + 0.5) * plane.spacing_mm.x() * px_per_mm; }
-  [[nodiscard]] double px_y(double row) const { return y + (row + 0.5) * plane.spacing_mm.y() * px_per_mm; }
+  [[nodiscard]] Vec2 px(const Vec2& voxel) const {
+    return {x + (voxel.x() + 0.5) * plane.spacing_mm.x() * px_per_mm,
+            y + (voxel.y() + 0.5) * plane.spacing_mm.y() * px_per_mm};
+  }
 };
 
 std::vector<Panel> panels_of(const std::vector<ScanPlane>& planes) {
   double all_mm = 0, tallest_mm = 0;
   for (const ScanPlane& plane : planes) {
-    all_mm += width_mm(plane);
-    tallest_mm = std::max(tallest_mm, height_mm(plane));
+    all_mm += size_mm(plane).x();
+    tallest_mm = std::max(tallest_mm, size_mm(plane).y());
   }
   const double room_px = kSegmentationWidth_px - kGap_px * (static_cast<double>(planes.size()) + 1);
   const double scale = std::min(room_px / all_mm, (kMaxHeight_px - kHead_px - kFoot_px) / tallest_mm);
   std::vector<Panel> out;
   double x = kGap_px + 0.5 * (room_px - scale * all_mm);
   for (const ScanPlane& plane : planes) {
-    const int width = std::max(1, static_cast<int>(scale * width_mm(plane)));
-    const int height = std::max(1, static_cast<int>(scale * height_mm(plane)));
+    const Vec2 size_px = scale * size_mm(plane);
+    const int width = std::max(1, static_cast<int>(size_px.x())), height = std::max(1, static_cast<int>(size_px.y()));
     out.push_back({plane, scale, static_cast<int>(x), kHead_px, width, height});
     x += width + kGap_px;
   }
@@ -83,49 +78,43 @@ void paint(const Panel& panel, PixelImage& image) {
 
 /// The zero contour of the field in the square between four voxel centres (marching squares).
 void outline_square(const Canvas& canvas, const Panel& panel, int column, int row) {
-  constexpr std::array<std::array<int, 2>, 4> kCorner{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
   const ScanPlane& plane = panel.plane;
-  std::array<double, 4> value{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    value[i] = double{plane.field[plane.at(column + kCorner[i][0], row + kCorner[i][1])]};
-  }
+  const std::array<Vec2, 4> corner{Vec2(column, row), Vec2(column + 1, row), Vec2(column + 1, row + 1),
+                                   Vec2(column, row + 1)};
+  const std::array<double, 4> value{plane.field[plane.at(column, row)], plane.field[plane.at(column + 1, row)],
+                                    plane.field[plane.at(column + 1, row + 1)], plane.field[plane.at(column, row + 1)]};
   std::array<Vec2, 4> crossing;
   std::size_t crossings = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     const std::size_t next = (i + 1) % 4;
     if ((value[i] > 0) == (value[next] > 0)) continue;
     const double fraction = value[i] / (value[i] - value[next]);
-    const Vec2 a(column + kCorner[i][0], row + kCorner[i][1]), b(column + kCorner[next][0], row + kCorner[next][1]);
-    crossing[crossings++] = a + fraction * (b - a);
+    crossing[crossings++] = corner[i] + fraction * (corner[next] - corner[i]);
   }
   // With four crossings the sign of the mean decides which corners are connected.
   const double middle = value[0] + value[1] + value[2] + value[3];
   const std::size_t shift = crossings == 4 && (middle > 0) == (value[0] > 0) ? 1 : 0;
   for (std::size_t i = 0; i + 1 < crossings; i += 2) {
-    const Vec2 &from = crossing[(i + shift) % crossings], &to = crossing[(i + shift + 1) % crossings];
-    cairo_move_to(canvas.get(), panel.px_x(from.x()), panel.px_y(from.y()));
-    cairo_line_to(canvas.get(), panel.px_x(to.x()), panel.px_y(to.y()));
+    const Vec2 from = panel.px(crossing[(i + shift) % crossings]), to = panel.px(crossing[(i + shift + 1) % crossings]);
+    cairo_move_to(canvas.get(), from.x(), from.y());
+    cairo_line_to(canvas.get(), to.x(), to.y());
   }
 }
 
 void draw_outline(const Canvas& canvas, const Panel& panel) {
-  canvas.set_color(kOutlineColor);
-  cairo_set_line_width(canvas.get(), kOutline_px);
   cairo_set_line_cap(canvas.get(), CAIRO_LINE_CAP_ROUND);
   for (int row = 0; row + 1 < panel.plane.rows; ++row) {
     for (int column = 0; column + 1 < panel.plane.columns; ++column) outline_square(canvas, panel, column, row);
   }
-  cairo_stroke(canvas.get());
+  canvas.stroke(kOutlineColor, kOutline_px);
 }
 
 /// A ring about the common point of the planes.
 void draw_ring(const Canvas& canvas, const Panel& panel) {
   constexpr double kRadius_px = 7;
-  canvas.set_color(kMarkColor);
-  cairo_set_line_width(canvas.get(), 2.5);
-  cairo_arc(canvas.get(), panel.px_x(panel.plane.through.x()), panel.px_y(panel.plane.through.y()), kRadius_px, 0,
-            2 * M_PI);
-  cairo_stroke(canvas.get());
+  const Vec2 middle = panel.px(panel.plane.through);
+  cairo_arc(canvas.get(), middle.x(), middle.y(), kRadius_px, 0, 2 * M_PI);
+  canvas.stroke(kMarkColor, 2.5);
 }
 
 void draw_letters(const Canvas& canvas, const Panel& panel) {
@@ -149,9 +138,8 @@ std::string legend_of(const Segmentation& segmentation) {
 void draw_foot(const Canvas& canvas, const Panel& panel, const std::string& legend, int height_px) {
   const double bar_mm = round_down(200 / panel.px_per_mm), bar_px = bar_mm * panel.px_per_mm;
   const double y = height_px - 0.5 * kFoot_px;
-  canvas.set_color(kTextColor);
   cairo_rectangle(canvas.get(), kGap_px, y, bar_px, 4);
-  cairo_fill(canvas.get());
+  canvas.fill(kTextColor);
   const TextLine length(canvas, fmt::format("{:g} mm", bar_mm), kText_px);
   length.draw(kGap_px + bar_px + 12, y + 2 - 0.5 * length.height);
   const TextLine text_line(canvas, legend, kText_px);

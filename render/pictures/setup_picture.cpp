@@ -19,12 +19,8 @@
 namespace reamsim {
 namespace {
 
-constexpr int kSetupView_px = 632;
-constexpr int kPanelGap_px = 8;
-constexpr int kTitles_px = 68;
-constexpr int kSetupViews = 3;
-constexpr double kTitle_px = 20;
-constexpr double kSmallText_px = 16;
+constexpr int kSetupViews = 3, kSetupView_px = 632, kPanelGap_px = 8, kTitles_px = 68;
+constexpr double kTitle_px = 20, kSmallText_px = 16;
 constexpr std::uint32_t kSetupPaper_rgb = 0xffffff;
 constexpr Rgba kToolPathColor{0.84, 0.37, 0.0, 1};  // Okabe and Ito's vermilion
 constexpr Rgba kPathHaloColor{1, 1, 1, 0.85};
@@ -74,12 +70,8 @@ class SetupPainter {
 
  private:
   void stroke_with_halo(double width_px) {
-    cairo_set_line_width(canvas_.get(), width_px + 3);
-    canvas_.set_color(kPathHaloColor);
-    cairo_stroke_preserve(canvas_.get());
-    cairo_set_line_width(canvas_.get(), width_px);
-    canvas_.set_color(kToolPathColor);
-    cairo_stroke(canvas_.get());
+    canvas_.stroke_halo(kPathHaloColor, width_px + 3);
+    canvas_.stroke(kToolPathColor, width_px);
   }
 
   void line_to(const Vec3& point_mm) {
@@ -104,7 +96,6 @@ class SetupPainter {
     const std::vector<Vec3>& vertices = pass().tool.vertices;
     const Vec3 widest = *std::ranges::max_element(vertices, {}, [](const Vec3& v) { return v.head<2>().norm(); });
     constexpr int kPoints = 96;
-    cairo_new_path(canvas_.get());
     for (int i = 0; i <= kPoints; ++i) {
       line_to(panel_.tool.bone_from_tool * (Eigen::AngleAxisd(2 * M_PI * i / kPoints, Vec3::UnitZ()) * widest));
     }
@@ -119,7 +110,6 @@ class SetupPainter {
     const std::vector<Vec3>& vertices = pass().tool.vertices;
     const Vec3 tool_t = *std::ranges::min_element(vertices, {}, [&](const Vec3& v) { return (v - at_t).norm(); });
     const double dashes[] = {7, 7};
-    cairo_new_path(canvas_.get());
     line_to(bone_mm);
     line_to(bone_from_tool * tool_t);
     cairo_set_dash(canvas_.get(), dashes, 2, 0);

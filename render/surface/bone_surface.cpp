@@ -60,7 +60,7 @@ std::vector<Eigen::Vector3f> normals_at(const std::vector<Eigen::Vector3f>& poin
 }
 
 /// Calls action(the floats of a vertex, its position in voxel index space).
-template <typename Action>
+template <class Action>
 void for_each_vertex(const VoxelGrid& grid, BoneSurface& surface, const Action& action) {
   parallel_ranges(surface.vertices.size() / BoneSurface::kStride, kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {

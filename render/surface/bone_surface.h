@@ -127,16 +127,14 @@ struct ReamedMesh {
 };
 
 /// Meshes the level set `surface` of the VDB file `path` (mm, negative inside), with the depth of each vertex below
-/// `unreamed`. The level is chosen, within some hundredths of a voxel of 0, so that the mesh encloses the remaining
-/// volume `bone_mm3`, which smoothing of edges would reduce. The mesh is closed where the lattice `grid` cuts the bone,
-/// and empty where no bone remains. Throws InputError when the level set is missing or damaged.
+/// `unreamed`, at the level near 0 at which the mesh encloses the remaining volume `bone_mm3`. It is closed where the
+/// lattice `grid` cuts the bone, and empty without bone. Throws InputError when the level set is missing or damaged.
 ReamedMesh make_reamed_mesh(const std::string& path, const VoxelGrid& grid, double bone_mm3,
                             const UnreamedSurface& unreamed);
 
-/// Writes a binary glTF 2.0: one mesh with POSITION (B, mm), NORMAL, COLOR_0 (bone, or the depth colour where it was
-/// reamed, `depth_max_mm` at the end of the map) and _DEPTH_MM. A node rotates +z of B to +y of glTF, which is up. The
-/// unit is mm, not glTF's metre; asset.extras states it. Not assimp, whose exporter supports no custom attributes.
-/// Throws RunError when the file cannot be written or exceeds the 4 GiB limit of GLB.
+/// Writes a binary glTF 2.0: one mesh with POSITION (B, mm, as asset.extras states), NORMAL, COLOR_0 (bone, or the
+/// depth colour up to `depth_max_mm`) and _DEPTH_MM, which assimp does not export. A node rotates +z of B to +y of
+/// glTF, which is up. Throws RunError when the file cannot be written or exceeds the 4 GiB limit of GLB.
 void write_glb(const std::string& path, const ReamedMesh& reamed, double depth_max_mm);
 
 }  // namespace reamsim

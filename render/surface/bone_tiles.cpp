@@ -56,13 +56,9 @@ openvdb::BoolGrid::Ptr cells_of(const Vec3i& lower) {
 
 /// Does a triangle belong to this tile? The lowest cell of its corners decides, so that every tile agrees.
 bool owns(const Vec3i& lower, const IsoSurface& iso, std::size_t triangle) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto at = [&](std::size_t corner) { return iso.points[iso.indices[3 * triangle + corner]][axis]; };
-    const float least = std::min({at(0), at(1), at(2)});
-    const int cell = static_cast<int>(std::floor(least));
-    if (cell < lower[axis] || cell >= lower[axis] + kTileVoxels) return false;
-  }
-  return true;
+  const auto at = [&](std::size_t corner) { return iso.points[iso.indices[3 * triangle + corner]].array(); };
+  const Eigen::Array3i cell = at(0).min(at(1)).min(at(2)).floor().cast<int>() - lower.array();
+  return (cell >= 0).all() && (cell < kTileVoxels).all();
 }
 
 /// The triangles of `all` that are `owned`, and only their vertices.
@@ -117,20 +113,17 @@ BoneSurface BoneTiles::mesh(const BoneFields& fields, std::size_t tile) const {
 }
 
 std::vector<std::size_t> BoneTiles::update(const BoneFields& fields, const std::vector<Vec3i>& bricks) {
-  const int ambient_reach_bricks = static_cast<int>(std::ceil(fields.ambient.reach_voxels() / kSide));
   const std::vector<bool> changed = tiles_within(bricks, kChangeReach_bricks);
-  const std::vector<bool> lit = tiles_within(bricks, ambient_reach_bricks);
+  const std::vector<bool> lit =
+      tiles_within(bricks, static_cast<int>(std::ceil(fields.ambient.reach_voxels() / kSide)));
   std::vector<std::size_t> out;
   for (std::size_t tile = 0; tile < surfaces_.size(); ++tile) {
     if (changed[tile] || (lit[tile] && !surfaces_[tile].indices.empty())) out.push_back(tile);
   }
   parallel_items(out.size(), [&](std::size_t i) {
     const std::size_t tile = out[i];
-    if (changed[tile]) {
-      surfaces_[tile] = mesh(fields, tile);
-    } else {
-      update_ambient(fields, surfaces_[tile]);
-    }
+    if (!changed[tile]) return update_ambient(fields, surfaces_[tile]);
+    surfaces_[tile] = mesh(fields, tile);
   });
   return out;
 }

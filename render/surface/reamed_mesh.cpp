@@ -26,9 +26,7 @@ constexpr double kMaxShift_voxels = 0.5;
 TriangleMesh mesh_at(const openvdb::FloatGrid& surface, double level_mm) {
   const IsoSurface iso = extract_surface(surface, level_mm);
   TriangleMesh mesh;
-  mesh.vertices.reserve(iso.points.size());
   for (const Eigen::Vector3f& p : iso.points) mesh.vertices.emplace_back(p.cast<double>());
-  mesh.triangles.reserve(iso.indices.size() / 3);
   // OpenVDB orients the triangles of a level set inwards.
   const auto corner = [&](std::size_t i) { return static_cast<std::int32_t>(iso.indices[i]); };
   for (std::size_t i = 0; i < iso.indices.size(); i += 3) {
@@ -97,9 +95,7 @@ void add_reaming(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& 
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
-constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
-constexpr std::uint32_t kBinaryChunk = 0x004E4942;
+constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;  // glTF, JSON, BIN
 constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125;
 constexpr int kVertices = 34962, kIndices = 34963;
 
@@ -157,7 +153,6 @@ std::size_t add_colors(Buffer& buffer, const ReamedMesh& reamed, double depth_ma
   using VertexColor = std::array<std::uint16_t, 4>;  // the fourth, opacity, keeps the rows at multiples of four bytes
   const ColorMap map = depth_colors();
   std::vector<VertexColor> colors;
-  colors.reserve(reamed.depth_mm.size());
   for (std::size_t i = 0; i < reamed.depth_mm.size(); ++i) {
     const Eigen::Vector3f c = color_of(reamed.depth_mm[i], reamed.reamed[i], map, depth_max_mm);
     const auto level = [](float x) {

@@ -100,9 +100,8 @@ class UnreamedSurface {
   [[nodiscard]] const ScalarGrid& field() const { return field_.grid(); }
   /// Surface of the unreamed bone, voxel index space; triangles counter-clockwise seen from outside.
   [[nodiscard]] const IsoSurface& surface() const { return surface_; }
-  /// Distance in mm from the reamed part of the unreamed surface; the far side of a thin bone and the wall beside the
-  /// tool do not count. Nor do holes and slits up to 3.6 mm wide (a pilot hole, a cannula's core hole, a vessel).
-  /// Defined wherever material was removed, in the space of voxel indices times voxel_mm; 0 elsewhere.
+  /// Distance in mm from the reamed part of the unreamed surface, without holes and slits up to 3.6 mm wide (a pilot
+  /// hole, a vessel); 0 where no material was removed. In the space of voxel indices times voxel_mm.
   [[nodiscard]] const ScalarGrid& depth() const { return *depth_; }
   /// The greatest depth of the final surface, mm; 0 when nothing is reamed.
   [[nodiscard]] double deepest_mm() const { return deepest_mm_; }

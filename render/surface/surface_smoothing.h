@@ -35,8 +35,8 @@ class Neighbours {
   std::vector<std::uint32_t> opposite_;
 };
 
-/// Smooths voxel steps in the shading: replaces each normal, `rounds` times, by the crease-weighted mean of itself and
-/// its neighbours, so that faces do not shade each other. Normals on an edge between faces stay as they are.
+/// Smooths voxel steps in the shading: replaces each normal, `rounds` times, by the mean of itself and its neighbours
+/// on the same face. Normals on an edge between faces stay as they are.
 void smooth_normals(const Neighbours& neighbours, std::vector<Eigen::Vector3f>& normals, int rounds);
 
 /// Fits points to their smoothed normals: moves each, `rounds` times, to the mean of the positions that its neighbours
@@ -46,7 +46,7 @@ void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vecto
                     std::vector<Eigen::Vector3f>& points, int rounds, float max_displacement);
 
 /// Mean value coordinates of each vertex in its neighbours (Floater 2003, doi:10.1016/S0167-8396(03)00002-5), 1 on
-/// average. A mean with them preserves linear functions on uneven triangles; equal weights would bend contour lines.
+/// average. A mean with them preserves linear functions on uneven triangles.
 std::vector<float> mean_value_weights(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points);
 
 /// Replaces each value, `rounds` times, by the mean over itself and its neighbours, weighted by `weights` per vertex

@@ -65,8 +65,7 @@ OffsetSurface offset_outwards(const IsoSurface& surface, double voxel_mm, double
   }
   SampledMesh in_cells;
   const auto scale = static_cast<float>(voxel_mm / cell_mm);
-  for (const Eigen::Vector3f& p : surface.points)
-    in_cells.points.emplace_back(p.x() * scale, p.y() * scale, p.z() * scale);
+  for (const Eigen::Vector3f& p : surface.points) in_cells.points.push_back(vdb_point(Eigen::Vector3f(p * scale)));
   for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
     in_cells.triangles.emplace_back(surface.indices.data() + i);
   }
@@ -77,8 +76,7 @@ OffsetSurface offset_outwards(const IsoSurface& surface, double voxel_mm, double
 
 /// Was at least half of this bone voxel removed?
 bool removed(const Voxmap& voxmap, const FillBricks& after, const FillBricks& before, const Vec3i& voxel) {
-  if (!voxmap.grid.contains(voxel)) return false;
-  return voxmap.grade.get(voxel) != 0 && 2 * after.get(voxel) < before.get(voxel);
+  return voxmap.grid.contains(voxel) && voxmap.grade.get(voxel) != 0 && 2 * after.get(voxel) < before.get(voxel);
 }
 
 /// Was material removed from any voxel of this brick?
@@ -164,9 +162,8 @@ openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxm
   return depth;
 }
 
-/// The greatest depth, from pairs of neighbouring voxels of which one was removed: the surface passes between them. It
-/// lies above the centre of the remaining voxel by (its fill − ½) voxels, or, if that one is whole, by (½ + fill of the
-/// removed one) voxels.
+/// The greatest depth, from pairs of neighbouring voxels of which one was removed: the surface lies above the centre of
+/// the remaining one by (its fill − ½) voxels, or, if that one is whole, by (½ + fill of the removed one) voxels.
 double max_depth_mm(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const FillBricks& after,
                     const FillBricks& before) {
   const double voxel_mm = voxmap.grid.voxel_mm;

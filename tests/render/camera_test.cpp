@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include "render/gl/camera.h"
-#include "render/pictures/page_layout.h"
+#include "render/pictures/overlay.h"
 
 #include <gtest/gtest.h>
 

@@ -99,7 +99,7 @@ TEST(ContourNumbers, StandOnVisiblePartsAndApart) {
   const auto numbers = place_contour_numbers(contours, camera, 1);
   ASSERT_EQ(numbers.size(), 2U) << "no room on the two lines that nearly touch";
   for (const ContourNumber& number : numbers) {
-    EXPECT_GT(number.box.y + number.box.height, 540);
+    EXPECT_GT(number.box_px.max().y(), 540);
   }
   EXPECT_EQ(numbers[0].contour, 0U);
   EXPECT_EQ(numbers[1].contour, 3U);

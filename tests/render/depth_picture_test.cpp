@@ -11,7 +11,7 @@
 
 #include "render/pictures/depth_field.h"
 #include "render/pictures/figures.h"
-#include "render/pictures/page_layout.h"
+#include "render/pictures/overlay.h"
 #include "render/render.h"
 #include "render/surface/color_map.h"
 #include "sim/base/error.h"

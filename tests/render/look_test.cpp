@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "render/gl/pixel_image.h"
-#include "render/pictures/page_layout.h"
+#include "render/pictures/overlay.h"
 #include "render/render.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"

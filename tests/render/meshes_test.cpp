@@ -17,7 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/pictures/figures.h"
-#include "render/pictures/page_layout.h"
+#include "render/pictures/overlay.h"
 #include "render/surface/bone_surface.h"
 #include "render/surface/color_map.h"
 #include "sim/base/error.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Labels beside the bone: none covers it, and on a transparent background they are legible on any slide.
-#include "render/pictures/page_layout.h"
+#include "render/pictures/overlay.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,6 @@
 
 #include "render/film/film.h"
 #include "render/pictures/composites.h"
-#include "render/pictures/overlay.h"
 #include "tests/render/opened_run.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"

@@ -11,23 +11,15 @@ import { edited, scenarioText } from "./scenario_text.js";
 
 // --- the text of the scenario with its changed lines marked, to copy or to save
 
-// Which lines of `after` are not in `before`, by a longest common subsequence.
+// Which lines of `after` are not in `before`, or more often than there. Lines that the page leaves keep their order.
 function changedLines(before, after) {
-  const rows = before.length + 1, columns = after.length + 1;
-  const longest = new Uint16Array(rows * columns);
-  for (let i = before.length - 1; i >= 0; --i) {
-    for (let j = after.length - 1; j >= 0; --j) {
-      longest[i * columns + j] = before[i] === after[j] ? longest[(i + 1) * columns + j + 1] + 1
-        : Math.max(longest[(i + 1) * columns + j], longest[i * columns + j + 1]);
-    }
-  }
-  const changed = new Array(after.length).fill(true);
-  for (let i = 0, j = 0; i < before.length && j < after.length;) {
-    if (before[i] === after[j]) { changed[j] = false; ++i; ++j; }
-    else if (longest[(i + 1) * columns + j] >= longest[i * columns + j + 1]) ++i;
-    else ++j;
-  }
-  return changed;
+  const left = new Map();
+  for (const line of before) left.set(line, (left.get(line) ?? 0) + 1);
+  return after.map((line) => {
+    const count = left.get(line) ?? 0;
+    left.set(line, count - 1);
+    return count <= 0;
+  });
 }
 
 class ScenarioView {
@@ -51,11 +43,7 @@ class ScenarioView {
     }
     const before = data.scenario.split("\n"), after = this.text.split("\n");
     const changed = this.text === data.scenario ? [] : changedLines(before, after);
-    find("yaml").replaceChildren(...after.flatMap((line, i) => {
-      const end = i + 1 < after.length ? "\n" : "";
-      if (!changed[i]) return [line + end];
-      return [part("mark", {}, line), end];
-    }));
+    find("yaml").replaceChildren(...after.flatMap((line, i) => [changed[i] ? part("mark", {}, line) : line, i + 1 < after.length ? "\n" : ""]));
     const count = changed.filter((each) => each).length;
     find("yaml-state").textContent = problem !== "" ? `Not written: ${problem}.` : this.text === data.scenario ? "Unchanged." : count === 0 ? "Lines removed." : `${count} ${count === 1 ? "line" : "lines"} changed.`;
     find("yaml-state").classList.toggle("bad", problem !== "");

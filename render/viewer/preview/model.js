@@ -13,17 +13,13 @@ export const colors = {
   center: "#ff6a1f", superior: "#F0E442", seed: "#ffffff", trigonum: "#5fb1ff", inferior: "#ff9bd2", rim: "#9df27d",
 };
 
-const letters = { center: "C", superior: "S", seed: "seed", trigonum: "TS", inferior: "IA", rim: "" };
+const letters = { center: "C", superior: "S", seed: "seed", trigonum: "TS", inferior: "IA" };
 
 // The points of a model: tool, place, colour, letter.
 export function marksOf(model) {
-  const { values } = model, marks = [];
-  for (const tool of ["center", "superior", "seed", "trigonum", "inferior"]) {
-    const place = model.pointOf(tool);
-    if (place !== null) marks.push({ tool, place, color: colors[tool], letter: letters[tool] });
-  }
-  values.rim.forEach((place, i) => marks.push({ tool: "rim", place, color: colors.rim, letter: String(i + 1) }));
-  return marks;
+  const named = Object.entries(letters).map(([tool, letter]) => ({ tool, place: model.pointOf(tool), color: colors[tool], letter }));
+  const rim = model.values.rim.map((place, i) => ({ tool: "rim", place, color: colors.rim, letter: String(i + 1) }));
+  return [...named.filter(({ place }) => place !== null), ...rim];
 }
 
 const kMaskVoxels = 1_600_000;

@@ -123,11 +123,11 @@ export class Slice {
   }
 
   resize() {
-    const ratio = Math.min(window.devicePixelRatio, 2), { clientWidth, clientHeight } = this.canvas;
+    const { clientWidth, clientHeight } = this.canvas;
     if (clientWidth === 0) return;
-    this.ratio = ratio;
-    this.canvas.width = Math.round(ratio * clientWidth);
-    this.canvas.height = Math.round(ratio * clientHeight);
+    this.ratio = Math.min(window.devicePixelRatio, 2);
+    this.canvas.width = Math.round(this.ratio * clientWidth);
+    this.canvas.height = Math.round(this.ratio * clientHeight);
     this.draw();
   }
 
@@ -290,9 +290,7 @@ export class Slice {
       context.globalAlpha = on ? 1 : 0.45;
       context.beginPath();
       context.arc(x, y, on ? 4 : 3, 0, 2 * Math.PI);
-      context.fillStyle = color;
-      context.strokeStyle = "#000";
-      context.lineWidth = tool === model.tool ? 2.5 : 1;
+      Object.assign(context, { fillStyle: color, strokeStyle: "#000", lineWidth: tool === model.tool ? 2.5 : 1 });
       context.stroke();
       context.fill();
       context.lineWidth = 3;
@@ -316,20 +314,13 @@ export class Slice {
 
   drawLetters(width, height) {
     const { context } = this, [left, right, top, bottom] = this.letters;
-    context.fillStyle = "#fff";
-    context.strokeStyle = "#000";
-    context.lineWidth = 3;
-    context.font = "13px system-ui, sans-serif";
-    context.textBaseline = "middle";
-    const put = (letter, x, y, align) => {
+    Object.assign(context, { fillStyle: "#fff", strokeStyle: "#000", lineWidth: 3, font: "13px system-ui, sans-serif", textBaseline: "middle" });
+    for (const [letter, x, y, align] of [[left, 6, 0.5 * height, "left"], [right, width - 6, 0.5 * height, "right"],
+      [top, 0.5 * width, 12, "center"], [bottom, 0.5 * width, height - 12, "center"]]) {
       context.textAlign = align;
       context.strokeText(letter, x, y);
       context.fillText(letter, x, y);
-    };
-    put(left, 6, 0.5 * height, "left");
-    put(right, width - 6, 0.5 * height, "right");
-    put(top, 0.5 * width, 12, "center");
-    put(bottom, 0.5 * width, height - 12, "center");
+    }
     context.textAlign = "left";
   }
 }

@@ -36,12 +36,11 @@ export class Solid extends View {
   }
 
   addBone() {
-    const stops = [new Vector3(), new Vector3()];
     const uniforms = {
-      cut: { value: new Vector4(0, 0, 0, 1) }, depth_stops: { value: stops }, depth_max_mm: { value: 1 }, contour_mm: { value: 1 },
+      cut: { value: new Vector4(0, 0, 0, 1) }, stops: { value: [new Vector3(), new Vector3()] }, depth_max_mm: { value: 1 }, contour_mm: { value: 1 },
       shows_depth: { value: 0 }, lift_axis: { value: new Vector3() },
     };
-    this.bone = new Mesh(new BufferGeometry(), boneMaterial(uniforms, stops.length));
+    this.bone = new Mesh(new BufferGeometry(), boneMaterial(uniforms));
     // Not reamed, of middling density, and open to light from all sides.
     this.bone.material.defaultAttributeValues = { vertex_attributes: [0, 110 / 255, 240 / 255], depth: [0], lift: [0, 0] };
     this.bone.frustumCulled = false;

@@ -7,8 +7,7 @@ import { BoneScene } from "./scene.js";
 
 // The section planes: `normal` points towards the viewer of the cut.
 function planesOf(look) {
-  const axis = vector(look.axis);
-  const front = vector(look.front);
+  const axis = vector(look.axis), front = vector(look.front);
   const side = new Vector3().crossVectors(axis, front).normalize();
   const upwards = side.dot(vector(look.superior)) < 0 ? side.clone().negate() : side;
   const known = look.anatomical && look.anterior !== null;

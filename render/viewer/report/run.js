@@ -3,7 +3,7 @@
 
 // Reamer, readings, curves and picture at one time of the run.
 import uPlot from "uplot";
-import { bytesOf, choices, find, fixedText, part, sayValue, significantText } from "../shared/scene.js";
+import { choices, find, fixedText, part, sayValue, significantText } from "../shared/scene.js";
 
 // The plot: panels over one time axis, with one cursor.
 // Okabe and Ito's colours, as in forces.gp.
@@ -79,7 +79,7 @@ function drawTicks(u, times) {
 
 class Plots {
   constructor(place, data, pictureTimes, onMove) {
-    this.data = data;
+    Object.assign(this, { place, data });
     this.charts = panels.filter((panel) => data[panel.column]).map((panel) => {
       const means = data[panel.mean] ? `; dark: mean over ${data.mean_travel_mm} mm of travel` : "";
       const color = panel.color === "#009e73" ? "#00785a" : panel.color === "#d55e00" ? "#b34f00" : panel.color;
@@ -89,7 +89,6 @@ class Plots {
       const columns = [data.time_s, data[panel.column], ...(data[panel.mean] ? [data[panel.mean]] : [])];
       return new uPlot(optionsOf(panel, data, pictureTimes, onMove), columns, box);
     });
-    this.place = place;
     new ResizeObserver(() => this.resize()).observe(place);
     this.resize();
     this.addRanges();
@@ -141,10 +140,7 @@ const readings = [
 class Run {
   // `onMove` is told the row and the time that are shown, and whether bone was removed by then.
   constructor(plot, pictures, onMove) {
-    this.plot = plot;
-    this.onMove = onMove;
-    this.pictures = pictures;
-    this.urls = new Map();
+    Object.assign(this, { plot, pictures, onMove });
     this.camera = pictures.cameras[0];
     this.slider = find("time");
     this.slider.max = plot.frame.length - 1;
@@ -184,29 +180,16 @@ class Run {
   }
 
   // The picture nearest in time.
-  nearestPicture() {
-    const time = this.plot.time_s[this.row];
-    return this.pictures.time_s.reduce((best, t, i, all) => (Math.abs(t - time) < Math.abs(all[best] - time) ? i : best), 0);
-  }
-
   showPicture() {
     if (this.camera === undefined) return;
-    const i = this.nearestPicture();
-    const image = find("frame-picture");
+    const time = this.plot.time_s[this.row], image = find("frame-picture");
+    const i = this.pictures.time_s.reduce((best, t, k, all) => (Math.abs(t - time) < Math.abs(all[best] - time) ? k : best), 0);
     const key = `${this.camera.name}/${i}`;
     if (image.dataset.key === key) return;
-    image.dataset.key = key;
-    image.dataset.frame = this.pictures.frames[i];
-    image.src = this.urlOf(key, i);
+    Object.assign(image.dataset, { key, frame: this.pictures.frames[i] });
+    image.src = `data:image/jpeg;base64,${this.camera.jpegs[i]}`;
     image.alt = `${names[this.camera.name] ?? this.camera.name} picture of frame ${this.pictures.frames[i]}, ${fixedText(this.pictures.time_s[i], 3)} s`;
     find("frame-caption").textContent = `Nearest picture: frame ${this.pictures.frames[i]}, ${fixedText(this.pictures.time_s[i], 3)}\u00a0s`;
-  }
-
-  urlOf(key, i) {
-    if (!this.urls.has(key)) {
-      this.urls.set(key, URL.createObjectURL(new Blob([bytesOf(this.camera.jpegs[i])], { type: "image/jpeg" })));
-    }
-    return this.urls.get(key);
   }
 
   addReadings() {

@@ -3,9 +3,9 @@
 
 // The bone before, during and after reaming and the reamer, with an optional section.
 import {
-  BackSide, BufferAttribute, BufferGeometry, Data3DTexture, DecrementWrapStencilOp, DoubleSide, FrontSide, GLSL3, Group,
-  IncrementWrapStencilOp, LinearFilter, Mesh, NotEqualStencilFunc, PlaneGeometry, Quaternion, RedFormat, ShaderMaterial, Vector3,
-  Vector4, View, boneMaterial, capFragment, capVertex, liftsOf, meshOf, posesOf, toolMaterials, unpacked, vector,
+  BackSide, BufferAttribute, BufferGeometry, Data3DTexture, DecrementWrapStencilOp, FrontSide, Group, IncrementWrapStencilOp,
+  LinearFilter, Mesh, PlaneGeometry, Quaternion, RedFormat, Vector3, Vector4, View, boneMaterial, capMaterial, liftsOf, meshOf,
+  posesOf, toolMaterials, unpacked, vector,
 } from "../shared/scene.js";
 
 function geometryOf(packed, box) {
@@ -32,21 +32,14 @@ class Reaming {
     this.normals = geometry.getAttribute("normal");
     this.finalNormals = this.normals.array.slice();
     const attributes = geometry.getAttribute("vertex_attributes").array;
-    this.moved = Uint32Array.from(Array.from({ length: this.places.length / 3 }, (_, i) => i).filter((i) => attributes[3 * i] > 0));
-    this.slots = new Int32Array(this.places.length / 3).fill(-1);
-    this.moved.forEach((vertex, slot) => { this.slots[vertex] = slot; });
-    this.triangles = this.touching(geometry.getIndex().array);
-    this.lifts = new BufferAttribute(new Float32Array(2 * this.slots.length), 2);  // mm, and as a fraction of the greatest
+    const reamed = (vertex) => attributes[3 * vertex] > 0;
+    this.moved = new Uint32Array(this.places.length / 3).map((_, i) => i).filter(reamed);
+    this.lifts = new BufferAttribute(new Float32Array((2 * this.places.length) / 3), 2);  // mm, and as a fraction of the greatest
     geometry.setAttribute("lift", this.lifts);
-  }
-
-  touching(indices) {
-    const out = [];
-    for (let i = 0; i < indices.length; i += 3) {
-      const corners = [indices[i], indices[i + 1], indices[i + 2]];
-      if (corners.some((vertex) => this.slots[vertex] >= 0)) out.push(...corners);
-    }
-    return Uint32Array.from(out);
+    // The triangles at the reamed vertices, where these are during the run.
+    const indices = geometry.getIndex().array, touching = indices.filter((_, i) => [0, 1, 2].some((k) => reamed(indices[i - (i % 3) + k])));
+    this.lifted = new BufferGeometry().setAttribute("position", new BufferAttribute(this.places.slice(), 3));
+    this.lifted.setIndex(new BufferAttribute(touching, 1));
   }
 
   // At a time of the run, linear between the pictures; undefined: after the run.
@@ -73,34 +66,19 @@ class Reaming {
 
   // Normals of the lifted vertices: the mean of their triangles by area.
   shade() {
-    const sums = new Float32Array(3 * this.moved.length);
-    const [ax, ay, az] = this.axis;
-    const corner = (vertex) => {
-      const lift = this.lifts.array[2 * vertex];
-      return [this.places[3 * vertex] + lift * ax, this.places[3 * vertex + 1] + lift * ay, this.places[3 * vertex + 2] + lift * az];
-    };
-    for (let i = 0; i < this.triangles.length; i += 3) {
-      const [a, b, c] = [corner(this.triangles[i]), corner(this.triangles[i + 1]), corner(this.triangles[i + 2])];
-      const [ux, uy, uz, vx, vy, vz] = [b[0] - a[0], b[1] - a[1], b[2] - a[2], c[0] - a[0], c[1] - a[1], c[2] - a[2]];
-      for (let k = 0; k < 3; ++k) {
-        const slot = this.slots[this.triangles[i + k]];
-        if (slot < 0) continue;
-        sums[3 * slot] += uy * vz - uz * vy;
-        sums[3 * slot + 1] += uz * vx - ux * vz;
-        sums[3 * slot + 2] += ux * vy - uy * vx;
+    const lifted = this.lifted.getAttribute("position").array;
+    for (const vertex of this.moved) {
+      for (let k = 0; k < 3; ++k) lifted[3 * vertex + k] = this.places[3 * vertex + k] + this.lifts.array[2 * vertex] * this.axis[k];
+    }
+    this.lifted.computeVertexNormals();
+    const normals = this.lifted.getAttribute("normal").array;
+    for (const vertex of this.moved) {
+      const weight = Math.min(1, this.lifts.array[2 * vertex] / blend_mm);
+      for (let at = 3 * vertex; at < 3 * vertex + 3; ++at) {
+        this.normals.array[at] = Math.round(weight * 127 * normals[at] + (1 - weight) * this.finalNormals[at]);
       }
     }
-    this.moved.forEach((vertex, slot) => this.blend(vertex, sums.subarray(3 * slot, 3 * slot + 3)));
     this.normals.needsUpdate = true;
-  }
-
-  blend(vertex, sum) {
-    const weight = Math.min(1, this.lifts.array[2 * vertex] / blend_mm);
-    const length = Math.hypot(...sum) || 1;
-    for (let axis = 0; axis < 3; ++axis) {
-      const final = this.finalNormals[3 * vertex + axis];
-      this.normals.array[3 * vertex + axis] = Math.round(weight * 127 * (sum[axis] / length) + (1 - weight) * final);
-    }
   }
 }
 
@@ -171,17 +149,17 @@ export class BoneScene extends View {
     const depth = bone.depth_colors;
     this.uniforms = {
       cut: { value: this.cut },
-      depth_stops: { value: depth.stops.map(vector) },
+      stops: { value: depth.stops.map(vector) },
       depth_max_mm: { value: depth.max },
       contour_mm: { value: depth.step },
       shows_depth: { value: 1 },
       lift_axis: { value: vector(bone.look.axis) },
     };
     // Behind the cut, more back faces than front faces on a ray mean that the cut plane lies in bone there.
-    const counting = (side, operation) => boneMaterial(this.uniforms, depth.stops.length, {
+    const counting = (side, operation) => boneMaterial(this.uniforms, {
       side, depthWrite: false, depthTest: false, colorWrite: false, stencilWrite: true, stencilZPass: operation,
     });
-    const materials = [counting(BackSide, IncrementWrapStencilOp), counting(FrontSide, DecrementWrapStencilOp), boneMaterial(this.uniforms, depth.stops.length)];
+    const materials = [counting(BackSide, IncrementWrapStencilOp), counting(FrontSide, DecrementWrapStencilOp), boneMaterial(this.uniforms)];
     this.states = {};
     for (const state of ["before", "after"]) {
       const geometry = geometryOf(bone[state], bone.box_mm);
@@ -197,23 +175,14 @@ export class BoneScene extends View {
   }
 
   addCap(bone) {
-    const { dims, cell_mm, origin_mm } = bone.density;
-    const colors = bone.density_colors;
-    this.cap = new Mesh(
-      new PlaneGeometry(4 * this.reach, 4 * this.reach),
-      new ShaderMaterial({
-        glslVersion: GLSL3, vertexShader: capVertex, fragmentShader: capFragment, side: DoubleSide,
-        defines: { DENSITY_STOPS: colors.stops.length },
-        uniforms: {
-          density: { value: densityTexture(bone.density) },
-          origin_mm: { value: vector(origin_mm) },
-          size_mm: { value: vector(dims).multiplyScalar(cell_mm) },
-          density_stops: { value: colors.stops.map(vector) },
-          top_grade: { value: bone.grade_per_g_cm3 * colors.max },
-        },
-        stencilWrite: true, stencilFunc: NotEqualStencilFunc,
-      }),
-    );
+    const { dims, cell_mm, origin_mm } = bone.density, colors = bone.density_colors;
+    this.cap = new Mesh(new PlaneGeometry(4 * this.reach, 4 * this.reach), capMaterial({
+      density: { value: densityTexture(bone.density) },
+      origin_mm: { value: vector(origin_mm) },
+      size_mm: { value: vector(dims).multiplyScalar(cell_mm) },
+      stops: { value: colors.stops.map(vector) },
+      top_grade: { value: bone.grade_per_g_cm3 * colors.max },
+    }));
     this.cap.renderOrder = 2;
     this.cap.visible = false;
     this.scene.add(this.cap);

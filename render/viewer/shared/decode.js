@@ -4,15 +4,10 @@
 // Decodes what render/viewer/mesh_data.cpp and page.cpp encode.
 import { unzlibSync } from "fflate";
 
-export function bytesOf(base64) {
-  const text = atob(base64);
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
-  return bytes;
-}
-
 export function unpacked(base64) {
-  return unzlibSync(bytesOf(base64));
+  const text = atob(base64), bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  return unzlibSync(bytes);
 }
 
 // The `plane`th plane of 16-bit numbers, delta and zigzag encoded.
@@ -56,8 +51,7 @@ function interleaved(bytes, first, count, Type, valueOf) {
 
 function corners(bytes, from, count) {
   const out = new Uint32Array(count);
-  let at = from;
-  let next = 0;
+  let at = from, next = 0;
   for (let i = 0; i < count; ++i) {
     let below = 0;
     for (let shift = 0; ; shift += 7) {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The materials of bone and reamer: the shading of render/gl/shaders for WebGL 2. Light is in eye space; colours are linear until output.
-import { DoubleSide, GLSL3, LessEqualDepth, ShaderMaterial, Vector3 } from "three";
+import { DoubleSide, GLSL3, LessEqualDepth, NotEqualStencilFunc, ShaderMaterial, Vector3 } from "three";
 
 const common = `
 precision highp float;
@@ -19,6 +19,15 @@ vec3 srgb_from_linear(vec3 c) {
   return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
 }
 float wrapped(vec3 normal, vec3 direction, float wrap) { return max((dot(normal, direction) + wrap) / (1.0 + wrap), 0.0); }
+`;
+
+const mapColor = `
+uniform vec3 stops[STOPS];
+vec3 map_color(float fraction) {
+  float place = clamp(fraction, 0.0, 1.0) * float(STOPS - 1);
+  int lower = min(int(place), STOPS - 2);
+  return mix(stops[lower], stops[lower + 1], place - float(lower));
+}
 `;
 
 const boneVertex = `
@@ -38,22 +47,15 @@ void main() {
   gl_Position = projectionMatrix * modelViewMatrix * vec4(place_mm, 1.0);
 }`;
 
-const boneFragment = `${common}
+const boneFragment = `${common}${mapColor}
 in vec3 eye_normal;
 in vec4 reaming;
 in vec3 place_mm;
 out vec4 color;
 uniform vec4 cut;
-uniform vec3 depth_stops[DEPTH_STOPS];
 uniform float depth_max_mm;
 uniform float contour_mm;
 uniform float shows_depth;
-
-vec3 depth_color(float fraction) {
-  float place = clamp(fraction, 0.0, 1.0) * float(DEPTH_STOPS - 1);
-  int lower = min(int(place), DEPTH_STOPS - 2);
-  return linear_from_srgb(mix(depth_stops[lower], depth_stops[lower + 1], place - float(lower)));
-}
 
 float contour(float depth_mm) {
   float steps = depth_mm / contour_mm;
@@ -65,6 +67,10 @@ float contour(float depth_mm) {
 
 void main() {
   if (dot(cut, vec4(place_mm, 1.0)) < 0.0) discard;
+#ifdef COUNTS_FACES
+  color = vec4(0.0);
+  return;
+#endif
   vec3 n = normalize(eye_normal);
   // The inside, seen through a cut; not the odd triangle that thinning has turned over.
   if (!gl_FrontFacing && n.z < -0.1) {
@@ -80,52 +86,29 @@ void main() {
   float halfway = max(dot(n, normalize(kKeyDirection + vec3(0.0, 0.0, 1.0))), 0.0);
   vec3 shine = 0.05 * pow(halfway, 24.0) * kKeyColor * accessibility;
   float depth_mm = reaming.x * depth_max_mm;
-  vec3 map = depth_color(reaming.x) * (1.0 - 0.35 * contour(depth_mm));
+  vec3 map = linear_from_srgb(map_color(reaming.x)) * (1.0 - 0.35 * contour(depth_mm));
   // The reamed face must be readable against the legend, so shading only models its shape.
   vec3 even = mix(vec3(dot(light, vec3(0.3333))), vec3(1.02), 0.55);
   color = vec4(srgb_from_linear(mix(bone * light + shine, map * even + 0.3 * shine, reamed * shows_depth)), 1.0);
 }`;
 
-// Draws nothing; the stencil buffer counts faces behind the cut.
-const countFragment = `
-precision highp float;
-in vec3 eye_normal;
-in vec4 reaming;
-in vec3 place_mm;
-out vec4 color;
-uniform vec4 cut;
-void main() {
-  if (dot(cut, vec4(place_mm, 1.0)) < 0.0) discard;
-  color = vec4(0.0);
-}`;
-
-export const capVertex = `
-out vec3 place_mm;
-void main() {
-  vec4 place = modelMatrix * vec4(position, 1.0);
-  place_mm = place.xyz;
-  gl_Position = projectionMatrix * viewMatrix * place;
-}`;
-
-export const capFragment = `
+const capFragment = `
 precision highp float;
 precision highp sampler3D;
+${mapColor}
 in vec3 place_mm;
 out vec4 color;
 uniform sampler3D density;
 uniform vec3 origin_mm;
 uniform vec3 size_mm;
-uniform vec3 density_stops[DENSITY_STOPS];
 uniform float top_grade;  // of the colour map's end
 void main() {
   float fraction = texture(density, (place_mm - origin_mm) / size_mm).r * 255.0 / top_grade;
   if (fraction == 0.0) discard;  // far from bone: where the count of faces slipped
-  float place = clamp(fraction, 0.0, 1.0) * float(DENSITY_STOPS - 1);
-  int lower = min(int(place), DENSITY_STOPS - 2);
-  color = vec4(mix(density_stops[lower], density_stops[lower + 1], place - float(lower)), 1.0);
+  color = vec4(map_color(fraction), 1.0);
 }`;
 
-const toolVertex = `
+const placedVertex = `
 out vec3 eye_normal;
 out vec3 place_mm;  // in the bone frame
 void main() {
@@ -170,13 +153,19 @@ void main() {
   gl_FragDepth = gl_FragCoord.z - lift_mm * depth_per_mm;
 }`;
 
-// `stops`: of the colours of depth. With `counts`, it draws nothing and counts faces for a section.
-export function boneMaterial(uniforms, stops, counts = null) {
-  return new ShaderMaterial({
-    glslVersion: GLSL3, vertexShader: boneVertex, fragmentShader: counts ? countFragment : boneFragment, uniforms,
-    defines: { DEPTH_STOPS: stops }, side: DoubleSide, ...counts,
-  });
+const material = (vertexShader, fragmentShader, uniforms, more) =>
+  new ShaderMaterial({ glslVersion: GLSL3, side: DoubleSide, vertexShader, fragmentShader, uniforms, ...more });
+
+// With `counts`, it draws nothing, and the stencil buffer counts faces behind the cut.
+export function boneMaterial(uniforms, counts = null) {
+  const defines = { STOPS: uniforms.stops.value.length, ...(counts && { COUNTS_FACES: 1 }) };
+  return material(boneVertex, boneFragment, uniforms, { defines, ...counts });
 }
+
+// Of the cut face, where faces were counted.
+export const capMaterial = (uniforms) => material(placedVertex, capFragment, uniforms, {
+  defines: { STOPS: uniforms.stops.value.length }, stencilWrite: true, stencilFunc: NotEqualStencilFunc,
+});
 
 // Of a reamer: its nearest faces alone are drawn, so that its walls do not add up. `tint` is linear.
 export function toolMaterials(tint, cut) {
@@ -184,14 +173,12 @@ export function toolMaterials(tint, cut) {
     cut: { value: cut }, has_cut: { value: 0 }, opaque: { value: 0 }, tint: { value: tint },
     towards_viewer: { value: new Vector3(0, 0, 1) }, depth_per_mm: { value: 0 },
   };
-  const material = (more) => new ShaderMaterial({
-    glslVersion: GLSL3, vertexShader: toolVertex, fragmentShader: toolFragment, uniforms, side: DoubleSide,
-    depthFunc: LessEqualDepth, transparent: true, ...more,
-  });
   // Before a picture is drawn from a camera.
   const prepare = (camera) => {
     camera.getWorldDirection(uniforms.towards_viewer.value).negate();
     uniforms.depth_per_mm.value = 1 / (camera.far - camera.near);
   };
-  return { uniforms, prepare, materials: [material({ colorWrite: false }), material({ depthWrite: false })] };
+  const materials = [{ colorWrite: false }, { depthWrite: false }].map((more) =>
+    material(placedVertex, toolFragment, uniforms, { depthFunc: LessEqualDepth, transparent: true, ...more }));
+  return { uniforms, prepare, materials };
 }

@@ -3,9 +3,9 @@
 
 // What report and preview share; dist/scene.js has it once for both.
 export {
-  ArrowHelper, BackSide, Box3, BufferAttribute, BufferGeometry, Color, Data3DTexture, DecrementWrapStencilOp, DoubleSide, FrontSide,
-  GLSL3, Group, IncrementWrapStencilOp, LatheGeometry, LinearFilter, Matrix4, Mesh, MeshBasicMaterial, NotEqualStencilFunc,
-  PlaneGeometry, Quaternion, RedFormat, ShaderMaterial, SphereGeometry, Vector2, Vector3, Vector4,
+  ArrowHelper, BackSide, Box3, BufferAttribute, BufferGeometry, Color, Data3DTexture, DecrementWrapStencilOp, FrontSide, Group,
+  IncrementWrapStencilOp, LatheGeometry, LinearFilter, Matrix4, Mesh, MeshBasicMaterial, PlaneGeometry, Quaternion, RedFormat,
+  SphereGeometry, Vector2, Vector3, Vector4,
 } from "three";
 export * from "./decode.js";
 export * from "./elements.js";

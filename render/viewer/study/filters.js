@@ -9,8 +9,7 @@ const kMostLevels = 60;  // longer lists are searched as text
 
 export class Filters {
   constructor(study, changed) {
-    this.study = study;
-    this.changed = changed;
+    Object.assign(this, { study, changed });
     this.hiddenStates = new Set();
     this.hiddenLevels = new Map();  // column -> codes
     this.ranges = new Map();  // column -> [low, high]

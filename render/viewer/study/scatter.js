@@ -11,6 +11,7 @@ const kColors = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9
 const kRamp = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [220, 200, 30]];  // viridis; its yellow is too light on white
 const kHigh = 420, kLeft = 74, kRight = 14, kTop = 12, kBottom = 46;
 const kReach = 14;  // px from the pointer to a run
+const kSelects = ["scatter-x", "scatter-y", "scatter-color"];
 
 function rampColor(t) {
   const at = Math.min(0.9999, Math.max(0, t)) * (kRamp.length - 1);
@@ -20,13 +21,12 @@ function rampColor(t) {
 
 export class Scatter {
   constructor(study, showRun) {
-    this.study = study;
-    this.showRun = showRun;
+    Object.assign(this, { study, showRun });
     this.canvas = find("scatter-canvas");
     this.context = this.canvas.getContext("2d", { willReadFrequently: true });
     this.runs = new Uint32Array();
     this.chosen = -1;
-    for (const id of ["scatter-x", "scatter-y", "scatter-color"]) find(id).addEventListener("change", () => this.draw());
+    for (const id of kSelects) find(id).addEventListener("change", () => this.draw());
     this.canvas.addEventListener("pointermove", (event) => this.point(event));
     this.canvas.addEventListener("click", (event) => {
       const chosen = this.point(event);
@@ -63,7 +63,7 @@ export class Scatter {
   }
 
   draw() {
-    const [x, y, color] = ["scatter-x", "scatter-y", "scatter-color"].map((id) => this.column(id));
+    const [x, y, color] = kSelects.map((id) => this.column(id));
     const ratio = devicePixelRatio || 1, width = this.canvas.parentElement.clientWidth;
     if (!x || !y || width < 50) return;
     this.canvas.width = Math.round(width * ratio);
@@ -101,10 +101,7 @@ export class Scatter {
   }
 
   drawAxes(draw, x, y) {
-    draw.strokeStyle = "#e3e5e8";
-    draw.fillStyle = "#333";
-    draw.lineWidth = 1;
-    draw.textAlign = "right";
+    Object.assign(draw, { strokeStyle: "#e3e5e8", fillStyle: "#333", lineWidth: 1, textAlign: "right" });
     for (const value of stepsOf(this.up.low, this.up.high, 7)) {
       if (this.up.ticks) break;
       draw.beginPath();
@@ -140,12 +137,10 @@ export class Scatter {
   // The colour of a run: of up to eight levels their own, of numbers a ramp.
   colors(color, runs) {
     if (!color) return () => kColors[0];
-    if (color.levels && color.levels.length <= kColors.length) {
-      color.values;  // decodes the codes
-      return (run) => kColors[color.codes[run]];
-    }
+    const { values } = color;  // decodes the codes
+    if (color.levels?.length <= kColors.length) return (run) => kColors[color.codes[run]];
     const [low, high] = this.limits(color, runs);
-    return (run) => (Number.isNaN(color.values[run]) ? "#b9bec5" : rampColor((color.values[run] - low) / (high - low || 1)));
+    return (run) => (Number.isNaN(values[run]) ? "#b9bec5" : rampColor((values[run] - low) / (high - low || 1)));
   }
 
   limits(color, runs) {
@@ -171,7 +166,7 @@ export class Scatter {
     place.replaceChildren();
     if (!color || runs.length === 0) return;
     place.append(part("span", { class: "legend-title" }, color.title));
-    if (color.levels && color.levels.length <= kColors.length) {
+    if (color.levels?.length <= kColors.length) {
       for (const i of color.order) place.append(part("span", { class: "key" }, part("i", { style: `background: ${kColors[i]}` }), color.levels[i]));
       return;
     }
@@ -211,17 +206,12 @@ export class Scatter {
     this.chosen = chosen;
     const draw = this.context;
     if (this.picture) draw.putImageData(this.picture, 0, 0);
-    if (chosen < 0) {
-      find("scatter-run").textContent = "";
-      return;
-    }
     const { run, x, y } = this.points[chosen];
-    draw.strokeStyle = "#000";
-    draw.lineWidth = 2;
+    Object.assign(draw, { strokeStyle: "#000", lineWidth: 2 });
     draw.beginPath();
     draw.arc(x, y, 7, 0, 2 * Math.PI);
     draw.stroke();
-    const named = [...new Set(["scatter-x", "scatter-y", "scatter-color"].map((id) => this.column(id)))].filter(Boolean);
+    const named = [...new Set(kSelects.map((id) => this.column(id)))].filter(Boolean);
     find("scatter-run").textContent = `Run ${this.study.numbers[run]}: ${named.map((column) => `${column.title} ${column.cell(run)}`).join("; ")}`;
   }
 }

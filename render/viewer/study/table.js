@@ -9,11 +9,8 @@ const kMargin = 12;  // rows above and below those in sight
 
 export class Table {
   constructor(study, showRun) {
-    this.study = study;
-    this.showRun = showRun;
-    this.runs = new Uint32Array();
-    this.sorted = null;  // { column, descending }
-    this.place = find("rows");
+    // `sorted`: { column, descending }
+    Object.assign(this, { study, showRun, runs: new Uint32Array(), sorted: null, place: find("rows") });
     this.head = document.querySelector("#table thead");
     this.body = document.querySelector("#table tbody");
     this.fixed = this.fixedColumns();
@@ -40,8 +37,7 @@ export class Table {
     const width = (column) => column.chars ?? this.charsOf(column);
     const heads = this.columns.map((column) => part("th", { scope: "col", style: `width: ${width(column) + 2}ch` }, part("button", { type: "button", title: column.key, onclick: () => this.sortBy(column) }, column.title)));
     this.head.replaceChildren(part("tr", {}, ...heads));
-    const total = this.columns.reduce((sum, column) => sum + width(column) + 2, 0);
-    find("table").style.width = `max(100%, ${total}ch)`;
+    find("table").style.width = `max(100%, ${this.columns.reduce((sum, column) => sum + width(column) + 2, 0)}ch)`;
     find("table").setAttribute("aria-colcount", this.columns.length);
     this.sort();
   }
@@ -104,9 +100,7 @@ export class Table {
   }
 
   row(place) {
-    const { study } = this;
-    const run = this.runs[place];
-    const number = study.numbers[run];
+    const { study } = this, run = this.runs[place], number = study.numbers[run];
     const cells = this.columns.map((column) => {
       if (column.key === "run") {
         return part("th", { scope: "row" }, part("button", { type: "button", "data-run": `${run}`, "data-place": `${place}`, "aria-label": `Run ${number}`, onclick: () => this.showRun(run) }, `${number}`));
@@ -128,10 +122,9 @@ export class Table {
     const to = { ArrowDown: place + 1, ArrowUp: place - 1, Home: 0, End: this.runs.length - 1 }[event.key];
     if (Number.isNaN(place) || to === undefined || to < 0 || to >= this.runs.length) return;
     event.preventDefault();
-    const head = this.head.offsetHeight;
-    const [top, bottom] = [to * kRow, (to + 1) * kRow];
+    const top = to * kRow, room = this.place.clientHeight - this.head.offsetHeight;
     if (top < this.place.scrollTop) this.place.scrollTop = top;
-    if (bottom > this.place.scrollTop + this.place.clientHeight - head) this.place.scrollTop = bottom - this.place.clientHeight + head;
+    if (top + kRow > this.place.scrollTop + room) this.place.scrollTop = top + kRow - room;
     this.draw();
     this.body.querySelector(`button[data-place="${to}"]`)?.focus({ preventScroll: true });
   }
