@@ -74,7 +74,10 @@ struct WorkerAnswer {
   /// The message of a failure; of a check, its RunEstimate as JSON; of a run, whether it was continued, or "".
   std::string text;
 
-  [[nodiscard]] bool has_failed() const { return outcome == Outcome::failed || outcome == Outcome::wrong_input; }
+  /// Also for a letter that is no outcome, such as the first of what a driver prints.
+  [[nodiscard]] bool has_failed() const {
+    return outcome != Outcome::done && outcome != Outcome::busy && outcome != Outcome::interrupted;
+  }
 };
 
 /// What a run would take.

@@ -280,7 +280,7 @@ MemoryPlan plan_memory(const SimulationInput& scene) {
   const auto frames = static_cast<double>(scene.motion.poses.size());
   // What is held of the frames uses the memory that the compiler has left.
   const double held = std::max(serial ? 0 : kCompilerBytes, path_bytes(frames) + log_bytes(frames)) +
-                      static_cast<double>(scene.motion.key_bytes);
+                      2 * static_cast<double>(scene.motion.key_bytes);
   // The engine is freed before the results are written.
   const double most = std::max(loading, resident + held + std::max(engine, results_bytes(bricks)));
   plan.process_bytes = static_cast<std::size_t>(kProgramBytes + most);
