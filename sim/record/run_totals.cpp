@@ -22,6 +22,8 @@ constexpr double kHeld = 0.8, kGivesWay = 0.5, kMean_s = 0.01;
 
 /// The tool stands still where its step is below this fraction of the mean step.
 constexpr double kStillFraction = 0.01;
+/// Frames of a mean, 24 MB: a voxel of travel may take hours.
+constexpr std::size_t kMostFrames = 1'000'000;
 
 double travel_mm(const FrameResult& from, const FrameResult& to) {
   return (to.pose.position_mm - from.pose.position_mm).norm();
@@ -43,6 +45,7 @@ LayerMean::Means LayerMean::add(const Vec3& position_mm, double axial_force_n, d
   const double step = frames_.empty() ? 0 : (position_mm - last_mm_).norm();
   const double path = frames_.empty() ? 0 : frames_.back().path_mm + step;
   if (full_ && step * static_cast<double>(frames_.size()) < kStillFraction * voxel_mm_) drop_oldest();
+  if (frames_.size() == kMostFrames) drop_oldest();
   last_mm_ = position_mm;
   frames_.push_back({path, axial_force_n, spin_torque_nmm});
   axial_force_sum_n_ += axial_force_n;

@@ -49,8 +49,9 @@ inline double averaged_travel_mm(const CuttingSettings& cutting, double voxel_mm
   return cutting.erosion == ErosionMode::exact ? 0 : voxel_mm;
 }
 
-/// Running means of axial force and spin torque over the last voxel of the tool's travel. Where voxels are removed
-/// whole, single frames are spikes; only a mean over one layer of voxels compares with a measurement (docs/erosion.md).
+/// Running means of axial force and spin torque over the last voxel of the tool's travel, of at most a million frames.
+/// Where voxels are removed whole, single frames are spikes; only a mean over one layer of voxels compares with a
+/// measurement (docs/erosion.md).
 class LayerMean {
  public:
   explicit LayerMean(double voxel_mm) : voxel_mm_(voxel_mm) {}

@@ -11,11 +11,16 @@ import { edited, scenarioText } from "./scenario_text.js";
 
 // --- the text of the scenario with its changed lines marked, to copy or to save
 
-// Which lines of `after` are not in `before`, or more often than there. Lines that the page leaves keep their order.
+// Which lines of `after` are not in `before`, or more often than there, between the first and the last line that differ.
 function changedLines(before, after) {
+  const most = Math.min(before.length, after.length);
+  let first = 0, same = 0;
+  while (first < most && before[first] === after[first]) ++first;
+  while (same < most - first && before.at(-1 - same) === after.at(-1 - same)) ++same;
   const left = new Map();
-  for (const line of before) left.set(line, (left.get(line) ?? 0) + 1);
-  return after.map((line) => {
+  for (const line of before.slice(first, before.length - same)) left.set(line, (left.get(line) ?? 0) + 1);
+  return after.map((line, i) => {
+    if (i < first || i >= after.length - same) return false;
     const count = left.get(line) ?? 0;
     left.set(line, count - 1);
     return count <= 0;
