@@ -195,6 +195,12 @@ void warn_of_values(const Stack& stack, Diagnostics& report) {
                             "edges and densities are less exact",
                             std::ranges::count_if(stack, is_lossy), stack.size(), lossy->header->lossy));
   }
+  const auto is_assumed = [](const Slice& slice) { return !slice.header->assumed.empty(); };
+  const auto assumed = std::ranges::find_if(stack, is_assumed);
+  if (assumed != stack.end()) {
+    report.warn(assumed->path() + fmt::format(": {}; so in {} of {} slices", assumed->header->assumed,
+                                              std::ranges::count_if(stack, is_assumed), stack.size()));
+  }
   const std::string mixed = mixed_elements(stack);
   if (!mixed.empty()) {
     report.warn(stack.front().path() + ": the slices of the series alternate between " + mixed +

@@ -67,6 +67,7 @@ SliceAxes axes_from(const std::vector<double>& cosines) {
 void fill_place(const DicomValues& values, DicomHeader& header) {
   const std::vector<double> spacing = values.numbers({0x0028, 0x0030});
   if (!spacing.empty()) header.pixel_spacing_mm = Vec2(spacing[spacing.size() > 1 ? 1 : 0], spacing[0]);
+  if (spacing.size() == 1) header.assumed = "the pixel spacing (0028,0030) is one number, taken for rows and columns";
   const gdcm::Tag position_tag(0x0020, 0x0032);
   const std::vector<double> position = values.numbers(position_tag);
   if (position.size() >= 3) {
@@ -81,7 +82,8 @@ void fill_place(const DicomValues& values, DicomHeader& header) {
   const std::vector<double> intercept = values.numbers({0x0028, 0x1052}), slope = values.numbers({0x0028, 0x1053});
   header.rescales = header.rescales || !intercept.empty() || !slope.empty();
   if (!intercept.empty()) header.intercept = intercept[0];
-  if (!slope.empty() && slope[0] != 0) header.slope = slope[0];  // 0: left empty by the exporter
+  if (!slope.empty()) header.slope = slope[0] == 0 ? 1 : slope[0];
+  if (!slope.empty() && slope[0] == 0) header.assumed = "the rescale slope (0028,1053) is 0; 1 is taken";
   add_tags(values, header.tags);
 }
 

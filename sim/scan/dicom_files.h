@@ -34,6 +34,7 @@ struct DicomHeader {
   std::string pixel_type;     ///< "int16", ...
   std::string position_text;  ///< the position as it is written, "x\y\z", for its rounding
   std::string lossy;          ///< how the pixels were compressed with loss; empty: they were not
+  std::string assumed;        ///< what was taken for an element that is incomplete; empty: none is
   int series_number = 0;
   int frames = 1;  ///< above 1: a multi-frame file
   int frame = -1;  ///< index of a frame that says where it lies (functional groups); -1: the file is one slice
@@ -65,8 +66,8 @@ struct DicomHeader {
 
   static auto fields(auto& h) {
     return std::tie(h.path, h.series_uid, h.instance_uid, h.sop_class, h.description, h.kernel, h.modality,
-                    h.photometric, h.pixel_type, h.position_text, h.lossy, h.series_number, h.frames, h.frame,
-                    h.columns, h.rows, h.images_in_acquisition, h.rescales, h.slope, h.intercept, h.kvp,
+                    h.photometric, h.pixel_type, h.position_text, h.lossy, h.assumed, h.series_number, h.frames,
+                    h.frame, h.columns, h.rows, h.images_in_acquisition, h.rescales, h.slope, h.intercept, h.kvp,
                     h.slice_spacing_mm, h.instance_number, h.pixel_spacing_mm, h.position_mm, h.axes, h.tags);
   }
 };

@@ -11,8 +11,8 @@ namespace reamsim {
 namespace {
 
 /// A key that presets set, with its values at the low end, in the middle and at the high end of the specific energies
-/// u0·(density/1.8)^p that the project assumes (docs/physics.md, section 4; no bounds of a result). A high exponent
-/// makes soft bone cheap to cut, so the least energy goes with the highest exponent.
+/// u0·(density/1.8)^p that the project assumes (docs/physics.md, section 4; no bounds of a result). The higher
+/// the exponent, the lower the specific energy of bone of low density: the lowest energies have the highest exponent.
 struct PresetKey {
   std::string_view name;
   double CuttingSettings::*member;

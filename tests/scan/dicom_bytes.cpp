@@ -121,8 +121,16 @@ void write_slices(const TestImage& image, const std::string& folder, const Slice
     DicomElements out = how.more;
     const std::string storage = "1.2.840.10008.5.1.4.1.1.2";
     const auto put = [&](unsigned tag, const std::string& vr, const std::string& value) {
-      out.try_emplace(tag, element(tag >> 16, tag & 0xffff, vr, value));
+      std::string bytes = element(tag >> 16, tag & 0xffff, vr, value);
+      if (how.ge_private) {  // implicit VR: tag, length, value
+        bytes = bytes.substr(0, 4) + ul(static_cast<unsigned>(value.size() + value.size() % 2)) +
+                bytes.substr(bytes.size() - value.size() - value.size() % 2);
+      }
+      out.try_emplace(tag, std::move(bytes));
     };
+    if (how.ge_private) {
+      for (std::size_t i = 0; i + 1 < pixels.size(); i += 2) std::swap(pixels[i], pixels[i + 1]);
+    }
     put(0x00080016, "UI", storage);
     put(0x00080018, "UI", instance);
     put(0x00080060, "CS", "CT");
@@ -146,7 +154,7 @@ void write_slices(const TestImage& image, const std::string& folder, const Slice
     std::string elements;
     for (const auto& [tag, bytes] : out) elements += bytes;
     std::ofstream(folder + fmt::format("/IM{:04d}", number), std::ios::binary)
-        << dicom_file(storage, instance, elements);
+        << dicom_file(storage, instance, elements, how.ge_private ? "1.2.840.113619.5.2" : "1.2.840.10008.1.2.1");
   }
 }
 

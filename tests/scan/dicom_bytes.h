@@ -36,7 +36,8 @@ struct SliceFiles {
   int decimals = 6;  ///< of positions
   int first_instance = 1;
   std::string series = "1.2.3.4";
-  DicomElements more{};  ///< in each file
+  DicomElements more{};     ///< in each file, explicit VR
+  bool ge_private = false;  ///< implicit VR, little endian, with pixels in big endian (1.2.840.113619.5.2)
 };
 
 /// Writes one file per slice of 16-bit signed pixels, IM0001 and so on by instance number.

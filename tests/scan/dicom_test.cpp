@@ -215,13 +215,20 @@ TEST_F(Dicom, PicturesInASeriesAreLeftOut) {
 }
 
 TEST_F(Dicom, OddGeometryAndRescaleOfSlices) {
-  // A slope of 0 stands for none, a slice thickness is not used, and one spacing is that of rows and columns.
-  write_slices(egg_, folder_.file("odd"),
-               {.more = {{0x00180050, element(0x18, 0x50, "DS", "0.0005")},
-                         {0x00280030, element(0x28, 0x30, "DS", "1")},
-                         {0x00281053, element(0x28, 0x1053, "DS", "0")}}});
+  // A slice thickness is not used where positions say more.
+  write_slices(egg_, folder_.file("thin"), {.more = {{0x00180050, element(0x18, 0x50, "DS", "0.0005")}}});
+  expect_egg("thin");
+  ASSERT_EQ(report_.warnings.size(), 0U);
   ASSERT_EQ(egg_.spacing_mm.head<2>(), Vec2::Ones());
-  expect_egg("odd");
+  const auto expect_assumed = [&](const std::string& name, unsigned number, const std::string& text,
+                                  const std::string& words) {
+    write_slices(egg_, folder_.file(name), {.more = {{0x00280000 + number, element(0x28, number, "DS", text)}}});
+    expect_egg(name);
+    ASSERT_EQ(report_.warnings.size(), 1U) << name;
+    EXPECT_THAT(report_.warnings[0], HasSubstr(words + "; so in 24 of 24 slices"));
+  };
+  expect_assumed("square", 0x30, "1", "the pixel spacing (0028,0030) is one number, taken for rows and columns");
+  expect_assumed("no_slope", 0x1053, "0", "the rescale slope (0028,1053) is 0; 1 is taken");
   // An image without geometry beside the slices is skipped; a series of such images is refused.
   write_slices(egg_, folder_.file("cd"));
   const TestImage one = cropped(egg_, {0, 0, 0}, {26, 30, 1});
@@ -281,6 +288,11 @@ TEST_F(Dicom, FramesWithoutAPlaceAreRefused) {
 TEST_F(Dicom, ASingleFileIsNoVolume) {
   write_dicom(egg_, folder_.file("cd"));
   EXPECT_THAT(error_of("cd/slice010.dcm"), HasSubstr("a single DICOM slice; give the folder of the series"));
+}
+
+TEST_F(Dicom, PrivateSyntaxOfGeHasPixelsInTheOtherByteOrder) {
+  write_slices(egg_, folder_.file("ge"), {.ge_private = true});
+  expect_egg("ge");
 }
 
 // 100 orientations, of which half have a tilted gantry. Slices are sorted along the normal.
