@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <optional>
+#include <string>
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
@@ -54,30 +56,26 @@ void add_commands(CLI::App& app, reamsim::Console& console) {
   reamsim::add_help_command(app);
 }
 
-/// Parses the arguments, which calls the command.
-int run(int argc, char** argv) {
-  CLI::App app{std::string(reamsim::kDescription), "reamsim"};
-  reamsim::Console console;
-  add_commands(app, console);
+bool has_command(const CLI::App& app, const std::string& name) {
+  return !app.get_subcommands([&](const CLI::App* command) { return command->get_name() == name; }).empty();
+}
+
+/// The exit status of arguments without a known command, of which CLI11 would only report that it is missing.
+std::optional<int> refuse_command(const CLI::App& app, int argc, char** argv) {
   if (argc == 1) {  // as git and others do: help for a person, a status for a script whose command is missing
     std::fputs(reamsim::help_of({"", &app}).c_str(), stderr);
     return kWrongInput;
   }
-  // CLI11 would only report a missing command.
-  const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
-  const bool known = !app.get_subcommands(named).empty();
-  if (argv[1][0] != '-' && !known) {
-    const std::string found = std::string(argv[1]) + ": unknown command; expected " + reamsim::command_names(app);
-    return complain(reamsim::printable(found).c_str(), kWrongInput);
-  }
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    const std::string where = known ? "; see reamsim " + std::string(argv[1]) + " --help" : "; see reamsim --help";
-    return complain((reamsim::printable(error.what()) + where).c_str(), kWrongInput);
-  }
-  return 0;
+  if (argv[1][0] == '-' || has_command(app, argv[1])) return std::nullopt;
+  const std::string found = std::string(argv[1]) + ": unknown command; expected " + reamsim::command_names(app);
+  return complain(reamsim::printable(found).c_str(), kWrongInput);
+}
+
+/// Prints what --help or --version ask for, or the mistake. Returns the exit status.
+int end_parsing(const CLI::App& app, const CLI::ParseError& error, const std::string& command) {
+  if (error.get_exit_code() == 0) return app.exit(error);
+  const std::string where = has_command(app, command) ? "; see reamsim " + command + " --help" : "; see reamsim --help";
+  return complain((reamsim::printable(error.what()) + where).c_str(), kWrongInput);
 }
 
 /// Prints the error that is being handled, also where there is no memory for its message. Returns its exit status.
@@ -111,7 +109,15 @@ int main(int argc, char** argv) {
     reamsim::start_reader_server();  // before there are threads
     std::set_terminate(end_with_message);
     reamsim::install_stop_handler();
-    status = run(argc, argv);
+    CLI::App app{std::string(reamsim::kDescription), "reamsim"};
+    reamsim::Console console;
+    add_commands(app, console);
+    if (const auto refused = refuse_command(app, argc, argv)) return reamsim::end_with(*refused);
+    try {
+      app.parse(argc, argv);  // calls the command
+    } catch (const CLI::ParseError& error) {
+      status = end_parsing(app, error, argv[1]);
+    }
   } catch (...) {
     status = complain_of_error();
   }
