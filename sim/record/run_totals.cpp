@@ -64,7 +64,7 @@ void PushTotals::add(const FrameResult& row) {
   const PushResult& push = *row.push;
   const double frame_s = last_ ? row.time_s - last_->time_s : 0;
   hand_mj += 1e3 * push.hand_power_w * frame_s;
-  drill_mj += 1e3 * push.drill_power_w * frame_s;
+  spindle_work_mj += 1e3 * push.drill_power_w * frame_s;
   peak_hand_power_w = std::max(peak_hand_power_w, push.hand_power_w);
   peak_drill_power_w = std::max(peak_drill_power_w, push.drill_power_w);
   if (row.in_contact()) peak_feed_mm_s = std::max(peak_feed_mm_s, push.feed_mm_s);

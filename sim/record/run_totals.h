@@ -103,7 +103,7 @@ class PushTotals {
   /// The events so far; the last one is the end.
   [[nodiscard]] std::vector<PushEvent> events() const;
   double hand_mj = 0;
-  double drill_mj = 0;
+  double spindle_work_mj = 0;
   double peak_feed_mm_s = 0;  ///< in contact
   double peak_hand_power_w = 0;
   double peak_drill_power_w = 0;

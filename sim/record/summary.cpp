@@ -245,7 +245,8 @@ Json push_json(const PushTotals& push) {
   Json json{{"mean_feed_mm_s", push.mean_feed_mm_s()},
             {"peak_feed_mm_s", push.peak_feed_mm_s},
             {"hand_work_mj", push.hand_mj},
-            {"drill_work_mj", push.drill_mj},
+            {"spindle_work_mj", push.spindle_work_mj},
+            {"drill_work_mj", push.spindle_work_mj},  // the name of 1.0, for one version
             {"peak_hand_power_w", push.peak_hand_power_w},
             {"peak_drill_power_w", push.peak_drill_power_w}};
   if (const auto overshoot = push.overshoot_mm()) json["overshoot_mm"] = *overshoot;

@@ -19,7 +19,7 @@ struct FeedState {
   double bone_n_s_mm = 0;         ///< resistance of the bone per feed, without edge forces, in the last frame
   std::int64_t still_frames = 0;  ///< up to the last one, in which the tool stood still under thrust
   double hand_mj = 0;             ///< work of the hand
-  double drill_mj = 0;            ///< work of the drive against the spin torque
+  double spindle_work_mj = 0;     ///< work of the drive against the spin torque
   double damping_mj = 0;
   double kinetic_mj = 0;
   double lost_mj = 0;  ///< kinetic energy that bone took within frames beside the mean force (docs/feeds.md, 10)
@@ -65,7 +65,7 @@ struct SpringState {
   std::array<double, 3> tool_mm_s{};    ///< velocity of the tool's origin in it
   std::array<double, 9> bone_n_s_mm{};  ///< resistance −∂F/∂v there; zeros: not known
   double carriage_mj = 0;               ///< work of what moves the planned pose
-  double drill_mj = 0;                  ///< work of the drive against the spin torque
+  double spindle_work_mj = 0;           ///< work of the drive against the spin torque
   double spring_mj = 0;
   double damping_mj = 0;
   double lost_mj = 0;        ///< ½·k·Δd² of every substep: of the step in time (docs/feeds.md, 11)

@@ -362,7 +362,7 @@ void add_spring_energies(const SpringBalance& b, const Deflection& now, const Pa
   }
   state.spring_mj = spring_mj;
   state.carriage_mj += spring_n.dot(b.planned_mm) - (work.torque_nmm + now.mm.cross(work.bone_n)).dot(work.tilt_rad);
-  state.drill_mj += work.torque_nmm.z() * work.spin_rad;
+  state.spindle_work_mj += work.torque_nmm.z() * work.spin_rad;
   state.unbalanced_mj += (spring_n + work.bone_n).dot(advance);
   state.deflection_mm = array_of(now.mm);
   state.bone_n = array_of(now.bone_n);

@@ -157,7 +157,7 @@ class ThrustFeed : public Feed {
     state_.bone_n_s_mm = feed.bone_n_s_mm;
     state_.still_frames = feed.mm_s < kStill_mm_s && forces.thrust_n > 0 ? state_.still_frames + 1 : 0;
   }
-  void take(const FrameResult& row) override { state_.drill_mj += 1e3 * row.push->drill_power_w * frame_s_; }
+  void take(const FrameResult& row) override { state_.spindle_work_mj += 1e3 * row.push->drill_power_w * frame_s_; }
 
   /// Without render.every_frames pictures are at equal depths, or at equal times where a time ends the push.
   [[nodiscard]] bool has_picture(std::int64_t frame) const override {

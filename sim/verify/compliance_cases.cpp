@@ -139,12 +139,12 @@ void compliance_energy_case(const Setting& setting, Report& out) {
   const SpringState& s = reamed.springs;
   const auto report = [&](const char* name, double mj) { out.reported(name, "mJ", mj); };
   report("work of the feed", s.carriage_mj);
-  report("work of the drive", s.drill_mj);
+  report("work of the drive", s.spindle_work_mj);
   report("spring energy at the end", s.spring_mj);
   report("damping energy", s.damping_mj);
   report("½Σk·Δd²", s.lost_mj);
-  out.relative("both sides", "mJ", cut + s.spring_mj + s.damping_mj + s.lost_mj, s.carriage_mj + s.drill_mj + floor,
-               1e-4);
+  out.relative("both sides", "mJ", cut + s.spring_mj + s.damping_mj + s.lost_mj,
+               s.carriage_mj + s.spindle_work_mj + floor, 1e-4);
   out.at_most("½Σk·Δd² over the spring energy", "", 0.02, s.lost_mj / s.spring_mj, "it vanishes with the frame");
 }
 

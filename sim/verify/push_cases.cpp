@@ -224,10 +224,10 @@ void push_energy_case(const Setting& setting, Report& out) {
   const Reamed reamed = pushed(push, setting);
   const double floor = reamed.sum(&FrameResult::floor_energy_mj), cut = reamed.sum(&FrameResult::energy_mj);
   const FeedState& feed = reamed.feed;
-  const double given = feed.hand_mj + feed.drill_mj + floor;
+  const double given = feed.hand_mj + feed.spindle_work_mj + floor;
   const double taken = cut + feed.kinetic_mj + feed.damping_mj + feed.lost_mj;
   out.reported("work of the hand", "mJ", feed.hand_mj);
-  out.reported("work of the drive", "mJ", feed.drill_mj);
+  out.reported("work of the drive", "mJ", feed.spindle_work_mj);
   out.reported("damping energy", "mJ", feed.damping_mj);
   out.reported("loss within frames", "mJ", feed.lost_mj);
   out.relative("both sides", "mJ", taken, given, 1e-4);
