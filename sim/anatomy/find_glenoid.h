@@ -63,8 +63,9 @@ struct PearOutline {
   double radius_mm = 0;           ///< of the larger circle; half of the width
   double upper_ratio = 0;         ///< radius of the smaller circle over that of the larger, 0.5…0.95
 
-  /// Distance of a point from the outline, negative inside, mm.
-  [[nodiscard]] double distance_mm(const Vec2& point_mm) const;
+  /// Distance of a point from the outline, negative inside, mm. `axis`: axis(), which many points share.
+  [[nodiscard]] double distance_mm(const Vec2& point_mm) const { return distance_mm(point_mm, axis()); }
+  [[nodiscard]] double distance_mm(const Vec2& point_mm, const Vec2& axis) const;
   [[nodiscard]] Vec2 axis() const { return {std::cos(axis_rad), std::sin(axis_rad)}; }
 };
 

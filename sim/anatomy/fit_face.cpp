@@ -19,9 +19,22 @@ double BoneProbe::fraction(const Vec3& point_mm) const {
   const VoxelGrid& grid = bone_.voxmap.grid;
   const Vec3 place = (point_mm - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
   const Vec3 base = place.array().floor();
+  const Vec3i low = base.cast<int>(), brick = BrickLattice::brick_of(low);
   double out = 0;
+  if (BrickLattice::brick_of(low + Vec3i::Ones()) != brick || !bone_.voxmap.grade.lattice().contains(brick)) {
+    for_each_trilinear_weight(
+        place - base, [&](const Vec3i& step, double weight) { out += weight * bone_fraction(bone_, low + step); });
+    return out;
+  }
+  // All eight voxels lie in one brick, mostly one of air.
+  const GradeBricks::Brick* const grades = bone_.voxmap.grade.brick(brick);
+  if (grades == nullptr) return 0;
+  const FillBricks::Brick* const fills = bone_.fill.brick(brick);
+  const int first = BrickLattice::offset_of(low);
   for_each_trilinear_weight(place - base, [&](const Vec3i& step, double weight) {
-    out += weight * bone_fraction(bone_, base.cast<int>() + step);
+    const auto at = static_cast<std::size_t>(first + BrickLattice::offset_of(step));
+    if ((*grades)[at] == 0) return;
+    out += fills == nullptr ? weight : weight * (static_cast<double>((*fills)[at]) / FillBricks::kWhole);
   });
   return out;
 }
@@ -181,7 +194,8 @@ PearOutline outline_of(const Parameters& p) {
 
 std::vector<double> distances_of(const PearOutline& outline, const std::vector<Vec2>& points) {
   std::vector<double> out;
-  for (const Vec2& p : points) out.push_back(outline.distance_mm(p));
+  const Vec2 axis = outline.axis();
+  for (const Vec2& p : points) out.push_back(outline.distance_mm(p, axis));
   return out;
 }
 
@@ -205,11 +219,17 @@ double weighted_squares(const std::vector<double>& residuals, const std::vector<
   return out;
 }
 
-/// A damped Gauss–Newton step with fixed weights; returns whether the outline is better.
-bool improve(PearOutline& outline, const std::vector<Vec2>& points, const std::vector<double>& weights,
-             double& damping) {
+/// Distances of points from an outline, and the normal equations of their weighted squares.
+struct OutlineEquations {
+  std::vector<double> distances_mm;
+  Mat6 products;
+  Parameters right;
+};
+
+OutlineEquations equations_of(const PearOutline& outline, const std::vector<Vec2>& points,
+                              const std::vector<double>& weights) {
   const Parameters at = parameters_of(outline);
-  const std::vector<double> here = distances_of(outline, points);
+  OutlineEquations out{.distances_mm = distances_of(outline, points), .products = {}, .right = {}};
   Eigen::MatrixXd slopes(points.size(), 6);
   for (int k = 0; k < 6; ++k) {
     constexpr double kStep = 1e-4;
@@ -217,20 +237,35 @@ bool improve(PearOutline& outline, const std::vector<Vec2>& points, const std::v
     moved[k] += k == 5 && at[5] > kMostRatio - kStep ? -kStep : kStep;
     const std::vector<double> there = distances_of(outline_of(moved), points);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      slopes(static_cast<Eigen::Index>(i), k) = (there[i] - here[i]) / (moved[k] - at[k]);
+      slopes(static_cast<Eigen::Index>(i), k) = (there[i] - out.distances_mm[i]) / (moved[k] - at[k]);
     }
   }
   const auto count = static_cast<Eigen::Index>(points.size());
-  const Eigen::Map<const Eigen::VectorXd> w(weights.data(), count), r(here.data(), count);
-  const Mat6 products = slopes.transpose() * w.asDiagonal() * slopes;
-  const Parameters right = slopes.transpose() * w.asDiagonal() * r;
-  Mat6 damped = products;
-  damped.diagonal() += damping * (products.diagonal() + Parameters::Constant(1e-6));
-  const PearOutline next = outline_of(at - solve_ldlt(damped, right));
-  const bool better = weighted_squares(distances_of(next, points), weights) < weighted_squares(here, weights);
-  if (better) outline = next;
-  damping = better ? damping / 5 : damping * 5;
-  return better;
+  const Eigen::Map<const Eigen::VectorXd> w(weights.data(), count), r(out.distances_mm.data(), count);
+  out.products = slopes.transpose() * w.asDiagonal() * slopes;
+  out.right = slopes.transpose() * w.asDiagonal() * r;
+  return out;
+}
+
+/// Damped Gauss–Newton steps with fixed weights. Returns whether the outline is better.
+bool improve(PearOutline& outline, const std::vector<Vec2>& points, const std::vector<double>& weights) {
+  constexpr int kSteps = 6;
+  OutlineEquations here = equations_of(outline, points, weights);
+  double damping = 1e-3;
+  bool any = false;
+  for (int step = 0; step < kSteps; ++step) {
+    Mat6 damped = here.products;
+    damped.diagonal() += damping * (here.products.diagonal() + Parameters::Constant(1e-6));
+    const PearOutline next = outline_of(parameters_of(outline) - solve_ldlt(damped, here.right));
+    const bool better =
+        weighted_squares(distances_of(next, points), weights) < weighted_squares(here.distances_mm, weights);
+    damping = better ? damping / 5 : damping * 5;
+    if (!better) continue;
+    any = true;
+    outline = next;
+    if (step + 1 < kSteps) here = equations_of(outline, points, weights);
+  }
+  return any;
 }
 
 /// The points' mean and main directions as a first outline, with the smaller circle on one side or the other.
@@ -303,23 +338,22 @@ std::vector<Vec3> FittedFace::rim_at_outline_mm() const {
   return out;
 }
 
-double PearOutline::distance_mm(const Vec2& point_mm) const {
+double PearOutline::distance_mm(const Vec2& point_mm, const Vec2& axis) const {
   const Vec2 from = point_mm - center_mm;
-  const double along = from.dot(axis()), across = from.x() * axis().y() - from.y() * axis().x();
+  const double along = from.dot(axis), across = from.x() * axis.y() - from.y() * axis.x();
   return implicit::pear(across, along, radius_mm - height_mm / 2, radius_mm, height_mm / 2 - upper_ratio * radius_mm,
                         upper_ratio * radius_mm);
 }
 
 std::optional<OutlineFit> fit_pear(const std::vector<Vec2>& rim_mm) {
   if (rim_mm.size() < kLeastPoints) return std::nullopt;
-  constexpr int kRounds = 8, kSteps = 6;
+  constexpr int kRounds = 8;
   std::optional<OutlineFit> best;
   for (const bool reversed : {false, true}) {
     PearOutline outline = first_outline(rim_mm, reversed);
-    for (int round = 0; round < kRounds; ++round) {
-      const std::vector<double> weights = weights_of(distances_of(outline, rim_mm));
-      double damping = 1e-3;
-      for (int step = 0; step < kSteps; ++step) improve(outline, rim_mm, weights, damping);
+    bool better = true;
+    for (int round = 0; round < kRounds && better; ++round) {
+      better = improve(outline, rim_mm, weights_of(distances_of(outline, rim_mm)));
     }
     OutlineFit found{.outline = outline, .inlier_fraction = 0, .rms_mm = 0};
     for (const double r : distances_of(outline, rim_mm)) {

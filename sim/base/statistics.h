@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numeric>
 #include <vector>
 
@@ -20,11 +21,11 @@ inline double mean(const std::vector<double>& values) {
 /// The American Statistician 50, 361–365; numpy's default); 0 of no values.
 inline double quantile(std::vector<double> values, double fraction) {
   if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
   const double place = fraction * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+  const auto below = values.begin() + static_cast<std::ptrdiff_t>(place);
+  std::nth_element(values.begin(), below, values.end());
+  const double above = below + 1 == values.end() ? *below : *std::min_element(below + 1, values.end());
+  return *below + (place - std::floor(place)) * (above - *below);
 }
 
 /// A Gaussian sampled at −reach … reach, with the maximum 1.
