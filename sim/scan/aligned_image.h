@@ -86,10 +86,14 @@ bool is_axis_aligned(const ScanGeometry& geometry);
 /// interpolation. May be empty.
 IndexBox voxels_in_crop(const ScanGeometry& geometry, const Crop& crop);
 
+/// How an oblique image is interpolated. Linear interpolation blurs edges, which moves a surface above the middle of
+/// their values inwards; cubic interpolation, limited to the eight values around, keeps them.
+enum class Interpolation { linear, cubic };
+
 /// Brings an image to LPS axes. An axis-aligned image is permuted and flipped without changing values. An oblique image
-/// is interpolated trilinearly on a lattice of the same spacing within the crop box, with `outside` beyond the image.
-/// Throws std::length_error for an absurdly large lattice.
-AlignedImage align_to_lps(const Scan& scan, const Crop& crop, float outside);
+/// is interpolated on a lattice of the same spacing within the crop box, with `outside` beyond the image. Throws
+/// std::length_error for an absurdly large lattice.
+AlignedImage align_to_lps(const Scan& scan, const Crop& crop, float outside, Interpolation by = Interpolation::linear);
 
 /// The weights of image values for one voxel along one axis: weight[n] for value first + n. Their sum is 1. They
 /// average over the voxel if it is at least as large as the spacing, otherwise they interpolate linearly at its centre

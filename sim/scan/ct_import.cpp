@@ -97,23 +97,6 @@ void warn_of_offset(const std::vector<float>& values, const std::string& path, D
                   path, least, peak, advice));
 }
 
-/// The voxels in the crop, on LPS axes. Beyond an oblique image they get its least value.
-ct::AlignedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box, const CtSettings& settings,
-                              Diagnostics& report) {
-  ct::Scan scan = source.read(box, 0);
-  float least = replace_non_finite(scan.value, settings.path, ct::kScanKey, report);
-  if (settings.hu) {
-    const auto to_hu = [&](float value) {
-      return static_cast<float>(settings.hu->slope * static_cast<double>(value) + settings.hu->intercept);
-    };
-    std::ranges::transform(scan.value, scan.value.begin(), to_hu);
-    least = to_hu(least);
-    report.note(fmt::format("bone.ct.hu: HU = {:g} · value + {:g}", settings.hu->slope, settings.hu->intercept));
-  }
-  warn_of_offset(scan.value, settings.path, report);
-  return ct::align_to_lps(scan, {settings.crop_min_mm, settings.crop_max_mm}, least);
-}
-
 void note_crop(const ct::AlignedImage& image, const ct::ScanSource& source, Diagnostics& report) {
   if (image.lattice.size() >= source.geometry.size()) return;
   const Vec3i& dims = image.lattice.dims;
@@ -130,6 +113,39 @@ void filter(ct::AlignedImage& image, const CtSettings& settings, Diagnostics& re
     report.note(fmt::format("curvature anisotropic diffusion, {} iterations, conductance {:g}",
                             settings.anisotropic_iterations, settings.anisotropic_conductance));
   }
+}
+
+/// The filtered voxels in the crop, on LPS axes. Beyond an oblique image they get its least value.
+struct CroppedImage {
+  ct::AlignedImage hu;
+  std::optional<ct::AlignedImage> sharp;  ///< of an oblique image: the same, with the edges that interpolation blurs
+
+  /// For surfaces.
+  [[nodiscard]] const ct::AlignedImage& edges() const { return sharp ? *sharp : hu; }
+};
+
+CroppedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box, const CtSettings& settings,
+                          Diagnostics& report, const StageSink& stages = {}) {
+  ct::Scan scan = source.read(box, 0);
+  float least = replace_non_finite(scan.value, settings.path, ct::kScanKey, report);
+  if (settings.hu) {
+    const auto to_hu = [&](float value) {
+      return static_cast<float>(settings.hu->slope * static_cast<double>(value) + settings.hu->intercept);
+    };
+    std::ranges::transform(scan.value, scan.value.begin(), to_hu);
+    least = to_hu(least);
+    report.note(fmt::format("bone.ct.hu: HU = {:g} · value + {:g}", settings.hu->slope, settings.hu->intercept));
+  }
+  warn_of_offset(scan.value, settings.path, report);
+  const ct::Crop crop{settings.crop_min_mm, settings.crop_max_mm};
+  CroppedImage out{.hu = ct::align_to_lps(scan, crop, least), .sharp = {}};
+  note_crop(out.hu, source, report);
+  if (!ct::is_axis_aligned(scan.geometry)) out.sharp = ct::align_to_lps(scan, crop, least, ct::Interpolation::cubic);
+  begin_stage(stages, BoneStage::filter);
+  filter(out.hu, settings, report);
+  Diagnostics said;  // already
+  if (out.sharp) filter(*out.sharp, settings, said);
+  return out;
 }
 
 void note_trabecular(const ct::BoneField& bone, double threshold_hu, Diagnostics& report) {
@@ -308,14 +324,12 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
                               Segmentation* segmentation, const StageSink& stages) {
   warn_of_voltage(source, given, report);
   const ct::IndexBox box = cropped_box(source, given.ct);
-  ct::AlignedImage hu = read_cropped(source, box, given.ct, report);
-  note_crop(hu, source, report);
-  begin_stage(stages, BoneStage::filter);
-  filter(hu, given.ct, report);
+  CroppedImage image = read_cropped(source, box, given.ct, report, stages);
+  ct::AlignedImage& hu = image.hu;
   begin_stage(stages, BoneStage::segment);
   const BoneSettings settings = with_cuts(hu, given, report);
   const CtSettings& ct_settings = settings.ct;
-  const ct::BoneField bone = segment(source, box, hu, ct_settings, report);
+  const ct::BoneField bone = segment(source, box, image.edges(), ct_settings, report);
   note_trabecular(bone, ct_settings.threshold_hu, report);
   if (segmentation != nullptr) *segmentation = segmentation_of(hu, bone, settings);
   return voxels_of(std::move(hu), bone, settings, psf_of(source.geometry, ct_settings), report, segmentation, stages);
@@ -332,13 +346,13 @@ FilledVoxmap voxmap_from_ct(const BoneSettings& settings, Diagnostics& report, S
 SegmentedScan segmented_scan(const BoneSettings& given, Diagnostics& report, std::optional<FilledVoxmap>* voxmap) {
   return with_open_scan(given.ct, report, [&](const ct::ScanSource& source) {
     const ct::IndexBox box = cropped_box(source, given.ct);
-    SegmentedScan out{
-        .hu = read_cropped(source, box, given.ct, report), .field = {}, .settings = given.ct, .mistakes = {}};
-    filter(out.hu, given.ct, report);
+    CroppedImage image = read_cropped(source, box, given.ct, report);
+    SegmentedScan out{.hu = std::move(image.hu), .field = {}, .settings = given.ct, .mistakes = {}};
     try {
       const BoneSettings settings = with_cuts(out.hu, given, report);
       out.settings = settings.ct;
-      ct::BoneField bone = segment(source, box, out.hu, out.settings, report);
+      const ct::AlignedImage& edges = image.sharp ? *image.sharp : out.hu;
+      ct::BoneField bone = segment(source, box, edges, out.settings, report);
       if (voxmap != nullptr) {
         *voxmap = voxels_of(out.hu, bone, settings, psf_of(source.geometry, settings.ct), report, nullptr, {});
       }
@@ -356,9 +370,8 @@ SegmentedScan segmented_scan(const BoneSettings& given, Diagnostics& report, std
 
 std::vector<ct::Joint> joints_in_scan(const BoneSettings& settings, Diagnostics& report) {
   return with_open_scan(settings.ct, report, [&](const ct::ScanSource& source) {
-    ct::AlignedImage hu = read_cropped(source, cropped_box(source, settings.ct), settings.ct, report);
-    filter(hu, settings.ct, report);
-    return ct::find_joints(hu, settings.ct.threshold_hu);
+    const CroppedImage image = read_cropped(source, cropped_box(source, settings.ct), settings.ct, report);
+    return ct::find_joints(image.hu, settings.ct.threshold_hu);
   });
 }
 

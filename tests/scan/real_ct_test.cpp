@@ -140,5 +140,31 @@ TEST(RealBody, Int32NiftiInRasIsReadWithTheRightAxes) {
   EXPECT_GT(centroid_mm(spine).y(), 0.5 * (low[1] + high[1]));
 }
 
+/// The same bone with headers of other programs; the README of the data has its volume.
+TEST(OddScans, HaveTheBoneOfTheReference) {
+  constexpr double kTruth_mm3 = 7658;
+  const std::pair<const char*, bool> files[]{
+      {"sform.nii.gz", false},       {"pixdim_sform_q.nii.gz", true}, {"conflict_s2q1.nii.gz", true},
+      {"shear_both.nii.gz", true},   {"shear_s_only.nii.gz", true},   {"oblique_round.nii.gz", true},
+      {"u16_off1024.nii.gz", false}, {"gzip_named_nii.nii", false},   {"dicom_plain", false},
+      {"dicom_z625r1", true},        {"dicom_missing_end", true}};
+  for (const auto& [name, warned] : files) {
+    SCOPED_TRACE(name);
+    BoneSettings settings;
+    settings.source = BoneSource::ct;
+    settings.voxel_mm = 0.25;
+    settings.surface_voxels = SurfaceVoxels::partial;
+    settings.ct.path = data_file(std::string("odd_files/") + name);
+    if (!std::filesystem::exists(settings.ct.path)) GTEST_SKIP() << "no " << settings.ct.path << "; set REAMSIM_DATA";
+    if (std::string(name).starts_with("u16")) settings.ct.hu = HuSettings{.slope = 1, .intercept = -1024};
+    Diagnostics report;
+    const FilledVoxmap voxmap = voxmap_from_ct(settings, report);
+    EXPECT_NEAR(voxmap.bone_mm3(), kTruth_mm3, 0.01 * kTruth_mm3);
+    for (const Vec3& seed : {Vec3(26, -20, 30), Vec3(10, -20, 47), Vec3(10, -35, 30)})
+      EXPECT_NE(grade_at(voxmap, seed), 0) << seed.transpose();
+    EXPECT_EQ(!report.warnings.empty(), warned);
+  }
+}
+
 }  // namespace
 }  // namespace reamsim::test
