@@ -85,7 +85,9 @@ OutputOptions output_options_of(const SimulationInput& scene) {
   const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap->grid.voxel_mm);
   return {.pictures = {.settings = scenario.render, .mean_travel_mm = mean_mm},
           .render = scenario.render.enabled,
-          .all_plots = scenario.render.enabled,
+          .force_plots = scenario.output.plots,
+          .all_plots = scenario.render.enabled && scenario.output.plots,
+          .depth_map = scenario.render.enabled,
           .torque_spectrum = scenario.tool.spin == ToolSpin::resolved,
           .meshes = scenario.output.meshes,
           .report = scenario.render.enabled && scenario.render.report};
@@ -149,7 +151,7 @@ ForceLog Outputs::log_with_means() const {
 void Outputs::make_figures(Diagnostics& report) const {
   const std::string& dir = run_->dir();
   if (options_.force_plots) write_force_plots(dir, log_with_means());
-  if (options_.all_plots && options_.finished) write_depth_picture(*run_, options_.pictures.settings.depth_max_mm);
+  if (options_.depth_map && options_.finished) write_depth_picture(*run_, options_.pictures.settings.depth_max_mm);
   if (options_.meshes && options_.finished) write_meshes(*run_, options_.pictures.settings.depth_max_mm, report);
   if (!options_.all_plots) return;
   write_depth_and_energy_plots(dir, log_with_means());

@@ -16,7 +16,8 @@ struct OutputOptions {
   PictureOptions pictures{};
   bool render = true;       ///< make those pictures
   bool force_plots = true;  ///< the forces against time
-  bool all_plots = true;    ///< depth map, forces over depth, energy, density of the removed bone
+  bool all_plots = true;    ///< forces over depth, energy, density of the removed bone
+  bool depth_map = true;
   bool torque_spectrum = true;
   bool meshes = true;
   bool report = true;

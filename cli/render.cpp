@@ -231,6 +231,7 @@ void render_command(const RenderOptions& options, const Console& console) {
                   {.pictures = pictures,
                    .force_plots = options.wants("plots"),
                    .all_plots = options.wants("plots"),
+                   .depth_map = options.wants("plots"),
                    .torque_spectrum = settings.tool_spin == ToolSpin::resolved,
                    .meshes = options.wants("meshes") && (settings.output.meshes || !options.only.empty()),
                    .report = pictures.settings.report,

@@ -215,6 +215,7 @@ void describe_output(KeyVisitor& v, OutputSettings& output) {
         {.text = TextKind::output_folder});
   v.key("vti", output.vti, "Write reamed.vti beside reamed.vdb");
   v.key("meshes", output.meshes, "Write the reamed surface as reamed.glb and reamed.stl");
+  v.key("plots", output.plots, "Plot forces, depth and energy; `reamsim render DIR --only plots` does it later");
   v.key("force_basis", output.force_basis,
         "Write force_basis.npy, from which `reamsim reforce` and `reamsim fit` compute forces for other constants. "
         "Needs `law: energy`, and erosion exact, or remove with engine.type bricked or engine.device serial");

@@ -75,9 +75,12 @@ class CliTest : public ::testing::Test {
   std::string read(const std::string& name) const { return file_bytes(path(name)); }
   bool exists(const std::string& name) const { return std::filesystem::exists(path(name)); }
 
-  /// Runs `reamsim` in the folder.
+  /// Runs `reamsim` in the folder. `reamsim run` draws its plots only with plots_.
   ProgramResult reamsim(ProgramCall call) const {
     if (call.folder.empty()) call.folder = dir_;
+    if (!plots_ && call.arguments.size() > 2 && call.arguments[0] == "run") {
+      call.arguments.insert(call.arguments.end(), {"--set", "output.plots=false"});
+    }
     return run_program(REAMSIM_PROGRAM, call);
   }
   /// `reamsim run s.yaml -o out`, with s.yaml made of this text, and more arguments.
@@ -115,6 +118,7 @@ class CliTest : public ::testing::Test {
 
   TempDir temp_;
   const std::string dir_ = temp_.path();
+  bool plots_ = false;
 };
 
 }  // namespace reamsim::test

@@ -54,6 +54,7 @@ TEST_F(ComplianceCommand, ColumnsFollowTheOthersOnlyWhereSpringsAre) {
 }
 
 TEST_F(ComplianceCommand, PlotOfTheDeflectionIsMade) {
+  plots_ = true;
   const std::string yaml =
       with(sprung(kSprings), "  enabled: false\n", "  width_px: 64\n  height_px: 64\n  report: false\n");
   expect_done(run(yaml));

@@ -27,6 +27,7 @@ std::string with_erosion(const std::string& erosion) {
 class HeadlineTest : public CliTest, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(HeadlineTest, IsTheSameEverywhere) {
+  plots_ = true;
   const std::string erosion = GetParam();
   const bool means = erosion != "exact";
   const ProgramResult result = run(with_erosion(erosion));

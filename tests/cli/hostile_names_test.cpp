@@ -28,6 +28,7 @@ std::string quoted(const std::string& text) {
 
 class HostileNames : public CliTest {
  protected:
+  HostileNames() { plots_ = true; }
   /// Nothing was run, and no markup file has the name as markup.
   void expect_only_text() const {
     for (const auto& entry : fs::recursive_directory_iterator(path("."))) {

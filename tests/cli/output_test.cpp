@@ -23,6 +23,7 @@ class Output : public CliTest {
 };
 
 TEST_F(Output, IsComplete) {
+  plots_ = true;
   expect_done(run(kSmall));
   for (const char* file : {"scenario.yaml", "forces.csv", "forces.png", "forces.svg", "forces.gp", "reamed.vdb",
                            "reamed.vti", "planning.mrk.json", "forces.pdf", "reamed.glb", "reamed.stl", "summary.json",

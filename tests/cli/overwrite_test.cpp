@@ -221,6 +221,7 @@ TEST_F(Overwrite, FinishedResultsStayWhenSomethingTakesTheirPlace) {
 }
 
 TEST_F(Overwrite, EveryFileOfARunWithEverythingIsKnown) {
+  plots_ = true;
   const std::string all = with(kSmall, "render:\n  enabled: false\n",
                                "render:\n  width_px: 160\n  height_px: 120\n  film: apng\n  turntable_pictures: 2\n"
                                "  cameras: [oblique, glenoid, section, overview]\n"

@@ -66,6 +66,7 @@ std::map<std::string, std::string> files_of(const std::string& dir) {
 // The run draws from what it holds, the later one from the folder. The tool starts in the bone, and the last run's bone
 // has been reamed before.
 TEST_F(ViewsOfARun, DrawnAgainFromTheFolderIsTheSameToTheByte) {
+  plots_ = true;
   const std::string phantom =
       "  source: phantom\n  voxel_mm: 0.5\n  phantom:\n    shape: half_space\n    size_mm: [10, 10, 6]\n";
   const std::string motion = "motion:\n  frame: glenoid\n";
@@ -142,6 +143,7 @@ TEST_F(ViewsOfARun, ARefusedOptionLeavesEveryFileAsItIs) {
 
 // As README says: no --only, so that the report is written too, which shows the cameras of the run.
 TEST_F(ViewsOfARun, AllOutputsOfADescribedCameraAlone) {
+  plots_ = true;
   expect_done(run(kDrawn));
   std::filesystem::remove(path("out/report.html"));
   EXPECT_EQ(render({"--camera", "{name: rim, position_mm: [60, 35, 70]}"}).status, 0);

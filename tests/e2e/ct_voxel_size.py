@@ -15,7 +15,7 @@ import real_data
 
 def run(program, scenario, out, voxel_mm):
     sets = [f"--set=bone.voxel_mm={voxel_mm}", "--set=motion.plunge.depth_mm=2.2", "--set=motion.frame_rate_hz=250",
-            "--set=render.enabled=false", "--set=output.meshes=false", "--set=output.vti=false"]
+            "--set=render.enabled=false", "--set=output.meshes=false", "--set=output.vti=false", "--set=output.plots=false"]
     subprocess.run([program, "run", scenario, "-o", str(out), "--quiet", *sets], check=True)
     return json.loads((out / "summary.json").read_text())
 

@@ -19,7 +19,7 @@ import grids
 def run(program, scenario, out, threads="2", tuning="", **settings):
     sets = [f"--set={key.replace('__', '.')}={value}" for key, value in settings.items()]
     command = [program, "run", scenario, "-o", str(out), "--quiet", "--set=render.enabled=false", "--set=output.meshes=false",
-               "--set=output.vti=false", *sets]
+               "--set=output.vti=false", "--set=output.plots=false", *sets]
     subprocess.run(command, check=True, env={**os.environ, "POCL_MAX_PTHREAD_COUNT": threads, "REAMSIM_ENGINE_TUNING": tuning})
     return (out / "forces.csv").read_bytes(), grids.read(str(out / "reamed.vdb"))
 

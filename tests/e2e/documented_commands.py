@@ -27,7 +27,7 @@ import documented
 SMALL = {"width_px": 160, "height_px": 120}
 COARSE_MM, COARSE_HZ = 1, 200  # voxels and frames of the scenarios, of which other tests run those that ship
 # What a page prints is compared with a run as it ships, or as init wrote it, without pictures.
-PLAIN = "--overwrite --set render.enabled=false --set output.meshes=false --set output.vti=false"
+PLAIN = "--overwrite --set render.enabled=false --set output.meshes=false --set output.vti=false --set output.plots=false"
 
 # Results of which a page shows or draws pictures; others are without, for less time.
 DRAWN = {"out/default", "out/my", "out/s"}
@@ -194,7 +194,7 @@ class Place:
             results = named[1] if named else f"out/{scenario[1]}"
             shutil.rmtree(self.folder / results, ignore_errors=True)
             if results not in DRAWN and "render." not in command:
-                executed += " --set render.enabled=false"
+                executed += " --set render.enabled=false --set output.plots=false"
         printed = self.printed.get(command, [])
         said = self.run(executed, where, expected=2 if any("error:" in line for line in printed) else 0)
         if printed and command.startswith(("reamsim run", "reamsim fit")):

@@ -73,7 +73,7 @@ def run(program, scenario, folder, mirror):
     file = folder / f"{'mirror' if mirror else 'original'}.yaml"
     file.write_text(yaml.safe_dump(content))
     sets = ["motion.plunge.from=contact", "motion.plunge.depth_mm=2.5", "motion.frame_rate_hz=250", "bone.voxel_mm=0.5",
-            f"motion.plunge.spin_rpm={-250 if mirror else 250}", "render.enabled=false", "output.meshes=false",
+            f"motion.plunge.spin_rpm={-250 if mirror else 250}", "render.enabled=false", "output.plots=false", "output.meshes=false",
             "output.vti=false"]
     out = folder / file.stem
     subprocess.run([program, "run", file, "-o", out, "--quiet", *(f"--set={s}" for s in sets)], check=True)

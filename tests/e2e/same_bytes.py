@@ -54,7 +54,7 @@ def sums_of(results):
 def run(program, root, case, environment):
     scenario, settings = CASES[case]
     with tempfile.TemporaryDirectory() as folder:
-        sets = [f"--set={one.format(root=root)}" for one in [*settings, "render.enabled=false", "output.meshes=false", "output.vti=false"]]
+        sets = [f"--set={one.format(root=root)}" for one in [*settings, "render.enabled=false", "output.meshes=false", "output.vti=false", "output.plots=false"]]
         subprocess.run([program, "run", root / f"trajectories/{scenario}.yaml", "-o", f"{folder}/out", "--quiet", *sets], check=True,
                        env={**os.environ, **environment})
         return sums_of(pathlib.Path(folder, "out"))

@@ -19,6 +19,7 @@ SMALL = {
     "motion": {"frame_rate_hz": 100,
                "plunge": {"approach_mm": 0.5, "feed_mm_s": 5, "depth_mm": 1, "retract_mm": 2, "retract_mm_s": 20}},
     "render": {"enabled": False},
+    "output": {"plots": False},
     "engine": {"device": "serial"},
 }
 
@@ -31,7 +32,7 @@ BLOCK = {
                "plunge": {"approach_mm": 0.2, "depth_mm": 1, "feed_mm_s": 2, "dwell_s": 0.05, "retract_mm": 2,
                           "retract_mm_s": 20}},
     "render": {"enabled": False},
-    "output": {"meshes": False, "vti": False},
+    "output": {"meshes": False, "vti": False, "plots": False},
 }
 
 

@@ -26,7 +26,7 @@ BASE = {
         },
     },
     "render": {"enabled": False},
-    "output": {"vti": False, "meshes": False},
+    "output": {"vti": False, "meshes": False, "plots": False},
 }
 FILES = {"tool.obj": cylinder(4, 6), "poses.csv": POSES}
 

@@ -86,7 +86,7 @@ def test_finds_the_forces_of_a_rerun(tmp_path):
             "trabecular_density_g_cm3": 0.6}},
         "tool": {"mesh": str(ROOT / "assets/reamer_convex.stl")},
         "motion": {"frame_rate_hz": 100, "plunge": {"approach_mm": 0.5, "feed_mm_s": 1, "depth_mm": 3}},
-        "render": {"enabled": False}, "output": {"meshes": False, "vti": False, "force_basis": True}}
+        "render": {"enabled": False}, "output": {"meshes": False, "vti": False, "plots": False, "force_basis": True}}
     run = reamsim.run(scenario, tmp_path / "basis")
     table = [{"density_g_cm3": 0.6, "energy_j_mm3": U1}, {"density_g_cm3": 1.2, "energy_j_mm3": U2}]
     again = reamsim.run(scenario, tmp_path / "again", {"cutting.specific_energy_table": table,
