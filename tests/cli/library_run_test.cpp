@@ -26,6 +26,7 @@ class LibraryRun : public CliTest {
 };
 
 TEST_F(LibraryRun, WithRenderHasTheFilesOfReamsimRun) {
+  plots_ = true;
   write("s.yaml", with(kSmall, "  enabled: false\n", "  width_px: 64\n  height_px: 64\n  cameras: [oblique]\n"));
   ASSERT_EQ(reamsim({.arguments = {"run", "s.yaml", "-o", "program", "--quiet"},
                      .environment = {},
