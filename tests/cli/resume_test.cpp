@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-constexpr int kSuspended = 75;
+constexpr int kSuspended = 75, kInterrupted = 130;
 
 /// Some seconds of reaming, with snapshots.
 const std::string kLong =
@@ -123,7 +123,12 @@ TEST_F(Resume, EndsWithTheSameBytesForEveryErosionAndEngine) {
     const std::vector<double> fractions =
         (name == "exact" || name == "several passes") ? std::vector{0.2, 0.6} : std::vector{0.3};
     for (const double fraction : fractions) {
-      const ProgramResult cut = call({"-o", "cut", "--resume"}, has_written(fraction));
+      ProgramResult cut = call({"-o", "cut", "--resume"}, has_written(fraction));
+      // On a busy machine the signal may come after the last frame.
+      for (int again = 0; again < 3 && cut.status == kInterrupted; ++again) {
+        fs::remove_all(path("cut.partial"));
+        cut = call({"-o", "cut", "--resume"}, has_written(fraction));
+      }
       EXPECT_EQ(cut.status, kSuspended) << cut.err;
       EXPECT_THAT(cut.err, HasSubstr("--resume continues"));
       EXPECT_LT(rows("cut.partial"), all);
