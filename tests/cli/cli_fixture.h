@@ -78,9 +78,8 @@ class CliTest : public ::testing::Test {
   /// Runs `reamsim` in the folder. `reamsim run` draws its plots only with plots_.
   ProgramResult reamsim(ProgramCall call) const {
     if (call.folder.empty()) call.folder = dir_;
-    if (!plots_ && call.arguments.size() > 2 && call.arguments[0] == "run") {
-      call.arguments.insert(call.arguments.end(), {"--set", "output.plots=false"});
-    }
+    if (!plots_ && call.arguments.size() > 2 && call.arguments[0] == "run")
+      call.arguments.emplace_back("--set=output.plots=false");
     return run_program(REAMSIM_PROGRAM, call);
   }
   /// `reamsim run s.yaml -o out`, with s.yaml made of this text, and more arguments.

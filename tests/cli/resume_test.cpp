@@ -152,6 +152,7 @@ TEST_F(Resume, KilledRunsContinueFromTheirLastCheckpoint) {
 }
 
 TEST_F(Resume, AnUnfinishedRunCanBeRenderedAndCompared) {
+  plots_ = true;
   const std::string drawn = with(kLong, "enabled: false", "width_px: 160\n  height_px: 120\n  report: false");
   write("s.yaml", with(drawn, "voxel_mm: 0.5", "voxel_mm: 0.2"));  // slow enough to be interrupted
   ASSERT_EQ(call({"-o", "whole"}).status, 0);
