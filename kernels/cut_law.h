@@ -65,13 +65,13 @@ RS_INLINE rs_i64 rs_lost_energy(rs_i64 whole, rs_i32 lost) {
 
 /* mJ. */
 RS_INLINE float rs_energy_mj(rs_i64 units) {
-  return (float)units * (1.0f / RS_ENERGY_SCALE);
+  return (float)units * (1.0f / (float)RS_ENERGY_SCALE);
 }
 
 /* Adds force `f` (N) at lever `p` (mm, from the tool's origin). The scales are powers of two, so that scaling is exact.
  */
 RS_INLINE void rs_add_force(LaneSums* sums, const rs_real* f, const rs_real* p) {
-  const float force = RS_FORCE_SCALE, torque = RS_TORQUE_SCALE;
+  const float force = (float)RS_FORCE_SCALE, torque = (float)RS_TORQUE_SCALE;
   sums->force[0] += RS_TO_SUM(f[0] * force);
   sums->force[1] += RS_TO_SUM(f[1] * force);
   sums->force[2] += RS_TO_SUM(f[2] * force);
@@ -98,7 +98,7 @@ RS_INLINE rs_i64 rs_twice_in_tool(RS_GLOBAL const SubstepArgs* a, int axis, rs_i
 
 /* The middle of the brick with voxel (x, y, z). */
 RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i32 z, BrickMiddle* brick) {
-  const float unit = 0.5f / RS_LENGTH_SCALE;
+  const float unit = 0.5f / (float)RS_LENGTH_SCALE;
   for (int i = 0; i < 3; ++i) {
     const rs_i64 twice = rs_twice_in_tool(a, i, 2 * (x >> 3), 2 * (y >> 3), 2 * (z >> 3));
     const float nearest = (float)twice;
@@ -199,8 +199,8 @@ RS_INLINE CutResponse rs_cut_response(RS_GLOBAL const SubstepArgs* a, const rs_r
 RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, const rs_real* n, const rs_real* p, rs_real energy,
                             LaneSums* sums) {
   const CutResponse found = rs_cut_response(a, n, p, energy);
-  if (a->size_exponent > 0.0f) sums->energy += RS_TO_SUM(found.added_energy * RS_ENERGY_SCALE);
-  sums->floor_energy += RS_TO_SUM(found.floor_energy * RS_ENERGY_SCALE);
+  if (a->size_exponent > 0.0f) sums->energy += RS_TO_SUM(found.added_energy * (float)RS_ENERGY_SCALE);
+  sums->floor_energy += RS_TO_SUM(found.floor_energy * (float)RS_ENERGY_SCALE);
   rs_add_force(sums, found.force, p);
 }
 
@@ -254,7 +254,7 @@ RS_INLINE int rs_contains_voxel(RS_GLOBAL const SubstepArgs* a, const OutlineVie
  * frame; the profile does not depend on the spin angle. */
 RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, rs_i32 x, rs_i32 y, rs_i32 z,
                               LaneSums* sums) {
-  const float unit = 1.0f / RS_LENGTH_SCALE;
+  const float unit = 1.0f / (float)RS_LENGTH_SCALE;
   const float p[3] = {(float)(a->shell_origin[0] + x * a->cell) * unit,
                       (float)(a->shell_origin[1] + y * a->cell) * unit,
                       (float)(a->shell_origin[2] + z * a->cell) * unit};

@@ -25,7 +25,7 @@ RS_INLINE void rs_box_middle(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y,
   const rs_i32 bricks = side / RS_BRICK_SIDE - 1;
   for (int i = 0; i < 3; ++i) {
     p[i] = (float)rs_twice_in_tool(a, i, 2 * (x >> 3) + bricks, 2 * (y >> 3) + bricks, 2 * (z >> 3) + bricks) *
-           (0.5f / RS_LENGTH_SCALE);
+           (0.5f / (float)RS_LENGTH_SCALE);
   }
 }
 

@@ -37,15 +37,19 @@ typedef uint8_t rs_u8;
  * 1024 cells and 2^-13 per axis of 4096, the largest; in total, with that of the origin, below 2^-11. */
 #define RS_POSITION_BITS 24
 
+#ifdef __OPENCL_C_VERSION__
+#define RS_SCALE(power_of_two) power_of_two##f
+#else
+#define RS_SCALE(power_of_two) power_of_two
+#endif
 /* Units of the integer sums per N, N·mm, mJ. Ranges per substep: 3·10^10 N, 5·10^11 N·mm, 2·10^9 mJ. */
-#define RS_FORCE_SCALE 268435456.0f   /* 2^28 */
-#define RS_TORQUE_SCALE 16777216.0f   /* 2^24 */
-#define RS_ENERGY_SCALE 4294967296.0f /* 2^32 */
-
-/* Units of fixed-point lengths in the tool's frame per mm: a brick 2^17 mm away lies within 10^-11 mm of its place. */
-#define RS_LENGTH_SCALE 35184372088832.0f /* 2^45 */
+#define RS_FORCE_SCALE RS_SCALE(268435456.0)   /* 2^28 */
+#define RS_TORQUE_SCALE RS_SCALE(16777216.0)   /* 2^24 */
+#define RS_ENERGY_SCALE RS_SCALE(4294967296.0) /* 2^32 */
+/* Units of fixed-point lengths in the tool's frame per mm: 2^17 mm away a brick lies within 10^-11 mm of its place. */
+#define RS_LENGTH_SCALE RS_SCALE(35184372088832.0) /* 2^45 */
 /* Units of density in wear per g/cm3. */
-#define RS_DENSITY_SCALE 16777216.0f /* 2^24 */
+#define RS_DENSITY_SCALE RS_SCALE(16777216.0) /* 2^24 */
 
 #define RS_WHOLE_FILL 65535
 

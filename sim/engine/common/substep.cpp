@@ -173,11 +173,11 @@ Rigid bone_from_shell(const ToolPose& pose, bool spin_resolved) {
 
 Eigen::Affine3d tool_from_voxel(const SubstepArgs& args) {
   using Fixed = Eigen::Matrix<std::int64_t, 3, 3, Eigen::RowMajor>;
-  const Mat3 brick = Eigen::Map<const Fixed>(args.tool_from_brick).cast<double>() / double{RS_LENGTH_SCALE};
+  const Mat3 brick = Eigen::Map<const Fixed>(args.tool_from_brick).cast<double>() / RS_LENGTH_SCALE;
   const Vec3 middle = Eigen::Map<const Eigen::Matrix<std::int64_t, 3, 1>>(args.brick_origin).cast<double>();
   Eigen::Affine3d out;
   out.linear() = brick / RS_BRICK_SIDE;
-  out.translation() = middle / double{RS_LENGTH_SCALE} - out.linear() * Vec3::Constant(double{RS_BRICK_MIDDLE});
+  out.translation() = middle / RS_LENGTH_SCALE - out.linear() * Vec3::Constant(double{RS_BRICK_MIDDLE});
   out.makeAffine();
   return out;
 }
