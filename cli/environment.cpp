@@ -143,7 +143,9 @@ std::string line(const cl::DeviceInfo& device, cl_device_id chosen) {
                                 device.id == chosen ? "*" : " ", device.name, device.platform_name, device.driver,
                                 device.gpu ? "GPU" : "CPU", device.compute_units,
                                 device.global_memory_bytes / 1'000'000, device.max_allocation_bytes / 1'000'000);
-  if (!device.missing.empty()) out += "  not usable: missing " + device.missing;
+  if (!device.missing.empty()) return out + "  not usable: missing " + device.missing;
+  if (!device.int64_atomics) out += "  without 64-bit atomics: sums by two of 32 bits";
+  if (!device.rounds_division) out += "  division is not correctly rounded: results may differ in the last digits";
   return out;
 }
 
@@ -158,8 +160,7 @@ Choice automatic_choice() {
   try {
     const cl::DeviceInfo device = cl::choose_device("auto");
     return {device.id, device.name,
-            std::string("the first ") + (device.gpu ? "GPU" : "CPU") +
-                " with 64-bit floats and 64-bit atomics; GPUs are preferred to CPUs"};
+            std::string("the first ") + (device.gpu ? "GPU" : "CPU") + "; GPUs are preferred to CPUs"};
   } catch (const RunError& error) {
     return {nullptr, "", error.what()};
   }
@@ -188,6 +189,8 @@ Json json_of(const cl::DeviceInfo& device, const Choice& choice) {
           {"compute_units", device.compute_units},
           {"memory_bytes", device.global_memory_bytes},
           {"largest_allocation_bytes", device.max_allocation_bytes},
+          {"int64_atomics", device.int64_atomics},
+          {"rounds_division", device.rounds_division},
           {"missing", device.missing},
           {"selected", device.id == choice.id}};
 }

@@ -8,11 +8,10 @@
  * Compiled with RS_POOLS, RS_POOL_BITS and, where voxels can be partly removed, RS_BRICK_FILL. */
 #include "brick_report.h"
 
-/* Tables by grade: energy of a whole voxel in mJ and in units of the energy sum, and density in g/cm3. */
+/* Tables by grade: energy of a whole voxel, in units of the sum, and density in RS_DENSITY_SCALE. */
 typedef struct {
-  __global const double* energy;
   __global const long* units;
-  __global const double* density;
+  __global const int* density;
 } Material;
 
 /* Integer sums of a work-item, beside those of the law. */
@@ -30,28 +29,27 @@ float remove_fill(__global const SubstepArgs* a, __global Brick* brick, const Ma
 #ifdef RS_BRICK_FILL
   const int before = brick->fill[place];
   const int lost = rs_lost_fill(a, material->density[grade], before);
-  const double energy = rs_lost_energy(material->energy[grade], lost);
+  const long energy = rs_lost_energy(material->units[grade], lost);
   brick->fill[place] = (ushort)(before - lost);
   *removed = lost == before;
   tally->fill += lost;
-  tally->energy += rs_energy_units(energy);
-  return (float)energy;
+  tally->energy += energy;
+  return rs_energy_mj(energy);
 #else
   *removed = true;
   tally->fill += RS_WHOLE_FILL;
   tally->energy += material->units[grade];
-  return (float)material->energy[grade];
+  return rs_energy_mj(material->units[grade]);
 #endif
 }
 
-#define PARAMETERS                                                                                                   \
-  const uint substep, __global const SubstepArgs *args, __global const uint *lattice_of_slot, __global uint *listed, \
-      __global uint *occupancy, __global const uint *touched_list, __global const uint *touched_count,               \
-      __global SubstepSums *sums, __global RemovedBlock *removed, __global uint *removed_count, const uint2 room,    \
-      __global const uint *removed_before, __global const double *energy_of_grade,                                   \
-      __global const long *units_of_grade, __global const double *density_of_grade,                                  \
-      __global const ulong *bits_of_byte, const int4 bricks, __global const OutlinePiece *pieces,                    \
-      __global const ushort *numbers, __global const PieceList *lists, __global const OutlineGrid *grid,             \
+#define PARAMETERS                                                                                                    \
+  const uint substep, __global const SubstepArgs *args, __global const uint *lattice_of_slot, __global uint *listed,  \
+      __global uint *occupancy, __global const uint *touched_list, __global const uint *touched_count,                \
+      __global SubstepSums *sums, __global RemovedBlock *removed, __global uint *removed_count, const uint2 room,     \
+      __global const uint *removed_before, __global const long *units_of_grade, __global const int *density_of_grade, \
+      __global const ulong *bits_of_byte, const int4 bricks, __global const OutlinePiece *pieces,                     \
+      __global const ushort *numbers, __global const PieceList *lists, __global const OutlineGrid *grid,              \
       RS_POOL_PARAMETERS
 
 /* The number of bricks to cut: 0 where the list of removed voxels might overflow. A negative number of contacts tells
@@ -157,7 +155,7 @@ uint16 remove_all_fill(__global const SubstepArgs* a, const CutBrick* cut, const
   long units = 0;
   for (int i = 0; i < cut->count; ++i) {
     units += material->units[grades[i]];
-    energies[i] = (float)material->energy[grades[i]];
+    energies[i] = rs_energy_mj(material->units[grades[i]]);
   }
   tally->contacts += cut->count;
   tally->fill += (long)RS_WHOLE_FILL * cut->count;
@@ -202,7 +200,7 @@ void accumulate_cut_forces(__global const SubstepArgs* a, const OutlineView* out
 __kernel void cut_bricked(PARAMETERS) {
   __global const SubstepArgs* a = args + substep;
   const ulong count = bricks_to_cut(room, removed_before, touched_count, substep, sums);
-  const Material material = {energy_of_grade, units_of_grade, density_of_grade};
+  const Material material = {units_of_grade, density_of_grade};
   const OutlineView outline = {pieces, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   LaneSums law = zero_sums();
@@ -252,7 +250,7 @@ __kernel void cut_bricked(PARAMETERS) {
   __local uint removed_words[RS_BRICK_WORDS];
   __global const SubstepArgs* a = args + substep;
   const uint count = bricks_to_cut(room, removed_before, touched_count, substep, sums);
-  const Material material = {energy_of_grade, units_of_grade, density_of_grade};
+  const Material material = {units_of_grade, density_of_grade};
   const OutlineView outline = {pieces, numbers, lists, grid};
   __global Brick* pools[RS_POOLS] = RS_POOL_ARRAY;
   LaneSums law = zero_sums();

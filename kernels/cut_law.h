@@ -50,20 +50,22 @@ typedef struct {
   rs_sum energy; /* erosion exact: all; else, where integers are summed, the addition by the size effect */
 } LaneSums;
 
-RS_INLINE rs_i64 rs_energy_units(double energy) {
-  return (rs_i64)RS_FLOOR(energy * RS_ENERGY_SCALE + 0.5);
-}
-
-/* Fill that a touched voxel loses in this substep. `density`: g/cm3. */
-RS_INLINE rs_i32 rs_lost_fill(RS_GLOBAL const SubstepArgs* a, double density, rs_i32 fill) {
+/* Fill that a touched voxel loses in this substep. `density`: in RS_DENSITY_SCALE. */
+RS_INLINE rs_i32 rs_lost_fill(RS_GLOBAL const SubstepArgs* a, rs_i32 density, rs_i32 fill) {
   if (a->erosion == RS_EROSION_REMOVE) return fill;
-  const double lost = RS_FLOOR(RS_WHOLE_FILL * a->wear / density + 0.5);
+  const rs_i64 lost = (2 * a->wear + density) / (2 * (rs_i64)density); /* rounded */
   return lost >= fill ? fill : lost < 1 ? 1 : (rs_i32)lost;
 }
 
-/* Cutting energy of a voxel that loses `lost` of its fill, mJ. `whole`: that of a whole voxel. */
-RS_INLINE double rs_lost_energy(double whole, rs_i32 lost) {
-  return lost == RS_WHOLE_FILL ? whole : whole * lost / RS_WHOLE_FILL;
+/* Cutting energy of a voxel that loses `lost` of its fill, in units of the sum. `whole`: that of a whole voxel. */
+RS_INLINE rs_i64 rs_lost_energy(rs_i64 whole, rs_i32 lost) {
+  const rs_i64 part = whole / RS_WHOLE_FILL, rest = whole % RS_WHOLE_FILL; /* the product may exceed 64 bits */
+  return part * lost + (2 * rest * lost + RS_WHOLE_FILL) / (2 * RS_WHOLE_FILL);
+}
+
+/* mJ. */
+RS_INLINE float rs_energy_mj(rs_i64 units) {
+  return (float)units * (1.0f / (float)RS_ENERGY_SCALE);
 }
 
 /* Adds force `f` (N) at lever `p` (mm, from the tool's origin). The scales are powers of two, so that scaling is exact.
@@ -88,18 +90,20 @@ typedef struct {
   float p[3], rest[3];
 } BrickMiddle;
 
-/* The middle of the brick with voxel (x, y, z). Rounded to the 24 bits of single precision by arithmetic (Dekker 1971,
- * eq. 5.7: the factor is 2^29 + 1), because GCC 12 takes x for (double)(float)x where it vectorises. */
+/* Twice the coordinate along `axis` of T of a point in units of half bricks from the middle of brick (0,0,0). */
+RS_INLINE rs_i64 rs_twice_in_tool(RS_GLOBAL const SubstepArgs* a, int axis, rs_i32 x2, rs_i32 y2, rs_i32 z2) {
+  RS_GLOBAL const rs_i64* row = a->tool_from_brick + 3 * axis;
+  return 2 * a->brick_origin[axis] + row[0] * x2 + row[1] * y2 + row[2] * z2;
+}
+
+/* The middle of the brick with voxel (x, y, z). */
 RS_INLINE void rs_brick_in_tool(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i32 z, BrickMiddle* brick) {
-  const rs_i32 in_brick = RS_BRICK_SIDE - 1;
-  const double middle = (double)RS_BRICK_MIDDLE;
-  const double bx = (x & ~in_brick) + middle, by = (y & ~in_brick) + middle, bz = (z & ~in_brick) + middle;
+  const float unit = 0.5f / (float)RS_LENGTH_SCALE;
   for (int i = 0; i < 3; ++i) {
-    RS_GLOBAL const double* row = a->tool_from_voxel + 3 * i;
-    const double at = a->tool_origin[i] + row[0] * bx + row[1] * by + row[2] * bz;
-    const double scaled = 536870913.0 * at, high = scaled - (scaled - at);
-    brick->p[i] = (float)high;
-    brick->rest[i] = (float)(at - high);
+    const rs_i64 twice = rs_twice_in_tool(a, i, 2 * (x >> 3), 2 * (y >> 3), 2 * (z >> 3));
+    const float nearest = (float)twice;
+    brick->p[i] = nearest * unit;
+    brick->rest[i] = (float)(twice - (rs_i64)nearest) * unit;
   }
 }
 
@@ -201,18 +205,16 @@ RS_INLINE void rs_cut_force(RS_GLOBAL const SubstepArgs* a, const rs_real* n, co
 }
 
 #ifdef __OPENCL_C_VERSION__
-#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
-
 /* Adds the sums of a work-item to those of its substep. */
 RS_INLINE void add_substep_sums(__global SubstepSums* total, const SubstepSums* part) {
   for (int c = 0; c < 3; ++c) {
-    if (part->force[c] != 0) atom_add(&total->force[c], part->force[c]);
-    if (part->torque[c] != 0) atom_add(&total->torque[c], part->torque[c]);
+    add_to_sum(&total->force[c], part->force[c]);
+    add_to_sum(&total->torque[c], part->torque[c]);
   }
-  atom_add(&total->energy, part->energy);
-  if (part->floor_energy != 0) atom_add(&total->floor_energy, part->floor_energy);
-  atom_add(&total->removed, part->removed);
-  atom_add(&total->contacts, part->contacts);
+  add_to_sum(&total->energy, part->energy);
+  add_to_sum(&total->floor_energy, part->floor_energy);
+  add_to_sum(&total->removed, part->removed);
+  add_to_sum(&total->contacts, part->contacts);
 }
 #endif
 
@@ -252,9 +254,10 @@ RS_INLINE int rs_contains_voxel(RS_GLOBAL const SubstepArgs* a, const OutlineVie
  * frame; the profile does not depend on the spin angle. */
 RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, rs_i32 x, rs_i32 y, rs_i32 z,
                               LaneSums* sums) {
-  const float p[3] = {(float)(a->shell_origin[0] + (x + 0.5) * a->cell_mm),
-                      (float)(a->shell_origin[1] + (y + 0.5) * a->cell_mm),
-                      (float)(a->shell_origin[2] + (z + 0.5) * a->cell_mm)};
+  const float unit = 1.0f / (float)RS_LENGTH_SCALE;
+  const float p[3] = {(float)(a->shell_origin[0] + x * a->cell) * unit,
+                      (float)(a->shell_origin[1] + y * a->cell) * unit,
+                      (float)(a->shell_origin[2] + z * a->cell) * unit};
   float n[3];
   rs_outline_normal(outline, rs_pieces_near(outline, RS_SQRT(p[0] * p[0] + p[1] * p[1]), p[2]), p, n);
   const float f[3] = {-a->force_per_point * n[0], -a->force_per_point * n[1], -a->force_per_point * n[2]};
@@ -265,8 +268,8 @@ RS_INLINE void rs_point_force(RS_GLOBAL const SubstepArgs* a, const OutlineView*
 /* Adds the forces of points to the sums of their substep. */
 RS_INLINE void rs_add_point_sums(__global SubstepSums* total, const LaneSums* points) {
   for (int c = 0; c < 3; ++c) {
-    atom_add(&total->force[c], points->force[c]);
-    atom_add(&total->torque[c], points->torque[c]);
+    add_to_sum(&total->force[c], points->force[c]);
+    add_to_sum(&total->torque[c], points->torque[c]);
   }
 }
 #endif

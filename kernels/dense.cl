@@ -122,8 +122,8 @@ void reduce_forces(__local rs_i64* partial, __global SubstepSums* total, const L
   }
   if (item != 0) return;
   for (int c = 0; c < 3; ++c) {
-    atom_add(&total->force[c], partial[c * REAMSIM_GROUP_SIZE]);
-    atom_add(&total->torque[c], partial[(3 + c) * REAMSIM_GROUP_SIZE]);
+    add_to_sum(&total->force[c], partial[c * REAMSIM_GROUP_SIZE]);
+    add_to_sum(&total->torque[c], partial[(3 + c) * REAMSIM_GROUP_SIZE]);
   }
 }
 #endif
@@ -180,8 +180,8 @@ __kernel void detect_octree(const uint substep, __global const SubstepArgs* args
 #ifdef REAMSIM_FLAGGED_HU
 typedef float Voxel;
 typedef uchar Claim;
-#define GRADE_OF(voxel) ((uchar)(int)floor(((double)(voxel)-hu_of_air) / hu_per_grade + 0.5))
-#define AIR ((float)hu_of_air)
+#define GRADE_OF(voxel) ((uchar)(int)floor(((voxel)-hu_of_air) / hu_per_grade + 0.5f))
+#define AIR hu_of_air
 #define RELEASE_CLAIM(e) claims[e] = 0
 #else
 typedef uchar Voxel;
@@ -195,16 +195,16 @@ typedef uint Claim;
 #endif
 #endif
 
-/* energy_of_grade[256]: mJ for a whole voxel; density_of_grade[256]: g/cm3; fill: 16 bits per voxel, or one dummy entry
- * when every voxel is whole (has_fill = 0); removed: (voxel, frame); hu_of_air, hu_per_grade: for
+/* units_of_grade[256]: energy of a whole voxel; density_of_grade[256]: RS_DENSITY_SCALE; fill: 16 bits per voxel, or
+ * one dummy entry when every voxel is whole (has_fill = 0); removed: (voxel, frame); hu_of_air, hu_per_grade: for
  * REAMSIM_FLAGGED_HU. */
 __kernel void cut_voxels(const uint substep, __global const SubstepArgs* args, __global Voxel* bone,
                          __global ushort* fill, const int has_fill, __global Claim* claims,
                          __global const uint* contacts, __global const uint* contact_count, __global SubstepSums* sums,
-                         __global uint2* removed, __global uint* removed_count, __global const double* energy_of_grade,
-                         __global const double* density_of_grade, __global const OutlinePiece* pieces,
+                         __global uint2* removed, __global uint* removed_count, __global const long* units_of_grade,
+                         __global const int* density_of_grade, __global const OutlinePiece* pieces,
                          __global const ushort* numbers, __global const PieceList* lists,
-                         __global const OutlineGrid* grid, const double hu_of_air, const double hu_per_grade) {
+                         __global const OutlineGrid* grid, const float hu_of_air, const float hu_per_grade) {
   __global const SubstepArgs* a = args + substep;
   const uint count = contact_count[substep];
   const OutlineView outline = {pieces, numbers, lists, grid};
@@ -217,12 +217,12 @@ __kernel void cut_voxels(const uint substep, __global const SubstepArgs* args, _
     const int lost = rs_lost_fill(a, density_of_grade[grade], before);
     part.contacts += 1;
     part.removed += lost;
-    const double energy = rs_lost_energy(energy_of_grade[grade], lost);
-    part.energy += rs_energy_units(energy);
+    const long energy = rs_lost_energy(units_of_grade[grade], lost);
+    part.energy += energy;
     if (a->law == RS_LAW_ENERGY) {
       const uint row = e / (uint)a->dims[0];
       rs_voxel_force(a, &outline, (int)(e % (uint)a->dims[0]), (int)(row % (uint)a->dims[1]),
-                     (int)(row / (uint)a->dims[1]), (float)energy, &law);
+                     (int)(row / (uint)a->dims[1]), rs_energy_mj(energy), &law);
     }
     if (has_fill) fill[e] = (ushort)(before - lost);
     if (lost == before) {

@@ -5,7 +5,6 @@
  * per point decodes, culls, transforms, looks up, clears the voxel and adds its elemental force. Two points in one
  * voxel race: it depends on timing whether both exert a force or only the first. */
 #include "published.h"
-#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
 
 /* Index of the voxel that point (x, y, z) lies in; UINT_MAX outside the VOI or the bone's lattice. */
 static uint published_voxel(__global const PublishedFrame* f, int x, int y, int z) {
@@ -38,8 +37,8 @@ __kernel void published_direct(__global const uint* codes, const uint point_coun
     inward[axis] = row[0] * p[0] + row[1] * p[1] + row[2] * p[2];
   }
   const float scale = RS_PUBLISHED_SCALE / sqrt(inward[0] * inward[0] + inward[1] * inward[1] + inward[2] * inward[2]);
-  for (int axis = 0; axis < 3; ++axis) atom_add(&f->force[axis], (long)(inward[axis] * scale));
-  if (f->count_contacts) atom_add(&f->contacts, 1L);
+  for (int axis = 0; axis < 3; ++axis) add_to_sum(&f->force[axis], (long)(inward[axis] * scale));
+  if (f->count_contacts) add_to_sum(&f->contacts, 1L);
 }
 
 /* The voxels that published_direct would clear, to restore them: (voxel, grade), once per point. */

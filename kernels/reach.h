@@ -20,12 +20,12 @@ RS_INLINE int rs_near_surface(RS_GLOBAL const CoarseGrid* g, RS_GLOBAL const flo
   return distances[(rs_i32)r + g->count_r * (rs_i32)z] <= reach + g->slack_mm;
 }
 
-/* The middle of the box of `side` voxels whose lowest voxel is (x, y, z), T. */
+/* The middle of the box of `side` voxels whose lowest voxel is (x, y, z), T. Whole bricks. */
 RS_INLINE void rs_box_middle(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i32 z, rs_i32 side, float* p) {
-  const double half_side = 0.5 * (side - 1);
+  const rs_i32 bricks = side / RS_BRICK_SIDE - 1;
   for (int i = 0; i < 3; ++i) {
-    RS_GLOBAL const double* row = a->tool_from_voxel + 3 * i;
-    p[i] = (float)(a->tool_origin[i] + row[0] * (x + half_side) + row[1] * (y + half_side) + row[2] * (z + half_side));
+    p[i] = (float)rs_twice_in_tool(a, i, 2 * (x >> 3) + bricks, 2 * (y >> 3) + bricks, 2 * (z >> 3) + bricks) *
+           (0.5f / (float)RS_LENGTH_SCALE);
   }
 }
 

@@ -4,12 +4,12 @@
 /* Types and arithmetic that host and kernels share, in plain C for C++ and OpenCL C compilers. The serial engine and
  * all devices compute the same bits: positions are fixed-point integers, sums are 64-bit integers, and floating-point
  * expressions use correctly rounded operations only (no contraction). The cutting law is in single precision, which is
- * fast on every GPU; its sums are exact. */
+ * fast on every GPU; its sums are exact. Nothing optional of OpenCL 1.2 is needed: no double precision, and 64-bit
+ * atomics only where a device has them (RS_INT64_ATOMICS). */
 #ifndef REAMSIM_KERNELS_SHARED_H
 #define REAMSIM_KERNELS_SHARED_H
 
 #ifdef __OPENCL_C_VERSION__
-#pragma OPENCL EXTENSION cl_khr_fp64 : enable
 #pragma OPENCL FP_CONTRACT OFF
 typedef long rs_i64;
 typedef int rs_i32;
@@ -37,10 +37,19 @@ typedef uint8_t rs_u8;
  * 1024 cells and 2^-13 per axis of 4096, the largest; in total, with that of the origin, below 2^-11. */
 #define RS_POSITION_BITS 24
 
+#ifdef __OPENCL_C_VERSION__
+#define RS_SCALE(power_of_two) power_of_two##f
+#else
+#define RS_SCALE(power_of_two) power_of_two
+#endif
 /* Units of the integer sums per N, N·mm, mJ. Ranges per substep: 3·10^10 N, 5·10^11 N·mm, 2·10^9 mJ. */
-#define RS_FORCE_SCALE 268435456.0   /* 2^28 */
-#define RS_TORQUE_SCALE 16777216.0   /* 2^24 */
-#define RS_ENERGY_SCALE 4294967296.0 /* 2^32 */
+#define RS_FORCE_SCALE RS_SCALE(268435456.0)   /* 2^28 */
+#define RS_TORQUE_SCALE RS_SCALE(16777216.0)   /* 2^24 */
+#define RS_ENERGY_SCALE RS_SCALE(4294967296.0) /* 2^32 */
+/* Units of fixed-point lengths in the tool's frame per mm: 2^17 mm away a brick lies within 10^-11 mm of its place. */
+#define RS_LENGTH_SCALE RS_SCALE(35184372088832.0) /* 2^45 */
+/* Units of density in wear per g/cm3. */
+#define RS_DENSITY_SCALE RS_SCALE(16777216.0) /* 2^24 */
 
 #define RS_WHOLE_FILL 65535
 
@@ -57,12 +66,12 @@ typedef uint8_t rs_u8;
 typedef struct {
   rs_i64 voxel_from_cell[9];  /* row-major, fixed point: shell cell step to voxels */
   rs_i64 voxel_origin[3];     /* fixed point: centre of shell cell (0,0,0), in voxels from the lattice's corner */
-  double tool_from_voxel[9];  /* row-major: voxel step to mm in T */
-  double tool_origin[3];      /* centre of voxel (0,0,0), T */
-  double shell_origin[3];     /* corner of shell cell (0,0,0), shell frame */
-  double cell_mm;             /* of the shell */
-  double wear;                /* g/cm3 that a touched voxel loses in this substep */
-  float tool_step[9];         /* tool_from_voxel in single precision */
+  rs_i64 tool_from_brick[9];  /* row-major, RS_LENGTH_SCALE: step of a brick, T */
+  rs_i64 brick_origin[3];     /* RS_LENGTH_SCALE: middle of brick (0,0,0), T */
+  rs_i64 shell_origin[3];     /* RS_LENGTH_SCALE: centre of shell cell (0,0,0), shell frame */
+  rs_i64 cell;                /* RS_LENGTH_SCALE: of the shell */
+  rs_i64 wear;                /* RS_DENSITY_SCALE, times RS_WHOLE_FILL: density that a touched voxel loses */
+  float tool_step[9];         /* row-major: step of a voxel, mm, T */
   float lattice_from_tool[9]; /* row-major: a direction in T along the lattice's axes */
   float origin_velocity[3];   /* of the tool's origin, mm/s, T */
   float angular_velocity[3];  /* spin and tilt, rad/s, T */
@@ -135,5 +144,25 @@ RS_INLINE int rs_in_voi(RS_GLOBAL const SubstepArgs* a, rs_i32 x, rs_i32 y, rs_i
   return x >= a->voi_min[0] && x <= a->voi_max[0] && y >= a->voi_min[1] && y <= a->voi_max[1] && z >= a->voi_min[2] &&
          z <= a->voi_max[2];
 }
+
+#ifdef __OPENCL_C_VERSION__
+#ifdef RS_INT64_ATOMICS
+#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
+#endif
+
+/* Adds to a sum that other work-items add to. Without 64-bit atomics both halves are added, the upper one with the
+ * carry: each addition to the lower half carries by itself, whatever their order. */
+RS_INLINE void add_to_sum(__global rs_i64* sum, const rs_i64 value) {
+  if (value == 0) return;
+#ifdef RS_INT64_ATOMICS
+  atom_add(sum, value);
+#else
+  volatile __global uint* halves = (volatile __global uint*)sum; /* little-endian */
+  const uint low = (uint)value, before = atomic_add(halves, low);
+  const uint high = (uint)((rs_u64)value >> 32) + (before + low < low ? 1u : 0u);
+  if (high != 0) atomic_add(halves + 1, high);
+#endif
+}
+#endif
 
 #endif

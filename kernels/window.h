@@ -255,10 +255,10 @@ RS_INLINE void rs_fit_voxel(RS_GLOBAL const MotionWindow* w, const Clip* first, 
 RS_INLINE void rs_finish_window_sums(const float* sums, float time, SubstepSums* total) {
   rs_i64 part[RS_WINDOW_SUMS];
   for (int i = 0; i < RS_WINDOW_SUMS; ++i) {
-    const double scale = i < RS_SUM_OF_TORQUE   ? RS_FORCE_SCALE
-                         : i < RS_SUM_OF_ENERGY ? RS_TORQUE_SCALE
-                                                : RS_ENERGY_SCALE;
-    part[i] = (rs_i64)(RS_FMA(time, sums[RS_WINDOW_SUMS + i], sums[i]) * (float)scale);
+    const float scale = i < RS_SUM_OF_TORQUE   ? (float)RS_FORCE_SCALE
+                        : i < RS_SUM_OF_ENERGY ? (float)RS_TORQUE_SCALE
+                                               : (float)RS_ENERGY_SCALE;
+    part[i] = (rs_i64)(RS_FMA(time, sums[RS_WINDOW_SUMS + i], sums[i]) * scale);
   }
   for (int i = 0; i < 3; ++i) {
     total->force[i] += part[i];

@@ -70,7 +70,8 @@ Program build_program(const DeviceInfo& info, cl_context context, const std::str
   Program program(clCreateProgramWithSource(context, 1, &source, nullptr, &status));
   check(status, "clCreateProgramWithSource");
   const std::string rounding = info.rounds_division ? "-cl-fp32-correctly-rounded-divide-sqrt " : "";
-  const std::string all_options = "-cl-std=CL1.2 " + folder_option + rounding + options;
+  const std::string atomics = info.int64_atomics ? "-DRS_INT64_ATOMICS " : "";
+  const std::string all_options = "-cl-std=CL1.2 " + folder_option + rounding + atomics + options;
   status = clBuildProgram(program.get(), 1, &info.id, all_options.c_str(), nullptr, nullptr);
   if (status == CL_SUCCESS) return program;
   throw RunError("kernel " + name + " does not build on " + info.name + ": " + build_log(program.get(), info.id));
@@ -93,12 +94,29 @@ T info_value(cl_device_id id, cl_device_info parameter) {
   return value;
 }
 
-std::string missing_extensions(cl_device_id id) {
+/// Capabilities that tests take from every device: names in REAMSIM_DEVICE_WITHOUT, separated by commas.
+bool is_taken_away(const std::string& capability) {
+  const char* const without = std::getenv("REAMSIM_DEVICE_WITHOUT");
+  return without != nullptr && std::ranges::count(split(without, ','), capability) > 0;
+}
+
+bool has_int64_atomics(cl_device_id id) {
   const std::vector<std::string> have = split(info_text(id, CL_DEVICE_EXTENSIONS, clGetDeviceInfo), ' ');
+  return std::ranges::count(have, "cl_khr_int64_base_atomics") > 0 && !is_taken_away("int64_atomics");
+}
+
+/// What the device lacks of what the kernels need: the full profile of OpenCL 1.2, and no option of it.
+std::string missing_of(cl_device_id id) {
   std::string missing;
-  for (const char* extension : {"cl_khr_fp64", "cl_khr_int64_base_atomics"}) {
-    if (std::ranges::count(have, extension) == 0) missing += (missing.empty() ? "" : ", ") + std::string(extension);
-  }
+  const auto need = [&](bool there, const std::string& what) {
+    if (!there) missing += (missing.empty() ? "" : ", ") + what;
+  };
+  const std::string version = info_text(id, CL_DEVICE_VERSION, clGetDeviceInfo);  // "OpenCL 1.2 ..."
+  need(info_text(id, CL_DEVICE_PROFILE, clGetDeviceInfo) == "FULL_PROFILE", "the full profile");
+  need(version >= "OpenCL 1.2", "OpenCL 1.2 (found " + version + ")");
+  need(info_value<cl_bool>(id, CL_DEVICE_COMPILER_AVAILABLE) == CL_TRUE, "a compiler");
+  need(info_value<cl_bool>(id, CL_DEVICE_AVAILABLE) == CL_TRUE, "availability: the driver has locked it");
+  need(info_value<cl_bool>(id, CL_DEVICE_ENDIAN_LITTLE) == CL_TRUE, "little-endian memory");
   return missing;
 }
 
@@ -125,7 +143,8 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id id) {
   info.max_allocation_bytes = info_value<cl_ulong>(id, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
   info.rounds_division =
       (info_value<cl_device_fp_config>(id, CL_DEVICE_SINGLE_FP_CONFIG) & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
-  info.missing = missing_extensions(id);
+  info.int64_atomics = has_int64_atomics(id);
+  info.missing = missing_of(id);
   return info;
 }
 

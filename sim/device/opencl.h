@@ -55,7 +55,8 @@ struct DeviceInfo {
   std::size_t global_memory_bytes = 0;
   std::size_t max_allocation_bytes = 0;
   bool rounds_division = false;  ///< division and square root of floats are correctly rounded, as on the host
-  std::string missing;           ///< required extensions that the device lacks; empty: usable
+  bool int64_atomics = false;    ///< cl_khr_int64_base_atomics; without, kernels add in two halves of 32 bits
+  std::string missing;           ///< what the device lacks of the full profile of OpenCL 1.2; empty: usable
   std::shared_ptr<void> part;    ///< owns `id` where it is a part of a device
 };
 
@@ -64,7 +65,7 @@ std::vector<DeviceInfo> list_devices();
 
 /// The device that `wanted` names: "auto" is the first usable GPU, else the first usable CPU; any other text is a part
 /// of the device's name, in either case. Throws RunError when there is no OpenCL device, InputError when none matches
-/// or the match lacks extensions.
+/// or the match is not usable.
 DeviceInfo choose_device(const std::string& wanted);
 
 /// A part of a device with fewer compute units. Throws RunError where the device cannot be divided.

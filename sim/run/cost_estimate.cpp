@@ -206,7 +206,7 @@ ExactForecast forecast_exact(const SimulationInput& scene) {
       if (mark == BrickMark::air) return;
       const Vec3 middle =
           (BrickLattice::kSide * brick).cast<double>() + Vec3::Constant(0.5 * (BrickLattice::kSide - 1));
-      const Vec2 rz = rz_of(tool_from_voxel(args) * middle + Eigen::Map<const Vec3>(args.tool_origin));
+      const Vec2 rz = rz_of(tool_from_voxel(args) * middle);
       double distance_mm = coarse.nearest(rz);
       if (std::abs(distance_mm - reached_mm) <= sample_slack_mm) distance_mm = tool.profile.nearest(rz).distance_mm;
       listed += std::abs(distance_mm) <= listed_mm ? 1 : 0;

@@ -134,7 +134,7 @@ TEST(WrongConstant, SpeedFloorAtTwentyInsteadOfTen) {
 
 TEST(WrongConstant, AToolOneMicrometreTooLow) {
   Fault fault;
-  fault.args = [](SubstepArgs& args) { args.tool_origin[2] += 1e-3; };
+  fault.args = [](SubstepArgs& args) { args.brick_origin[2] += static_cast<rs_i64>(1e-3 * RS_LENGTH_SCALE); };
   EXPECT_FALSE(failures("half_space", fault).empty());
 }
 

@@ -85,9 +85,8 @@ struct BrickedState {
   cl::Buffer<ShellCell> runs;
   cl::Buffer<cl_ushort> offsets;
   DeviceOutline outline;
-  cl::Buffer<double> energy_of_grade;   ///< mJ
-  cl::Buffer<rs_i64> units_of_grade;    ///< the same in units of the energy sum
-  cl::Buffer<double> density_of_grade;  ///< g/cm³
+  cl::Buffer<rs_i64> units_of_grade;    ///< energy of a whole voxel
+  cl::Buffer<rs_i32> density_of_grade;  ///< RS_DENSITY_SCALE
   cl::Buffer<cl_ulong> bits_of_byte;    ///< per byte the numbers of its bits, a byte each, lowest first; then zeros
 
   [[nodiscard]] std::size_t shell_bytes() const { return cells.bytes() + runs.bytes() + offsets.bytes(); }
@@ -124,11 +123,8 @@ BrickedState make_bricked_state(const cl::Device& device, const BoneView& bone, 
   state.runs = cl::upload(device, shell.runs, "the shell's cells", "tool.shell_resolution");
   state.offsets = cl::upload(device, shell.offsets, "the point shell", "tool.shell_resolution");
   state.outline = {device, make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)};
-  std::array<rs_i64, 256> units{};
-  std::ranges::transform(energy.energy_mj, units.begin(), rs_energy_units);
-  state.energy_of_grade = cl::upload(device, energy.energy_mj, "the energy table");
-  state.units_of_grade = cl::upload(device, units, "the energy table");
-  state.density_of_grade = cl::upload(device, energy.density_g_cm3, "the density table");
+  state.units_of_grade = cl::upload(device, energy.units, "the energy table");
+  state.density_of_grade = cl::upload(device, energy.density, "the density table");
   state.bits_of_byte = cl::upload(device, bits_of_byte(), "the table of bits");
   return state;
 }
@@ -156,9 +152,8 @@ cl::SlotKernel make_cut_bricked(const cl::Device& device, const BrickedState& st
                      options.work_group, cut_items(device.info(), options));
   out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.bone.lattice_of_slot, state.listed, state.bone.occupancy,
                state.touched_list, batch.contact_count(), batch.sums(), batch.removed(), batch.removed_count(),
-               batch.removed_room(), batch.removed_before(), state.energy_of_grade, state.units_of_grade,
-               state.density_of_grade, state.bits_of_byte, state.bone.dims, state.outline.arguments(),
-               state.bone.pool_arguments());
+               batch.removed_room(), batch.removed_before(), state.units_of_grade, state.density_of_grade,
+               state.bits_of_byte, state.bone.dims, state.outline.arguments(), state.bone.pool_arguments());
   return out;
 }
 

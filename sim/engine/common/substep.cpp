@@ -24,6 +24,12 @@ std::int64_t fixed_point(double voxels) {
   return static_cast<std::int64_t>(std::floor(std::ldexp(voxels, RS_POSITION_BITS) + 0.5));
 }
 
+/// In RS_LENGTH_SCALE; a tool that is too far away for it reaches no bone.
+std::int64_t fixed_length(double mm) {
+  constexpr double kFarthest = 1e18;
+  return std::llround(std::clamp(mm * RS_LENGTH_SCALE, -kFarthest, kFarthest));
+}
+
 /// First and last shell cell along an axis whose centre can lie in [low, high] mm from the shell's corner, with one
 /// more on both sides for the rounding of fixed-point positions.
 std::pair<int, int> cell_range(double low, double high, const PointShell& shell) {
@@ -42,7 +48,8 @@ void set_law(const CuttingSettings& cutting, double duration_s, double spin_rate
   constexpr double kTurn = 2 * M_PI;
   args.law = cutting.law == CuttingLaw::per_point ? RS_LAW_PER_POINT : RS_LAW_ENERGY;
   args.erosion = erosion_of(cutting);
-  args.wear = cutting.wear_g_cm3_per_s * duration_s;
+  const double wear = std::min(cutting.wear_g_cm3_per_s * duration_s, DensityMapping::kMaxDensity_g_cm3);
+  args.wear = std::llround(RS_WHOLE_FILL * wear * RS_DENSITY_SCALE);
   args.duration = static_cast<float>(duration_s);
   args.per_duration = static_cast<float>(1 / duration_s);
   args.speed_floor = static_cast<float>(cutting.speed_floor_mm_s);
@@ -95,7 +102,7 @@ Vec3 vector_of(const float* values) {
 }
 
 PointMotion motion_of(const SubstepArgs& args, const Vec3& lattice_point, const Vec3& tool_point) {
-  return {tool_from_voxel(args) * lattice_point + Eigen::Map<const Vec3>(args.tool_origin),
+  return {tool_from_voxel(args) * lattice_point,
           vector_of(args.origin_velocity) + vector_of(args.angular_velocity).cross(tool_point)};
 }
 
@@ -110,7 +117,7 @@ Vec3 between(const MotionWindow& w, const Vec3& first, const Vec3& middle, const
 /// Whether a corner of the tool's box moves as the nodes say, in all frames, and by less than `longest_mm`.
 bool is_smooth(const MotionWindow& w, std::span<const std::optional<SubstepArgs>> frames, const Vec3& corner,
                double longest_mm) {
-  const Vec3 point = tool_from_voxel(w.middle).inverse() * (corner - Eigen::Map<const Vec3>(w.middle.tool_origin));
+  const Vec3 point = tool_from_voxel(w.middle).inverse() * corner;
   const PointMotion first = motion_of(w.first, point, corner), middle = motion_of(w.middle, point, corner),
                     last = motion_of(w.last, point, corner);
   const double way = (middle.place - first.place).norm() + (last.place - middle.place).norm();
@@ -164,6 +171,17 @@ Rigid bone_from_shell(const ToolPose& pose, bool spin_resolved) {
   return out;
 }
 
+Eigen::Affine3d tool_from_voxel(const SubstepArgs& args) {
+  using Fixed = Eigen::Matrix<std::int64_t, 3, 3, Eigen::RowMajor>;
+  const Mat3 brick = Eigen::Map<const Fixed>(args.tool_from_brick).cast<double>() / RS_LENGTH_SCALE;
+  const Vec3 middle = Eigen::Map<const Eigen::Matrix<std::int64_t, 3, 1>>(args.brick_origin).cast<double>();
+  Eigen::Affine3d out;
+  out.linear() = brick / RS_BRICK_SIDE;
+  out.translation() = middle / RS_LENGTH_SCALE - out.linear() * Vec3::Constant(double{RS_BRICK_MIDDLE});
+  out.makeAffine();
+  return out;
+}
+
 SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell& shell, const VoxelGrid& grid,
                       const CuttingSettings& cutting, bool spin_resolved) {
   SubstepArgs args{};
@@ -172,27 +190,28 @@ SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell&
   const Vec3 first = (shell_pose * first_cell - grid.origin_mm) / grid.voxel_mm;
   const Mat3 step = shell_pose.linear() * (shell.cell_mm / grid.voxel_mm);
   const Mat3 tool_from_bone = substep.pose.orientation.toRotationMatrix().transpose();
-  const Mat3 tool_from_voxel = tool_from_bone * grid.voxel_mm;
-  const Vec3 origin = tool_from_bone * (grid.center_mm({0, 0, 0}) - substep.pose.position_mm);
+  const Mat3 step_mm = tool_from_bone * grid.voxel_mm;
+  const Vec3 brick_middle = grid.origin_mm + Vec3::Constant(0.5 * RS_BRICK_SIDE * grid.voxel_mm);
+  const Vec3 origin = tool_from_bone * (brick_middle - substep.pose.position_mm);
   const Vec3 velocity = tool_from_bone * substep.origin_velocity_mm_s;
   const Vec3 angular_velocity = tool_from_bone * substep.angular_velocity;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       args.voxel_from_cell[3 * i + j] = fixed_point(step(i, j));
-      args.tool_from_voxel[3 * i + j] = tool_from_voxel(i, j);
-      args.tool_step[3 * i + j] = static_cast<float>(tool_from_voxel(i, j));
+      args.tool_from_brick[3 * i + j] = fixed_length(RS_BRICK_SIDE * step_mm(i, j));
+      args.tool_step[3 * i + j] = static_cast<float>(step_mm(i, j));
       args.lattice_from_tool[3 * i + j] = static_cast<float>(tool_from_bone(j, i));
     }
     args.voxel_origin[i] = fixed_point(first[i]);
-    args.tool_origin[i] = origin[i];
+    args.brick_origin[i] = fixed_length(origin[i]);
     args.origin_velocity[i] = static_cast<float>(velocity[i]);
     args.angular_velocity[i] = static_cast<float>(angular_velocity[i]);
-    args.shell_origin[i] = shell.origin_mm[i];
+    args.shell_origin[i] = fixed_length(first_cell[i]);
     args.dims[i] = grid.dims[i];
     std::tie(args.voi_min[i], args.voi_max[i]) =
         cell_range(voi.min[i] - shell.origin_mm[i], voi.max[i] - shell.origin_mm[i], shell);
   }
-  args.cell_mm = shell.cell_mm;
+  args.cell = fixed_length(shell.cell_mm);
   args.voxel_mm = static_cast<float>(grid.voxel_mm);
   args.per_voxel_mm = static_cast<float>(1 / grid.voxel_mm);
   args.min_loss = least_loss(grid.voxel_mm);
@@ -240,11 +259,9 @@ std::optional<Aabb> broad_phase(const Aabb& tool, const Aabb& bone, const Rigid&
 }
 
 VoxelBox voxel_voi(const SubstepArgs& args, const Aabb& tool_box, const VoxelBox& bone) {
-  // Eigen reads the row-major matrix as its transpose, which up to the voxel size is the inverse.
-  const Eigen::Map<const Mat3> transposed(args.tool_from_voxel);
-  const Mat3 voxel_from_tool = transposed / transposed.row(0).squaredNorm();
-  const Vec3 center = voxel_from_tool * (tool_box.center() - Eigen::Map<const Vec3>(args.tool_origin));
-  const Vec3 half = voxel_from_tool.cwiseAbs() * tool_box.half() + Vec3::Constant(kVoxelSlack);
+  const Eigen::Affine3d voxel_from_tool = tool_from_voxel(args).inverse();
+  const Vec3 center = voxel_from_tool * tool_box.center();
+  const Vec3 half = voxel_from_tool.linear().cwiseAbs() * tool_box.half() + Vec3::Constant(kVoxelSlack);
   VoxelBox voi;
   for (int i = 0; i < 3; ++i) {
     // Clamped before the conversion: the voxel of a distant tool overflows an int.

@@ -40,10 +40,8 @@ Rigid bone_from_shell(const ToolPose& pose, bool spin_resolved);
 /// The fill that a tool at rest could remove by errors of single precision; smaller losses are put off.
 rs_i32 least_loss(double voxel_mm);
 
-/// From voxel coordinates to T, mm, without the shift; `args` has it row by row.
-inline Mat3 tool_from_voxel(const SubstepArgs& args) {
-  return Eigen::Map<const Mat3>(args.tool_from_voxel).transpose();
-}
+/// From voxel coordinates, 0 at the centre of voxel (0,0,0), to T, mm. `args` has it for bricks.
+Eigen::Affine3d tool_from_voxel(const SubstepArgs& args);
 
 /// The arguments of a substep. `voi` is in the shell's frame, mm.
 SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell& shell, const VoxelGrid& grid,

@@ -242,8 +242,9 @@ EnergyTable make_energy_table(const CuttingSettings& cutting, double voxel_mm) {
   EnergyTable table;
   for (std::size_t grade = 1; grade < table.energy_mj.size(); ++grade) {
     const double density = DensityMapping::density_from_grade(static_cast<std::uint8_t>(grade));
-    table.density_g_cm3[grade] = density;
+    table.density[grade] = static_cast<rs_i32>(std::lround(density * RS_DENSITY_SCALE));
     table.energy_mj[grade] = cutting_energy_mj(cutting, density, voxel_mm);
+    table.units[grade] = std::llround(table.energy_mj[grade] * RS_ENERGY_SCALE);
   }
   return table;
 }

@@ -82,10 +82,11 @@ class DeviceTeeth {
 /// constant beyond its ends. Without the size effect.
 double cutting_energy_mj(const CuttingSettings& cutting, double density_g_cm3, double voxel_mm);
 
-/// Density (g/cm³) and cutting energy (mJ) of a whole voxel, by grade.
+/// Cutting energy of a whole voxel and density, by grade.
 struct EnergyTable {
   std::array<double, 256> energy_mj{};
-  std::array<double, 256> density_g_cm3{};
+  std::array<rs_i64, 256> units{};    ///< the energy, in units of the energy sum
+  std::array<rs_i32, 256> density{};  ///< RS_DENSITY_SCALE
 };
 
 EnergyTable make_energy_table(const CuttingSettings& cutting, double voxel_mm);

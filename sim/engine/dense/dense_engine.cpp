@@ -60,7 +60,7 @@ cl::SlotKernel make_detect_kernel(const cl::Device& device, const DensePlan& pla
     cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense, defines), "detect_octree", group,
                        state.point_count);
     out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.points, state.point_count, state.hu,
-                 static_cast<cl_float>(state.scale.of_air), state.claims, state.contacts, batch.contact_count(),
+                 state.scale.of_air, state.claims, state.contacts, batch.contact_count(),
                  batch.sums(), state.outline.arguments(), state.children, state.levels);
     return out;
   }
@@ -93,7 +93,7 @@ cl::SlotKernel make_cut_kernel(const cl::Device& device, const DensePlan& plan, 
                      items);
   out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), hu ? state.hu.get() : state.grades.get(), state.fill,
                cl_int{state.has_fill ? 1 : 0}, state.claims, state.contacts, batch.contact_count(), batch.sums(),
-               batch.removed(), batch.removed_count(), state.energy_of_grade, state.density_of_grade,
+               batch.removed(), batch.removed_count(), state.units_of_grade, state.density_of_grade,
                state.outline.arguments(), state.scale.of_air, state.scale.per_grade);
   return out;
 }

@@ -110,7 +110,7 @@ std::vector<cl_float> cell_numbers(const PointShell& shell) {
 bool HuScale::exact() const {
   for (int g = 0; g <= 255; ++g) {
     const auto value = static_cast<std::uint8_t>(g);
-    if (grade(hu(value)) != g || (g > 0) != (hu(value) > static_cast<float>(of_air))) return false;
+    if (grade(hu(value)) != g || (g > 0) != (hu(value) > of_air)) return false;
   }
   return true;
 }
@@ -134,8 +134,8 @@ DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, con
   state.claims = {device, at_least_one(plan.claim_bytes() / sizeof(cl_uint)), "the voxels' claims"};
   state.contacts = {device, at_least_one(plan.contacts), "the contact list"};
   state.outline = {device, make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)};
-  state.energy_of_grade = cl::upload(device, energy.energy_mj, "the energy table");
-  state.density_of_grade = cl::upload(device, energy.density_g_cm3, "the density table");
+  state.units_of_grade = cl::upload(device, energy.units, "the energy table");
+  state.density_of_grade = cl::upload(device, energy.density, "the density table");
   upload_shell(device, plan, tool.shell, bone.voxmap.grid, state);
   upload_bone(device, plan, bone, state);
   state.claims.clear(device, state.claims.count());

@@ -67,16 +67,17 @@ void require_fit(const DensePlan& plan, const cl::DeviceInfo& device, double vox
 /// Grades as float HU, the representation of Zheng et al. HU is linear in density, and so in the grade; the conversion
 /// is lossless as long as the HU of one grade is well above the rounding of a float.
 struct HuScale {
-  double of_air;     ///< HU of density 0, which stands for air; bone lies above it
-  double per_grade;  ///< HU from one grade to the next
+  float of_air;     ///< HU of density 0, which stands for air; bone lies above it
+  float per_grade;  ///< HU from one grade to the next
 
   explicit HuScale(const DensityMapping& mapping)
-      : of_air(mapping.hu_from_density(0)),
-        per_grade(mapping.hu_from_density(DensityMapping::kGradeStep_g_cm3) - of_air) {}
+      : of_air(static_cast<float>(mapping.hu_from_density(0))),
+        per_grade(static_cast<float>(mapping.hu_from_density(DensityMapping::kGradeStep_g_cm3) -
+                                     mapping.hu_from_density(0))) {}
 
-  [[nodiscard]] float hu(std::uint8_t grade) const { return static_cast<float>(of_air + grade * per_grade); }
-  /// The grade as cut_voxels.cl computes it.
-  [[nodiscard]] int grade(float hu) const { return static_cast<int>(std::floor((hu - of_air) / per_grade + 0.5)); }
+  [[nodiscard]] float hu(std::uint8_t grade) const { return of_air + static_cast<float>(grade) * per_grade; }
+  /// The grade as dense.cl computes it.
+  [[nodiscard]] int grade(float hu) const { return static_cast<int>(std::floor((hu - of_air) / per_grade + 0.5F)); }
   /// Whether the conversion of every grade is lossless.
   [[nodiscard]] bool exact() const;
 };
@@ -96,8 +97,8 @@ struct DenseState {
   cl::Buffer<cl_float> points;    ///< cell numbers of the shell's points; where the layout is flagged_hu
   cl::Buffer<cl_uint4> children;  ///< octree_children()
   cl_int levels = 0;              ///< octree_levels()
-  cl::Buffer<double> energy_of_grade;   ///< mJ
-  cl::Buffer<double> density_of_grade;  ///< g/cm³
+  cl::Buffer<rs_i64> units_of_grade;    ///< energy of a whole voxel
+  cl::Buffer<rs_i32> density_of_grade;  ///< RS_DENSITY_SCALE
 };
 
 /// Uploads bone, tool and tables. Throws InputError when the device runs out of memory, or when the layout is

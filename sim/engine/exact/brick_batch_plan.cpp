@@ -23,12 +23,11 @@ Mat3 spin_rotation(const SubstepArgs& args) {
 /// Bound of the motion from substep `a` to `b` of a lattice point that lies in `box` (T) in `b`, mm. The displacement
 /// is linear in the point, and so largest in a corner. `spin`: additional rotation of the tool from `b` back to `a`.
 double motion_bound(const SubstepArgs& a, const SubstepArgs& b, const Aabb& box, const Mat3& spin) {
-  const Mat3 turn = spin * tool_from_voxel(a) * tool_from_voxel(b).inverse();
-  const Vec3 shift = spin * Eigen::Map<const Vec3>(a.tool_origin) - turn * Eigen::Map<const Vec3>(b.tool_origin);
+  const Eigen::Affine3d motion = spin * tool_from_voxel(a) * tool_from_voxel(b).inverse();
   double longest = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 p = box.corner(corner);
-    longest = std::max(longest, (turn * p + shift - p).norm());
+    longest = std::max(longest, (motion * p - p).norm());
   }
   return longest;
 }

@@ -138,12 +138,12 @@ class SerialEngine final : public Engine {
   rs_i32 cut_touched(const SubstepArgs& args, std::int64_t e, LaneSums& law) const {
     const auto i = static_cast<std::size_t>(e);
     const std::uint8_t grade = bone_[i];
-    const rs_i32 lost = rs_lost_fill(&args, energy_.density_g_cm3[grade], fill_[i]);
-    const double energy = rs_lost_energy(energy_.energy_mj[grade], lost);
-    law.energy += rs_energy_units(energy);
+    const rs_i32 lost = rs_lost_fill(&args, energy_.density[grade], fill_[i]);
+    const rs_i64 energy = rs_lost_energy(energy_.units[grade], lost);
+    law.energy += energy;
     if (args.law == RS_LAW_ENERGY) {
       const Vec3i voxel = grid_.coord(e);
-      rs_voxel_force(&args, &outline_, voxel.x(), voxel.y(), voxel.z(), static_cast<float>(energy), &law);
+      rs_voxel_force(&args, &outline_, voxel.x(), voxel.y(), voxel.z(), rs_energy_mj(energy), &law);
     }
     return lost;
   }

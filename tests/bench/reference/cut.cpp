@@ -59,7 +59,7 @@ void remove_listed(Frame& f, rs_u32 slot, const rs_u16* places, int count, float
   for (int i = 0; i < count; ++i) {
     const rs_u8 grade = brick.grade[places[i]];
     tally.energy += f.units[grade];
-    energies[i] = static_cast<float>(f.energy[grade]);
+    energies[i] = rs_energy_mj(f.units[grade]);
   }
   tally.contacts += count;
   store(Reals{}, energies + count);

@@ -32,9 +32,7 @@ struct Frame {
   const ShellCell* cells;
   const rs_u16* offsets;
   BoneArrays bone;
-  // cutting energy of a voxel by grade: mJ, and units of the sum
-  const double* energy;
-  const rs_i64* units;
+  const rs_i64* units;         // cutting energy of a voxel by grade
   const rs_u64* bits_of_byte;  ///< bits_of_bytes()
   OutlineView outline;
   // what detect leaves for cut

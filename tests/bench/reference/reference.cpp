@@ -43,7 +43,6 @@ struct Reference::State {
         energy(make_energy_table(cutting, bone.voxmap.grid.voxel_mm)),
         passes(passes_for(target)),
         workers(threads) {
-    std::transform(energy.energy_mj.begin(), energy.energy_mj.end(), units.begin(), rs_energy_units);
     listed.resize(bone_memory.count());
     touched_list.resize(bone_memory.count());
     // A block is removed only where a point touches it, and once.
@@ -57,8 +56,7 @@ struct Reference::State {
     frame.cells = shell.cells.data();
     frame.offsets = shell.offsets.data();
     frame.bone = bone_memory.arrays();
-    frame.energy = energy.energy_mj.data();
-    frame.units = units.data();
+    frame.units = energy.units.data();
     frame.bits_of_byte = bits_of_bytes().data();
     frame.outline = view_of(outline);
     frame.listed = listed.data();
@@ -70,7 +68,6 @@ struct Reference::State {
   ShellCells shell;
   OutlineTable outline;
   EnergyTable energy;
-  std::array<rs_i64, 256> units{};
   std::vector<rs_u32> listed, touched_list;
   std::vector<RemovedBlock> removed;
   Frame frame{};
