@@ -313,6 +313,7 @@ struct RenderSettings {
 struct OutputSettings {
   std::string dir;  ///< "" = out/NAME, with the name of the scenario, below the working folder
   bool vti = true;
+  bool segmentation = false;
   bool meshes = true;
   bool force_basis = false;
   double checkpoint_s = 60;  ///< wall time between two checkpoints of a run; 0: none
