@@ -9,51 +9,43 @@
 #include <vector>
 
 #include "sim/base/file.h"
-#include "sim/base/text.h"
 #include "sim/record/summary.h"
 
 namespace reamsim {
 
 namespace {
 
-enum Label : std::uint8_t { air, remaining, removed };
-
 /// The header of an NRRD, which 3D Slicer opens as a segmentation by its fields "Segment...".
 std::string header(const VoxelGrid& grid) {
   const Vec3 first = grid.center_mm({0, 0, 0});
+  const Vec3i& n = grid.dims;
   std::string out = fmt::format(
       "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: {0} {1} {2}\n"
       "space directions: ({3},0,0) (0,{3},0) (0,0,{3})\nkinds: domain domain domain\nencoding: gzip\n"
       "space origin: ({4},{5},{6})\nSegmentation_MasterRepresentation:=Binary labelmap\n",
-      grid.dims.x(), grid.dims.y(), grid.dims.z(), shortest_text(grid.voxel_mm), shortest_text(first.x()),
-      shortest_text(first.y()), shortest_text(first.z()));
-  const auto add = [&](int n, int label, const char* name, const char* color) {
+      n.x(), n.y(), n.z(), shortest_text(grid.voxel_mm), shortest_text(first.x()), shortest_text(first.y()),
+      shortest_text(first.z()));
+  for (const int s : {0, 1}) {
     out += fmt::format(
-        "Segment{0}_ID:=Segment_{1}\nSegment{0}_Name:={2}\nSegment{0}_LabelValue:={1}\nSegment{0}_Layer:=0\n"
-        "Segment{0}_Color:={3}\nSegment{0}_Extent:=0 {4} 0 {5} 0 {6}\n",
-        n, label, name, color, grid.dims.x() - 1, grid.dims.y() - 1, grid.dims.z() - 1);
-  };
-  add(0, remaining, "remaining bone", "0.95 0.84 0.57");
-  add(1, removed, "removed bone", "0.85 0.2 0.15");
+        "Segment{0}_ID:=Segment_{1}\nSegment{0}_Name:={2} bone\nSegment{0}_LabelValue:={1}\nSegment{0}_Layer:=0\n"
+        "Segment{0}_Extent:=0 {3} 0 {4} 0 {5}\n",
+        s, s + 1, s == 0 ? "remaining" : "removed", n.x() - 1, n.y() - 1, n.z() - 1);
+  }
   return out + "\n";
-}
-
-Label label_of(int fill, int fill_before) {
-  constexpr int kHalf = FillBricks::kWhole / 2;
-  return fill > kHalf ? remaining : fill_before > kHalf ? removed : air;
 }
 
 /// The labels of the voxels of a layer of bricks, x fastest.
 std::vector<std::uint8_t> labels_in_layer(const BoneView& bone, const FillBricks& fill_before, int layer) {
   const VoxelGrid& grid = bone.voxmap.grid;
   const int first = layer * GradeBricks::kSide, planes = std::min(GradeBricks::kSide, grid.dims.z() - first);
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(grid.index({0, 0, planes})), air);
-  const Vec3i bricks = bone.fill.brick_dims();
-  for_each_voxel({bricks.x(), bricks.y(), 1}, [&](const Vec3i& brick) {
-    const Vec3i coord = brick + Vec3i(0, 0, layer);
-    if (bone.voxmap.grade.brick(coord) == nullptr) return;
-    for_each_bone_voxel_in(bone, coord, [&](const Vec3i& voxel, int, int fill) {
-      out[static_cast<std::size_t>(grid.index(voxel - Vec3i(0, 0, first)))] = label_of(fill, fill_before.get(voxel));
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(grid.index({0, 0, planes})));
+  const Vec3i last = bone.fill.brick_dims() - Vec3i::Ones();
+  constexpr int kHalf = FillBricks::kWhole / 2;
+  for_each_voxel({0, 0, layer}, {last.x(), last.y(), layer}, [&](const Vec3i& brick) {
+    if (bone.voxmap.grade.brick(brick) == nullptr) return;
+    for_each_bone_voxel_in(bone, brick, [&](const Vec3i& voxel, int, int fill) {
+      const std::uint8_t label = fill > kHalf ? 1 : fill_before.get(voxel) > kHalf ? 2 : 0;
+      out[static_cast<std::size_t>(grid.index(voxel - Vec3i(0, 0, first)))] = label;
     });
   });
   return out;

@@ -77,8 +77,8 @@ void write_clearance(const std::string& path, const HolderClearance& clearance, 
 /// without OpenVDB (ParaView, PyVista). Throws RunError.
 void write_vti(const std::string& path, const BoneView& bone);
 
-/// Writes a segmentation for 3D Slicer, which does not read VTI: an NRRD of labels in LPS, 1 where more than half of a
-/// voxel remains, 2 where more than half was there before the run, 0 elsewhere. Throws RunError.
+/// Writes a segmentation for 3D Slicer, which reads no VTI: an NRRD of labels in LPS, 1 where more than half of a voxel
+/// remains, 2 where it did before the run, else 0. Throws RunError.
 void write_segmentation(const std::string& path, const BoneView& bone, const FillBricks& fill_before);
 
 /// Writes summary.json into `dir`. `finished` false: of the frames so far, without metrics and times.

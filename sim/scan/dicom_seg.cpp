@@ -240,7 +240,7 @@ class SegFile {
     }
     const std::size_t bits = static_cast<std::size_t>(bits_) * pixels_of_frame() * frames_.size();
     if (plain != nullptr && plain->GetLength() < (bits + 7) / 8) throw bad_seg(file_, "the segmentation is truncated");
-    if (facts_.pixel_type == "FRACTIONAL") least_ = 0.5 * std::max(1, values.short_integer({0x0062, 0x000e}));
+    if (facts_.pixel_type == "FRACTIONAL") least_ = std::max(1.0, 0.5 * values.short_integer({0x0062, 0x000e}));
     pixels_ = plain == nullptr ? nullptr : plain->GetPointer();
     if (plain == nullptr || (bits_ == 16 && syntax == gdcm::TransferSyntax::ExplicitVRBigEndian)) decode(syntax);
   }
@@ -257,10 +257,9 @@ class SegFile {
     image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
     image.SetTransferSyntax(syntax);
     image.SetNeedByteSwap(syntax == gdcm::TransferSyntax::ExplicitVRBigEndian);
-    const gdcm::DataSet& data = reader_.GetFile().GetDataSet();
-    image.SetDataElement(data.GetDataElement(kPixels));
+    image.SetDataElement(reader_.GetFile().GetDataSet().GetDataElement(kPixels));
     try {
-      if (!data.FindDataElement(kPixels) || !image.GetBuffer(decoded_.data())) throw unreadable(file_);
+      if (!image.GetBuffer(decoded_.data())) throw unreadable(file_);
     } catch (const gdcm::Exception&) {
       throw unreadable(file_);
     }
@@ -278,7 +277,7 @@ class SegFile {
     return bits_ == 8 ? byte(n) : byte(2 * n) | byte(2 * n + 1) << 8;
   }
 
-  /// Calls visit(voxel, value) for all pixels above 0 of the frames that `wanted` accepts.
+  /// Calls visit(voxel, value) for all pixels of least_ and above in the frames that `wanted` accepts.
   template <class Wanted, class Visit>
   void for_each_pixel(const Wanted& wanted, const Visit& visit) const {
     const std::size_t pixels = pixels_of_frame();
@@ -286,9 +285,7 @@ class SegFile {
       if (!wanted(frames_[f])) continue;
       for (std::size_t p = 0; p < pixels; ++p) {
         const int found = value(f * pixels + p);
-        if (found > 0 && found >= least_) {
-          visit(static_cast<std::size_t>(plane_[f]) * pixels + p, static_cast<float>(found));
-        }
+        if (found >= least_) visit(static_cast<std::size_t>(plane_[f]) * pixels + p, static_cast<float>(found));
       }
     }
   }
@@ -305,7 +302,7 @@ class SegFile {
   ImageFacts facts_;
   std::vector<DicomHeader> frames_;
   std::vector<int> plane_;  ///< of each frame
-  double least_ = 0;        ///< value from which a pixel belongs to a fractional segment
+  double least_ = 1;        ///< value from which a pixel belongs to a fractional segment
   int bits_ = 1;            ///< of a pixel: 1, 8, 16
   const char* pixels_ = nullptr;
   std::vector<char> decoded_;  ///< empty: pixels_ are those of reader_

@@ -280,8 +280,8 @@ const std::vector<Rule> kRules{
     {{"cutting", "engine", "output"}, check_force_basis},
     {{"bone.source", "output"},
      [](const Scenario& s, const KeyLocations& at) {
-       if (!s.output.segmentation || s.bone.source != BoneSource::phantom) return;
-       at.fail("output.segmentation", "found true", "false, because a phantom lies over no scan");
+       const bool wrong = s.output.segmentation && s.bone.source == BoneSource::phantom;
+       if (wrong) at.fail("output.segmentation", "found true", "false, because a phantom lies over no scan");
      }},
     {{"cutting", "engine.type"}, check_exact},
     {{"render.user_cameras"}, check_cameras},
