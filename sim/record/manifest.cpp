@@ -62,8 +62,8 @@ std::string files_of_run() {
   const std::string files =
       "CITATION\\.txt|scenario\\.yaml|report\\.html|(summary|verification)\\.json|timings\\.csv|"
       "(segmentation|contact_sheet)\\.png|forces\\.(csv|gp|png|svg|pdf)|force_basis\\.npy|events\\.csv|"
-      "depth_map\\.(csv|png)|clearance\\.csv|planning\\.mrk\\.json|reamed\\.(vdb|vti|glb|stl)|(reamed|turntable)\\.("
-      "mp4|webp|apng)|"
+      "depth_map\\.(csv|png)|clearance\\.csv|planning\\.mrk\\.json|reamed\\.(vdb|vti|seg\\.nrrd|glb|stl)|"
+      "(reamed|turntable)\\.(mp4|webp|apng)|"
       "snapshots/([0-9]+\\.vdb|tool(_[0-9]+)?\\.stl)|turntable/[0-9]+\\.png|"
       "plots/(forces_decimated|forces_depth|energy|removed_density|spectrum|push|deflection)\\.(csv|gp|png|svg|pdf)";
   const std::string camera = "(_[a-z0-9_-]+)?";           // the names that render.user_cameras may have

@@ -36,7 +36,7 @@ std::string sha256_of_text(const std::string& text);
 /// What stays in the folder of a run beside scenario.yaml and summary.json.
 struct KeptFiles {
   bool forces = true;    ///< forces.csv
-  bool grids = true;     ///< reamed.vdb, reamed.vti, depth_map.csv and planning.mrk.json
+  bool grids = true;     ///< reamed.vdb, .vti and .seg.nrrd, depth_map.csv and planning.mrk.json
   bool pictures = true;  ///< pictures, plots, meshes, report, and all that these are made from
 };
 

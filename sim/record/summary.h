@@ -52,10 +52,10 @@ void write_scenario(const std::string& dir, const SimulationInput& scene, const 
 /// Whether the scenario.yaml in `dir` is that of this scenario, with the same inputs. Throws InputError.
 bool is_result_of(const std::string& dir, const Scenario& scenario);
 
-/// Writes reamed.vdb, reamed.vti, depth_map.csv and planning.mrk.json into `dir`. Throws RunError when the disk is
-/// full.
+/// Writes reamed.vdb, reamed.vti, reamed.seg.nrrd, depth_map.csv and planning.mrk.json into `dir`. `fill_before`: the
+/// fill before the run. Throws RunError when the disk is full.
 void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
-                   const RunFacts& facts);
+                   const FillBricks& fill_before, const RunFacts& facts);
 
 /// The markups of a run for 3D Slicer, in LPS, mm (its schema 1.0.3): the plane of the face before and after reaming,
 /// the axis of the reamer, entry and deepest point, pegs, landmarks and rim, as far as the run has them. `deepest`: the
@@ -74,8 +74,12 @@ void write_depth_map(const std::string& path, const ColumnMap& map);
 void write_clearance(const std::string& path, const HolderClearance& clearance, double frame_s);
 
 /// Writes density × fill (g/cm³, float32) at the voxel centres as a VTK ImageData file, zlib-compressed, for readers
-/// without OpenVDB (ParaView, 3D Slicer, PyVista). Throws RunError.
+/// without OpenVDB (ParaView, PyVista). Throws RunError.
 void write_vti(const std::string& path, const BoneView& bone);
+
+/// Writes a segmentation for 3D Slicer, which reads no VTI: an NRRD of labels in LPS, 1 where more than half of a voxel
+/// remains, 2 where it did before the run, else 0. Throws RunError.
+void write_segmentation(const std::string& path, const BoneView& bone, const FillBricks& fill_before);
 
 /// Writes summary.json into `dir`. `finished` false: of the frames so far, without metrics and times.
 void write_summary(const std::string& dir, const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts,

@@ -192,11 +192,12 @@ class ScenarioRun {
   }
 
   void write(const Recorder& recorder) {
-    measure(facts_, scene_, draws_during_run() ? pictures_->fill_before() : fill_before_, recorder.totals());
+    const FillBricks& fill_before = draws_during_run() ? pictures_->fill_before() : fill_before_;
+    measure(facts_, scene_, fill_before, recorder.totals());
     engine_.reset();  // its copy of the fill is not needed any more, and writing needs memory
     return_free_memory();
     const Stopwatch watch;
-    if (keep_.grids || keep_.pictures) write_results(dir_, scene_, recorder, facts_);
+    if (keep_.grids || keep_.pictures) write_results(dir_, scene_, recorder, fill_before, facts_);
     return_free_memory();
     facts_.write_s = watch.seconds();
     if (pictures_ != nullptr) pictures_->end(scene_, dir_);

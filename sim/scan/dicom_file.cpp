@@ -149,15 +149,6 @@ std::vector<DicomHeader> frames_of(const DicomValues& values, const DicomHeader&
   return out;
 }
 
-/// Of pixels that are cut off, or in a coding that GDCM should decode and does not: damaged, or a variant.
-InputError unreadable(const ForeignFile& file) {
-  const std::string syntax = syntax_in_file(file.path);
-  const std::string name = name_of_syntax(syntax);
-  if (name.empty()) return cut_off(file);
-  return file.error("the pixels cannot be decoded from " + name + " (" + syntax + ")",
-                    "the file is truncated or damaged, or coded in an unusual way: " + how_to_decode(name));
-}
-
 /// Files that may crash the reader before the folder is refused.
 constexpr std::size_t kMostCrashes = 20;
 /// What headers may take: those of a large multi-frame file are many.
@@ -212,6 +203,14 @@ void put_slices(ResultWriter& out, const std::vector<SliceSource>& slices, const
 }
 
 }  // namespace
+
+InputError unreadable(const ForeignFile& file) {
+  const std::string syntax = syntax_in_file(file.path);
+  const std::string name = name_of_syntax(syntax);
+  if (name.empty()) return cut_off(file);
+  return file.error("the pixels cannot be decoded from " + name + " (" + syntax + ")",
+                    "the file is truncated or damaged, or coded in an unusual way: " + how_to_decode(name));
+}
 
 DicomFile read_dicom_header(const std::string& path) {
   const QuietLibraries quiet;

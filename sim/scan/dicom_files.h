@@ -117,6 +117,9 @@ struct SliceSource {
 /// The values of a box of each slice, one slice after the other. Throws InputError, with the file.
 std::vector<float> read_slices(const std::vector<SliceSource>& slices, const IndexBox& in_slice);
 
+/// The error of pixels that are cut off, or in a coding that GDCM should decode and does not: damaged, or a variant.
+InputError unreadable(const ForeignFile& file);
+
 /// The decoded pixels of a DICOM file, for child processes.
 class DicomFrames {
  public:

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <fmt/core.h>
+#include <gdcmBitmap.h>
+#include <gdcmException.h>
 #include <gdcmReader.h>
 #include <gdcmTrace.h>
 
@@ -18,6 +20,8 @@
 namespace reamsim::ct {
 
 namespace {
+
+const gdcm::Tag kPixels(0x7fe0, 0x0010);
 
 bool is_segmentation(const DicomHeader& header) {
   return header.modality == "SEG" || header.sop_class == "1.2.840.10008.5.1.4.1.1.66.4" ||
@@ -158,6 +162,7 @@ class SegFile {
     facts_.geometry = planes.geometry;
     plane_ = std::move(planes.plane_of_frame);
     open_pixels(values);
+    if (quiet.reports_missing_voxels()) throw unreadable(file_);
   }
 
   [[nodiscard]] const ImageFacts& facts() const { return facts_; }
@@ -227,45 +232,60 @@ class SegFile {
   }
 
   void open_pixels(const DicomValues& values) {
-    const Vec3i& dims = facts_.geometry.dims;
-    if (values.short_integer({0x0028, 0x0100}) != 1) {
-      decoded_ = std::make_unique<DicomFrames>(file_);
-      const Vec3i& found = decoded_->dims();
-      if (found.x() != dims.x() || found.y() != dims.y() || found.z() < static_cast<int>(frames_.size())) {
-        throw bad_seg(file_, "the segmentation is truncated or damaged");
-      }
-      if (facts_.pixel_type == "FRACTIONAL") least_ = 0.5 * std::max(1, values.short_integer({0x0062, 0x000e}));
-      return;
+    const gdcm::TransferSyntax syntax = reader_.GetFile().GetHeader().GetDataSetTransferSyntax();
+    const gdcm::ByteValue* plain = values.raw(kPixels);
+    bits_ = values.short_integer({0x0028, 0x0100});
+    if ((bits_ != 1 && bits_ != 8 && bits_ != 16) || values.short_integer({0x0028, 0x0002}) > 1) {
+      throw bad_seg(file_, fmt::format("pixels of {} bits, or of several values", bits_));
     }
-    packed_ = values.raw({0x7fe0, 0x0010});
-    if (packed_ == nullptr) {
-      const std::string syntax = syntax_in_file(file_.path);
-      throw bad_seg(file_, "single bits compressed as " + name_of_syntax(syntax) + " (" + syntax + ") are not read");
-    }
-    const double pixels = double{1} * dims.x() * dims.y() * static_cast<double>(frames_.size());
-    if (8.0 * packed_->GetLength() < pixels) throw bad_seg(file_, "the segmentation is truncated");
+    const std::size_t bits = static_cast<std::size_t>(bits_) * pixels_of_frame() * frames_.size();
+    if (plain != nullptr && plain->GetLength() < (bits + 7) / 8) throw bad_seg(file_, "the segmentation is truncated");
+    if (facts_.pixel_type == "FRACTIONAL") least_ = std::max(1.0, 0.5 * values.short_integer({0x0062, 0x000e}));
+    pixels_ = plain == nullptr ? nullptr : plain->GetPointer();
+    if (plain == nullptr || (bits_ == 16 && syntax == gdcm::TransferSyntax::ExplicitVRBigEndian)) decode(syntax);
   }
 
-  /// Calls visit(voxel, value) for all pixels above 0 of the frames that `wanted` accepts.
+  /// GDCM's image reader is not used: it knows no label maps and no compressed single bits.
+  void decode(const gdcm::TransferSyntax& syntax) {
+    bits_ = std::max(bits_, 8);  // of a compressed single bit
+    decoded_.resize(pixels_of_frame() * frames_.size() * static_cast<std::size_t>(bits_ / 8));
+    const auto size = Vec3i(frames_.front().columns, frames_.front().rows, int(frames_.size())).cast<unsigned>().eval();
+    gdcm::Bitmap image;
+    image.SetNumberOfDimensions(frames_.size() > 1 ? 3 : 2);
+    image.SetDimensions(size.data());
+    image.SetPixelFormat(bits_ == 8 ? gdcm::PixelFormat::UINT8 : gdcm::PixelFormat::UINT16);
+    image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+    image.SetTransferSyntax(syntax);
+    image.SetNeedByteSwap(syntax == gdcm::TransferSyntax::ExplicitVRBigEndian);
+    image.SetDataElement(reader_.GetFile().GetDataSet().GetDataElement(kPixels));
+    try {
+      if (!image.GetBuffer(decoded_.data())) throw unreadable(file_);
+    } catch (const gdcm::Exception&) {
+      throw unreadable(file_);
+    }
+    pixels_ = decoded_.data();
+  }
+
+  [[nodiscard]] std::size_t pixels_of_frame() const {
+    return static_cast<std::size_t>(facts_.geometry.dims.x()) * static_cast<std::size_t>(facts_.geometry.dims.y());
+  }
+
+  /// The value of the n-th pixel of all frames, which follow one another without padding.
+  [[nodiscard]] int value(std::size_t n) const {
+    const auto byte = [this](std::size_t at) { return int{static_cast<unsigned char>(pixels_[at])}; };
+    if (bits_ == 1) return byte(n / 8) >> (n % 8) & 1;
+    return bits_ == 8 ? byte(n) : byte(2 * n) | byte(2 * n + 1) << 8;
+  }
+
+  /// Calls visit(voxel, value) for all pixels of least_ and above in the frames that `wanted` accepts.
   template <class Wanted, class Visit>
   void for_each_pixel(const Wanted& wanted, const Visit& visit) const {
-    const Vec3i slice(facts_.geometry.dims.x(), facts_.geometry.dims.y(), 1);
-    const auto pixels = static_cast<std::size_t>(slice.x()) * static_cast<std::size_t>(slice.y());
-    std::vector<float> values(decoded_ ? pixels : 0);
+    const std::size_t pixels = pixels_of_frame();
     for (std::size_t f = 0; f < frames_.size(); ++f) {
       if (!wanted(frames_[f])) continue;
-      const std::size_t first = static_cast<std::size_t>(plane_[f]) * pixels;
-      if (decoded_) {
-        decoded_->copy(static_cast<int>(f), {Vec3i::Zero(), slice}, 1, 0, values.data());
-        for (std::size_t p = 0; p < pixels; ++p) {
-          if (values[p] > 0 && double{values[p]} >= least_) visit(first + p, values[p]);
-        }
-        continue;
-      }
-      const auto* bytes = reinterpret_cast<const unsigned char*>(packed_->GetPointer());
-      for (std::size_t p = 0; p < pixels; ++p) {  // frames follow one another without padding
-        const std::size_t bit = f * pixels + p;
-        if ((bytes[bit / 8] >> (bit % 8) & 1) != 0) visit(first + p, 1.0F);
+      for (std::size_t p = 0; p < pixels; ++p) {
+        const int found = value(f * pixels + p);
+        if (found >= least_) visit(static_cast<std::size_t>(plane_[f]) * pixels + p, static_cast<float>(found));
       }
     }
   }
@@ -281,10 +301,11 @@ class SegFile {
   gdcm::Reader reader_;
   ImageFacts facts_;
   std::vector<DicomHeader> frames_;
-  std::vector<int> plane_;                   ///< of each frame
-  double least_ = 0;                         ///< value from which a pixel belongs to a fractional segment
-  std::unique_ptr<DicomFrames> decoded_;     ///< pixels of whole bytes
-  const gdcm::ByteValue* packed_ = nullptr;  ///< single bits
+  std::vector<int> plane_;  ///< of each frame
+  double least_ = 1;        ///< value from which a pixel belongs to a fractional segment
+  int bits_ = 1;            ///< of a pixel: 1, 8, 16
+  const char* pixels_ = nullptr;
+  std::vector<char> decoded_;  ///< empty: pixels_ are those of reader_
 };
 
 void put_seg(ResultWriter& out, const ForeignFile& file) {
@@ -351,8 +372,10 @@ ScanSource open_dicom_seg(const ForeignFile& given, Diagnostics& report) {
   for (std::size_t n = 0; n < files.size(); ++n) {
     if (!read[n].images.empty() && is_segmentation(read[n].images.front())) found.push_back(n);
   }
-  if (found.empty() && files.size() == 1) refuse_no_seg(read.front(), {files.front(), given.key});
   if (found.empty()) {
+    const auto coded = std::ranges::find(read, DicomKind::unsupported, &DicomFile::kind);
+    const auto n = coded == read.end() ? 0 : static_cast<std::size_t>(coded - read.begin());
+    if (files.size() == 1 || coded != read.end()) refuse_no_seg(read[n], {files[n], given.key});
     throw given.error("no DICOM segmentation (SEG) in this folder",
                       "give a label map: NRRD, NIfTI, MetaImage or DICOM SEG");
   }

@@ -214,6 +214,7 @@ void describe_output(KeyVisitor& v, OutputSettings& output) {
   v.key("dir", output.dir, "Results folder; \"\": out/NAME below the working directory. `-o` takes precedence",
         {.text = TextKind::output_folder});
   v.key("vti", output.vti, "Write reamed.vti beside reamed.vdb");
+  v.key("segmentation", output.segmentation, "Write reamed.seg.nrrd, a segmentation for 3D Slicer; not of a phantom");
   v.key("meshes", output.meshes, "Write the reamed surface as reamed.glb and reamed.stl");
   v.key("plots", output.plots, "Plot forces, depth and energy; `reamsim render DIR --only plots` does it later");
   v.key("force_basis", output.force_basis,

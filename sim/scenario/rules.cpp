@@ -278,6 +278,11 @@ const std::vector<Rule> kRules{
     {{"cutting.size_effect"}, check_size_effect},
     {{"cutting", "tool.spin", "motion.passes"}, check_edge_force},
     {{"cutting", "engine", "output"}, check_force_basis},
+    {{"bone.source", "output"},
+     [](const Scenario& s, const KeyLocations& at) {
+       const bool wrong = s.output.segmentation && s.bone.source == BoneSource::phantom;
+       if (wrong) at.fail("output.segmentation", "found true", "false, because a phantom lies over no scan");
+     }},
     {{"cutting", "engine.type"}, check_exact},
     {{"render.user_cameras"}, check_cameras},
 };

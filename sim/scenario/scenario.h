@@ -313,6 +313,7 @@ struct RenderSettings {
 struct OutputSettings {
   std::string dir;  ///< "" = out/NAME, with the name of the scenario, below the working folder
   bool vti = true;
+  bool segmentation = false;
   bool meshes = true;
   bool plots = true;
   bool force_basis = false;

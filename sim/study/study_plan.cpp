@@ -276,7 +276,7 @@ Scenario scenario_of(const Study& study, const PlannedRun& run) {
     scenario.render.enabled = false;
     scenario.output.meshes = false;
   }
-  if (!study.keep.grids) scenario.output.vti = false;
+  if (!study.keep.grids) scenario.output.vti = scenario.output.segmentation = false;
   return scenario;
 }
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // 3D Slicer: landmarks in, planning out, and all results over the scan.
+#include <zlib.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -153,6 +155,58 @@ TEST_F(SlicerTest, ResultsLieOverTheScan) {
       call({"check", "s.yaml", "--set", "motion.plunge.entry_mm={markups: out/planning.mrk.json, point: entry}"});
   EXPECT_EQ(checked.status, 0) << checked.err;
   EXPECT_THAT(checked.out, HasSubstr("entry_mm: [-19.5, -29.5, 44.5]"));
+}
+
+TEST_F(SlicerTest, ASegmentationOfTheReamedBoneLiesOverTheScan) {
+  write("scan.nrrd", moved_nrrd());
+  const std::string scenario =
+      with(with_bone("  source: ct\n  voxel_mm: 0.25\n  ct: {path: scan.nrrd, closing_mm: 0}\n"), "  plunge:\n",
+           "  plunge:\n    entry_mm: [-19.5, -29.5, 44.5]\n");
+  expect_done(run(with(scenario, "render:\n", "output:\n  segmentation: true\nrender:\n")));
+  const std::string nrrd = read("out/reamed.seg.nrrd");
+  const std::string header = nrrd.substr(0, nrrd.find("\n\n"));
+  EXPECT_THAT(header, AllOf(HasSubstr("\nspace: left-posterior-superior\n"), HasSubstr("\nencoding: gzip\n"),
+                            HasSubstr("\nspace directions: (0.25,0,0) (0,0.25,0) (0,0,0.25)\n"),
+                            HasSubstr("\nSegment0_Name:=remaining bone\nSegment0_LabelValue:=1\n"),
+                            HasSubstr("\nSegment1_Name:=removed bone\nSegment1_LabelValue:=2\n")));
+  std::array<int, 3> size{};
+  Point origin{};
+  ASSERT_EQ(std::sscanf(header.c_str() + header.find("sizes:"), "sizes: %d %d %d", size.data(), &size[1], &size[2]), 3);
+  ASSERT_EQ(std::sscanf(header.c_str() + header.find("space origin:"), "space origin: (%lf,%lf,%lf)", origin.data(),
+                        &origin[1], &origin[2]),
+            3);
+  write("labels.gz", nrrd.substr(header.size() + 2));
+  std::string labels(std::size_t{1} * size[0] * size[1] * size[2] + 1, '?');
+  const gzFile in = gzopen(path("labels.gz").c_str(), "rb");
+  const int got = gzread(in, labels.data(), static_cast<unsigned>(labels.size()));
+  gzclose(in);
+  ASSERT_EQ(static_cast<std::size_t>(got) + 1, labels.size());
+  labels.pop_back();
+  std::array<double, 3> count{};
+  Point low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};
+  for (std::size_t n = 0; n < labels.size(); ++n) {
+    ASSERT_LE(labels[n], 2);
+    ++count[static_cast<std::size_t>(labels[n])];
+    if (labels[n] == 0) continue;
+    const auto nx = static_cast<std::size_t>(size[0]), ny = static_cast<std::size_t>(size[1]);
+    const std::array<std::size_t, 3> at{n % nx, n / nx % ny, n / nx / ny};
+    for (std::size_t i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], origin[i] + 0.25 * static_cast<double>(at[i]));
+      high[i] = std::max(high[i], origin[i] + 0.25 * static_cast<double>(at[i]));
+    }
+  }
+  const Point least{-24.5, -34.5, 34.5}, most{-14.5, -24.5, 44.5};  // faces of the block
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(low[i], least[i], 0.5) << i;
+    EXPECT_NEAR(high[i], most[i], 0.5) << i;
+  }
+  const SlicerJson bone = json("out/summary.json")["bone"];
+  const double voxel_mm3 = 0.25 * 0.25 * 0.25;
+  EXPECT_NEAR(count[1] * voxel_mm3 / bone["bone_after_mm3"].get<double>(), 1, 0.05);
+  EXPECT_NEAR(count[2] * voxel_mm3 / bone["removed_mm3"].get<double>(), 1, 0.25);  // half a voxel of a cut of 1 mm
+  const ProgramResult phantom = call({"check", "s.yaml", "--set", "bone.source=phantom"});
+  EXPECT_EQ(phantom.status, 2);
+  EXPECT_THAT(phantom.err, HasSubstr("output.segmentation: found true; expected false"));
 }
 
 TEST_F(SlicerTest, PlanningHasPlanesAxisPegsAndLandmarks) {

@@ -206,10 +206,10 @@ std::string segment_item(const TestSegment& segment) {
 /// Appends a frame's pixels to the bits or bytes of all frames.
 class SegPixels {
  public:
-  explicit SegPixels(bool single_bits) : single_bits_(single_bits) {}
+  explicit SegPixels(unsigned bits_of_pixel) : bits_of_pixel_(bits_of_pixel) {}
   void add(unsigned value) {
-    if (!single_bits_) {
-      bytes_.push_back(static_cast<char>(value));
+    if (bits_of_pixel_ > 1) {
+      bytes_ += little_endian(value, static_cast<int>(bits_of_pixel_ / 8));
       return;
     }
     if (bits_ % 8 == 0) bytes_.push_back('\0');
@@ -219,19 +219,20 @@ class SegPixels {
   [[nodiscard]] const std::string& bytes() const { return bytes_; }
 
  private:
-  bool single_bits_;
+  unsigned bits_of_pixel_;
   std::size_t bits_ = 0;
   std::string bytes_;
 };
 
 }  // namespace
 
-std::string dicom_seg(const std::vector<TestSegment>& segments, const std::string& type) {
+std::string dicom_seg(const std::vector<TestSegment>& segments, const std::string& type, unsigned bits) {
+  if (bits == 0) bits = type == "BINARY" ? 1 : 8;
   const TestImage& first = segments.front().mask;
   const bool label_map = type == "LABELMAP";
   const std::string sop_class = label_map ? "1.2.840.10008.5.1.4.1.1.66.7" : "1.2.840.10008.5.1.4.1.1.66.4";
   std::vector<std::string> groups;
-  SegPixels pixels(type == "BINARY");
+  SegPixels pixels(bits);
   for (std::size_t s = 0; s < (label_map ? 1 : segments.size()); ++s) {
     for (int k = 0; k < first.dims.z(); ++k) {
       const auto at = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(k) * pixels_of(first));
@@ -255,14 +256,13 @@ std::string dicom_seg(const std::vector<TestSegment>& segments, const std::strin
   }
   std::vector<std::string> items;
   for (const TestSegment& segment : segments) items.push_back(segment_item(segment));
-  const unsigned bits = type == "BINARY" ? 1 : 8;
   std::string body = element(8, 5, "CS", "ISO_IR 192") + element(8, 0x16, "UI", sop_class) +
                      element(8, 0x18, "UI", "1.2.3.7") + element(8, 0x60, "CS", "SEG") + series_elements("1.2.3.8") +
                      pixel_elements(first, groups.size(), bits) + element(0x62, 1, "CS", type) +
                      sequence(0x62, 2, items);
   if (type == "FRACTIONAL") body += element(0x62, 0xe, "US", us(255)) + element(0x62, 0x10, "CS", "PROBABILITY");
   body += sequence(0x5200, 0x9229, {orientation_group(first) + measures_group(first)}) +
-          sequence(0x5200, 0x9230, groups) + element(0x7fe0, 0x10, "OB", pixels.bytes());
+          sequence(0x5200, 0x9230, groups) + element(0x7fe0, 0x10, bits > 8 ? "OW" : "OB", pixels.bytes());
   return dicom_file(sop_class, "1.2.3.7", body);
 }
 

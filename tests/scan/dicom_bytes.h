@@ -65,7 +65,8 @@ struct TestSegment {
   std::string side{};  ///< a modifier of its type
 };
 
-/// A DICOM SEG as dcmqi writes it: BINARY (single bits, empty planes left out), FRACTIONAL or LABELMAP (bytes).
-std::string dicom_seg(const std::vector<TestSegment>& segments, const std::string& type = "BINARY");
+/// A DICOM SEG as dcmqi writes it: BINARY (single bits, empty planes left out), FRACTIONAL or LABELMAP (bytes). `bits`
+/// of a pixel: 0: as usual.
+std::string dicom_seg(const std::vector<TestSegment>& segments, const std::string& type = "BINARY", unsigned bits = 0);
 
 }  // namespace reamsim::test

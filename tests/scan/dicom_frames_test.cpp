@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <fmt/core.h>
 #include <gdcmImageChangeTransferSyntax.h>
 #include <gdcmImageReader.h>
 #include <gdcmImageWriter.h>
+#include <gdcmWriter.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -213,6 +215,102 @@ TEST_F(DicomFramesTest, CompressedPixelsAreRead) {
     EXPECT_NEAR(volume_mm3(import(name)) / volume_mm3(reference_), 1, 0.01);
     EXPECT_THAT(report_.warnings, Contains(HasSubstr("24 of 24 slices were compressed with loss (")));
   }
+}
+
+/// Compresses the frames of a segmentation, each by itself, as highdicom does. False: GDCM cannot write it. GDCM's
+/// image reader is not used, since it knows no label maps. `bits` of a pixel, and those that are stored.
+bool recode_seg(const std::string& path, gdcm::TransferSyntax::TSType type, const TestImage& frame, unsigned bits,
+                unsigned stored) {
+  gdcm::Reader reader;
+  reader.SetFileName(path.c_str());
+  if (!reader.Read()) return false;
+  gdcm::DataSet& data = reader.GetFile().GetDataSet();
+  const gdcm::Tag pixels(0x7fe0, 0x0010);
+  if (type != gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian) {
+    const unsigned plane = static_cast<unsigned>(frame.dims.x() * frame.dims.y()) * bits / 8;
+    const gdcm::SmartPointer<gdcm::Image> image = new gdcm::Image;
+    image->SetNumberOfDimensions(3);
+    image->SetDimension(0, static_cast<unsigned>(frame.dims.x()));
+    image->SetDimension(1, static_cast<unsigned>(frame.dims.y()));
+    image->SetDimension(2, data.GetDataElement(pixels).GetByteValue()->GetLength() / plane);
+    gdcm::PixelFormat format(bits == 8 ? gdcm::PixelFormat::UINT8 : gdcm::PixelFormat::UINT16);
+    format.SetBitsStored(static_cast<unsigned short>(stored));
+    format.SetHighBit(static_cast<unsigned short>(stored - 1));
+    image->SetPixelFormat(format);
+    image->SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+    image->SetTransferSyntax(gdcm::TransferSyntax::ExplicitVRLittleEndian);
+    image->SetDataElement(data.GetDataElement(pixels));
+    gdcm::ImageChangeTransferSyntax change;
+    change.SetTransferSyntax(type);
+    change.SetInput(*image);
+    if (!change.Change()) return false;
+    data.Replace(change.GetOutput().GetDataElement());
+  }
+  reader.GetFile().GetHeader().SetDataSetTransferSyntax(type);
+  gdcm::Writer writer;
+  writer.SetFileName(path.c_str());
+  writer.SetFile(reader.GetFile());
+  return writer.Write();
+}
+
+TEST_F(DicomFramesTest, CompressedSegmentationsAreRead) {
+  using Syntax = gdcm::TransferSyntax;
+  TestImage half = mask();
+  for (std::size_t n = 0; n < half.value.size() / 2; ++n) half.value[n] = 0;
+  const std::vector<TestSegment> segments{{.number = 3, .label = "Rest", .mask = half},
+                                          {.number = 5, .label = "Scapula", .mask = mask()}};
+  write("seg.dcm", dicom_seg(segments));
+  const FilledVoxmap rest = import_label("Rest"), scapula = import_label("Scapula");
+  const std::string path = folder_.file("seg.dcm");
+  for (const Syntax::TSType syntax : {Syntax::RLELossless, Syntax::JPEGLSLossless, Syntax::JPEG2000Lossless,
+                                      Syntax::JPEGLosslessProcess14_1, Syntax::DeflatedExplicitVRLittleEndian}) {
+    for (const auto& [type, bits] :
+         {std::pair<std::string, unsigned>{"BINARY", 1}, {"FRACTIONAL", 8}, {"LABELMAP", 8}, {"LABELMAP", 16}}) {
+      SCOPED_TRACE(fmt::format("{} {} {}", Syntax::GetTSString(syntax), type, bits));
+      std::vector<TestSegment> stored = segments;
+      if (bits == 16) stored[0].number = 700;
+      if (type == "LABELMAP") {  // whose segments do not overlap
+        for (std::size_t n = 0; n < half.value.size(); ++n) stored[1].mask.value[n] -= half.value[n];
+      }
+      // Single bits are compressed as samples of one bit (JPEG 2000) or as bytes.
+      const bool single_bits = bits == 1 && syntax != Syntax::DeflatedExplicitVRLittleEndian;
+      const unsigned bytes = std::max(bits, 8U), sample = syntax == Syntax::JPEG2000Lossless ? bits : bytes;
+      write("seg.dcm", dicom_seg(stored, type, single_bits ? bytes : bits));
+      ASSERT_TRUE(recode_seg(path, syntax, egg_, bytes, sample));
+      if (single_bits) patch_file(path, element(0x28, 0x100, "US", us(8)), element(0x28, 0x100, "US", us(1)));
+      try {
+        expect_same(import_label("Rest"), rest, "a segment");
+        if (type != "LABELMAP") expect_same(import_label("Scapula"), scapula, "one that overlaps");
+      } catch (const InputError& error) {
+        ADD_FAILURE() << error.what();
+      }
+    }
+  }
+}
+
+TEST_F(DicomFramesTest, DamagedCompressedSegmentationsAreRefused) {
+  const std::string path = folder_.file("seg.dcm"),
+                    whole = dicom_seg({{.label = "Scapula", .mask = mask()}}, "LABELMAP");
+  for (const auto syntax : {gdcm::TransferSyntax::RLELossless, gdcm::TransferSyntax::JPEG2000Lossless}) {
+    write("seg.dcm", whole);
+    ASSERT_TRUE(recode_seg(path, syntax, egg_, 8, 8));
+    fs::resize_file(path, fs::file_size(path) - 400);
+    EXPECT_THAT(label_error("1"), HasSubstr("seg.dcm"));
+  }
+  // Compressed frames of another size than the header's.
+  write("seg.dcm", whole);
+  ASSERT_TRUE(recode_seg(path, gdcm::TransferSyntax::RLELossless, egg_, 8, 8));
+  patch_file(path, element(0x28, 0x10, "US", us(30)), element(0x28, 0x10, "US", us(60)));
+  EXPECT_THAT(label_error("1"), AllOf(HasSubstr("RLE (1.2.840.10008.1.2.5)"), HasSubstr("Explicit VR Little Endian")));
+  patch_file(path, "\xe0\x7f\x10" + std::string(1, '\0'), "\xe0\x7f\x12" + std::string(1, '\0'));
+  EXPECT_THAT(label_error("1"), HasSubstr("seg.dcm")) << "without pixels";
+  const std::string sop_class = "1.2.840.10008.5.1.4.1.1.66.4";
+  write("seg.dcm", dicom_file(sop_class, "1.2.3", element(8, 0x16, "UI", sop_class), "1.2.840.10008.1.2.4.201"));
+  EXPECT_THAT(label_error("1"), AllOf(HasSubstr("HTJ2K (1.2.840.10008.1.2.4.201)"), HasSubstr("pydicom")));
+  write("cd/1.dcm", "no DICOM");
+  fs::rename(path, folder_.file("cd/2.dcm"));
+  fs::rename(folder_.file("cd"), path);
+  EXPECT_THAT(label_error("1"), AllOf(HasSubstr("2.dcm"), HasSubstr("HTJ2K (1.2.840.10008.1.2.4.201)")));
 }
 
 TEST_F(DicomFramesTest, JpegOfEightAndTwelveBitsIsRead) {
