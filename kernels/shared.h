@@ -11,6 +11,7 @@
 
 #ifdef __OPENCL_C_VERSION__
 #pragma OPENCL FP_CONTRACT OFF
+#define double double_precision_is_optional /* an error where a kernel uses it */
 typedef long rs_i64;
 typedef int rs_i32;
 typedef uint rs_u32;
