@@ -16,7 +16,7 @@ namespace reamsim {
 namespace {
 
 /// The header of an NRRD, which 3D Slicer opens as a segmentation by its fields "Segment...".
-std::string header(const VoxelGrid& grid) {
+std::string nrrd_header(const VoxelGrid& grid) {
   const Vec3 first = grid.center_mm({0, 0, 0});
   const Vec3i& n = grid.dims;
   std::string out = fmt::format(
@@ -54,7 +54,7 @@ std::vector<std::uint8_t> labels_in_layer(const BoneView& bone, const FillBricks
 }  // namespace
 
 void write_segmentation(const std::string& path, const BoneView& bone, const FillBricks& fill_before) {
-  write_file(path, header(bone.voxmap.grid));
+  write_file(path, nrrd_header(bone.voxmap.grid));
   std::unique_ptr<gzFile_s, decltype(&gzclose)> out(gzopen(path.c_str(), "ab"), &gzclose);
   bool written = out != nullptr;
   for (int layer = 0; written && layer < bone.fill.brick_dims().z(); ++layer) {
