@@ -65,9 +65,8 @@ std::vector<std::string> read_binary_stl(std::string_view bytes, const StlSink& 
 /// without three numbers, a facet of fewer than three vertices, a file that ends within a facet.
 std::vector<std::string> read_ascii_stl(const std::string& path, std::string_view text, const StlSink& sink);
 
-/// Reads the polygons, as fans, and the triangle strips of a VTP file, VTK's XML of a surface. Returns the field data
-/// in which 3D Slicer states the frame, "SPACE=LPS"; "SPACE=" without one. Throws InputError: a damaged or truncated
-/// file, cells of missing points, a compression other than zlib's (with what to do).
+/// Reads the polygons and strips of a VTP file, VTK's XML. Returns its field data on the frame, "SPACE=LPS", or
+/// "SPACE=". Throws InputError: a damaged or truncated file, cells of missing points, a compression other than zlib's.
 std::string read_vtp(const std::string& path, std::string_view bytes, const StlSink& sink);
 
 struct MeshContents {

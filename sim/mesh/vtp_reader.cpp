@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/mesh/mesh_io.h"
 
 namespace reamsim {
@@ -70,7 +71,7 @@ struct VtpFile {
   }
 
   [[noreturn]] void fail(const std::string& found, const std::string& expected = kSaveAgain) const {
-    refuse_file(path, found, expected);
+    refuse_file(path, printable(found.substr(0, 100)), expected);
   }
 
   /// A size or an index, from 0 to `most`.

@@ -249,6 +249,8 @@ TEST_F(Vtp, WhatIsNotReadIsNamed) {
   for (const char* type : {"UnstructuredGrid", "PPolyData"})
     EXPECT_THAT(error_of(with(text, "PolyData", type)), HasSubstr("a VTK file; save its surface as VTP in 3D Slicer"));
   EXPECT_THAT(error_of(with(text, "Float64\" Name=\"Points", "Bit\" Name=\"Points")), HasSubstr("of type Bit"));
+  EXPECT_THAT(error_of(with(text, "Float64\" Name=\"Points", "Flo\nat\" Name=\"Points")),
+              HasSubstr("of type Flo\\x0aat"));
   EXPECT_THAT(error_of(with(text, "<Polys>", "<Lines>")), HasSubstr(path_ + ":"));
 }
 
