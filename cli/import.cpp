@@ -151,7 +151,7 @@ void add_import_command(CLI::App& app, Console& console) {
   command
       ->add_option(
           "INPUT", options->input,
-          "CT (DICOM folder, NRRD, NIfTI, MetaImage), mesh (STL, OBJ, PLY), or a scenario (YAML, or the name of a "
+          "CT (DICOM folder, NRRD, NIfTI, MetaImage), mesh (STL, OBJ, PLY, VTP), or a scenario (YAML, or the name of a "
           "shipped one) whose bone is imported")
       ->required()
       ->transform(shipped_scenario_or_path, "");

@@ -296,7 +296,7 @@ void init_command(InitOptions options, const Console& console) {
 void add_init_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("init", "Write a first scenario for a CT or mesh: the glenoid is found");
   auto options = std::make_shared<InitOptions>();
-  command->add_option("INPUT", options->input, "CT (DICOM folder, NRRD, NIfTI, MetaImage) or mesh (STL, OBJ, PLY)")
+  command->add_option("INPUT", options->input, "CT (DICOM folder, NRRD, NIfTI, MetaImage) or mesh (STL, OBJ, PLY, VTP)")
       ->required();
   add_output(*command, options->output, "Scenario to write (YAML)", "FILE.yaml")->required();
   command

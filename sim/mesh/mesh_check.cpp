@@ -182,12 +182,6 @@ std::string places_of(const std::vector<MeshPiece>& pieces) {
   return pieces.size() <= kMostNamed ? out : out + fmt::format(" and {} more", pieces.size() - kMostNamed);
 }
 
-std::vector<MeshPiece> chosen(const std::vector<MeshPiece>& pieces, bool (*wanted)(const MeshPiece&)) {
-  std::vector<MeshPiece> out;
-  std::ranges::copy_if(pieces, std::back_inserter(out), wanted);
-  return out;
-}
-
 std::string inward_warning(const std::vector<MeshPiece>& inward, std::size_t outer_count) {
   if (inward.size() == outer_count) return "the triangles of the mesh face inwards; orientation flipped";
   return fmt::format("{} inwards: {}; orientation flipped",
@@ -331,9 +325,10 @@ double outer_volume_mm3(const std::vector<MeshPiece>& pieces) {
 
 std::vector<std::string> warnings_of(const std::vector<MeshPiece>& pieces) {
   std::vector<std::string> out;
-  std::vector<MeshPiece> outer = chosen(pieces, [](const MeshPiece& piece) { return !piece.inside_another; });
-  const std::size_t inside = pieces.size() - outer.size();
-  const auto inward = chosen(outer, [](const MeshPiece& piece) { return piece.faces_inwards; });
+  std::vector<MeshPiece> outer = pieces;
+  const std::size_t inside = std::erase_if(outer, [](const MeshPiece& piece) { return piece.inside_another; });
+  std::vector<MeshPiece> inward = outer;
+  std::erase_if(inward, [](const MeshPiece& piece) { return !piece.faces_inwards; });
   if (!inward.empty()) out.push_back(inward_warning(inward, outer.size()));
   if (outer.size() > 1) {
     outer.erase(outer.begin());

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{2} << 30;
-constexpr const char* kExpected = "expected a mesh in STL, OBJ or PLY";
+constexpr const char* kExpected = "expected a mesh in STL, OBJ, PLY or VTP";
 
 std::string capitals(std::string_view text) {
   std::string out(text);
@@ -41,15 +41,16 @@ struct ForeignFormat {
 constexpr std::string_view kSaveByMeshLab = "save it as STL or PLY with MeshLab or Blender";
 constexpr std::string_view kSaveByCad = "export it as STL from the CAD program, or with FreeCAD";
 constexpr std::string_view kSaveByPyVista =
-    "save its surface as STL or PLY: in ParaView with File > Save Data, or in Python with PyVista: "
-    "pyvista.read(\"bone.vtp\").extract_surface().triangulate().save(\"bone.stl\")";
+    "save its surface as VTP in 3D Slicer, which states the frame, or as STL or PLY, and set bone.mesh.frame: in "
+    "ParaView, or with PyVista: pyvista.read(\"bone.vtk\").extract_surface().triangulate().save(\"bone.stl\")";
 constexpr std::string_view kSaveByGmsh = "save its surface as STL with Gmsh or meshio";
 constexpr std::string_view kUseCt = "for a scan, use bone.source: ct";
 constexpr std::string_view kUnpack = "unpack it first";
 
+constexpr std::string_view kVtk = "<VTKFILE";
 constexpr std::array kForeignTexts{
     ForeignFormat{"# VTK DATAFILE", "a VTK file", kSaveByPyVista},
-    ForeignFormat{"<VTKFILE", "a VTK file", kSaveByPyVista},
+    ForeignFormat{kVtk, "a VTK file", kSaveByPyVista},
     ForeignFormat{"OFF", "a mesh in OFF", kSaveByMeshLab},
     ForeignFormat{"COFF", "a mesh in OFF", kSaveByMeshLab},
     ForeignFormat{"NOFF", "a mesh in OFF", kSaveByMeshLab},
@@ -116,7 +117,9 @@ std::optional<ForeignFormat> foreign_format(std::string_view start) {
   if (has(128, "DICM")) return ForeignFormat{"", "a DICOM image", kUseCt, ContentKind::image};
   if (start.size() >= 348 && (has(344, "n+1") || has(344, "ni1") || has(4, "n+2") || has(4, "ni2")))
     return ForeignFormat{"", "an image in NIfTI", kUseCt, ContentKind::image};
-  const std::string text = capitals(xml_root(trimmed(start)).substr(0, 64));
+  const std::string text = capitals(xml_root(trimmed(start)).substr(0, 256));
+  if (text.starts_with(kVtk) && text.find("POLYDATA") < std::min(text.find("PPOLYDATA"), text.find('>')))
+    return std::nullopt;
   for (const ForeignFormat& format : kForeignTexts) {
     if (!text.starts_with(format.begins)) continue;
     // "OFF" is a word by itself.
@@ -197,6 +200,7 @@ std::optional<MeshFormat> mesh_format(std::string_view start) {
   const std::string_view text = trimmed(start);
   const std::string word = capitals(first_word(text));
   if (word == "PLY") return MeshFormat::ply;
+  if (capitals(xml_root(text).substr(0, kVtk.size())) == kVtk) return MeshFormat::vtp;  // of a surface
   if (is_text(start)) {
     if (word == "SOLID" || word == "FACET") return MeshFormat::stl_ascii;
     return is_obj(text) ? std::optional(MeshFormat::obj) : std::nullopt;
@@ -261,20 +265,10 @@ void check_ply(const std::string& path, std::string_view start, std::uintmax_t s
   if (!ended) refuse_file(path, "a PLY header without \"end_header\"", "expected a complete PLY file");
 }
 
-/// What the header says of the frame is lost in a conversion.
-std::string space_hint(std::string_view start) {
-  std::string space = stated_space(start, MeshFormat::obj);
-  if (space.empty()) space = stated_space(start, MeshFormat::stl_binary);
-  if (space.empty()) return "";
-  return "; its header says SPACE=" + space + ", which the converted file may not say: then set bone.mesh.frame";
-}
-
 MeshFormat checked_format(const std::string& path, std::string_view start, std::uintmax_t size) {
   if (has_length_of_stl(start, size)) return MeshFormat::stl_binary;
-  if (const auto foreign = foreign_format(start)) {
-    const bool vtk = foreign->name == "a VTK file";
-    refuse_file(path, std::string(foreign->name), std::string(foreign->advice) + (vtk ? space_hint(start) : ""));
-  }
+  if (const auto foreign = foreign_format(start))
+    refuse_file(path, std::string(foreign->name), std::string(foreign->advice));
   if (const auto format = mesh_format(start)) return *format;
   // An STL cut short within its header has no triangle by which it could be known.
   if (capitals(fs::path(path).extension().string()) == ".STL" && !is_text(start)) {
@@ -282,13 +276,13 @@ MeshFormat checked_format(const std::string& path, std::string_view start, std::
       refuse_file(path, "a truncated STL of " + std::to_string(size) + " bytes", "expected 84 or more");
     return MeshFormat::stl_binary;
   }
-  refuse_file(path, "its content is neither STL, OBJ nor PLY",
+  refuse_file(path, "its content is neither STL, OBJ, PLY nor VTP",
               std::string(kExpected) + "; MeshLab and Blender convert others");
 }
 
 /// The part of a file in which programs state the frame.
 std::string header_text(std::string_view start, MeshFormat format) {
-  if (format == MeshFormat::stl_binary) return capitals(start.substr(0, 80));
+  if (format == MeshFormat::stl_binary || format == MeshFormat::vtp) return capitals(start.substr(0, 80));
   std::string out;
   while (!start.empty()) {
     const std::string line = capitals(take_line(start));

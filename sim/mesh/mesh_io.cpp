@@ -135,7 +135,7 @@ TriangleMesh take_mesh(ResultReader& in) {
 }
 
 void read_and_put(ResultWriter& out, const std::string& path, MeshFormat format, double scale) {
-  const std::string bytes = read_file(path, "a mesh");
+  std::string bytes = read_file(path, "a mesh");
   if (bytes.size() < kStlHeaderBytes && format == MeshFormat::stl_binary)
     refuse_file(path, "a truncated STL", "expected more");
   MeshBuilder builder(path, scale);
@@ -145,6 +145,8 @@ void read_and_put(ResultWriter& out, const std::string& path, MeshFormat format,
     warnings = read_binary_stl(bytes, sink);
   } else if (format == MeshFormat::stl_ascii) {
     warnings = read_ascii_stl(path, bytes, sink);
+  } else if (format == MeshFormat::vtp) {
+    bytes = read_vtp(path, bytes, sink);
   } else {
     read_with_assimp(path, bytes, format == MeshFormat::obj ? "obj" : "ply", builder);
   }

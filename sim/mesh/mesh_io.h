@@ -17,7 +17,7 @@ namespace reamsim {
 
 // The content of a file decides what it is, never the ending of its name.
 
-enum class MeshFormat { stl_binary, stl_ascii, obj, ply };
+enum class MeshFormat { stl_binary, stl_ascii, obj, ply, vtp };
 
 /// A mesh file before it is read.
 struct MeshFile {
@@ -34,7 +34,7 @@ ContentKind content_kind(const std::string& path);
 MeshFile check_mesh_file(const std::string& path);
 
 /// The value of 3D Slicer's `SPACE=` in the header of a mesh, in capitals ("LPS", "RAS"); several that differ with
-/// " and " between them; "" without one. `start`: the first bytes of the file.
+/// " and " between them; "" without one. `start`: the first bytes of the file, or what read_vtp() returned.
 std::string stated_space(std::string_view start, MeshFormat format);
 
 /// As many bytes of a file as hold its header.
@@ -65,6 +65,10 @@ std::vector<std::string> read_binary_stl(std::string_view bytes, const StlSink& 
 /// without three numbers, a facet of fewer than three vertices, a file that ends within a facet.
 std::vector<std::string> read_ascii_stl(const std::string& path, std::string_view text, const StlSink& sink);
 
+/// Reads the polygons and strips of a VTP file, VTK's XML. Returns its field data on the frame, "SPACE=LPS", or
+/// "SPACE=". Throws InputError: a damaged or truncated file, cells of missing points, a compression other than zlib's.
+std::string read_vtp(const std::string& path, std::string_view bytes, const StlSink& sink);
+
 struct MeshContents {
   TriangleMesh mesh;                  ///< in mm; vertices merged, and welded (weld()) where the surface has holes
   std::string space;                  ///< the frame that the header states: "LPS", "RAS", another; "" without one
@@ -72,7 +76,7 @@ struct MeshContents {
   std::vector<std::string> warnings;  ///< numbers of triangles that the header has wrong, and the like
 };
 
-/// Reads an STL, OBJ or PLY file in a child process, and multiplies by `scale` (file units to mm), whatever its frame.
+/// Reads a mesh in a child process, and multiplies by `scale` (file units to mm), whatever its frame.
 /// `key`: that of the scenario, if it names the file. Throws InputError: no such file, another format (with how to
 /// convert it), unreadable or truncated, no triangle, NaN or infinite coordinate.
 MeshContents read_mesh_contents(const std::string& path, double scale, const std::string& key = "");

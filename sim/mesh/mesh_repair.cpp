@@ -47,11 +47,8 @@ std::set<MeshTriangle> needed_places(const std::map<MeshTriangle, int>& balance)
   std::map<Edge, std::size_t> others;
   for (const auto& [place, sum] : balance) {
     for (const Edge& edge : edges_of(place)) {
-      if (sum == 0) {
-        balanced[edge].push_back(place);
-      } else {
-        ++others[edge];
-      }
+      others[edge] += sum == 0 ? 0 : 1;
+      if (sum == 0) balanced[edge].push_back(place);
     }
   }
   std::set<MeshTriangle> visited, needed;

@@ -192,7 +192,7 @@ void check_file_length(const ForeignFile& file, std::int64_t voxels, double byte
   if (is_vtk(file.path)) {
     throw file.error(
         "a VTK file",
-        "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); use bone.mesh for a surface, as STL or PLY");
+        "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); use bone.mesh for a surface, as STL, PLY or VTP");
   }
   const std::string promised = format_by_name(file.path).format;
   for (const KnownStart& known : kKnownStarts) {

@@ -293,7 +293,7 @@ std::vector<ColumnName> column_names(const std::vector<std::string>& keys) {
 std::string shown_cell(const std::string& cell) {
   if (cell.empty()) return "as in the base";
   if (const auto number = parse_number(cell)) return fmt::format("{:.4g}", *number);
-  static constexpr std::array kInputs{".stl", ".obj", ".ply", ".nrrd", ".nii", ".mha", ".mhd", ".vdb", ".csv"};
+  static constexpr std::array kInputs{".stl", ".obj", ".ply", ".vtp", ".nrrd", ".nii", ".mha", ".mhd", ".vdb", ".csv"};
   const std::filesystem::path path(cell);
   const bool is_file = std::ranges::find(kInputs, path.extension().string()) != kInputs.end();
   if (!is_file && cell.find('/') == std::string::npos) return cell;

@@ -138,12 +138,12 @@ TEST_F(BadData, MeshOfUnknownKind) {
 }
 
 TEST_F(BadData, VtkIsRefusedWithTheConversion) {
-  const std::string xml = "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\">\n";
-  expect_mesh_refused("bone.vtp", xml, {"bone.vtp", "VTK", "STL or PLY", "ParaView"});
-  expect_refused(run(ct_bone("bone.vtp")), 2, {"bone.vtp", "VTK", "NRRD"});
+  const std::string xml = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\">\n";
+  expect_mesh_refused("bone.vtu", xml, {"bone.vtu", "VTK", "STL or PLY", "ParaView"});
+  expect_refused(run(ct_bone("bone.vtu")), 2, {"bone.vtu", "VTK", "NRRD"});
   const ProgramResult imported = reamsim(
-      {.arguments = {"import", "bone.vtp", "-o", "b.vdb"}, .environment = {}, .folder = "", .interrupt_when = {}});
-  expect_refused(imported, 2, {"bone.vtp", "STL or PLY"});
+      {.arguments = {"import", "bone.vtu", "-o", "b.vdb"}, .environment = {}, .folder = "", .interrupt_when = {}});
+  expect_refused(imported, 2, {"bone.vtu", "STL or PLY"});
   EXPECT_FALSE(exists("b.vdb"));
 }
 

@@ -49,14 +49,14 @@ class MeshIo : public ::testing::Test {
 TEST_F(MeshIo, VtkFilesAreRefusedWithTheConversion) {
   const std::string legacy =
       "# vtk DataFile Version 3.0\nbone\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n";
-  const std::string xml = "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\">\n";
+  const std::string xml = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\">\n";
   // By the name, also in capitals, and by the content, whatever the name.
   const std::vector<std::pair<std::string, std::string>> files{{"bone.vtk", legacy}, {"bone.vtp", xml},
                                                                {"BONE.VTP", xml},    {"bone.vtu", xml},
                                                                {"bone.stl", legacy}, {"bone.ply", xml}};
   for (const auto& [name, bytes] : files) {
     const std::string text = error_of(write(name, bytes));
-    EXPECT_THAT(text, HasSubstr("a VTK file; save its surface as STL or PLY")) << name;
+    EXPECT_THAT(text, HasSubstr("a VTK file; save its surface as VTP in 3D Slicer")) << name;
     EXPECT_THAT(text, HasSubstr("ParaView")) << name;
     EXPECT_THAT(text, HasSubstr("pyvista.read(")) << name;
   }

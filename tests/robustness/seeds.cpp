@@ -75,6 +75,19 @@ constexpr const char* kPlyBox =
 constexpr const char* kObjBox =
     "# a box\nmtllib none.mtl\no box\nv 0 0 0\nv 6 0 0\nv 0 6 0\nv 6 6 0\nv 0 0 6\nv 6 0 6\nv 0 6 6\nv 6 6 6\n"
     "vn 0 0 1\nvt 0 0\ng sides\nf 1//1 3//1 4//1 2//1\nf 5/1 6/1 8/1 7/1\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+constexpr const char* kVtpBox =
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\" "
+    "header_type=\"UInt32\">\n<PolyData>\n"
+    "<FieldData><Array type=\"String\" Name=\"SPACE\" format=\"ascii\">76 80 83 0</Array></FieldData>\n"
+    "<Piece NumberOfPoints=\"8\" NumberOfPolys=\"6\">\n"
+    "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/></Points>\n"
+    "<Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">\n"
+    "0 2 3 1 4 5 7 6 0 1 5 4 2 6 7 3 0 4 6 2 1 3 7 5</DataArray>\n"
+    "<DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">4 8 12 16 20 24</DataArray></Polys>\n"
+    "</Piece>\n</PolyData>\n<AppendedData "
+    "encoding=\"base64\">\n_"
+    "YAAAAAAAAAAAAAAAAAAAAAAAwEAAAAAAAAAAAAAAAAAAAMBAAAAAAAAAwEAAAMBAAAAAAAAAAAAAAAAAAADAQAAAwEAAAAAA"
+    "AADAQAAAAAAAAMBAAADAQAAAwEAAAMBAAADAQA==\n</AppendedData>\n</VTKFile>\n";
 
 std::string ascii_stl() {
   std::string out = "solid box\n";
@@ -111,6 +124,7 @@ void add_meshes(SeedWriter& writer) {
   writer.add_text("PLY, text", "text.ply", kPlyBox);
   writer.add_text("PLY", "box.ply", binary_ply());
   writer.add_text("OBJ", "box.obj", kObjBox);
+  writer.add_text("VTP", "box.vtp", kVtpBox);
 }
 
 void add_images(SeedWriter& writer) {
@@ -204,7 +218,7 @@ BoneSettings bone_from_file(const std::string& path) {
   BoneSettings settings = settings_for(path, 1);
   settings.ct.closing_mm = 1.5;
   const std::string extension = fs::path(path).extension().string();
-  if (std::set<std::string>{".stl", ".ply", ".obj"}.contains(extension)) {
+  if (std::set<std::string>{".stl", ".ply", ".obj", ".vtp"}.contains(extension)) {
     settings.source = BoneSource::mesh;
     settings.mesh.path = path;
   } else if (extension == ".vdb") {
