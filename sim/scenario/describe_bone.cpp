@@ -111,7 +111,7 @@ void describe_phantom(KeyVisitor& v, PhantomSettings& phantom) {
 }
 
 void describe_mesh(KeyVisitor& v, MeshBoneSettings& mesh) {
-  v.key("path", mesh.path, "STL, OBJ or PLY", {.required = true, .text = TextKind::input_file});
+  v.key("path", mesh.path, "STL, OBJ, PLY or VTP", {.required = true, .text = TextKind::input_file});
   v.key("scale", mesh.scale, "mm per file unit", kFileUnit);
   v.key("frame", mesh.frame,
         "Frame of the coordinates in the file; the bone frame is LPS. file: as its header says (`SPACE=RAS`), else "

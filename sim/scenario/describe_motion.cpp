@@ -112,7 +112,7 @@ constexpr Range kEnd = between(-999, 1000);
 constexpr Range kDiameter = between(0, 1000);
 
 void describe_envelope(KeyVisitor& v, ClearanceEnvelopeSettings& envelope) {
-  v.key("path", envelope.path, "STL, OBJ or PLY in the bone frame; may be open",
+  v.key("path", envelope.path, "STL, OBJ, PLY or VTP in the bone frame; may be open",
         {.required = true, .text = TextKind::input_file});
   v.key("scale", envelope.scale, "mm per file unit", kFileUnit);
 }
@@ -129,7 +129,7 @@ void describe_holder_part(KeyVisitor& v, HolderPartSettings& part) {
 }  // namespace
 
 void describe_tool(KeyVisitor& v, ToolSettings& tool) {
-  v.key("mesh", tool.mesh, "STL, OBJ or PLY in the tool frame", {.required = true, .text = TextKind::input_file});
+  v.key("mesh", tool.mesh, "STL, OBJ, PLY or VTP in the tool frame", {.required = true, .text = TextKind::input_file});
   v.key("scale", tool.scale, "mm per file unit", kFileUnit);
   v.key("shell_resolution", tool.shell_resolution,
         "M of the M³ grid that samples the surface; 0: spacing of 0.47 voxel, which misses no voxel. Not used by "
