@@ -125,7 +125,7 @@ void compare_command(const CompareOptions& options, const Console& console) {
   colored_by(comparison);  // refuses a wrong key before a folder is made
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::comparison, .overwrite = options.overwrite, .inputs = options.dirs});
-  const ForcedStop forced = abandoning(folder);
+  const auto forced = abandoning(folder);
   write_comparison(folder.path(), comparison);
   write_citation(folder.path(), cite_runs(options.dirs));
   finish(folder, console);

@@ -58,15 +58,14 @@ void Console::print(Diagnostics& report) const {
   report = {};
 }
 
-PrintOnError::PrintOnError(Diagnostics& report, const Console& console)
-    : report_(report), console_(console), exceptions_before_(std::uncaught_exceptions()) {}
-
-PrintOnError::~PrintOnError() {
-  if (std::uncaught_exceptions() == exceptions_before_) return;
-  try {
-    console_.print(report_);
-  } catch (...) {  // no memory: the error itself is what counts
-  }
+std::shared_ptr<void> print_on_error(Diagnostics& report, const Console& console) {
+  return {nullptr, [&report, &console, before = std::uncaught_exceptions()](void*) {
+            if (std::uncaught_exceptions() == before) return;
+            try {
+              console.print(report);
+            } catch (...) {  // no memory: the error itself is what counts
+            }
+          }};
 }
 
 bool has_colors() {
@@ -117,24 +116,13 @@ void Progress::update(std::int64_t done, std::int64_t total) {
   draw(fraction, fmt::format(fmt::runtime(form), done, total, unit_, rate_text, left));
 }
 
-std::optional<double> Progress::left_s(double fraction) const {
-  if (fraction < kLeastFraction) return std::nullopt;
-  return watch_.seconds() * (1 - fraction) / fraction;
-}
-
-void Progress::draw_part(double fraction, const std::string& what) {
-  const std::optional<double> left = left_s(fraction);
-  draw(fraction, fmt::format("{:.0f} %{}{}", 100 * fraction, what.empty() ? "" : ": " + what,
-                             left ? fmt::format(", {:.0f} s left", *left) : ""));
-}
-
-void Progress::update_part(double fraction, const std::string& what) {
+void Progress::update_part(double fraction, const std::string& what, bool always) {
   fraction = std::clamp(fraction, 0.0, 1.0);
-  if (!console_.quiet && is_due(fraction, left_s(fraction).value_or(0))) draw_part(fraction, what);
-}
-
-void Progress::begin_part(double fraction, const std::string& what) {
-  if (!console_.quiet) draw_part(std::clamp(fraction, 0.0, 1.0), what);
+  const bool known = fraction >= kLeastFraction;
+  const double left_s = known ? watch_.seconds() * (1 - fraction) / fraction : 0;
+  if (console_.quiet || (!always && !is_due(fraction, left_s))) return;
+  draw(fraction, fmt::format("{:.0f} %{}{}", 100 * fraction, what.empty() ? "" : ": " + what,
+                             known ? fmt::format(", {:.0f} s left", left_s) : ""));
 }
 
 void Progress::finish() {

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -36,19 +35,8 @@ class Console {
   void print(Diagnostics& report) const;
 };
 
-/// Prints a report where an exception leaves its scope: a warning may name the cause of the error.
-class PrintOnError {
- public:
-  PrintOnError(Diagnostics& report, const Console& console);
-  ~PrintOnError();
-  PrintOnError(const PrintOnError&) = delete;
-  PrintOnError& operator=(const PrintOnError&) = delete;
-
- private:
-  Diagnostics& report_;
-  const Console& console_;
-  int exceptions_before_;
-};
+/// What it returns prints the report where an exception ends its life: a warning may name the cause of the error.
+std::shared_ptr<void> print_on_error(Diagnostics& report, const Console& console);
 
 /// Whether messages on standard error have colours: a terminal, and NO_COLOR (no-color.org) is not set.
 bool has_colors();
@@ -62,9 +50,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
   void update(std::int64_t done, std::int64_t total);
   /// `fraction` of the expected time has passed, and `what` begins: for stages whose parts take different times.
-  void update_part(double fraction, const std::string& what);
-  /// The same for a part that a log names as well, however short it is.
-  void begin_part(double fraction, const std::string& what);
+  /// `always`: a log names it as well, however short it is.
+  void update_part(double fraction, const std::string& what, bool always = false);
   /// Ends the bar's line.
   void finish();
 
@@ -75,10 +62,7 @@ class Progress {
   bool terminal_;
   bool open_ = false;
   [[nodiscard]] bool is_due(double fraction, double left_s);
-  /// By the time that the fraction took; nullopt where it is too small for that.
-  [[nodiscard]] std::optional<double> left_s(double fraction) const;
   void draw(double fraction, const std::string& text);
-  void draw_part(double fraction, const std::string& what);
 
   int last_tenth_ = 0;
   bool named_ = false;  ///< a log has a line

@@ -47,12 +47,6 @@ void print_clamped(const ClampedVolume& clamped, const Console& console) {
   }
 }
 
-void print_figures(const RunTotals& totals, const Console& console) {
-  console.say(
-      fmt::format("peak axial force {:.1f} N, peak spin torque {:.0f} N mm, energy {:.4g} mJ; energy balance {:.1e}",
-                  totals.peak_axial_force_n, totals.peak_spin_torque_nmm, totals.energy_mj, totals.balance));
-}
-
 /// Throws InputError for options that exclude one another.
 void check_options(const ReforceOptions& options, bool recalibrates) {
   if (!std::filesystem::is_directory(options.dir))
@@ -82,14 +76,16 @@ void reforce_command(const ReforceOptions& options, const Console& console) {
     OutputFolder folder(
         {.dir = options.output, .kind = ResultKind::run, .overwrite = options.overwrite, .inputs = {options.dir}});
     folder.clear();
-    const ForcedStop forced = abandoning(folder);
+    const auto forced = abandoning(folder);
     totals = write_reforced(run, law, folder.path());
     write_citation(folder.path(), cite_results(folder.path()));
     finish(folder, console);
     console.say("forces, summary and scenario: " + folder.final_path());
   }
   if (change) print_clamped(clamped_volume(run, change), console);
-  print_figures(totals, console);
+  console.say(
+      fmt::format("peak axial force {:.1f} N, peak spin torque {:.0f} N mm, energy {:.4g} mJ; energy balance {:.1e}",
+                  totals.peak_axial_force_n, totals.peak_spin_torque_nmm, totals.energy_mj, totals.balance));
 }
 
 struct FitOptions {

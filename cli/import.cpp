@@ -77,7 +77,7 @@ StageSink progress_on(Progress& bar, const BoneSettings& settings) {
   }
   return [&bar, parts, total_s](BoneStage stage) {
     const auto part = std::ranges::find(parts, stage, &Part::stage);
-    if (part != parts.end()) bar.begin_part(part->before_s / total_s, part->name);
+    if (part != parts.end()) bar.update_part(part->before_s / total_s, part->name, true);
   };
 }
 
@@ -124,18 +124,18 @@ void import_command(const ImportOptions& options, const Console& console) {
   const BoneSettings& settings = scenario.bone;
   require_replaceable_file(options.output, "-o", options.overwrite, is_vdb_of_reamsim,
                            {settings.ct.path, settings.mesh.path, settings.vdb.path});
-  const ForcedStop forced = removing_unfinished(options.output);
+  const auto forced = removing_unfinished(options.output);
   Progress bar(console, "import", "");
   const StageSink stages = progress_on(bar, settings);
   Diagnostics report;
-  const PrintOnError warnings_of_error(report, console);
+  const auto warnings_of_error = print_on_error(report, console);
   const Bone bone = load_checked(scenario, report, stages);
   stages(BoneStage::write);
   Metadata metadata{{"source", fs::path(options.input).filename().string()}, {"sha256", sha256_of(options.input)}};
   const Metadata anatomy = metadata_of({bone.glenoid, bone.landmarks, bone.side});
   metadata.insert(metadata.end(), anatomy.begin(), anatomy.end());
   write_bone_vdb(options.output, bone, {}, metadata);
-  bar.begin_part(1, "");
+  bar.update_part(1, "", true);
   bar.finish();
   for (const auto& note : report.notes) console.say(note);
   report.notes.clear();

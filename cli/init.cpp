@@ -271,7 +271,7 @@ void init_command(InitOptions options, const Console& console) {
   read_landmarks(options, console);
   options.used_scale = mesh_scale(options.input, options.scale, console);
   Diagnostics report;
-  const PrintOnError warnings_of_error(report, console);
+  const auto warnings_of_error = print_on_error(report, console);
   LoadedBone loaded = load(options, near_of(options, report), report);
   FirstScenario first{.first_line = std::string(kFirstLine) + " docs/keys.md lists all keys.",
                       .bone = loaded.settings,

@@ -204,7 +204,7 @@ void RunConsole::progress(std::int64_t done, std::int64_t total) {
 }
 
 std::shared_ptr<void> RunConsole::on_forced_end(std::function<InterruptedRun()> end) {
-  return std::make_shared<ForcedStop>([end = std::move(end)]() -> StopOutcome {
+  return on_forced_stop([end = std::move(end)]() -> StopOutcome {
     const InterruptedRun remains = end();
     return {remains.saved ? kSuspendedStatus : kInterruptedStatus, remains.message};
   });

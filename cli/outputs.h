@@ -42,7 +42,7 @@ class RunConsole : public RunMonitor {
   void take(const Diagnostics& report) override;
   void progress(std::int64_t done, std::int64_t total) override;
   [[nodiscard]] bool stop_requested() override { return reamsim::stop_requested(); }
-  [[nodiscard]] std::shared_ptr<void> saving() override { return std::make_shared<StopGrace>(); }
+  [[nodiscard]] std::shared_ptr<void> saving() override { return stop_grace(); }
   [[nodiscard]] std::shared_ptr<void> on_forced_end(std::function<InterruptedRun()> end) override;
 
  private:

@@ -107,9 +107,9 @@ void preview_command(const PreviewOptions& options, const Console& console) {
     refuse_file(options.output, "output file does not end in .html", "use -o NAME.html");
   require_replaceable_file(options.output, "-o", options.overwrite, is_preview_page, {options.input});
   const PreviewRequest request = request_of(options, console);
-  const ForcedStop forced = removing_unfinished(options.output);
+  const auto forced = removing_unfinished(options.output);
   Diagnostics report;
-  const PrintOnError warnings_of_error(report, console);
+  const auto warnings_of_error = print_on_error(report, console);
   const std::string page = page_of(request, report);
   console.print(report);
   replace_file(options.output, page);

@@ -239,7 +239,7 @@ void render_command(const RenderOptions& options, const Console& console) {
                    .finished = !is_unfinished(options.dir)});
   ResultUpdate update(options.dir, ResultKind::run);
   Diagnostics report;
-  const PrintOnError warnings_of_error(report, console);
+  const auto warnings_of_error = print_on_error(report, console);
   outputs.make(report);
   outputs.make_report();
   update.finish();

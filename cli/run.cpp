@@ -293,7 +293,7 @@ void require_picture_file(const CheckOptions& options, const Scenario& scenario)
 void draw_setup(const CheckOptions& options, const SimulationInput& scene, const ContactForecast& contact,
                 Diagnostics& report) {
   if (options.picture.empty()) return;
-  const ForcedStop forced = removing_unfinished(options.picture);
+  const auto forced = removing_unfinished(options.picture);
   const std::string warning = write_setup_picture(options.picture, {.inputs = inputs_without_folder(scene),
                                                                     .contact = contact,
                                                                     .frame_s = scene.motion.frame_s(),
@@ -315,7 +315,7 @@ Findings examine(const CheckOptions& options, const Scenario& scenario, const St
                  const Console& console) {
   Findings out;
   Diagnostics found;
-  const PrintOnError warnings_of_error(found, console);
+  const auto warnings_of_error = print_on_error(found, console);
   out.scene = load_scene(scenario, found, out.mistakes);
   SimulationInput& scene = out.scene;
   const double load_s = watch.seconds();

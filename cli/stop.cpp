@@ -80,30 +80,26 @@ int end_with(int status) {
   return status;
 }
 
-ForcedStop::ForcedStop(std::function<StopOutcome()> end) {
-  const std::lock_guard lock(end_mutex);
-  end_by_force = std::move(end);
+std::shared_ptr<void> on_forced_stop(std::function<StopOutcome()> end) {
+  const auto set = [](std::function<StopOutcome()> now) {
+    const std::lock_guard lock(end_mutex);
+    end_by_force = std::move(now);
+  };
+  set(std::move(end));
+  return {nullptr, [set](void*) { set(nullptr); }};
 }
 
-ForcedStop::~ForcedStop() {
-  const std::lock_guard lock(end_mutex);
-  end_by_force = nullptr;
-}
-
-ForcedStop removing_unfinished(const std::string& file) {
-  return ForcedStop([unfinished = file + ".tmp"] {
+std::shared_ptr<void> removing_unfinished(const std::string& file) {
+  return on_forced_stop([unfinished = file + ".tmp"] {
     std::error_code ignored;
     std::filesystem::remove(unfinished, ignored);
     return StopOutcome{};
   });
 }
 
-StopGrace::StopGrace() {
+std::shared_ptr<void> stop_grace() {
   ++graces;
-}
-
-StopGrace::~StopGrace() {
-  --graces;
+  return {nullptr, [](void*) { --graces; }};
 }
 
 }  // namespace reamsim

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 namespace reamsim {
@@ -25,34 +26,23 @@ struct StopOutcome {
   std::string message = "interrupted";
 };
 
-/// `end` tidies up when a command is ended by force, on another thread, while the command still works.
-class ForcedStop {
- public:
-  explicit ForcedStop(std::function<StopOutcome()> end);
-  ~ForcedStop();
-  ForcedStop(const ForcedStop&) = delete;
-  ForcedStop& operator=(const ForcedStop&) = delete;
-};
+/// While what it returns exists, `end` tidies up when the command is ended by force, on another thread, while the
+/// command still works.
+std::shared_ptr<void> on_forced_stop(std::function<StopOutcome()> end);
 
-/// The ForcedStop of a command that writes `file`, which has the ending ".tmp" until it is complete.
-ForcedStop removing_unfinished(const std::string& file);
+/// That of a command that writes `file`, which has the ending ".tmp" until it is complete.
+std::shared_ptr<void> removing_unfinished(const std::string& file);
 
-/// The ForcedStop of a command whose unfinished results in `folder` (OutputFolder) are of no use.
+/// That of a command whose unfinished results in `folder` (OutputFolder) are of no use.
 template <class Folder>
-ForcedStop abandoning(Folder& folder) {
-  return ForcedStop([&folder] {
+std::shared_ptr<void> abandoning(Folder& folder) {
+  return on_forced_stop([&folder] {
     folder.abandon();
     return StopOutcome{};
   });
 }
 
-/// While it exists, a command that ends by itself is given more time: it writes what would be lost.
-class StopGrace {
- public:
-  StopGrace();
-  ~StopGrace();
-  StopGrace(const StopGrace&) = delete;
-  StopGrace& operator=(const StopGrace&) = delete;
-};
+/// While what it returns exists, a command that ends by itself is given more time: it writes what would be lost.
+std::shared_ptr<void> stop_grace();
 
 }  // namespace reamsim

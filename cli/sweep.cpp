@@ -51,6 +51,15 @@ SweepRuns load_sweep(const SweepOptions& options) {
   return out;
 }
 
+/// Why scenarios are wrong.
+RunMessages mistakes_of(const SweepRuns& sweep) {
+  RunMessages out;
+  for (std::size_t i = 0; i < sweep.runs.size(); ++i) {
+    if (sweep.runs[i].id.empty()) out.add(sweep.plan.runs[i].number, {sweep.runs[i].mistake});
+  }
+  return out;
+}
+
 void print(const RunMessages& messages, const Console& console) {
   for (const std::string& line : messages.lines()) console.warn(line);
 }
@@ -102,13 +111,9 @@ void print_estimate(const Console& console, const Study& study, const StudyEstim
 void plan_command(const StudyOptions& options, const Console& console) {
   const SweepRuns sweep = load_sweep(options.sweep);
   std::vector<std::size_t> valid;
-  RunMessages mistakes;
+  RunMessages mistakes = mistakes_of(sweep);
   for (std::size_t i = 0; i < sweep.runs.size(); ++i) {
-    if (sweep.runs[i].id.empty()) {
-      mistakes.add(sweep.plan.runs[i].number, {sweep.runs[i].mistake});
-    } else {
-      valid.push_back(i);
-    }
+    if (!sweep.runs[i].id.empty()) valid.push_back(i);
   }
   console.say(fmt::format("{}: {} runs of {}", sweep.study.name, sweep.runs.size(), sweep.study.base));
   for (const std::string& line : same_runs(sweep.runs)) console.say(line);
@@ -230,7 +235,8 @@ class StudyRun {
     console_.say(fmt::format("{}: {} runs in the study, {} to simulate -> {}", sweep_.study.name, sweep_.runs.size(),
                              runs.size(), folder_.path()));
     for (const std::string& line : same_runs(sweep_.runs)) console_.say(line);
-    note_wrong_scenarios();
+    if (shard_.index == 0) failures_ = mistakes_of(sweep_);
+    wrong_ = failures_.runs();
     for (const std::size_t i : runs) folder_.forget_failure(sweep_.runs[i].id);
     Progress progress(console_, "sweep", "runs");
     const bool all =
@@ -256,14 +262,6 @@ class StudyRun {
     const std::string dir = options_.sweep.dir(sweep_.study);
     keep_results_of_uq(options_.sweep, dir);
     return {sweep_.study, dir};
-  }
-
-  void note_wrong_scenarios() {
-    for (std::size_t i = 0; i < sweep_.runs.size() && shard_.index == 0; ++i) {
-      if (!sweep_.runs[i].id.empty()) continue;
-      failures_.add(sweep_.plan.runs[i].number, {sweep_.runs[i].mistake});
-      ++wrong_;
-    }
   }
 
   void note(const WorkerAnswer& answer) {

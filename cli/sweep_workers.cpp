@@ -160,7 +160,7 @@ class Work {
 
   bool run() {
     for (std::size_t i = 0; i < workers_.size(); ++i) begin_next(i);
-    const StopGrace until_saved;
+    const auto until_saved = stop_grace();
     while (wait_for_answers()) {
       if (stopping_ || !stop_requested()) continue;
       stopping_ = true;

@@ -172,7 +172,7 @@ void measure_scatter(const ProgramSet& set) {
   Json voxels;  // null without such a program
   Programs racing;
   if (std::ranges::count(set.plan.engines, "direct") > 0) {
-    racing.push_back(make_published_direct(cl::choose_device(set.plan.device), set.setup, true));
+    racing.push_back(make_program({"direct", "published"}, set.plan.device, set.setup, true));
   }
   for (const auto& program : set.programs) {
     const Label& label = program->label();

@@ -26,12 +26,6 @@ namespace {
 const Label kPrograms[] = {{"bricked", "deterministic"}, {"direct", "deterministic"}, {"direct", "published"},
                            {"octree", "deterministic"},  {"octree", "published"},     {"implicit", "deterministic"}};
 
-std::unique_ptr<Program> make_program(const Label& label, const cl::DeviceInfo& device, const Plan& plan,
-                                      const BenchSetup& setup) {
-  if (label.variant == "deterministic") return make_engine_program(label.engine, plan.device, setup);
-  return label.engine == "octree" ? make_published_octree(device, setup) : make_published_direct(device, setup, false);
-}
-
 }  // namespace
 
 const std::vector<std::string>& engine_names() {
@@ -56,12 +50,11 @@ void measure_or_skip(Json row, Json& report, const std::function<void()>& measur
 }
 
 void make_programs(ProgramSet& set, bool whole) {
-  const cl::DeviceInfo device = cl::choose_device(set.plan.device);
   for (const Label& label : kPrograms) {
     if (std::ranges::count(set.plan.engines, label.engine) == 0) continue;
     if (!whole && label.engine == "implicit") continue;  // has no shell
     measure_or_skip(case_row(label, set.size, "all"), set.report,
-                    [&] { set.programs.push_back(make_program(label, device, set.plan, set.setup)); });
+                    [&] { set.programs.push_back(make_program(label, set.plan.device, set.setup)); });
   }
 }
 

@@ -28,7 +28,6 @@ struct BenchSetup {
 /// Times and results of a batch of frames; seconds of wall time unless stated otherwise.
 struct BatchSample {
   double total_s = 0;         ///< broad phase, arguments, kernels and results read
-  double broad_s = 0;         ///< of the total: boxes and VOI
   double upload_s = 0;        ///< of the total: arguments computed and sent, kernels enqueued
   double kernel_s = 0;        ///< of the total: kernels, by the clock of the device
   std::int64_t voxels = 0;    ///< that lost bone; 0 where the program does not count them
@@ -52,15 +51,11 @@ class Program {
   [[nodiscard]] virtual const Label& label() const = 0;
 };
 
-/// An engine of `erosion: remove` on the device. Throws what make_engine() throws.
-std::unique_ptr<Program> make_engine_program(const std::string& engine, const std::string& device,
-                                             const BenchSetup& setup);
-
-/// The published program of an engine. `count`: count contacts, with one more atomic sum per point. Throws RunError
-/// when the device has not enough memory.
-std::unique_ptr<Program> make_published_direct(const cl::DeviceInfo& device, const BenchSetup& setup, bool count);
-/// Needs a cube of 2^n voxels along each edge. Always counts.
-std::unique_ptr<Program> make_published_octree(const cl::DeviceInfo& device, const BenchSetup& setup);
+/// An engine of `erosion: remove`, or the published program of one: that of `direct` counts contacts where `count` says
+/// so, with one more atomic sum per point; that of `octree` always does, and needs a cube of 2^n voxels along each
+/// edge. Throws what make_engine() throws, RunError when the device has not enough memory.
+std::unique_ptr<Program> make_program(const Label& label, const std::string& device, const BenchSetup& setup,
+                                      bool count = false);
 
 /// A row with the keys of a case: program, sizes and case (severe | light | none | plunge). `implicit` has no shell;
 /// its rows have the largest.

@@ -140,7 +140,6 @@ class PublishedProgram : public Program {
     const bool overlap = boxes_overlap(setup_.tool_box, setup_.bone_box, tool_from_bone);
     const std::optional<Aabb> voi =
         overlap && has_voi_ ? volume_of_interest(setup_.tool_box, setup_.bone_box, tool_from_bone) : std::nullopt;
-    sample.broad_s += stopwatch.seconds();
     std::vector<cl::Event> events;
     if (overlap && (voi || !has_voi_)) {
       const Stopwatch upload;
@@ -269,24 +268,12 @@ class PublishedOctree final : public PublishedProgram {
   cl::Buffer<float> forces_, partial_, sum_;
 };
 
-}  // namespace
-
-std::unique_ptr<Program> make_published_direct(const cl::DeviceInfo& device, const BenchSetup& setup, bool count) {
-  return std::make_unique<PublishedDirect>(device, setup, count);
-}
-
-std::unique_ptr<Program> make_published_octree(const cl::DeviceInfo& device, const BenchSetup& setup) {
-  return std::make_unique<PublishedOctree>(device, setup);
-}
-
-namespace {
-
 class EngineProgram final : public Program {
  public:
-  EngineProgram(const std::string& engine, const std::string& device, const BenchSetup& setup)
+  EngineProgram(const Label& label, const std::string& device, const BenchSetup& setup)
       : setup_(setup),
-        label_{engine, "deterministic"},
-        engine_(make_engine(settings(engine, device), *setup.voxmap, *setup.tool)) {}
+        label_(label),
+        engine_(make_engine(settings(label.engine, device), *setup.voxmap, *setup.tool)) {}
 
   BatchSample run(std::span<const Substep> frames, bool use_voi) override {
     BatchSample sample;
@@ -317,9 +304,7 @@ class EngineProgram final : public Program {
   }
 
   void enqueue(const Substep& frame, bool use_voi, BatchSample& sample) {
-    const Stopwatch broad;
     const auto voi = broad_phase(setup_.tool_box, setup_.bone_box, frame.pose.bone_from_tool().inverse());
-    sample.broad_s += broad.seconds();
     if (!voi) return;
     if (engine_->full()) {
       collect(sample);
@@ -356,9 +341,12 @@ class EngineProgram final : public Program {
 
 }  // namespace
 
-std::unique_ptr<Program> make_engine_program(const std::string& engine, const std::string& device,
-                                             const BenchSetup& setup) {
-  return std::make_unique<EngineProgram>(engine, device, setup);
+std::unique_ptr<Program> make_program(const Label& label, const std::string& device, const BenchSetup& setup,
+                                      bool count) {
+  if (label.variant == "deterministic") return std::make_unique<EngineProgram>(label, device, setup);
+  const cl::DeviceInfo info = cl::choose_device(device);
+  if (label.engine == "octree") return std::make_unique<PublishedOctree>(info, setup);
+  return std::make_unique<PublishedDirect>(info, setup, count);
 }
 
 }  // namespace bench

@@ -259,11 +259,12 @@ void measure_spheres(const Plan& plan, const BenchControl& control,
     const BenchSetup setup{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
     for (const std::string& engine : plan.engines) {
       begin("plunged sphere, " + engine + fmt::format(", voxels of {:g} mm", voxel_mm));
+      const Label label{engine, "deterministic"};
       const SizePair size{bone.grid.dims.x(), tool.shell.resolution};
-      measure_or_skip(case_row({engine, "deterministic"}, size, "sphere"), report, [&] {
+      measure_or_skip(case_row(label, size, "sphere"), report, [&] {
         report["spheres"].push_back(engine == "exact"
                                         ? exact_row(bone, tool, plan, control)
-                                        : plunge(*make_engine_program(engine, plan.device, setup), voxel_mm, control));
+                                        : plunge(*make_program(label, plan.device, setup), voxel_mm, control));
       });
     }
   }

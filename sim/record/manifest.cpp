@@ -170,17 +170,14 @@ std::string sha256_of_text(const std::string& text) {
 
 std::optional<Manifest> read_manifest(const std::string& dir) {
   constexpr std::size_t kMostBytes = 64'000'000;  // a million pictures
-  const std::string text = read_file_start(dir + "/" + kManifestName, kMostBytes);
-  const Json json = parse_result_json(text);
-  if (!json.is_object() || !json.contains("kind") || !json["kind"].is_string()) return std::nullopt;
-  if (!json.contains("files") || !json["files"].is_array()) return std::nullopt;
-  if (json.contains("complete") && !json["complete"].is_boolean()) return std::nullopt;
-  Manifest out{.kind = json["kind"], .files = {}, .complete = json.value("complete", true)};
-  for (const Json& file : json["files"]) {
-    if (!file.is_string()) return std::nullopt;
-    out.files.insert(file.get<std::string>());
+  const Json json = parse_result_json(read_file_start(dir + "/" + kManifestName, kMostBytes));
+  try {
+    return Manifest{.kind = json.at("kind").get<std::string>(),
+                    .files = json.at("files").get<std::set<std::string>>(),
+                    .complete = json.value("complete", true)};
+  } catch (const Json::exception&) {
+    return std::nullopt;
   }
-  return out;
 }
 
 void write_manifest(const std::string& dir, const Manifest& manifest, bool durable) {

@@ -44,9 +44,14 @@ const char* shape_name(bool spherical) {
 
 // Found by nlohmann::json, also for the values of std::optional.
 
-static void to_json(Json& json, const FaceAngles& angles) {
-  json = {{"version_deg", angles.version_deg}, {"inclination_deg", angles.inclination_deg}};
-}
+REAMSIM_TO_JSON(RemovedVolume, total_mm3, trabecular_mm3, dense_mm3)
+REAMSIM_TO_JSON(FaceAngles, version_deg, inclination_deg)
+REAMSIM_TO_JSON(PlaneOrientation, before, after, change, turned_deg)
+REAMSIM_TO_JSON(AxialDepth, max_mm, mean_mm, p95_mm, area_mm2)
+REAMSIM_TO_JSON(RemainingDenseBone, mean_mm, least_mm, p05_mm, exposed_percent)
+REAMSIM_TO_JSON(Seating, footprint_mm2, seated_percent, mean_gap_mm, max_gap_mm, overhang_mm2, overhang_percent,
+                dense_percent)
+REAMSIM_TO_JSON(PegWall, length_mm, in_bone_mm, perforated_mm, least_wall_mm)
 
 static void to_json(Json& json, const PlaneFit& plane) {
   json = {{"point_mm", plane.point_mm}, {"normal", plane.normal}, {"residual_rms_mm", plane.rms_mm}};
@@ -63,11 +68,6 @@ static void to_json(Json& json, const ReamedFace& face) {
                       {"concave", face.concave},
                       {"residual_rms_mm", sphere->rms_mm}};
   }
-}
-
-static void to_json(Json& json, const PlaneOrientation& planes) {
-  json = {
-      {"before", planes.before}, {"after", planes.after}, {"change", planes.change}, {"turned_deg", planes.turned_deg}};
 }
 
 static void to_json(Json& json, const FaceSurface& surface) {
@@ -98,29 +98,11 @@ static void to_json(Json& json, const JointLine& line) {
           {"medialization_reason", reason_json(line.medialization_mm)}};
 }
 
-static void to_json(Json& json, const AxialDepth& depth) {
-  json = {{"max_mm", depth.max_mm}, {"mean_mm", depth.mean_mm}, {"p95_mm", depth.p95_mm}, {"area_mm2", depth.area_mm2}};
-}
-
-static void to_json(Json& json, const RemainingDenseBone& left) {
-  json = {{"mean_mm", left.mean_mm},
-          {"least_mm", left.least_mm},
-          {"p05_mm", left.p05_mm},
-          {"exposed_percent", left.exposed_percent}};
-}
-
 static void to_json(Json& json, const Perforation& perforation) {
   json = {{"perforated", perforation.holes > 0},
           {"holes", perforation.holes},
           {"area_mm2", perforation.area_mm2},
           {"rim_area_mm2", perforation.rim_area_mm2}};
-}
-
-static void to_json(Json& json, const Seating& seating) {
-  json = {{"footprint_mm2", seating.footprint_mm2}, {"seated_percent", seating.seated_percent},
-          {"mean_gap_mm", seating.mean_gap_mm},     {"max_gap_mm", seating.max_gap_mm},
-          {"overhang_mm2", seating.overhang_mm2},   {"overhang_percent", seating.overhang_percent},
-          {"dense_percent", seating.dense_percent}};
 }
 
 static void to_json(Json& json, const Vault& vault) {
@@ -129,13 +111,6 @@ static void to_json(Json& json, const Vault& vault) {
           {"left_percent", vault.before_mm3 > 0 ? Json(100 * vault.left_mm3 / vault.before_mm3) : Json()},
           {"mean_depth_mm", vault.mean_depth_mm},
           {"axis_depth_mm", vault.axis_depth_mm}};
-}
-
-static void to_json(Json& json, const PegWall& peg) {
-  json = {{"length_mm", peg.length_mm},
-          {"in_bone_mm", peg.in_bone_mm},
-          {"perforated_mm", peg.perforated_mm},
-          {"least_wall_mm", peg.least_wall_mm}};
 }
 
 static void to_json(Json& json, const Planning& planning) {
@@ -195,12 +170,7 @@ double rounded(double mm) {
 }  // namespace
 
 Json metrics_json(const BoneMetrics& metrics) {
-  Json json{{"removed",
-             {{"total_mm3", metrics.removed.total_mm3},
-              {"trabecular_mm3", metrics.removed.trabecular_mm3},
-              {"dense_mm3", metrics.removed.dense_mm3}}},
-            {"depth", metrics.depth},
-            {"face", metrics.face}};
+  Json json{{"removed", metrics.removed}, {"depth", metrics.depth}, {"face", metrics.face}};
   json["orientation"] = metrics.orientation ? orientation_json(*metrics.orientation, *metrics.joint_line) : Json();
   json["joint_line"] = metrics.joint_line;
   json["dense_bone_left"] = metrics.remaining_dense;

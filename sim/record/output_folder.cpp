@@ -90,7 +90,10 @@ FolderLock::FolderLock(const std::string& dir) : path_(dir + ".lock") {
       close(opened);
     }
   }
-  describe_holder();
+  const std::string text = fmt::format("{}process {} on {} since {:%Y-%m-%d %H:%M:%S}\n", kBegin, getpid(), host_name(),
+                                       fmt::localtime(std::time(nullptr)));
+  // Only for messages: a full disk must not prevent a run.
+  if (ftruncate(descriptor_, 0) == 0 && pwrite(descriptor_, text.data(), text.size(), 0) < 0) return;
 }
 
 void FolderLock::release() {
@@ -98,13 +101,6 @@ void FolderLock::release() {
   unlink(path_.c_str());  // before the lock is released, so that nobody else holds it
   close(descriptor_);
   descriptor_ = -1;
-}
-
-void FolderLock::describe_holder() const {
-  const std::string text = fmt::format("{}process {} on {} since {:%Y-%m-%d %H:%M:%S}\n", kBegin, getpid(), host_name(),
-                                       fmt::localtime(std::time(nullptr)));
-  // Only for messages: a full disk must not prevent a run.
-  if (ftruncate(descriptor_, 0) == 0 && pwrite(descriptor_, text.data(), text.size(), 0) < 0) return;
 }
 
 namespace {
@@ -209,21 +205,22 @@ bool removed(const std::string& dir, ResultKind kind) noexcept {
   }
 }
 
-}  // namespace
-
-OutputFolder::NewFolders::NewFolders(const std::string& below) {
+/// Creates the folders above `below` that do not exist. What it returns removes those that stay empty.
+std::shared_ptr<void> create_folders_above(const std::string& below) {
   std::error_code error;
+  std::vector<std::string> created;
   const std::string dir = fs::path(below).parent_path().string();
   for (fs::path at(dir); !at.empty() && !fs::exists(fs::symlink_status(at, error)); at = at.parent_path()) {
-    created_.push_back(at.string());
+    created.push_back(at.string());
   }
   fs::create_directories(dir, error);
   if (error || !fs::is_directory(dir, error)) refuse(below, "cannot be created", "choose a writable place with -o");
+  return {nullptr, [created](void*) {
+            for (const std::string& each : created) rmdir(each.c_str());
+          }};
 }
 
-OutputFolder::NewFolders::~NewFolders() {
-  for (const std::string& dir : created_) rmdir(dir.c_str());
-}
+}  // namespace
 
 OutputFolder::OutputFolder(const OutputRequest& request)
     : kind_(request.kind),
@@ -231,7 +228,7 @@ OutputFolder::OutputFolder(const OutputRequest& request)
       partial_(dir_ + ".partial"),
       overwrite_(request.overwrite),
       durable_(request.durable),
-      parents_(dir_),
+      parents_(create_folders_above(dir_)),
       lock_(recordable(dir_)) {
   std::error_code error;
   for (const std::string& place : {dir_, partial_}) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -80,8 +81,6 @@ class FolderLock {
   FolderLock& operator=(const FolderLock&) = delete;
 
  private:
-  void describe_holder() const;
-
   std::string path_;
   int descriptor_ = -1;
 };
@@ -132,18 +131,6 @@ class OutputFolder {
   void create_partial() const;
   std::string put_in_place();
 
-  /// The folders above the output, created where they do not exist; the destructor removes those that stay empty.
-  class NewFolders {
-   public:
-    explicit NewFolders(const std::string& below);
-    ~NewFolders();
-    NewFolders(const NewFolders&) = delete;
-    NewFolders& operator=(const NewFolders&) = delete;
-
-   private:
-    std::vector<std::string> created_;
-  };
-
   ResultKind kind_;
   std::string dir_;
   std::string partial_;
@@ -151,7 +138,7 @@ class OutputFolder {
   bool durable_ = true;
   bool keep_ = false;
   bool complete_ = false;
-  NewFolders parents_;
+  std::shared_ptr<void> parents_;  ///< removes the folders that were created above the output and stayed empty
   FolderLock lock_;
 };
 

@@ -20,6 +20,12 @@ struct adl_serializer<std::optional<Value>> {
 NLOHMANN_JSON_NAMESPACE_END
 /// @endcond
 
+/// Defines to_json() of a structure whose members have the names of their keys, in the order of the file.
+#define REAMSIM_TO_JSON(Type, ...)                                                            \
+  inline void to_json(nlohmann::ordered_json& nlohmann_json_j, const Type& nlohmann_json_t) { \
+    NLOHMANN_JSON_EXPAND(NLOHMANN_JSON_PASTE(NLOHMANN_JSON_TO, __VA_ARGS__))                  \
+  }
+
 namespace reamsim {
 
 /// The JSON of a results folder. Discarded (is_discarded()) where the text is damaged or has more levels than results

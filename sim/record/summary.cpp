@@ -21,6 +21,12 @@
 
 namespace reamsim {
 
+REAMSIM_TO_JSON(SpecificEnergySettings, density_g_cm3, energy_j_mm3)
+REAMSIM_TO_JSON(SizeEffectSettings, exponent, reference_mm, cutting_edges, least_mm, most_mm)
+REAMSIM_TO_JSON(EdgeForceSettings, tangential_n_mm, normal_n_mm, cutting_edges)
+REAMSIM_TO_JSON(FirstContact, travel_mm, bone_mm)
+REAMSIM_TO_JSON(PushEvent, frame, time_s, depth_mm, event, value)
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -92,25 +98,13 @@ Json force_law_json(const CuttingSettings& cutting) {
     json["specific_energy_j_mm3"] = cutting.specific_energy_j_mm3;
     json["reference_density_g_cm3"] = cutting.reference_density_g_cm3;
     json["density_exponent"] = cutting.density_exponent;
-  }
-  for (const auto& point : cutting.specific_energy_table) {
-    json["specific_energy_table"].push_back(
-        {{"density_g_cm3", point.density_g_cm3}, {"energy_j_mm3", point.energy_j_mm3}});
+  } else {
+    json["specific_energy_table"] = cutting.specific_energy_table;
   }
   json["normal_ratio"] = cutting.normal_ratio;
   json["friction_fraction"] = cutting.friction_fraction;
-  if (const auto& size = cutting.size_effect) {
-    json["size_effect"] = {{"exponent", size->exponent},
-                           {"reference_mm", size->reference_mm},
-                           {"cutting_edges", size->cutting_edges},
-                           {"least_mm", size->least_mm},
-                           {"most_mm", size->most_mm}};
-  }
-  if (const auto& edge = cutting.edge_force) {
-    json["edge_force"] = {{"tangential_n_mm", edge->tangential_n_mm},
-                          {"normal_n_mm", edge->normal_n_mm},
-                          {"cutting_edges", edge->cutting_edges}};
-  }
+  if (cutting.size_effect) json["size_effect"] = *cutting.size_effect;
+  if (cutting.edge_force) json["edge_force"] = *cutting.edge_force;
   return json;
 }
 
@@ -213,10 +207,6 @@ void write_results(const std::string& dir, const SimulationInput& scene, const R
 
 namespace {
 
-Json plunge_contact_json(const FirstContact& contact) {
-  return {{"travel_mm", contact.travel_mm}, {"bone_mm", contact.bone_mm}};
-}
-
 Json passes_json(const SimulationInput& scene, const RunTotals& totals) {
   Json json = Json::array();
   const std::vector<PassSpec> specs = passes_of(scene.scenario);
@@ -232,17 +222,12 @@ Json passes_json(const SimulationInput& scene, const RunTotals& totals) {
                     {"max_depth_mm", pass.max_depth_mm},
                     {"peak_axial_force_n", pass.peak_axial_force_n},
                     {"peak_spin_torque_nmm", pass.peak_spin_torque_nmm}});
-    if (const auto& contact = scene.first_contacts[i]) json.back()["plunge_contact"] = plunge_contact_json(*contact);
+    if (const auto& contact = scene.first_contacts[i]) json.back()["plunge_contact"] = *contact;
   }
   return json;
 }
 
 Json push_json(const PushTotals& push) {
-  Json events = Json::array();
-  for (const PushEvent& e : push.events()) {
-    events.push_back(
-        {{"frame", e.frame}, {"time_s", e.time_s}, {"depth_mm", e.depth_mm}, {"event", e.event}, {"value", e.value}});
-  }
   Json json{{"mean_feed_mm_s", push.mean_feed_mm_s()},
             {"peak_feed_mm_s", push.peak_feed_mm_s},
             {"hand_work_mj", push.hand_mj},
@@ -251,7 +236,7 @@ Json push_json(const PushTotals& push) {
             {"peak_hand_power_w", push.peak_hand_power_w},
             {"peak_drill_power_w", push.peak_drill_power_w}};
   if (const auto overshoot = push.overshoot_mm()) json["overshoot_mm"] = *overshoot;
-  json["events"] = std::move(events);
+  json["events"] = push.events();
   return json;
 }
 
@@ -302,7 +287,7 @@ Json totals_json(const SimulationInput& scene, const RunTotals& totals, const Ru
   if (!scene.scenario.motion.passes.empty()) {
     json["passes"] = passes_json(scene, totals);
   } else if (const auto contact = scene.first_contact()) {
-    json["plunge_contact"] = plunge_contact_json(*contact);
+    json["plunge_contact"] = *contact;
   }
   return json;
 }

@@ -77,10 +77,6 @@ void count(RunState state, StudyCounts& counts) {
   ++*by_state[static_cast<std::size_t>(state)];
 }
 
-std::string cell(const std::string& text) {
-  return parse_number(text) ? text : csv_text(text);
-}
-
 CollectedRun collected(const StudyFolder& folder, const PlannedRun& planned, const IdentifiedRun& run, RunState state) {
   CollectedRun out{.number = planned.number,
                    .id = run.id,
@@ -96,7 +92,7 @@ CollectedRun collected(const StudyFolder& folder, const PlannedRun& planned, con
 
 void write_row(const CollectedRun& run, std::ostream& out) {
   out << run.number << ',' << run.id << ',' << name_of(run.state) << ',' << csv_text(run.message);
-  for (const std::string& text : run.cells) out << ',' << cell(text);
+  for (const std::string& text : run.cells) out << ',' << (parse_number(text) ? text : csv_text(text));
   for (const double value : run.numbers) out << ',' << (std::isnan(value) ? std::string() : shortest_text(value));
   out << '\n';
 }

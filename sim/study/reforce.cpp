@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
+#include "sim/bone/phantom.h"
 #include "sim/engine/common/tables.h"
 #include "sim/record/force_log.h"
 #include "sim/record/recorder.h"
@@ -74,10 +75,6 @@ std::array<double, 256> ForceBasis::volume_mm3() const {
 
 namespace {
 
-DensityMapping mapping_of(const DensitySettings& density) {
-  return {density.ash_slope_g_cm3_per_hu, density.ash_offset_g_cm3, density.ash_fraction};
-}
-
 double voxel_of(const std::string& dir) {
   const std::string path = dir + "/summary.json";
   const auto json = parse_result_json(read_file(path, "the summary of a run"));
@@ -130,7 +127,7 @@ LawSettings changed_law(const BasisRun& run, const std::vector<std::string>& ove
 
 std::optional<Recalibration> recalibration(const BasisRun& run, const LawSettings& law) {
   if (run.law.density == law.density) return std::nullopt;
-  return Recalibration{mapping_of(run.law.density), mapping_of(law.density)};
+  return Recalibration{mapping_from(run.law.density), mapping_from(law.density)};
 }
 
 ClampedVolume clamped_volume(const BasisRun& run, const std::optional<Recalibration>& recalibration) {

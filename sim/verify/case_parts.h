@@ -44,11 +44,6 @@ inline void add_level(Refinement& refinement, double step, double found) {
   refinement.levels.push_back(level_of(step, {{expected, found}}, expected));
 }
 
-/// Adds the levels of one run to several refinements.
-inline void add_levels(std::span<Refinement> refinements, double step, std::initializer_list<double> found) {
-  for (std::size_t i = 0; i < refinements.size(); ++i) add_level(refinements[i], step, found.begin()[i]);
-}
-
 /// Four voxel sizes, coarsest first, mm.
 inline std::vector<double> four_voxels(double finest_mm) {
   return {8 * finest_mm, 4 * finest_mm, 2 * finest_mm, finest_mm};

@@ -18,6 +18,12 @@ namespace reamsim::verify {
 
 namespace {
 
+constexpr double kSoftTissue_hu = 40, kSlabThreshold_hu = 226;
+
+/// Soft tissue above the face, and bone beside and below the reamed region, mm: more than the reach of the tool and the
+/// PSF of the scan.
+constexpr double kAbove_mm = 4, kBeside_mm = 4;
+
 /// A slab of bone in a CT with voxel averaging: radiodensity over the depth below a tilted face, soft tissue outside.
 struct CtSlab {
   std::function<double(double depth_mm)> hu;  ///< linear between the breaks
@@ -28,38 +34,25 @@ struct CtSlab {
   double depth_mm = 6;  ///< greatest reamed depth
   double radius_mm = 5;
 
-  [[nodiscard]] Vec3 outward() const;
-  /// The point of the face in the middle of the reamed region.
-  [[nodiscard]] Vec3 face_mm() const;
-  /// Energy per volume of the bone down to a depth, by quadrature, mJ/mm³.
-  [[nodiscard]] double specific_energy_to(double depth_mm) const;
-};
-
-inline constexpr double kSoftTissue_hu = 40;
-inline constexpr double kSlabThreshold_hu = 226;
-
-/// Soft tissue above the face, and bone beside and below the reamed region, mm: more than the reach of the tool and the
-/// PSF of the scan.
-constexpr double kAbove_mm = 4, kBeside_mm = 4;
-
-Vec3 CtSlab::outward() const {
-  const double tilt = tilt_deg * std::numbers::pi / 180;
-  return {0.8 * std::sin(tilt), 0.6 * std::sin(tilt), std::cos(tilt)};
-}
-
-Vec3 CtSlab::face_mm() const {
-  const double above = 0.5 * depth_mm - kAbove_mm / 2;
-  return above * outward() + Vec3(0, 0, offset_voxels * spacing_mm);
-}
-
-double CtSlab::specific_energy_to(double depth) const {
-  constexpr int kParts = 4000;
-  double sum = 0;
-  for (int i = 0; i < kParts; ++i) {
-    sum += specific_energy(DensityMapping().density_from_hu(hu((i + 0.5) / kParts * depth)));
+  [[nodiscard]] Vec3 outward() const {
+    const double tilt = tilt_deg * std::numbers::pi / 180;
+    return {0.8 * std::sin(tilt), 0.6 * std::sin(tilt), std::cos(tilt)};
   }
-  return sum / kParts;
-}
+  /// The point of the face in the middle of the reamed region.
+  [[nodiscard]] Vec3 face_mm() const {
+    const double above = 0.5 * depth_mm - kAbove_mm / 2;
+    return above * outward() + Vec3(0, 0, offset_voxels * spacing_mm);
+  }
+  /// Energy per volume of the bone down to a depth, by quadrature, mJ/mm³.
+  [[nodiscard]] double specific_energy_to(double depth) const {
+    constexpr int kParts = 4000;
+    double sum = 0;
+    for (int i = 0; i < kParts; ++i) {
+      sum += specific_energy(DensityMapping().density_from_hu(hu((i + 0.5) / kParts * depth)));
+    }
+    return sum / kParts;
+  }
+};
 
 /// The mean over the voxel about a point, from many points where the profile is not linear across it.
 double mean_hu(const CtSlab& slab, const Vec3& center) {
@@ -110,8 +103,6 @@ FilledVoxmap scan_and_import(const CtSlab& slab, double voxel_mm) {
   Diagnostics report;
   return voxmap_from_scan(scan_of(slab), settings, report);
 }
-
-using std::numbers::pi;
 
 constexpr double kRate_hz = 500, kRpm = 250, kFeed_mm_s = 20, kStart_mm = 2;
 

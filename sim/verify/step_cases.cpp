@@ -16,10 +16,6 @@ constexpr double kStepDensity = 1.8;
 constexpr double kBall_mm = 8, kDeep_mm = 3, kSweep_mm = 8, kSpeed_mm_s = 10, kStepVoxel_mm = 0.5;
 constexpr int kDownFrames = 64;
 
-double swept_mm3() {
-  return cap_mm3(kBall_mm, kDeep_mm) + kSweep_mm * segment_mm2(kBall_mm, kDeep_mm);
-}
-
 SimulationInput swept_ball(double frame_s, std::optional<double> shell_spacing_mm) {
   const Vec3 way = kSweep_mm * Vec3(std::cos(0.6), std::sin(0.6), 0);
   const Vec3 start(-0.5 * way.x() + 0.15, -0.5 * way.y() + 0.07, kBall_mm - kDeep_mm);
@@ -81,7 +77,8 @@ void time_step_case(const Setting& setting, Report& out) {
   const auto relative = [&](const std::string& what, const std::string& unit, double a, double b) {
     out.relative(what + ", 1 ms against 0.5 ms", unit, b, a, 1e-3);
   };
-  out.relative("removed volume, 0.5 ms", "mm³", swept_mm3(), fine.removed_mm3, 1e-3,
+  const double swept_mm3 = cap_mm3(kBall_mm, kDeep_mm) + kSweep_mm * segment_mm2(kBall_mm, kDeep_mm);
+  out.relative("removed volume, 0.5 ms", "mm³", swept_mm3, fine.removed_mm3, 1e-3,
                "0.5 mm voxels on a sphere of 8 mm radius; the case sweep shows the convergence");
   relative("removed volume", "mm³", before.removed_mm3, fine.removed_mm3);
   relative("mean spin torque", "N·mm", before.loads.spin_torque_nmm, fine.loads.spin_torque_nmm);

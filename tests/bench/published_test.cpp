@@ -53,14 +53,14 @@ class Published : public ::testing::Test {
 };
 
 TEST_F(Published, DirectForceIsNearTheRaceFreeOne) {
-  const auto program = make_published_direct(cl::choose_device("auto"), setup_, true);
+  const auto program = make_program({"direct", "published"}, "auto", setup_, true);
   expect_near_race_free(*program);
   EXPECT_EQ(program->bytes().voxmap, 256U * 256 * 256);
   EXPECT_EQ(program->bytes().shell, 4 * tool_.shell.codes.size());
 }
 
 TEST_F(Published, OctreeForceIsNearTheRaceFreeOne) {
-  const auto program = make_published_octree(cl::choose_device("auto"), setup_);
+  const auto program = make_program({"octree", "published"}, "auto", setup_);
   expect_near_race_free(*program);
   EXPECT_EQ(program->bytes().voxmap, 5U * 256 * 256 * 256);
   EXPECT_EQ(program->bytes().shell, 12 * tool_.shell.codes.size());
@@ -68,9 +68,8 @@ TEST_F(Published, OctreeForceIsNearTheRaceFreeOne) {
 
 TEST_F(Published, RestoringPutsTheBoneBack) {
   const Substep frame = substeps_of(Contact::severe)[0];
-  for (const bool octree : {false, true}) {
-    const cl::DeviceInfo device = cl::choose_device("auto");
-    const auto program = octree ? make_published_octree(device, setup_) : make_published_direct(device, setup_, true);
+  for (const char* engine : {"direct", "octree"}) {
+    const auto program = make_program({engine, "published"}, "auto", setup_, true);
     program->prepare(frame);
     const auto first = program->run({&frame, 1}, true).contacts;
     EXPECT_LT(program->run({&frame, 1}, true).contacts, first / 100) << "the bone is gone there";
@@ -82,7 +81,7 @@ TEST_F(Published, RestoringPutsTheBoneBack) {
 }
 
 TEST_F(Published, EngineRestoresVoxelByVoxel) {
-  const auto program = make_engine_program("direct", "auto", setup_);
+  const auto program = make_program({"direct", "deterministic"}, "auto", setup_);
   const Substep frame = substeps_of(Contact::severe)[0];
   const auto first = program->run({&frame, 1}, true);
   EXPECT_GT(first.voxels, 300);

@@ -114,19 +114,9 @@ def find_program() -> str:
 
 
 def call(arguments: Sequence[str], *, show_output: bool = False) -> str:
-    """Runs the program and returns its standard output.
-
-    Ctrl-C (``KeyboardInterrupt``) interrupts the program, which writes a checkpoint, and raises `Interrupted`.
-    Warnings of the program become `ReamsimWarning`.
-
-    Args:
-        arguments: command and options, without the program.
-        show_output: print the program's progress and results as well.
-
-    Raises:
-        InputError, RunError, Interrupted: by the exit status.
-        ProgramNotFound: there is no program.
-    """
+    """Runs the program with a command and its options, and returns its standard output; `show_output` prints it as well.
+    Warnings become `ReamsimWarning`. Raises InputError, RunError or Interrupted by the exit status, ProgramNotFound where
+    there is no program. Ctrl-C (``KeyboardInterrupt``) interrupts the program, which writes a checkpoint."""
     program, out = find_program(), []
     # Standard error goes to memory: a full pipe would stop the program.
     with open(os.memfd_create("stderr"), "w+", encoding="utf-8", errors="backslashreplace") as errors:

@@ -268,7 +268,8 @@ def _means_rows(effects: MainEffects, parameters: int, done: int) -> list[Row]:
     for parameter, of_parameter in zip(effects.parameters[:parameters], effects.effects):
         groups = of_parameter[0].groups
         for g, group in enumerate(groups):
-            row = [parameter.column.title[:28] if g == 0 else "", _range_or_level(parameter, group)[:20], str(group.runs)]
+            level = parameter.levels[group.level] if parameter.levels else f"{group.least:.3g} to {group.most:.3g}"
+            row = [parameter.column.title[:28] if g == 0 else "", level[:20], str(group.runs)]
             rows.append(row + [_mean_text(effect.groups[g]) if len(effect.groups) == len(groups) else "-"
                                for effect in of_parameter])
     return rows
@@ -300,10 +301,6 @@ def _mean_text(group: Group, value: float | None = None) -> str:
         return f"{value:.4g}"
     decimals = min(max(1 - math.floor(math.log10(group.sd)), 0), 6) if group.sd > 0 else 2
     return f"{value:.{decimals}f} ± {group.sd:.{decimals}f}"
-
-
-def _range_or_level(parameter: Parameter, group: Group) -> str:
-    return parameter.levels[group.level] if parameter.levels else f"{group.least:.3g} to {group.most:.3g}"
 
 
 def _titled(column: Column, cells: Row) -> Row:

@@ -303,7 +303,7 @@ class _Fit:
         return Coefficients(p, n)
 
     def statements(self, fit: ForceFit, asked_for_normal_ratio: bool) -> list[str]:
-        """On what the data tell, in words."""
+        """On what the data tell, in words: also what constants at a bound, standard errors and correlations say."""
         out = []
         if self.is_law and not self.fit_exponent and not self.without_energy():
             density = fit.mean_g_cm3
@@ -313,7 +313,19 @@ class _Fit:
         if asked_for_normal_ratio and not self.normal_matters and not self.without_energy():
             out.append(f"the measured columns do not tell k_n, which stays that of the run ({self.normal_ratio:g}); "
                        "measure the axial force and the spin torque together")
-        return _statements(fit, out)
+        for constant in fit.constants:
+            if constant.at_bound:
+                out.append(f"{constant.name} is 0: a negative value would fit better, so the model or the data are "
+                           "wrong")
+            elif constant.fitted and constant.standard_error > _MOST_RELATIVE_ERROR * abs(constant.value):
+                out.append(f"{constant.name} is not determined by these data: its standard error exceeds half of it")
+        free, covariance = fit.free, fit.covariance
+        for i, j in itertools.combinations(range(len(free)), 2):
+            correlation = covariance[i, j] / (covariance[i, i] * covariance[j, j]) ** 0.5
+            if abs(correlation) > _HIGH_CORRELATION:
+                out.append(f"{fit.constants[free[i]].name} and {fit.constants[free[j]].name} are hard to tell apart "
+                           f"(correlation {correlation:.4f}): only a combination of them is well determined")
+        return out if out or fit.warnings else ["all constants are determined by these data"]
 
 
 def _density_spread(volume_mm3: numpy.ndarray) -> float:
@@ -330,23 +342,6 @@ def _residual(channel: Any, coefficients: numpy.ndarray) -> Residual:
     variance = channel.squares - channel.sum ** 2 / count
     return Residual(channel.column, channel.samples, float(numpy.sqrt(channel.squares / count)),
                     float(numpy.sqrt(rest / count)), 1 - rest / variance if variance > 0 else 0.0)
-
-
-def _statements(fit: ForceFit, first: list[str]) -> list[str]:
-    """`first`, then what constants at a bound, standard errors and correlations say."""
-    out = list(first)
-    for constant in fit.constants:
-        if constant.at_bound:
-            out.append(f"{constant.name} is 0: a negative value would fit better, so the model or the data are wrong")
-        elif constant.fitted and constant.standard_error > _MOST_RELATIVE_ERROR * abs(constant.value):
-            out.append(f"{constant.name} is not determined by these data: its standard error exceeds half of it")
-    free, covariance = fit.free, fit.covariance
-    for i, j in itertools.combinations(range(len(free)), 2):
-        correlation = covariance[i, j] / (covariance[i, i] * covariance[j, j]) ** 0.5
-        if abs(correlation) > _HIGH_CORRELATION:
-            out.append(f"{fit.constants[free[i]].name} and {fit.constants[free[j]].name} are hard to tell apart "
-                       f"(correlation {correlation:.4f}): only a combination of them is well determined")
-    return out if out or fit.warnings else ["all constants are determined by these data"]
 
 
 def _warnings(fit: ForceFit, reference_density_g_cm3: float, limits: Mapping[str, Any] | None) -> list[str]:

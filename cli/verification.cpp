@@ -1,12 +1,16 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+// reamsim bench and verify: this build on this machine, against the paper's figures and against closed forms.
+
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/commands.h"
@@ -18,10 +22,12 @@
 #include "sim/base/file.h"
 #include "sim/bench/paper.h"
 #include "sim/bench/suite.h"
+#include "sim/device/opencl.h"
 #include "sim/record/citation.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
+#include "sim/verify/suite.h"
 
 namespace reamsim {
 
@@ -36,7 +42,7 @@ void bench_latency(const std::vector<std::string>& scenarios, const std::string&
   if (device != "auto") overrides.push_back("engine.device=" + device);
   for (const std::string& file : scenarios) {
     Diagnostics report;
-    const PrintOnError warnings_of_error(report, console);
+    const auto warnings_of_error = print_on_error(report, console);
     const Scenario scenario = parse_scenario(file, overrides);
     SimulationInput scene = load_scene(scenario, report);
     const auto engine = load_engine(scene);
@@ -129,7 +135,7 @@ bench::Json measure(const bench::Plan& plan, const BenchOptions& options, const 
 void measure_with_figure(const bench::Plan& plan, const BenchOptions& options, const Console& console) {
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::benchmark, .overwrite = options.overwrite, .inputs = {}});
-  const ForcedStop forced = abandoning(folder);
+  const auto forced = abandoning(folder);
   const bench::Json report = measure(plan, options, console);
   BenchPlot plot;
   plot.device = report["device"];
@@ -196,6 +202,80 @@ void add_bench_command(CLI::App& app, Console& console) {
       ->excludes(latency);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors")->excludes(latency);
   command->callback([options, &console] { bench_command(*options, console); });
+}
+
+namespace {
+
+struct VerifyOptions {
+  bool quick = false;
+  std::string output = "out/verify";
+  std::string device = "auto";
+  bool overwrite = false;
+  bool json = false;
+};
+
+/// Runs the suite and writes the report. Returns what was found, and where the report is.
+std::pair<verify::Findings, std::string> verify_into_folder(const VerifyOptions& options, const Console& console) {
+  const auto kernels = prepare_opencl(options.device, console);
+  // Fail early where there is no such device or the report cannot be written.
+  const std::string device = options.device == "serial" ? "serial" : cl::choose_device(options.device).name;
+  OutputFolder folder(
+      {.dir = options.output, .kind = ResultKind::verification, .overwrite = options.overwrite, .inputs = {}});
+  const auto forced = abandoning(folder);
+  verify::Setting setting;
+  setting.quick = options.quick;
+  setting.device = options.device;
+  Progress progress(console, "verify", "cases");
+  setting.part = [&](double fraction, const std::string& name) { progress.update_part(fraction, name); };
+  setting.stop = stop_requested;
+  verify::Findings findings = verify::run_suite(setting);
+  progress.finish();
+  findings.device = device;
+  write_verification(folder.path(), findings);
+  write_citation(folder.path(), cite_program());
+  finish(folder, console);
+  return {std::move(findings), folder.final_path() + "/verification.md"};
+}
+
+/// Prints verification.json or a line per case. Then throws RunError where a figure exceeds its tolerance.
+void verify_command(const VerifyOptions& options, const Console& console) {
+  std::pair<verify::Findings, std::string> done;
+  const auto& [findings, report] = done;
+  const auto run = [&](const Console& shown) { done = verify_into_folder(options, shown); };
+  if (options.json) {
+    run_with_json(console, run);
+    std::fputs(verification_json(findings).c_str(), stdout);
+  } else {
+    run(console);
+    for (const verify::CaseFindings& found : findings.cases) {
+      console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
+    }
+    console.say("report: " + report);
+  }
+  if (findings.passed()) return;
+  for (const verify::CaseFindings& found : findings.cases) {
+    for (const verify::Check& check : found.checks) {
+      if (!check.passed()) console.warn(found.title + ": " + check.quantity + " exceeds its tolerance");
+    }
+  }
+  throw RunError(std::to_string(findings.failed_checks()) + " figures exceed their tolerance; see " + report);
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, Console& console) {
+  auto* command =
+      app.add_subcommand("verify", "Verify this build against analytical solutions and write a citable report");
+  auto options = std::make_shared<VerifyOptions>();
+  command->add_flag("--quick", options->quick, "Short suite: coarser voxels, fewer runs");
+  add_output(*command, options->output,
+             "Output folder for verification.md, .json, .png and .svg (default: out/verify)");
+  command->add_flag("--overwrite", options->overwrite, "Replace an existing report once the new one is complete");
+  command->add_option("--device", options->device, "auto, serial, or part of the name of an OpenCL device")
+      ->type_name("NAME");
+  command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
+  command->add_flag("--json", options->json, "Print the verification.json of the report");
+  command->callback([options, &console] { verify_command(*options, console); });
 }
 
 }  // namespace reamsim
