@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/pictures/depth_field.h"
+#include "render/pictures/contour_lines.h"
 
 #include <algorithm>
 #include <array>

@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "render/pictures/canvas.h"
-#include "render/pictures/depth_field.h"
+#include "render/pictures/contour_lines.h"
 #include "render/pictures/overlay.h"
 #include "render/pictures/run_view.h"
 #include "render/surface/bone_surface.h"
