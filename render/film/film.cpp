@@ -48,11 +48,12 @@ std::string encoder_options(FilmFormat format, int frames_per_s) {
          " -f mp4";
 }
 
-}  // namespace
-
+/// Rounds down to an even number, at least 2.
 int even_px(int px) {
   return std::max(2, px / 2 * 2);
 }
+
+}  // namespace
 
 void require_film_program(const RenderSettings& settings) {
   const FilmFormat format = settings.film;

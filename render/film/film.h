@@ -13,9 +13,6 @@
 
 namespace reamsim {
 
-/// Rounds down to an even number, at least 2.
-int even_px(int px);
-
 /// Throws RunError, with what to install, when the settings have a film and no ffmpeg can write it. Call it before a
 /// run.
 void require_film_program(const RenderSettings& settings);

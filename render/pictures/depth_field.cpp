@@ -87,9 +87,8 @@ void raise_patch(const Raster& raster, bool inside, const std::vector<std::size_
   }
 }
 
-/// The mask (1 or 0 per cell), smoothed so that its contour at half of `limit` does not follow the cells' edges.
-/// `limit`: the most that a cell can hold, 1 or the smoothed mask that this one is a part of. Isolated patches of a few
-/// cells, inside or outside, are kept and become round; spurs one cell wide may vanish.
+/// The mask (1 or 0), smoothed so that its contour at half of `limit` (1, or the smoothed mask that it is a part of)
+/// does not follow the cells' edges. Isolated patches of few cells become round; spurs one cell wide may vanish.
 std::vector<double> smoothed_mask(const Raster& raster, const std::vector<std::uint8_t>& mask,
                                   const std::vector<double>& limit) {
   std::vector<double> values = blurred(raster, blurred(raster, {mask.begin(), mask.end()}, 1, 0), 0, 1);

@@ -107,26 +107,21 @@ Json ct_json(const CtSettings& settings, const CtSettings& used) {
 
 /// `given`: by a point near the face, the landmarks or the face of the scenario; else the bone has it, or nothing.
 Json glenoid_json(const PreviewBone& bone, const GlenoidSettings& given) {
+  // As they are written, so that a direction that does not change keeps its digits; else a column of the frame.
+  const auto shown = [&](const std::optional<Vec3>& written, int column) {
+    if (written) return vector_json(column == 3 ? *written : Vec3(written->normalized()));
+    return bone.glenoid ? vector_json(bone.glenoid->bone_from_glenoid.matrix().col(column)) : Json();
+  };
   Json json{{"given", given.near_mm     ? "near"
                       : given.landmarks ? "landmarks"
                       : given.center_mm ? "face"
                                         : "none"},
-            {"center_mm", Json()},
-            {"normal", Json()},
-            {"superior", Json()},
+            {"center_mm", shown(given.center_mm, 3)},
+            {"normal", shown(given.normal, 2)},
+            {"superior", shown(given.superior, 1)},
             {"landmarks", Json()},
             {"rim_mm", points_json(bone.rim_mm)},
             {"rim_given", !given.rim_mm.empty()}};
-  if (bone.glenoid) {
-    const Rigid& frame = bone.glenoid->bone_from_glenoid;
-    json["center_mm"] = vector_json(frame.translation());
-    json["normal"] = vector_json(frame.linear().col(2));
-    json["superior"] = vector_json(frame.linear().col(1));
-  }
-  // As they are written, so that a direction that does not change keeps its digits.
-  if (given.center_mm) json["center_mm"] = vector_json(*given.center_mm);
-  if (given.normal) json["normal"] = vector_json(given.normal->normalized());
-  if (given.superior) json["superior"] = vector_json(given.superior->normalized());
   if (bone.landmarks) {
     json["landmarks"] = {{"glenoid_center_mm", vector_json(bone.landmarks->glenoid_center_mm)},
                          {"trigonum_spinae_mm", vector_json(bone.landmarks->trigonum_spinae_mm)},
@@ -145,9 +140,8 @@ Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistak
   return json;
 }
 
-/// The path of the tool in its own frame: `frame`, and for evenly spaced frames `time_s` and `poses` as x, y, z (mm)
-/// and qw, qx, qy, qz. Without poses where it cannot be read. `contact`: of a plunge whose depth counts
-/// from the first contact, which the page finds, its direction and approach; else null.
+/// The path of the tool in its own frame, at evenly spaced frames; poses are x, y, z (mm), qw, qx, qy, qz. `contact`:
+/// of a plunge whose depth counts from the first contact, which the page finds, its direction and approach; else null.
 Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes, Diagnostics& report) {
   Json json{
       {"frame", name_of(settings.frame)}, {"time_s", Json::array()}, {"poses", Json::array()}, {"contact", Json()}};

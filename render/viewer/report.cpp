@@ -87,11 +87,6 @@ constexpr int kQuality = 86;             // least quality without artefacts arou
 
 using Image = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 
-/// Throws bad_alloc where Cairo had no memory: it only sets the status of the surface.
-void check_memory(const Image& image) {
-  if (cairo_surface_status(image.get()) == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
-}
-
 Image read_png(const std::string& path) {
   Image image(cairo_image_surface_create_from_png(path.c_str()), &cairo_surface_destroy);
   if (cairo_surface_status(image.get()) != CAIRO_STATUS_SUCCESS) {
@@ -119,7 +114,8 @@ Image scaled(const Image& image, int most_px) {
   cairo_paint(pen);
   cairo_destroy(pen);
   cairo_surface_flush(out.get());
-  check_memory(out);
+  // Without memory Cairo only sets the status of the surface.
+  if (cairo_surface_status(out.get()) == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
   return out;
 }
 
@@ -263,16 +259,6 @@ std::string printed_plot_html(const std::string& dir) {
 
 // --- the page
 
-/// The data of the page's scripts.
-Json script_data(const RunData& run, const PictureOptions& options) {
-  ForceLog log = run.log();
-  add_layer_means(log, options.mean_travel_mm);
-  return {{"plot", plot_data(log, options.mean_travel_mm)},
-          {"pictures", frames_json(run, names_of(options.settings.cameras))},
-          {"bone", bone_data(run, options.settings)},
-          {"tool", tool_data(run.inputs().passes, log, options.settings)}};
-}
-
 std::string page_html(const RunData& run, const PictureOptions& options) {
   const std::string& dir = run.dir();
   const std::string summary_path = dir + "/summary.json", verification_path = dir + "/verification.json";
@@ -291,8 +277,13 @@ std::string page_html(const RunData& run, const PictureOptions& options) {
   // The slow parts come last, after the checks of the others.
   const auto figures = figures_html(dir, name_of(options.settings.cameras.front()));
   for (std::size_t i = 0; i < figures.size(); ++i) texts[i == 0 ? "bone_figure" : "figures"] += figures[i];
-  Json data = script_data(run, options);
-  data["summary"] = tables;
+  ForceLog log = run.log();
+  add_layer_means(log, options.mean_travel_mm);
+  const Json data{{"plot", plot_data(log, options.mean_travel_mm)},
+                  {"pictures", frames_json(run, names_of(options.settings.cameras))},
+                  {"bone", bone_data(run, options.settings)},
+                  {"tool", tool_data(run.inputs().passes, log, options.settings)},
+                  {"summary", tables}};
   return self_contained_page(embedded::report_page, title, program, data, std::move(texts));
 }
 
