@@ -46,8 +46,7 @@ struct CutFace {
 };
 
 /// Samples the cut plane within the picture and the bone's box, one texel per pixel but at least a quarter of a voxel;
-/// the boundary between the layers of a mesh bone at its depth, without voxel steps. Width 0: the plane misses the
-/// bone.
+/// the boundary between the layers of a mesh bone at its depth, without voxel steps. Width 0: it misses the bone.
 CutFace sample_cut_face(const BoneFields& bone, const Camera& camera);
 
 /// Opacity and width of contour lines, in every picture; the width holds for a picture 1080 high.

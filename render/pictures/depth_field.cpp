@@ -51,8 +51,7 @@ std::vector<double> blurred(const Raster& raster, const std::vector<double>& val
   return out;
 }
 
-/// Extends a patch by all cells that belong to it and are connected with it. take(cell): whether a cell belongs to the
-/// patch and has not been taken before.
+/// Extends a patch by all connected cells for which take(cell): it belongs to the patch and was not taken before.
 template <class Take>
 void flood(const Raster& raster, std::vector<std::size_t>& patch, const Take& take) {
   for (std::size_t k = 0; k < patch.size(); ++k) {

@@ -256,8 +256,7 @@ std::optional<ComparedMetric> colored_by(const Comparison& comparison) {
 }
 
 void write_comparison(const std::string& dir, const Comparison& comparison) {
-  // How the curves look, as arrays for the script: `shade` (colour) and `dash` (1 to 4) of each run, the entries of the
-  // legend, and the colour ramp if there is one.
+  // Arrays for the script: `shade` (colour) and `dash` (1 to 4) of each run, the entries of the legend, and the ramp.
   const std::optional<ComparedMetric> ramp = colored_by(comparison);
   const std::string styles = "runs = " + std::to_string(comparison.runs.size()) + "\n" +
                              (ramp ? ramp_styles(comparison, *ramp) : single_styles(comparison)) + "\n";

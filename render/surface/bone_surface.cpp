@@ -142,10 +142,6 @@ static_assert(kAttributeReach + 2 <= kSide, "the one-brick halo of a tile must c
 /// How far a changed voxel affects vertices: three voxels each by field and gradient, the rest by smoothing.
 constexpr int kChangeReach_bricks = 2;
 
-openvdb::Coord to_coord(const Vec3i& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
 /// Lowest voxel of a tile.
 Vec3i lowest(const Vec3i& tile) {
   return tile * kTileVoxels - Vec3i::Constant(kSide);
@@ -158,7 +154,7 @@ openvdb::FloatGrid::Ptr tile_field(const openvdb::FloatGrid& field, const Vec3i&
   constexpr int kBricks = BoneTiles::kSideBricks + 2;
   for (int i = 0; i < kBricks * kBricks * kBricks; ++i) {
     const Vec3i brick(i % kBricks - 1, i / kBricks % kBricks - 1, i / (kBricks * kBricks) - 1);
-    const openvdb::Coord origin = to_coord(lower + kSide * brick);
+    const openvdb::Coord origin = vdb_coord(lower + kSide * brick);
     if (const auto* leaf = from.probeConstLeaf(origin)) {
       part->tree().addLeaf(new openvdb::FloatTree::LeafNodeType(*leaf));
     } else if (const float value = from.getValue(origin); value != field.background()) {
@@ -173,7 +169,7 @@ openvdb::BoolGrid::Ptr cells_of(const Vec3i& lower) {
   auto cells = make_bool_grid(false);
   const Vec3i first = lower - Vec3i::Constant(kSide - 1);
   const Vec3i last = lower + Vec3i::Constant(kTileVoxels + kSide - 2);
-  cells->denseFill({to_coord(first), to_coord(last)}, true, true);
+  cells->denseFill({vdb_coord(first), vdb_coord(last)}, true, true);
   return cells;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/viewer/preview.h"
+#include "render/viewer/page.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "render/viewer/page.h"
 #include "render/viewer/report_data.h"
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
@@ -309,8 +308,7 @@ Json volume_json(const PreviewVolume& volume) {
 
 namespace {
 
-/// The data of the page's script, with a volume of at most `most_voxels` voxels, and the warnings of `report`, which
-/// gets those of tool and motion.
+/// The data of the page's script, with the warnings of `report`, which gets those of tool and motion.
 Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::int64_t most_voxels,
                   Diagnostics& report) {
   const Scenario& scenario = request.scenario;

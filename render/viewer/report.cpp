@@ -205,8 +205,7 @@ std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, in
   return out;
 }
 
-/// The final pictures of a folder as figures (HTML): those of the cameras, of which `first_camera` has no suffix, the
-/// map of depths, the segmentation.
+/// The final pictures of a folder as figures (HTML). `first_camera` is the one without a suffix.
 std::vector<std::string> figures_html(const std::string& dir, const std::string& first_camera) {
   std::vector<std::string> out;
   for (const PagePicture& picture : page_pictures(final_pictures(dir), kPicture_px, kMaxPictureBytes)) {
@@ -219,8 +218,7 @@ std::vector<std::string> figures_html(const std::string& dir, const std::string&
   return out;
 }
 
-/// The pictures during the run: `frames` and `time_s`, and for each camera with a picture of all these frames its
-/// `name`, `width_px`, `height_px` and `jpegs`.
+/// The pictures during the run, and the cameras that have one of each of these frames.
 Json frames_json(const RunData& run, const std::vector<std::string>& cameras) {
   Json json{{"frames", Json::array()}, {"time_s", Json::array()}, {"cameras", Json::array()}};
   const std::string& dir = run.dir();

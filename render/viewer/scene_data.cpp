@@ -212,8 +212,7 @@ BoneSurface tool_surface(const TriangleMesh& mesh) {
   return out;
 }
 
-/// The poses at the shown rows: x, y, z over their box, the quaternion's x, y, z, w over −1…1, and the spin angle over
-/// a turn.
+/// `poses` of tool_data().
 Json poses_json(const ForceLog& log, const std::vector<std::size_t>& rows) {
   Aabb box = Aabb::none();
   for (const std::size_t row : rows) box.extend(log.rows[row].pose.position_mm);
