@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/viewer/preview.h"
+#include "render/viewer/page.h"
 
 #include <fmt/core.h>
 

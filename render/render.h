@@ -71,9 +71,8 @@ class FrameQueue {
   std::exception_ptr error_;
 };
 
-/// Renders all frames of a run's pictures on its own thread, as soon as their snapshots are written. Labels need the
-/// log and are drawn later by another thread. Pauses while the frames that wait for next() occupy a sixteenth of the
-/// machine's memory, or a gigabyte.
+/// Renders a run's pictures on its own thread, as soon as their snapshots are written, without labels, which need the
+/// log. Pauses while the frames that wait for next() occupy a sixteenth of the machine's memory, or a gigabyte.
 class RenderThread {
  public:
   RenderThread(const RunData& run, const PictureOptions& options);
@@ -84,8 +83,7 @@ class RenderThread {
 
   /// Announces that the snapshots up to this frame are on disk.
   void snapshots_written(std::int64_t frame);
-  /// Waits for the next frame, ordered by state and by Shot::Kind; none after the last. Throws the exceptions
-  /// of rendering: InputError, RunError, bad_alloc.
+  /// Waits for the next frame, by state and Shot::Kind; none after the last. Throws InputError, RunError, bad_alloc.
   std::optional<RenderedFrame> next() { return queue_.pop(); }
   /// After next() has returned: a warning if the requested graphics context is not available; else empty.
   [[nodiscard]] const std::string& warning() const { return warning_; }
@@ -119,13 +117,11 @@ int count_pictures(const PictureOptions& options, const std::vector<std::int64_t
 /// Called after each picture: (done, total, file).
 using PictureProgress = std::function<void(int, int, const std::string&)>;
 
-/// Makes the pictures of a run from DIR/reamed.vdb, DIR/snapshots/ and DIR/forces.csv. Writes, as the options say,
-/// DIR/frames/NNNNNN[_camera].png, DIR/reamed[_camera].png (the final state without the tool) and
-/// DIR/before_after[_camera].png, DIR/contact_sheet.png, DIR/turntable/NNN.png, and films DIR/reamed.mp4 and
-/// DIR/turntable.mp4 (or .webp, .apng). `report` gets a warning when the requested context is not available, and when a
-/// picture of the final state looks empty. `thread` has started to render the same run with the same options. Returns
-/// what rendered (OffscreenContext::description()). Throws InputError when a result is missing or damaged or a camera
-/// is unknown, RunError when a picture cannot be made or written.
+/// Makes the pictures of a run, as the options say: DIR/frames/NNNNNN[_camera].png, DIR/reamed[_camera].png (the final
+/// state without the tool), DIR/before_after[_camera].png, DIR/contact_sheet.png, DIR/turntable/NNN.png, and the films
+/// DIR/reamed.mp4 and DIR/turntable.mp4 (or .webp, .apng). `report` gets RenderThread::warning(), and one when a
+/// picture of the final state looks empty. `thread` renders the same run with the same options. Returns its context().
+/// Throws InputError (a result missing or damaged, a camera unknown), RunError (a picture cannot be made or written).
 std::string render_pictures(const RunData& run, const PictureOptions& options,
                             const PictureProgress& progress = nullptr, Diagnostics* report = nullptr,
                             RenderThread* thread = nullptr);

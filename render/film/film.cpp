@@ -40,19 +40,19 @@ int start_ffmpeg(std::vector<std::string> arguments, int in, const MemoryFile& o
 std::string encoder_options(FilmFormat format, int frames_per_s) {
   if (format == FilmFormat::webp) return "-c:v libwebp_anim -quality 85 -compression_level 3 -loop 0 -f webp";
   if (format == FilmFormat::apng) return "-pix_fmt rgb24 -c:v apng -pred mixed -plays 0 -f apng";
-  // A fixed number of threads makes the file reproducible. One key frame per second makes seeking fast. Without a
-  // colour matrix, players guess it from the size.
+  // Reproducible by a fixed number of threads; fast to seek in by a key frame per second; players guess no colours.
   return "-vf scale=out_color_matrix=bt709:out_range=tv,format=yuv420p -c:v libx264 -preset medium -crf 18 -g " +
          std::to_string(frames_per_s) +
          " -threads 4 -color_range tv -colorspace bt709 -color_primaries bt709 -color_trc bt709 -movflags +faststart"
          " -f mp4";
 }
 
-}  // namespace
-
+/// Rounds down to an even number, at least 2.
 int even_px(int px) {
   return std::max(2, px / 2 * 2);
 }
+
+}  // namespace
 
 void require_film_program(const RenderSettings& settings) {
   const FilmFormat format = settings.film;

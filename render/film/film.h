@@ -13,11 +13,7 @@
 
 namespace reamsim {
 
-/// Rounds down to an even number, at least 2.
-int even_px(int px);
-
-/// Throws RunError, with what to install, when the settings have a film and no ffmpeg can write it. Call it before a
-/// run.
+/// To be called before a run: throws RunError, with what to install, when no ffmpeg can write the film of the settings.
 void require_film_program(const RenderSettings& settings);
 
 /// Pipes pictures to ffmpeg, which writes a film. The file gets its name when it is complete.

@@ -87,11 +87,6 @@ Camera sized_camera(const std::string& name, int width_px, int height_px) {
   return {.name = name, .width_px = width_px, .height_px = height_px};
 }
 
-/// The default up direction of a user's camera: superior, or outward for a view along it.
-Vec3 default_up(const ViewTarget& target, const Vec3& view) {
-  return std::abs(view.normalized().dot(target.superior)) < 0.99 ? target.superior : target.outward;
-}
-
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
@@ -151,7 +146,10 @@ Camera make_user_camera(const UserCamera& wanted, const ViewTarget& target, int 
   const Vec3 position_mm = bone_from_frame * wanted.position_mm;
   const Vec3 target_mm = wanted.target_mm ? Vec3(bone_from_frame * *wanted.target_mm) : target.focus_mm;
   const Vec3 towards_viewer = position_mm - target_mm;
-  const Vec3 up = wanted.up ? Vec3(bone_from_frame.linear() * *wanted.up) : default_up(target, towards_viewer);
+  const bool along_superior = std::abs(towards_viewer.normalized().dot(target.superior)) >= 0.99;
+  const Vec3 up = wanted.up        ? Vec3(bone_from_frame.linear() * *wanted.up)
+                  : along_superior ? target.outward
+                                   : target.superior;
   if (towards_viewer.norm() < kMinView_mm || up.normalized().cross(towards_viewer.normalized()).norm() < kMinSine) {
     throw InputError({}, key, "the camera is at its target, or looks along up", "change position_mm, target_mm or up");
   }

@@ -49,8 +49,7 @@ struct Camera {
   [[nodiscard]] double clip_depth_per_mm() const;
   /// Projection of a point of B in front of the eye: pixels from the upper left corner, y down.
   [[nodiscard]] Vec2 pixel(const Vec3& point_mm) const;
-  // Of a point, in eye coordinates: its distance from the eye over that of the picture plane (1 without perspective),
-  // and the unit vector from it towards the viewer.
+  // Of a point in eye coordinates: its distance from the eye over that of the picture plane, and the way to the viewer.
   [[nodiscard]] double depth_ratio(const Vec3& eye) const { return eye_mm ? 1 - eye.z() / *eye_mm : 1; }
   [[nodiscard]] Vec3 towards_viewer(const Vec3& eye) const {
     return eye_mm ? Vec3((Vec3(0, 0, *eye_mm) - eye).normalized()) : Vec3(Vec3::UnitZ());

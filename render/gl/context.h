@@ -7,6 +7,7 @@
 #include <GL/glcorearb.h>
 
 #include <dlfcn.h>
+#include <fmt/format.h>
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -153,16 +154,12 @@ class DynamicLibrary {
  public:
   /// Opens the first of `names` that can be loaded. Throws RunError, naming the `purpose`, when none can.
   DynamicLibrary(std::initializer_list<const char*> names, const std::string& purpose) {
-    std::string tried;
     for (const char* name : names) {
+      name_ = name;
       handle_ = dlopen(name, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-      if (handle_ != nullptr) {
-        name_ = name;
-        return;
-      }
-      tried += (tried.empty() ? "" : ", ") + std::string(name);
+      if (handle_ != nullptr) return;
     }
-    throw RunError(purpose + " cannot be used: none of " + tried + " can be loaded");
+    throw RunError(fmt::format("{} cannot be used: none of {} can be loaded", purpose, fmt::join(names, ", ")));
   }
 
   /// The function `name` as a pointer of type F. Throws RunError when it is missing.

@@ -45,9 +45,8 @@ PixelImage unpremultiplied(PixelImage image) {
   return image;
 }
 
-/// Compresses straight colours into `file`; false on failure. libpng leaves this function by longjmp(), so no local
-/// variable may need a destructor. Paeth prediction with run lengths only takes a quarter of the time of zlib's
-/// default, for files a tenth larger.
+/// Compresses straight colours; false on failure. libpng leaves it by longjmp(), so no local variable may need a
+/// destructor. Paeth prediction with run lengths takes a quarter of the time of zlib's default, for a tenth more bytes.
 bool compress(std::FILE* file, const PixelImage& image, bool opaque, std::string software) {
   const auto fail = [](png_structp png, png_const_charp) { png_longjmp(png, 1); };
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail, [](png_structp, png_const_charp) {});

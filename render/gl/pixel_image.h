@@ -35,9 +35,8 @@ PixelImage plain_image(int width_px, int height_px, std::uint32_t rgb);
 /// The picture reduced by `factor` along each axis: each pixel is the mean of a square.
 PixelImage downsampled(PixelImage image, int factor);
 
-/// The picture with smoothed edges, cheaper than multisampling (T. Lottes, "FXAA", NVIDIA white paper, 2009): each
-/// pixel at a brightness step is blended with its neighbour across the step; others stay identical. Transparency is
-/// white.
+/// The picture with smoothed edges, cheaper than multisampling (T. Lottes, "FXAA", NVIDIA white paper, 2009): blends
+/// each pixel at a brightness step with its neighbour across it; others stay identical. Transparency is white.
 PixelImage antialiased(const PixelImage& image);
 
 /// Writes a PNG: RGB if all is opaque, else RGBA; `software`, if any, near the file's beginning. Throws RunError.

@@ -45,9 +45,8 @@ struct CutFace {
   std::vector<float> texels;
 };
 
-/// Samples the cut plane of `camera` within the picture and the bone's box, one texel per pixel but not finer than a
-/// quarter of a voxel. The boundary between the layers of a mesh bone is drawn at its depth below the unreamed surface,
-/// without voxel steps. Empty (width 0) when the plane misses the bone.
+/// Samples the cut plane within the picture and the bone's box, one texel per pixel but at least a quarter of a voxel;
+/// the boundary between the layers of a mesh bone at its depth, without voxel steps. Width 0: it misses the bone.
 CutFace sample_cut_face(const BoneFields& bone, const Camera& camera);
 
 /// Opacity and width of contour lines, in every picture; the width holds for a picture 1080 high.

@@ -24,8 +24,7 @@ constexpr int kMinKnown = 4;             // columns for a plane
 constexpr double kRidge = 1e-3;          // of the weight; keeps the fit to few columns defined
 constexpr double kLeastMargin = 0.1;     // of the spacing: the least value below zero outside the rim
 
-/// The fit's value in the middle of a window with these weights along each axis, and the number of its known columns. 3
-/// terms: a plane; 6: a quadratic.
+/// The value of a plane (3 terms) or quadratic (6) fitted in a window with these weights, and its known columns.
 template <int Terms>
 std::pair<double, int> fit_in(const RasterField& field, const std::vector<std::uint8_t>& known,
                               const std::vector<double>& weights, std::size_t own) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/pictures/depth_field.h"
+#include "render/pictures/contour_lines.h"
 
 #include <algorithm>
 #include <array>
@@ -51,8 +51,7 @@ std::vector<double> blurred(const Raster& raster, const std::vector<double>& val
   return out;
 }
 
-/// Extends a patch by all cells that belong to it and are connected with it. take(cell): whether a cell belongs to the
-/// patch and has not been taken before.
+/// Extends a patch by all connected cells for which take(cell): it belongs to the patch and was not taken before.
 template <class Take>
 void flood(const Raster& raster, std::vector<std::size_t>& patch, const Take& take) {
   for (std::size_t k = 0; k < patch.size(); ++k) {
@@ -87,9 +86,8 @@ void raise_patch(const Raster& raster, bool inside, const std::vector<std::size_
   }
 }
 
-/// The mask (1 or 0 per cell), smoothed so that its contour at half of `limit` does not follow the cells' edges.
-/// `limit`: the most that a cell can hold, 1 or the smoothed mask that this one is a part of. Isolated patches of a few
-/// cells, inside or outside, are kept and become round; spurs one cell wide may vanish.
+/// The mask (1 or 0), smoothed so that its contour at half of `limit` (1, or the smoothed mask that it is a part of)
+/// does not follow the cells' edges. Isolated patches of few cells become round; spurs one cell wide may vanish.
 std::vector<double> smoothed_mask(const Raster& raster, const std::vector<std::uint8_t>& mask,
                                   const std::vector<double>& limit) {
   std::vector<double> values = blurred(raster, blurred(raster, {mask.begin(), mask.end()}, 1, 0), 0, 1);

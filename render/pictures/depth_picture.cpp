@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "render/pictures/canvas.h"
-#include "render/pictures/depth_field.h"
+#include "render/pictures/contour_lines.h"
 #include "render/pictures/overlay.h"
 #include "render/pictures/run_view.h"
 #include "render/surface/bone_surface.h"
@@ -84,8 +84,7 @@ class DepthPainter {
     return pixel + (n % kMapSamples + 0.5) / kMapSamples;
   }
 
-  /// A layer of the map in the box of outlines, with a margin of a pixel for smooth edges: the mean colour of the
-  /// samples of each pixel.
+  /// A layer: the mean colour of the samples of each pixel in the box of outlines, and a pixel around it.
   template <class Color>
   [[nodiscard]] PixelImage image_of(const Outlines& outlines, const Color& color) const {
     PixelImage image = plain_image(camera_.width_px, camera_.height_px, 0);

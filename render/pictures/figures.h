@@ -34,9 +34,8 @@ struct RunSetup {
   RenderSettings settings;
 };
 
-/// Writes bone, reamer and path of a scenario as a PNG of three views: the start, and the predicted bone at the
-/// greatest depth en face and in a section; without contact three sides at the smallest distance. Returns a warning if
-/// the requested graphics context is not available; else "". Throws RunError.
+/// Writes a PNG of bone, reamer and path: at the start, and the predicted bone at the greatest depth en face and in a
+/// section; without contact three sides at the smallest distance. Returns Renderer::warning(). Throws RunError.
 std::string write_setup_picture(const std::string& path, const RunSetup& setup);
 
 /// Whether a file begins as such a picture does.

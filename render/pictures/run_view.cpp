@@ -93,6 +93,13 @@ void target_tool(ViewTarget& target) {
   target.superior = (up - up.dot(target.outward) * target.outward).normalized();
 }
 
+/// The farthest point of the tool from its origin, mm.
+double tool_reach_mm(const TriangleMesh& tool) {
+  double reach_mm = 0;
+  for (const Vec3& v : tool.vertices) reach_mm = std::max(reach_mm, v.norm());
+  return reach_mm;
+}
+
 /// Extends the target by tools on their paths; the head is that of the pass of the greatest depth.
 void include_tools(ViewTarget& target, const RunInputs& run, std::size_t deepest_pass) {
   const TriangleMesh& deepest = run.passes[deepest_pass].tool;
@@ -331,12 +338,6 @@ std::optional<ForceArrow> Captions::arrow(const ForceRow& row) const {
   // The resultant; a mean has only its axial part.
   const std::string name = mean_.empty() ? "resultant " : mean_ + "axial force ";
   return ForceArrow{row.pose.position_mm, row.layer_force_n / max_force_n_, name + fixed_text(force_n, 1) + " N"};
-}
-
-double tool_reach_mm(const TriangleMesh& tool) {
-  double reach_mm = 0;
-  for (const Vec3& v : tool.vertices) reach_mm = std::max(reach_mm, v.norm());
-  return reach_mm;
 }
 
 PredictedRun predict_run(const RunInputs& run) {

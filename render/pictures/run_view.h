@@ -199,7 +199,4 @@ struct PredictedRun {
 /// Throws InputError when a tool has no swept volume.
 PredictedRun predict_run(const RunInputs& run);
 
-/// The farthest point of the tool from its origin, mm.
-double tool_reach_mm(const TriangleMesh& tool);
-
 }  // namespace reamsim

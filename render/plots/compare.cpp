@@ -4,6 +4,7 @@
 #include "render/plots/plots.h"
 
 #include <fmt/format.h>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -129,30 +130,22 @@ std::string ramp_styles(const Comparison& comparison, const ComparedMetric& ramp
          dash_styles(dashed_by(comparison, ramp), comparison.runs.size());
 }
 
-/// Ranks from 0; equal values share their mean.
-std::vector<double> ranks(const std::vector<double>& values) {
-  std::vector<double> out;
-  for (const double value : values) {
-    const auto less = std::ranges::count_if(values, [&](double other) { return other < value; });
-    const auto equal = std::ranges::count(values, value);
-    out.push_back(static_cast<double>(less) + 0.5 * static_cast<double>(equal - 1));
-  }
-  return out;
+/// Ranks, less their mean; equal values share theirs.
+Eigen::VectorXd centered_ranks(const std::vector<double>& values) {
+  const Eigen::Map<const Eigen::ArrayXd> all(values.data(), std::ssize(values));
+  const auto rank = [&](double value) {
+    return 0.5 * static_cast<double>((all < value).count() - (all > value).count());
+  };
+  return all.unaryExpr(rank).matrix();
 }
 
 /// Spearman's rank correlation of `a` and `b`; 0 where one is constant or has a missing value.
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
   const auto is_missing = [](double value) { return std::isnan(value); };
   if (std::ranges::any_of(a, is_missing) || std::ranges::any_of(b, is_missing)) return 0;
-  const std::vector<double> x = ranks(a), y = ranks(b);
-  const double mean = 0.5 * (static_cast<double>(a.size()) - 1);
-  double xx = 0, xy = 0, yy = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    xx += (x[i] - mean) * (x[i] - mean);
-    xy += (x[i] - mean) * (y[i] - mean);
-    yy += (y[i] - mean) * (y[i] - mean);
-  }
-  return xx > 0 && yy > 0 ? xy / std::sqrt(xx * yy) : 0;
+  const Eigen::VectorXd x = centered_ranks(a), y = centered_ranks(b);
+  const double scale = std::sqrt(x.squaredNorm() * y.squaredNorm());
+  return scale > 0 ? x.dot(y) / scale : 0;
 }
 
 std::string number_cell(double value) {
@@ -263,8 +256,7 @@ std::optional<ComparedMetric> colored_by(const Comparison& comparison) {
 }
 
 void write_comparison(const std::string& dir, const Comparison& comparison) {
-  // How the curves look, as arrays for the script: `shade` (colour) and `dash` (1 to 4) of each run, the entries of the
-  // legend, and the colour ramp if there is one.
+  // Arrays for the script: `shade` (colour) and `dash` (1 to 4) of each run, the entries of the legend, and the ramp.
   const std::optional<ComparedMetric> ramp = colored_by(comparison);
   const std::string styles = "runs = " + std::to_string(comparison.runs.size()) + "\n" +
                              (ramp ? ramp_styles(comparison, *ramp) : single_styles(comparison)) + "\n";

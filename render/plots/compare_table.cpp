@@ -83,9 +83,7 @@ class Legend {
 };
 
 std::size_t widest(const std::vector<std::string>& lines) {
-  std::size_t out = 0;
-  for (const std::string& line : lines) out = std::max(out, text_width(line));
-  return out;
+  return text_width(std::ranges::max(lines, {}, text_width));
 }
 
 std::vector<std::string> row_per_column(const std::vector<std::string>& labels, const std::vector<RunColumn>& columns) {

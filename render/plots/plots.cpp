@@ -107,8 +107,7 @@ std::string pass_block(const ForceLog& log) {
 
 constexpr const char* kDecimated = "forces_decimated.csv";
 
-/// Writes the rows of a decimated log with the columns that the scripts read. What forces.csv has per frame is the sum
-/// since the row before.
+/// Writes what the scripts read of a decimated log. What forces.csv has per frame is the sum since the row before.
 void write_decimated(const std::string& dir, const ForceLog& log) {
   CsvWriter csv = plot_csv(dir, kDecimated,
                            "frame,time_s,depth_mm,axial_force_n,spin_torque_nmm,removed_mm3,energy_mj,floor_energy_mj,"

@@ -23,9 +23,8 @@ extern Script script_style, script_forces, script_forces_depth, script_energy, s
 
 // The functions below throw RunError when gnuplot is missing or fails, or a file cannot be written.
 
-/// Draws DIR/forces.csv against time with gnuplot as DIR/forces .png, .svg, .pdf and the script .gp. `log`: that file,
-/// read with the travel over which the means shown with single frames are taken (0: single frames only). A decimated
-/// log is written to DIR/plots/forces_decimated.csv and drawn from there.
+/// Draws DIR/forces.csv against time as DIR/forces .png, .svg, .pdf and the script .gp. `log`: that file, read with the
+/// travel of its means (0: single frames only); a decimated one is written to DIR/plots/forces_decimated.csv and drawn.
 void write_force_plots(const std::string& dir, const ForceLog& log);
 
 /// Draws DIR/plots/forces_depth and DIR/plots/energy. Arguments as for write_force_plots().
@@ -57,9 +56,8 @@ struct TorqueSpectrum {
 };
 
 /// The spectrum of the longest stretch of frames with torque by Welch's method (1967, doi:10.1109/TAU.1967.1161901):
-/// Hann windows that overlap by half, zero-padded. The mean over one revolution is subtracted, which removes the feed's
-/// trend and no multiple of the spin. Empty without spin, or when fewer than three revolutions remain, or for a
-/// revolution of more than 100,000 frames.
+/// Hann windows that overlap by half, zero-padded, less the mean over a revolution, which has the feed's trend and no
+/// multiple of the spin. Empty without spin, for less than three revolutions, or for one of more than 100,000 frames.
 TorqueSpectrum torque_spectrum(const std::vector<TorqueSample>& samples);
 
 /// Writes the spectrum as DIR/plots/spectrum.csv and draws it with labelled peaks. Returns false if it is empty.

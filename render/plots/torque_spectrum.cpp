@@ -93,8 +93,7 @@ std::vector<TorqueSpectrum::Line> welch(std::span<const double> values, std::siz
   return out;
 }
 
-/// The highest lines at multiples of the spin, where cutting edges have theirs, ascending in frequency. Other lines are
-/// artefacts of the voxels.
+/// The highest lines at multiples of the spin, where cutting edges have theirs; others are artefacts of the voxels.
 std::vector<TorqueSpectrum::Line> find_peaks(const std::vector<TorqueSpectrum::Line>& lines, double spin_hz) {
   using Line = TorqueSpectrum::Line;
   std::vector<Line> out;

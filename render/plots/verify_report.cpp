@@ -3,7 +3,7 @@
 
 #include "render/plots/plots.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -106,15 +106,11 @@ std::string plot_data(const Findings& findings) {
 }
 
 std::string row(const std::vector<std::string>& cells) {
-  std::string out = "|";
-  for (const std::string& cell : cells) out += " " + cell + " |";
-  return out + "\n";
+  return fmt::format("| {} |\n", fmt::join(cells, " | "));
 }
 
 std::string head(const std::vector<std::string>& cells) {
-  std::string rule = "|";
-  for (std::size_t i = 0; i < cells.size(); ++i) rule += "---|";
-  return row(cells) + rule + "\n";
+  return row(cells) + fmt::format("|{}\n", fmt::join(std::vector<std::string>(cells.size(), "---|"), ""));
 }
 
 std::string with_unit(const std::string& quantity, const std::string& unit) {

@@ -10,10 +10,12 @@
 #include "render/surface/scalar_grid.h"
 #include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
+#include "sim/bone/vdb/grids.h"
 
 namespace reamsim {
 namespace {
 
+constexpr int kSide = FillBricks::kSide;
 constexpr int kFinestCell = 4;  // voxels
 constexpr int kLevels = 4;
 constexpr std::array kDistances_mm{1.2F, 2.5F, 5.0F, 10.0F};
@@ -36,7 +38,8 @@ constexpr std::size_t kGrain = 2048;
 constexpr int kNormalRounds = 4;
 constexpr float kDensityDepth_voxels = 1.2F;
 constexpr int kPointRounds = 2;
-static_assert(kNormalRounds + kPointRounds == kAttributeReach);
+/// The number of edges over which a vertex affects others.
+constexpr int kAttributeReach = kNormalRounds + kPointRounds;
 constexpr float kMaxDisplacement_voxels = 0.4F;
 constexpr int kDepthRounds = 4;           // smooth the voxel steps of the depth
 constexpr float kCertainlyReamed = 0.6F;  // below: the edge of the reamed face
@@ -73,6 +76,129 @@ void for_each_vertex(const VoxelGrid& grid, BoneSurface& surface, const Action& 
   });
 }
 
+/// Moves the vertices of `iso`, where the field is zero, by up to 0.4 voxel until they fit their normals, and adds
+/// normals, depth and reaming.
+BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& fields) {
+  const VoxelGrid& grid = fields.voxmap.grid;
+  BoneSurface out;
+  out.indices = iso.indices;
+  std::vector<Eigen::Vector3f> points = iso.points;
+  std::vector<Eigen::Vector3f> normals = normals_at(iso.points, fields.solid);
+  const Neighbours neighbours(points.size(), out.indices);
+  smooth_normals(neighbours, normals, kNormalRounds);
+  fit_to_normals(neighbours, normals, points, kPointRounds, kMaxDisplacement_voxels);
+  // Removal is read on the surface: the fitted vertices lie beside it by a part of a voxel.
+  const auto removal_at = [&](const ReamingSampler& sampler, std::size_t i) {
+    const Vec3d p = vdb_point(points[i]);
+    return sampler.removed(p) > 0 ? sampler.removal(sampler.on_surface(p)) : Removal();
+  };
+  Reaming reaming = reaming_at(points.size(), fields.unreamed, fields.solid.grid(), removal_at, [&](std::size_t i) {
+    return vdb_point(Eigen::Vector3f(points[i] * static_cast<float>(grid.voxel_mm)));
+  });
+  reaming.smooth(neighbours, points, kDepthRounds, kEdgeRounds);
+  out.vertices.resize(points.size() * BoneSurface::kStride);
+  parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3 mm = grid.origin_mm + grid.voxel_mm * (points[i].cast<double>() + Vec3::Constant(0.5));
+      float* v = out.vertices.data() + i * BoneSurface::kStride;
+      Eigen::Map<Eigen::Vector3f>{v} = mm.cast<float>();
+      Eigen::Map<Eigen::Vector3f>{v + BoneSurface::kNormal} = normals[i];
+      v[BoneSurface::kDepth] = reaming.depth_mm[i];
+      v[BoneSurface::kReamed] = reaming.reamed[i];
+    }
+  });
+  return out;
+}
+
+/// Adds what does not depend on neighbours: density and ambient accessibility, and the greatest depth.
+void add_density_and_ambient(const BoneFields& fields, BoneSurface& surface) {
+  for_each_vertex(fields.voxmap.grid, surface, [&](float* v, const Eigen::Vector3f& point) {
+    const Eigen::Map<const Eigen::Vector3f> normal(v + BoneSurface::kNormal);
+    const Eigen::Vector3f below = point - kDensityDepth_voxels * normal;
+    v[BoneSurface::kDensity] = mean_density<float>(fields.voxmap, below, [](const Vec3i&) { return 1.0F; });
+    v[BoneSurface::kAccessibility] = fields.ambient.accessibility(point, normal);
+  });
+  surface.deepest_mm = 0;
+  const VoxelGrid& grid = fields.voxmap.grid;
+  const Vec3 first_center = grid.origin_mm + Vec3::Constant(0.5 * grid.voxel_mm);
+  const ReamingSampler sampler(fields.unreamed, fields.solid.grid());
+  for (std::size_t i = 0; i < surface.vertices.size(); i += BoneSurface::kStride) {
+    const float* v = surface.vertices.data() + i;
+    if (v[BoneSurface::kReamed] <= kCertainlyReamed) continue;
+    const Eigen::Vector3f point_mm = (Eigen::Map<const Eigen::Vector3f>{v}.cast<double>() - first_center).cast<float>();
+    surface.deepest_mm = std::max(surface.deepest_mm, double{sampler.depth_mm(vdb_point(point_mm))});
+  }
+}
+
+void update_ambient(const BoneFields& fields, BoneSurface& surface) {
+  for_each_vertex(fields.voxmap.grid, surface, [&](float* v, const Eigen::Vector3f& point) {
+    v[BoneSurface::kAccessibility] =
+        fields.ambient.accessibility(point, Eigen::Map<const Eigen::Vector3f>{v + BoneSurface::kNormal});
+  });
+}
+
+constexpr int kTileVoxels = BoneTiles::kSideBricks * kSide;
+static_assert(kAttributeReach + 2 <= kSide, "the one-brick halo of a tile must contain all that affects its vertices");
+/// How far a changed voxel affects vertices: three voxels each by field and gradient, the rest by smoothing.
+constexpr int kChangeReach_bricks = 2;
+
+/// Lowest voxel of a tile.
+Vec3i lowest(const Vec3i& tile) {
+  return tile * kTileVoxels - Vec3i::Constant(kSide);
+}
+
+/// The field of a tile with a one-brick halo.
+openvdb::FloatGrid::Ptr tile_field(const openvdb::FloatGrid& field, const Vec3i& lower) {
+  auto part = make_float_grid(field.background());
+  auto from = field.getConstAccessor();
+  constexpr int kBricks = BoneTiles::kSideBricks + 2;
+  for (int i = 0; i < kBricks * kBricks * kBricks; ++i) {
+    const Vec3i brick(i % kBricks - 1, i / kBricks % kBricks - 1, i / (kBricks * kBricks) - 1);
+    const openvdb::Coord origin = vdb_coord(lower + kSide * brick);
+    if (const auto* leaf = from.probeConstLeaf(origin)) {
+      part->tree().addLeaf(new openvdb::FloatTree::LeafNodeType(*leaf));
+    } else if (const float value = from.getValue(origin); value != field.background()) {
+      part->tree().addTile(1, origin, value, false);
+    }
+  }
+  return part;
+}
+
+/// The cells in which tile_field() has the same surface as the whole field.
+openvdb::BoolGrid::Ptr cells_of(const Vec3i& lower) {
+  auto cells = make_bool_grid(false);
+  const Vec3i first = lower - Vec3i::Constant(kSide - 1);
+  const Vec3i last = lower + Vec3i::Constant(kTileVoxels + kSide - 2);
+  cells->denseFill({vdb_coord(first), vdb_coord(last)}, true, true);
+  return cells;
+}
+
+/// Does a triangle belong to this tile? The lowest cell of its corners decides, so that every tile agrees.
+bool owns(const Vec3i& lower, const IsoSurface& iso, std::size_t triangle) {
+  const auto at = [&](std::size_t corner) { return iso.points[iso.indices[3 * triangle + corner]].array(); };
+  const Eigen::Array3i cell = at(0).min(at(1)).min(at(2)).floor().cast<int>() - lower.array();
+  return (cell >= 0).all() && (cell < kTileVoxels).all();
+}
+
+/// The triangles of `all` that are `owned`, and only their vertices.
+BoneSurface extract_owned(const BoneSurface& all, const std::vector<bool>& owned) {
+  constexpr std::uint32_t kNone = ~0U;
+  constexpr std::size_t kStride = BoneSurface::kStride;
+  BoneSurface out;
+  std::vector<std::uint32_t> new_index(all.vertices.size() / kStride, kNone);
+  for (std::size_t i = 0; i < all.indices.size(); ++i) {
+    if (!owned[i / 3]) continue;
+    std::uint32_t& index = new_index[all.indices[i]];
+    if (index == kNone) {
+      index = static_cast<std::uint32_t>(out.vertices.size() / kStride);
+      const auto from = all.vertices.begin() + static_cast<std::ptrdiff_t>(kStride * all.indices[i]);
+      out.vertices.insert(out.vertices.end(), from, from + kStride);
+    }
+    out.indices.push_back(index);
+  }
+  return out;
+}
+
 }  // namespace
 
 float AmbientOcclusion::Level::get(const Vec3i& cell) const {
@@ -101,7 +227,7 @@ float AmbientOcclusion::Level::sample(const Eigen::Vector3f& point) const {
 }
 
 AmbientOcclusion::AmbientOcclusion(const Occupancy& occupancy) {
-  const Vec3i voxels = occupancy.brick_dims() * FillBricks::kSide;
+  const Vec3i voxels = occupancy.brick_dims() * kSide;
   for (int level = 0; level < kLevels; ++level) {
     const int cell = kFinestCell << level;
     const BrickLattice cells{(voxels.array() + cell - 1) / cell};
@@ -127,7 +253,6 @@ void AmbientOcclusion::update(const Occupancy& occupancy, const std::vector<Vec3
 }
 
 void AmbientOcclusion::average_brick(const Occupancy& occupancy, const Vec3i& brick) {
-  constexpr int kSide = FillBricks::kSide;
   constexpr int kHalves = kSide / kFinestCell;
   std::array<float, kHalves * kHalves * kHalves> sums{};
   const Occupancy::Kind kind = occupancy.kind(brick);
@@ -209,62 +334,56 @@ BoneSurface make_bone_surface(const BoneFields& fields) {
   return out;
 }
 
-BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& fields) {
-  const VoxelGrid& grid = fields.voxmap.grid;
-  BoneSurface out;
-  out.indices = iso.indices;
-  std::vector<Eigen::Vector3f> points = iso.points;
-  std::vector<Eigen::Vector3f> normals = normals_at(iso.points, fields.solid);
-  const Neighbours neighbours(points.size(), out.indices);
-  smooth_normals(neighbours, normals, kNormalRounds);
-  fit_to_normals(neighbours, normals, points, kPointRounds, kMaxDisplacement_voxels);
-  // Removal is read on the surface: the fitted vertices lie beside it by a part of a voxel.
-  const auto removal_at = [&](const ReamingSampler& sampler, std::size_t i) {
-    const Vec3d p = vdb_point(points[i]);
-    return sampler.removed(p) > 0 ? sampler.removal(sampler.on_surface(p)) : Removal();
-  };
-  Reaming reaming = reaming_at(points.size(), fields.unreamed, fields.solid.grid(), removal_at, [&](std::size_t i) {
-    return vdb_point(Eigen::Vector3f(points[i] * static_cast<float>(grid.voxel_mm)));
-  });
-  reaming.smooth(neighbours, points, kDepthRounds, kEdgeRounds);
-  out.vertices.resize(points.size() * BoneSurface::kStride);
-  parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 mm = grid.origin_mm + grid.voxel_mm * (points[i].cast<double>() + Vec3::Constant(0.5));
-      float* v = out.vertices.data() + i * BoneSurface::kStride;
-      Eigen::Map<Eigen::Vector3f>{v} = mm.cast<float>();
-      Eigen::Map<Eigen::Vector3f>{v + BoneSurface::kNormal} = normals[i];
-      v[BoneSurface::kDepth] = reaming.depth_mm[i];
-      v[BoneSurface::kReamed] = reaming.reamed[i];
-    }
+BoneTiles::BoneTiles(const BoneFields& fields) {
+  const Vec3i bricks = (fields.voxmap.grid.dims.array() + kSide - 1) / kSide;
+  tiles_ = {(bricks.array() + 2 + kSideBricks - 1) / kSideBricks};
+  surfaces_.resize(tiles_.count());
+  parallel_items(surfaces_.size(), [&](std::size_t tile) { surfaces_[tile] = mesh(fields, tile); });
+}
+
+std::vector<bool> BoneTiles::tiles_within(const std::vector<Vec3i>& bricks, int reach) const {
+  std::vector<bool> near(surfaces_.size(), false);
+  for (const Vec3i& brick : bricks) {
+    const Vec3i low = ((brick.array() + 1 - reach).max(0)) / kSideBricks;
+    const Vec3i high = ((brick.array() + 1 + reach) / kSideBricks).min(tiles_.dims.array() - 1);
+    for_each_voxel(low, high, [&](const Vec3i& tile) { near[tiles_.index(tile)] = true; });
+  }
+  return near;
+}
+
+BoneSurface BoneTiles::mesh(const BoneFields& fields, std::size_t tile) const {
+  const Vec3i lower = lowest(tiles_.coord(tile));
+  const openvdb::FloatGrid::Ptr part = tile_field(*fields.solid.grid().vdb, lower);
+  if (part->tree().leafCount() == 0) return {};
+  const IsoSurface iso = extract_surface(*part, 0, cells_of(lower));
+  std::vector<bool> owned(iso.indices.size() / 3);
+  for (std::size_t i = 0; i < owned.size(); ++i) owned[i] = owns(lower, iso, i);
+  if (std::find(owned.begin(), owned.end(), true) == owned.end()) return {};
+  BoneSurface out = extract_owned(add_vertex_attributes(iso, fields), owned);
+  add_density_and_ambient(fields, out);
+  return out;
+}
+
+std::vector<std::size_t> BoneTiles::update(const BoneFields& fields, const std::vector<Vec3i>& bricks) {
+  const std::vector<bool> changed = tiles_within(bricks, kChangeReach_bricks);
+  const std::vector<bool> lit =
+      tiles_within(bricks, static_cast<int>(std::ceil(fields.ambient.reach_voxels() / kSide)));
+  std::vector<std::size_t> out;
+  for (std::size_t tile = 0; tile < surfaces_.size(); ++tile) {
+    if (changed[tile] || (lit[tile] && !surfaces_[tile].indices.empty())) out.push_back(tile);
+  }
+  parallel_items(out.size(), [&](std::size_t i) {
+    const std::size_t tile = out[i];
+    if (!changed[tile]) return update_ambient(fields, surfaces_[tile]);
+    surfaces_[tile] = mesh(fields, tile);
   });
   return out;
 }
 
-void add_density_and_ambient(const BoneFields& fields, BoneSurface& surface) {
-  for_each_vertex(fields.voxmap.grid, surface, [&](float* v, const Eigen::Vector3f& point) {
-    const Eigen::Map<const Eigen::Vector3f> normal(v + BoneSurface::kNormal);
-    const Eigen::Vector3f below = point - kDensityDepth_voxels * normal;
-    v[BoneSurface::kDensity] = mean_density<float>(fields.voxmap, below, [](const Vec3i&) { return 1.0F; });
-    v[BoneSurface::kAccessibility] = fields.ambient.accessibility(point, normal);
-  });
-  surface.deepest_mm = 0;
-  const VoxelGrid& grid = fields.voxmap.grid;
-  const Vec3 first_center = grid.origin_mm + Vec3::Constant(0.5 * grid.voxel_mm);
-  const ReamingSampler sampler(fields.unreamed, fields.solid.grid());
-  for (std::size_t i = 0; i < surface.vertices.size(); i += BoneSurface::kStride) {
-    const float* v = surface.vertices.data() + i;
-    if (v[BoneSurface::kReamed] <= kCertainlyReamed) continue;
-    const Eigen::Vector3f point_mm = (Eigen::Map<const Eigen::Vector3f>{v}.cast<double>() - first_center).cast<float>();
-    surface.deepest_mm = std::max(surface.deepest_mm, double{sampler.depth_mm(vdb_point(point_mm))});
-  }
-}
-
-void update_ambient(const BoneFields& fields, BoneSurface& surface) {
-  for_each_vertex(fields.voxmap.grid, surface, [&](float* v, const Eigen::Vector3f& point) {
-    v[BoneSurface::kAccessibility] =
-        fields.ambient.accessibility(point, Eigen::Map<const Eigen::Vector3f>{v + BoneSurface::kNormal});
-  });
+double BoneTiles::deepest_mm() const {
+  double deepest = 0;
+  for (const BoneSurface& surface : surfaces_) deepest = std::max(deepest, surface.deepest_mm);
+  return deepest;
 }
 
 }  // namespace reamsim

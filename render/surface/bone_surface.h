@@ -84,15 +84,6 @@ struct BoneFields {
 /// Meshes the current bone, with all vertex attributes.
 BoneSurface make_bone_surface(const BoneFields& fields);
 
-/// The number of edges over which a vertex affects others in add_vertex_attributes().
-constexpr int kAttributeReach = 6;
-/// Moves the vertices of `iso`, where the field is zero, by up to 0.4 voxel until they fit their normals, and adds
-/// normals, depth and reaming. add_density_and_ambient() adds the attributes that do not depend on neighbours.
-BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& fields);
-/// Adds density and ambient accessibility of each vertex, and the greatest depth of the surface.
-void add_density_and_ambient(const BoneFields& fields, BoneSurface& surface);
-void update_ambient(const BoneFields& fields, BoneSurface& surface);
-
 /// The bone's surface in tiles of the lattice, so that only tiles near changed bone are meshed again. Together they are
 /// the surface of make_bone_surface(): neighbouring tiles mesh what crosses their border alike.
 class BoneTiles {

@@ -35,24 +35,13 @@ TriangleMesh mesh_at(const openvdb::FloatGrid& surface, double level_mm) {
   return mesh;
 }
 
-Vec3 doubled_area(const TriangleMesh& mesh, const std::array<std::int32_t, 3>& t) {
-  const auto [a, b, c] = mesh.corners(t);
-  return (b - a).cross(c - a);
-}
-
-double area_mm2(const TriangleMesh& mesh) {
-  double doubled = 0;
-  for (const auto& triangle : mesh.triangles) doubled += doubled_area(mesh, triangle).norm();
-  return doubled / 2;
-}
-
 /// The mesh at the level where it encloses `volume_mm3`, by Newton's method: dV/dlevel is the surface area.
 TriangleMesh mesh_of_volume(const openvdb::FloatGrid& surface, double volume_mm3, double voxel_mm) {
   double level_mm = 0;
   TriangleMesh mesh = mesh_at(surface, level_mm);
   for (int i = 0; i < kNewtonSteps && !mesh.triangles.empty(); ++i) {
     const double max_mm = kMaxShift_voxels * voxel_mm;
-    level_mm = std::clamp(level_mm + (volume_mm3 - mesh.volume_mm3()) / area_mm2(mesh), -max_mm, max_mm);
+    level_mm = std::clamp(level_mm + (volume_mm3 - mesh.volume_mm3()) / mesh.area_mm2(), -max_mm, max_mm);
     mesh = mesh_at(surface, level_mm);
   }
   return mesh;
@@ -62,7 +51,8 @@ TriangleMesh mesh_of_volume(const openvdb::FloatGrid& surface, double volume_mm3
 std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
   std::vector<Vec3> sums(mesh.vertices.size(), Vec3::Zero());
   for (const auto& triangle : mesh.triangles) {
-    const Vec3 normal = doubled_area(mesh, triangle);
+    const auto [a, b, c] = mesh.corners(triangle);
+    const Vec3 normal = (b - a).cross(c - a);
     for (const std::int32_t corner : triangle) sums[static_cast<std::size_t>(corner)] += normal;
   }
   std::vector<Eigen::Vector3f> out(sums.size());

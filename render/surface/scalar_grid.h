@@ -23,6 +23,9 @@ struct ScalarGrid {
 /// The isosurface of `field` at `level`, in the grid's world space; with `where`, only in its active voxels.
 IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvdb::BoolGrid::ConstPtr where = nullptr);
 
+inline openvdb::Coord vdb_coord(const Vec3i& v) {
+  return {v.x(), v.y(), v.z()};
+}
 template <class Point>
 openvdb::Vec3d vdb_point(const Point& p) {
   return openvdb::Vec3d(p.x(), p.y(), p.z());

@@ -49,10 +49,6 @@ void smooth_rows(const Kernel& kernel, int cells, const float* in, float* out) {
   }
 }
 
-openvdb::Coord origin_of(const Vec3i& brick) {
-  return {brick.x() * kBrickSide, brick.y() * kBrickSide, brick.z() * kBrickSide};
-}
-
 /// The field of one brick.
 std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& kernel, const Vec3i& brick) {
   std::array<float, kGathered * kGathered * kGathered> fractions{};
@@ -64,7 +60,7 @@ std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& ke
     smooth_rows(kernel, kGathered, after_z.data() + z * kGathered * kGathered,
                 after_y.data() + z * kBrickSide * kGathered);
   }
-  auto leaf = std::make_unique<Leaf>(origin_of(brick), kAir, true);
+  auto leaf = std::make_unique<Leaf>(vdb_coord(kBrickSide * brick), kAir, true);
   for (int z = 0; z < kBrickSide; ++z) {
     for (int y = 0; y < kBrickSide; ++y) {
       std::array<float, kBrickSide> row{};
@@ -173,7 +169,7 @@ void SolidField::compute(const Occupancy& occupancy, const std::vector<Vec3i>& b
     if (leaves[i]) {
       tree.addLeaf(leaves[i].release());
     } else {
-      tree.addTile(1, origin_of(bricks[i]), kinds[i] == Occupancy::Kind::kFull ? kBone : kAir, false);
+      tree.addTile(1, vdb_coord(kBrickSide * bricks[i]), kinds[i] == Occupancy::Kind::kFull ? kBone : kAir, false);
     }
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/viewer/preview.h"
+#include "render/viewer/page.h"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "render/viewer/page.h"
 #include "render/viewer/report_data.h"
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
@@ -107,26 +106,21 @@ Json ct_json(const CtSettings& settings, const CtSettings& used) {
 
 /// `given`: by a point near the face, the landmarks or the face of the scenario; else the bone has it, or nothing.
 Json glenoid_json(const PreviewBone& bone, const GlenoidSettings& given) {
+  // As they are written, so that a direction that does not change keeps its digits; else a column of the frame.
+  const auto shown = [&](const std::optional<Vec3>& written, int column) {
+    if (written) return vector_json(column == 3 ? *written : Vec3(written->normalized()));
+    return bone.glenoid ? vector_json(bone.glenoid->bone_from_glenoid.matrix().col(column)) : Json();
+  };
   Json json{{"given", given.near_mm     ? "near"
                       : given.landmarks ? "landmarks"
                       : given.center_mm ? "face"
                                         : "none"},
-            {"center_mm", Json()},
-            {"normal", Json()},
-            {"superior", Json()},
+            {"center_mm", shown(given.center_mm, 3)},
+            {"normal", shown(given.normal, 2)},
+            {"superior", shown(given.superior, 1)},
             {"landmarks", Json()},
             {"rim_mm", points_json(bone.rim_mm)},
             {"rim_given", !given.rim_mm.empty()}};
-  if (bone.glenoid) {
-    const Rigid& frame = bone.glenoid->bone_from_glenoid;
-    json["center_mm"] = vector_json(frame.translation());
-    json["normal"] = vector_json(frame.linear().col(2));
-    json["superior"] = vector_json(frame.linear().col(1));
-  }
-  // As they are written, so that a direction that does not change keeps its digits.
-  if (given.center_mm) json["center_mm"] = vector_json(*given.center_mm);
-  if (given.normal) json["normal"] = vector_json(given.normal->normalized());
-  if (given.superior) json["superior"] = vector_json(given.superior->normalized());
   if (bone.landmarks) {
     json["landmarks"] = {{"glenoid_center_mm", vector_json(bone.landmarks->glenoid_center_mm)},
                          {"trigonum_spinae_mm", vector_json(bone.landmarks->trigonum_spinae_mm)},
@@ -145,9 +139,8 @@ Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistak
   return json;
 }
 
-/// The path of the tool in its own frame: `frame`, and for evenly spaced frames `time_s` and `poses` as x, y, z (mm)
-/// and qw, qx, qy, qz. Without poses where it cannot be read. `contact`: of a plunge whose depth counts
-/// from the first contact, which the page finds, its direction and approach; else null.
+/// The path of the tool in its own frame, at evenly spaced frames; poses are x, y, z (mm), qw, qx, qy, qz. `contact`:
+/// of a plunge whose depth counts from the first contact, which the page finds, its direction and approach; else null.
 Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes, Diagnostics& report) {
   Json json{
       {"frame", name_of(settings.frame)}, {"time_s", Json::array()}, {"poses", Json::array()}, {"contact", Json()}};
@@ -315,8 +308,7 @@ Json volume_json(const PreviewVolume& volume) {
 
 namespace {
 
-/// The data of the page's script, with a volume of at most `most_voxels` voxels, and the warnings of `report`, which
-/// gets those of tool and motion.
+/// The data of the page's script, with the warnings of `report`, which gets those of tool and motion.
 Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::int64_t most_voxels,
                   Diagnostics& report) {
   const Scenario& scenario = request.scenario;

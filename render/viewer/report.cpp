@@ -87,11 +87,6 @@ constexpr int kQuality = 86;             // least quality without artefacts arou
 
 using Image = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 
-/// Throws bad_alloc where Cairo had no memory: it only sets the status of the surface.
-void check_memory(const Image& image) {
-  if (cairo_surface_status(image.get()) == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
-}
-
 Image read_png(const std::string& path) {
   Image image(cairo_image_surface_create_from_png(path.c_str()), &cairo_surface_destroy);
   if (cairo_surface_status(image.get()) != CAIRO_STATUS_SUCCESS) {
@@ -119,7 +114,8 @@ Image scaled(const Image& image, int most_px) {
   cairo_paint(pen);
   cairo_destroy(pen);
   cairo_surface_flush(out.get());
-  check_memory(out);
+  // Without memory Cairo only sets the status of the surface.
+  if (cairo_surface_status(out.get()) == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
   return out;
 }
 
@@ -209,8 +205,7 @@ std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, in
   return out;
 }
 
-/// The final pictures of a folder as figures (HTML): those of the cameras, of which `first_camera` has no suffix, the
-/// map of depths, the segmentation.
+/// The final pictures of a folder as figures (HTML). `first_camera` is the one without a suffix.
 std::vector<std::string> figures_html(const std::string& dir, const std::string& first_camera) {
   std::vector<std::string> out;
   for (const PagePicture& picture : page_pictures(final_pictures(dir), kPicture_px, kMaxPictureBytes)) {
@@ -223,8 +218,7 @@ std::vector<std::string> figures_html(const std::string& dir, const std::string&
   return out;
 }
 
-/// The pictures during the run: `frames` and `time_s`, and for each camera with a picture of all these frames its
-/// `name`, `width_px`, `height_px` and `jpegs`.
+/// The pictures during the run, and the cameras that have one of each of these frames.
 Json frames_json(const RunData& run, const std::vector<std::string>& cameras) {
   Json json{{"frames", Json::array()}, {"time_s", Json::array()}, {"cameras", Json::array()}};
   const std::string& dir = run.dir();
@@ -263,16 +257,6 @@ std::string printed_plot_html(const std::string& dir) {
 
 // --- the page
 
-/// The data of the page's scripts.
-Json script_data(const RunData& run, const PictureOptions& options) {
-  ForceLog log = run.log();
-  add_layer_means(log, options.mean_travel_mm);
-  return {{"plot", plot_data(log, options.mean_travel_mm)},
-          {"pictures", frames_json(run, names_of(options.settings.cameras))},
-          {"bone", bone_data(run, options.settings)},
-          {"tool", tool_data(run.inputs().passes, log, options.settings)}};
-}
-
 std::string page_html(const RunData& run, const PictureOptions& options) {
   const std::string& dir = run.dir();
   const std::string summary_path = dir + "/summary.json", verification_path = dir + "/verification.json";
@@ -291,8 +275,13 @@ std::string page_html(const RunData& run, const PictureOptions& options) {
   // The slow parts come last, after the checks of the others.
   const auto figures = figures_html(dir, name_of(options.settings.cameras.front()));
   for (std::size_t i = 0; i < figures.size(); ++i) texts[i == 0 ? "bone_figure" : "figures"] += figures[i];
-  Json data = script_data(run, options);
-  data["summary"] = tables;
+  ForceLog log = run.log();
+  add_layer_means(log, options.mean_travel_mm);
+  const Json data{{"plot", plot_data(log, options.mean_travel_mm)},
+                  {"pictures", frames_json(run, names_of(options.settings.cameras))},
+                  {"bone", bone_data(run, options.settings)},
+                  {"tool", tool_data(run.inputs().passes, log, options.settings)},
+                  {"summary", tables}};
   return self_contained_page(embedded::report_page, title, program, data, std::move(texts));
 }
 

@@ -17,10 +17,9 @@
 
 namespace reamsim {
 
-/// Writes DIR/report.html: a self-contained page of a run. Reads from DIR summary.json, scenario.yaml, forces.csv,
-/// reamed.vdb and snapshots/, and where present reamed*.png, frames/, depth_map.png, segmentation.png, forces.png and
-/// verification.json. Deterministic. `options`: those of the pictures. Throws InputError when a result is missing or
-/// damaged, RunError when the page cannot be written.
+/// Writes DIR/report.html, a self-contained page of a run, from its results, and where present from reamed*.png,
+/// frames/, depth_map.png, segmentation.png, forces.png and verification.json. Deterministic. `options`: those of the
+/// pictures. Throws InputError (a result missing or damaged), RunError (the page cannot be written).
 void write_report(const RunData& run, const PictureOptions& options);
 
 // Its parts: data of its scripts, and pictures.
@@ -38,10 +37,9 @@ nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm);
 nlohmann::ordered_json bone_data(const RunData& run, const RenderSettings& settings);
 
 /// The reamers in the 3D view: `passes`, each with its `mesh` in T as of mesh_json() over `box_mm`, simplified, and its
-/// first `row` of shown_rows(); `shown` and `look` as the settings say; `poses`, one for each of shown_rows(): `count`,
-/// `box_mm` of their positions in B, and as `bytes` eight numbers each in the code of mesh_bytes(): x, y, z over
-/// that box, the quaternion's x, y, z, w over −1…1, and the spin angle (about −z of T) over a turn. null for a tool
-/// without triangles.
+/// first `row` of shown_rows(); `shown` and `look` as the settings say; `poses`, one for each of shown_rows(): x, y, z
+/// over their `box_mm` in B, the quaternion's x, y, z, w over −1…1, and the spin angle (about −z of T) over a turn, as
+/// of append_numbers16(). null for a tool without triangles.
 nlohmann::ordered_json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log,
                                  const RenderSettings& settings);
 
@@ -53,9 +51,8 @@ struct DensityVolume {
   std::vector<std::uint8_t> grades;  ///< see sim/bone/voxmap/voxmap.h
 };
 
-/// Means over the bone in cubes of n³ voxels, with the least n for at most `most_cells` cells. Extrapolated into the
-/// adjacent air, so that interpolation at the surface does not mix bone with air. Throws InputError when there is no
-/// bone.
+/// Means over the bone in cubes of n³ voxels, with the least n for at most `most_cells` cells, extrapolated into the
+/// adjacent air, so that interpolation does not mix bone with air. Throws InputError when there is no bone.
 DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells);
 
 /// Indices of at most `most` of `count` items, evenly spaced and ascending, with the first and the last.
@@ -79,9 +76,8 @@ struct MeshBudget {
   std::size_t reamed_triangles = 90'000;     ///< of the reamed face, which stays finer
 };
 
-/// Simplifies a surface with meshoptimizer (edge collapses by quadric error). The vertices are a subset and no cracks
-/// open: reamed face and rest are simplified separately with locked borders. Vertices are in the order of their first
-/// use.
+/// Simplifies a surface with meshoptimizer (edge collapses by quadric error) to a subset of its vertices, in the order
+/// of their first use. Reamed face and rest are simplified separately with locked borders, so that no cracks open.
 BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget);
 
 /// A surface as bytes for the page: as of append_numbers16() x, y, z of the vertices over `box`, depth over

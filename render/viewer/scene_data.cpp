@@ -161,10 +161,9 @@ std::vector<double> bone_in(const Columns& columns, const Voxmap& voxmap, const 
   return out;
 }
 
-/// The reaming between the two surfaces of bone_data(), at up to 12 of the pictures along the run: at each of `time_s`,
-/// how much bone stood over each reamed vertex of `after` (counts_as_reamed(), in the order of the mesh) along the axis
-/// of the tool, 0…`most_mm`, in the code of mesh_bytes(). null without snapshots or reamed vertices. Throws as
-/// apply_snapshot() does.
+/// The reaming between the two surfaces of bone_data(): at each of `time_s`, how much bone stood over each vertex of
+/// `after` that counts_as_reamed() along the axis of the tool, 0…`most_mm`, as of append_numbers16(). null without
+/// snapshots or reamed vertices. Throws as apply_snapshot() does.
 Json reaming_data(const RunData& run, const BoneSurface& after) {
   const std::vector<std::int64_t>& frames = run.inputs().frames;
   const Voxmap& voxmap = run.voxmap();
@@ -213,8 +212,7 @@ BoneSurface tool_surface(const TriangleMesh& mesh) {
   return out;
 }
 
-/// The poses at the shown rows: x, y, z over their box, the quaternion's x, y, z, w over −1…1, and the spin angle over
-/// a turn.
+/// `poses` of tool_data().
 Json poses_json(const ForceLog& log, const std::vector<std::size_t>& rows) {
   Aabb box = Aabb::none();
   for (const std::size_t row : rows) box.extend(log.rows[row].pose.position_mm);

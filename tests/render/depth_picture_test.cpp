@@ -9,7 +9,7 @@
 #include <functional>
 #include <set>
 
-#include "render/pictures/depth_field.h"
+#include "render/pictures/contour_lines.h"
 #include "render/pictures/figures.h"
 #include "render/pictures/overlay.h"
 #include "render/render.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Decodes what render/viewer/mesh_data.cpp and page.cpp encode.
+// Decodes what render/viewer/page.cpp encodes.
 import { unzlibSync } from "fflate";
 
 export function unpacked(base64) {
