@@ -104,7 +104,7 @@ FilledVoxmap scan_and_import(const CtSlab& slab, double voxel_mm) {
   return voxmap_from_scan(scan_of(slab), settings, report);
 }
 
-constexpr double kRate_hz = 500, kRpm = 250, kFeed_mm_s = 20, kStart_mm = 2;
+constexpr double kSlabRate_hz = 500, kRpm = 250, kFeed_mm_s = 20, kStart_mm = 2;
 
 /// Energy and volume of a plunge, summed as far as a depth.
 struct Removed {
@@ -125,13 +125,14 @@ std::vector<Removed> plunge(const CtSlab& slab, double voxel_mm, const std::vect
   std::vector<Leg> legs;
   double from = -kStart_mm;
   for (const double depth : depths_mm) {
-    const int frames = static_cast<int>(std::lround((depth - from) / kFeed_mm_s * kRate_hz));
+    const int frames = static_cast<int>(std::lround((depth - from) / kFeed_mm_s * kSlabRate_hz));
     legs.push_back({slab.face_mm() - depth * n, frames, kRpm, along(n)});
     from = depth;
   }
   const Tool tool = make_tool(flat_profile(slab.radius_mm, 0, slab.depth_mm + 4));
-  const Reamed reamed = ream(
-      scene_of(scan_and_import(slab, voxel_mm), tool, path(kRate_hz, slab.face_mm() + kStart_mm * n, legs)), setting);
+  const Reamed reamed =
+      ream(scene_of(scan_and_import(slab, voxel_mm), tool, path(kSlabRate_hz, slab.face_mm() + kStart_mm * n, legs)),
+           setting);
   std::vector<Removed> out;
   Removed sum;
   std::size_t row = 0;
