@@ -106,11 +106,6 @@ bool outside_frustum(const Eigen::AlignedBox3d& box_mm, const Camera& camera) {
   return false;
 }
 
-bool cut_away(const Eigen::AlignedBox3d& box_mm, const Eigen::Vector4d& plane) {
-  const Vec3 normal = plane.head<3>();
-  return normal.dot(box_mm.center()) + plane.w() + normal.cwiseAbs().dot(box_mm.sizes() / 2) < 0;
-}
-
 bool faces_away(const TileBounds& bounds, const Camera& camera) {
   if (bounds.normal_cone_sine >= 1) return false;
   const double sine = bounds.normal_cone_sine + kEdgeOnSine;
@@ -146,8 +141,9 @@ TileBounds tile_bounds(const BoneSurface& surface) {
 
 bool may_be_visible(const TileBounds& bounds, const Camera& camera) {
   if (outside_frustum(bounds.box_mm, camera)) return false;
-  if (camera.cut_plane) return !cut_away(bounds.box_mm, *camera.cut_plane);
-  return !faces_away(bounds, camera);
+  if (!camera.cut_plane) return !faces_away(bounds, camera);
+  const Vec3 normal = camera.cut_plane->head<3>(), half = bounds.box_mm.sizes() / 2;
+  return normal.dot(bounds.box_mm.center()) + camera.cut_plane->w() + normal.cwiseAbs().dot(half) >= 0;
 }
 
 Scene::Scene(const Gl& gl)

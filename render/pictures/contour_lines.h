@@ -118,7 +118,6 @@ class DepthField {
   void extend_depth();
   void compute_normals();
   void compute_totals();
-  [[nodiscard]] RasterField with_values(std::vector<double> values) const;
   /// Calls visit(column, bilinear weight) for those of the four columns around a point that are in the raster.
   template <class Visit>
   void for_each_corner(const Along& x, const Along& y, const Visit& visit) const;

@@ -142,11 +142,6 @@ static_assert(kAttributeReach + 2 <= kSide, "the one-brick halo of a tile must c
 /// How far a changed voxel affects vertices: three voxels each by field and gradient, the rest by smoothing.
 constexpr int kChangeReach_bricks = 2;
 
-/// Lowest voxel of a tile.
-Vec3i lowest(const Vec3i& tile) {
-  return tile * kTileVoxels - Vec3i::Constant(kSide);
-}
-
 /// The field of a tile with a one-brick halo.
 openvdb::FloatGrid::Ptr tile_field(const openvdb::FloatGrid& field, const Vec3i& lower) {
   auto part = make_float_grid(field.background());
@@ -352,7 +347,7 @@ std::vector<bool> BoneTiles::tiles_within(const std::vector<Vec3i>& bricks, int 
 }
 
 BoneSurface BoneTiles::mesh(const BoneFields& fields, std::size_t tile) const {
-  const Vec3i lower = lowest(tiles_.coord(tile));
+  const Vec3i lower = tiles_.coord(tile) * kTileVoxels - Vec3i::Constant(kSide);
   const openvdb::FloatGrid::Ptr part = tile_field(*fields.solid.grid().vdb, lower);
   if (part->tree().leafCount() == 0) return {};
   const IsoSurface iso = extract_surface(*part, 0, cells_of(lower));

@@ -132,16 +132,6 @@ std::uint16_t zigzag(std::uint16_t difference) {
   return static_cast<std::uint16_t>((difference << 1) ^ (difference & 0x8000 ? 0xFFFF : 0));
 }
 
-/// One float of each vertex.
-std::vector<double> components(const BoneSurface& surface, std::size_t component) {
-  std::vector<double> out;
-  out.reserve(vertex_count(surface));
-  for (std::size_t i = component; i < surface.vertices.size(); i += BoneSurface::kStride) {
-    out.push_back(surface.vertices[i]);
-  }
-  return out;
-}
-
 void append_indices(const std::vector<std::uint32_t>& indices, std::vector<std::uint8_t>& out) {
   std::uint32_t next = 0;
   for (const std::uint32_t index : indices) {
@@ -201,7 +191,12 @@ void append_numbers16(std::span<const double> values, double low, double size, s
 std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
   std::vector<std::uint8_t> out;
   const auto append = [&](std::size_t component, double low, double size, int steps) {
-    append_numbers16(components(surface, component), low, size, out, steps);
+    std::vector<double> values;
+    values.reserve(vertex_count(surface));
+    for (std::size_t i = component; i < surface.vertices.size(); i += BoneSurface::kStride) {
+      values.push_back(surface.vertices[i]);
+    }
+    append_numbers16(values, low, size, out, steps);
   };
   for (std::size_t axis = 0; axis < 3; ++axis) {
     append(axis, box.min()[static_cast<int>(axis)], box.sizes()[static_cast<int>(axis)], kSteps16);

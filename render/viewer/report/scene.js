@@ -10,13 +10,12 @@ import {
 
 function geometryOf(packed, box) {
   const mesh = meshOf(packed, box);
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(mesh.positions, 3));
-  geometry.setAttribute("normal", new BufferAttribute(mesh.normals, 3, true));
-  geometry.setAttribute("vertex_attributes", new BufferAttribute(mesh.attributes, 3, true));
-  geometry.setAttribute("depth", new BufferAttribute(mesh.depths, 1, true));
-  geometry.setIndex(new BufferAttribute(mesh.indices, 1));
-  return geometry;
+  return new BufferGeometry()
+    .setAttribute("position", new BufferAttribute(mesh.positions, 3))
+    .setAttribute("normal", new BufferAttribute(mesh.normals, 3, true))
+    .setAttribute("vertex_attributes", new BufferAttribute(mesh.attributes, 3, true))
+    .setAttribute("depth", new BufferAttribute(mesh.depths, 1, true))
+    .setIndex(new BufferAttribute(mesh.indices, 1));
 }
 
 // The bone during the run: the reamed vertices of the bone after it, lifted by the bone that was still there.
@@ -201,8 +200,7 @@ export class BoneScene extends View {
     this.update();
   }
 
-  // Tool and bone at a row of the log.
-  // `touched`: bone was removed before.
+  // Tool and bone at a row of the log. `touched`: bone was removed before.
   moveTo(row, time, touched) {
     [this.time, this.touched] = [time, touched];
     this.tool?.moveTo(row);
