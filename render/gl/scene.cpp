@@ -88,10 +88,6 @@ GlMesh line_ribbons(const Gl& gl, const std::vector<SurfaceLine>& lines, const C
 /// A triangle seen edge-on to within this sine counts as visible, because its corners are rounded to subpixels.
 constexpr double kEdgeOnSine = 0.02;
 
-Vec3 corner_mm(const BoneSurface& surface, std::uint32_t vertex) {
-  return Eigen::Map<const Eigen::Vector3f>(surface.vertices.data() + vertex * BoneSurface::kStride).cast<double>();
-}
-
 /// Is the box outside one plane of the view frustum?
 bool outside_frustum(const Eigen::AlignedBox3d& box_mm, const Camera& camera) {
   const Eigen::Matrix4d clip_from_bone = camera.clip_from_bone();
@@ -127,7 +123,9 @@ TileBounds tile_bounds(const BoneSurface& surface) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
     std::array<Vec3, 3> corners;
-    for (std::size_t k = 0; k < 3; ++k) out.box_mm.extend(corners[k] = corner_mm(surface, surface.indices[i + k]));
+    for (std::size_t k = 0; k < 3; ++k) {
+      out.box_mm.extend(corners[k] = surface.position_mm(surface.indices[i + k]).cast<double>());
+    }
     const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     if (normal.squaredNorm() > 0) sum += normals.emplace_back(normal.normalized());
   }

@@ -65,7 +65,7 @@ std::vector<Eigen::Vector3f> normals_at(const std::vector<Eigen::Vector3f>& poin
 /// Calls action(the floats of a vertex, its position in voxel index space).
 template <class Action>
 void for_each_vertex(const VoxelGrid& grid, BoneSurface& surface, const Action& action) {
-  parallel_ranges(surface.vertices.size() / BoneSurface::kStride, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_ranges(surface.count(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       float* v = surface.vertices.data() + i * BoneSurface::kStride;
       const Vec3 mm = Eigen::Map<const Eigen::Vector3f>{v}.cast<double>();
@@ -76,8 +76,7 @@ void for_each_vertex(const VoxelGrid& grid, BoneSurface& surface, const Action& 
   });
 }
 
-/// Moves the vertices of `iso`, where the field is zero, by up to 0.4 voxel until they fit their normals, and adds
-/// normals, depth and reaming.
+/// Moves the vertices of `iso` by up to 0.4 voxel until they fit their normals, and adds normals, depth and reaming.
 BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& fields) {
   const VoxelGrid& grid = fields.voxmap.grid;
   BoneSurface out;

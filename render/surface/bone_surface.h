@@ -59,6 +59,11 @@ struct BoneSurface {
   static constexpr std::size_t kStride = 10;
   static constexpr std::size_t kNormal = 3, kDepth = 6, kReamed = 7, kDensity = 8, kAccessibility = 9;  ///< offsets
 
+  [[nodiscard]] std::size_t count() const { return vertices.size() / kStride; }
+  [[nodiscard]] auto position_mm(std::size_t i) const {
+    return Eigen::Map<const Eigen::Vector3f>(vertices.data() + i * kStride);
+  }
+
   std::vector<float> vertices;
   std::vector<std::uint32_t> indices;
   double deepest_mm = 0;  ///< of the reamed vertices, before smoothing; 0 when nothing is reamed
