@@ -47,12 +47,13 @@ Eigen::Vector4d local_plane(const Camera& camera, const Rigid& bone_from_local) 
 }
 
 /// Uses a program and sets the uniforms that several programs have; OpenGL ignores the others.
-void use_program(const GlProgram& program, const DrawCall& call) {
+const GlProgram& use_program(const GlProgram& program, const DrawCall& call) {
   program.use();
   program.set("clip_from_bone", call.camera.clip_from_bone());
   program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
   program.set("key_direction", call.settings.light.normalized());
   program.set("samples_per_px", 1.0 * call.settings.supersampling);
+  return program;
 }
 
 /// Closed lines as ribbons that face the viewer, with one width in the picture, moved towards the viewer against
@@ -204,8 +205,7 @@ void Scene::draw_background(Background background) const {
 }
 
 void Scene::draw_bone(const DrawCall& call) const {
-  const GlProgram& program = bone_program_;
-  use_program(program, call);
+  const GlProgram& program = use_program(bone_program_, call);
   program.set("eye_from_bone", call.camera.eye_from_bone.matrix());
   program.set("depth_max_mm", call.depth_max_mm);
   program.set("haze_per_mm", call.camera.cut_plane ? kHaze_per_mm : 0.0);
@@ -229,8 +229,7 @@ void Scene::draw_cut_face(const DrawCall& call) const {
   }
   const std::array<std::uint32_t, 6> indices{0, 1, 2, 0, 2, 3};
   const GlMesh quad(gl_, vertices, std::array{3, 2}, indices);
-  const GlProgram& program = cut_face_program_;
-  use_program(program, call);
+  const GlProgram& program = use_program(cut_face_program_, call);
   program.set("density_max_g_cm3", call.density_max_g_cm3);
   program.set("face", 0);
   program.set("density_colors", 1);
@@ -244,8 +243,7 @@ void Scene::draw_cut_face(const DrawCall& call) const {
 void Scene::draw_lines(const DrawCall& call) const {
   const double width_px = kContourWidth_px * std::max(0.6, call.camera.height_px / 1080.0);
   const GlMesh mesh = line_ribbons(gl_, call.lines, call.camera, width_px + 1);
-  const GlProgram& program = line_program_;
-  use_program(program, call);
+  const GlProgram& program = use_program(line_program_, call);
   program.set("half_width_px", 0.5 * width_px);
   program.set("opacity", kContourOpacity);
   gl_.Disable(GL_CULL_FACE);
@@ -259,8 +257,7 @@ void Scene::draw_tool(const DrawCall& call) const {
   const Rigid& bone_from_tool = call.tool->bone_from_tool;
   const bool cut_open = call.camera.cut_plane.has_value();
   const GlMesh& tool = tools_.at(call.tool->pass);
-  const GlProgram& program = tool_program_;
-  use_program(program, call);
+  const GlProgram& program = use_program(tool_program_, call);
   program.set("clip_from_tool", Eigen::Matrix4d(call.camera.clip_from_bone() * bone_from_tool.matrix()));
   program.set("eye_from_tool", (call.camera.eye_from_bone * bone_from_tool).matrix());
   program.set("cut_plane", local_plane(call.camera, bone_from_tool));
@@ -295,8 +292,7 @@ void Scene::draw_tool_cut(const GlMesh& tool, const DrawCall& call) const {
   gl_.Enable(GL_DEPTH_TEST);
   gl_.StencilFunc(GL_NOTEQUAL, 0, 255);
   gl_.StencilOpSeparate(GL_FRONT_AND_BACK, GL_KEEP, GL_KEEP, GL_KEEP);
-  const GlProgram& cut = tool_cut_program_;
-  use_program(cut, call);
+  const GlProgram& cut = use_program(tool_cut_program_, call);
   const Eigen::Matrix4d bone_from_clip = call.camera.clip_from_bone().inverse();
   cut.set("plane_in_clip", Eigen::Vector4d(bone_from_clip.transpose() * *call.camera.cut_plane));
   cut.set("depth_offset", kToolCutOffset_mm * call.camera.clip_depth_per_mm());
