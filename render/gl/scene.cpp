@@ -47,12 +47,13 @@ Eigen::Vector4d local_plane(const Camera& camera, const Rigid& bone_from_local) 
 }
 
 /// Uses a program and sets the uniforms that several programs have; OpenGL ignores the others.
-void use_program(const GlProgram& program, const DrawCall& call) {
+const GlProgram& use_program(const GlProgram& program, const DrawCall& call) {
   program.use();
   program.set("clip_from_bone", call.camera.clip_from_bone());
   program.set("cut_plane", local_plane(call.camera, Rigid::Identity()));
   program.set("key_direction", call.settings.light.normalized());
   program.set("samples_per_px", 1.0 * call.settings.supersampling);
+  return program;
 }
 
 /// Closed lines as ribbons that face the viewer, with one width in the picture, moved towards the viewer against
@@ -88,10 +89,6 @@ GlMesh line_ribbons(const Gl& gl, const std::vector<SurfaceLine>& lines, const C
 /// A triangle seen edge-on to within this sine counts as visible, because its corners are rounded to subpixels.
 constexpr double kEdgeOnSine = 0.02;
 
-Vec3 corner_mm(const BoneSurface& surface, std::uint32_t vertex) {
-  return Eigen::Map<const Eigen::Vector3f>(surface.vertices.data() + vertex * BoneSurface::kStride).cast<double>();
-}
-
 /// Is the box outside one plane of the view frustum?
 bool outside_frustum(const Eigen::AlignedBox3d& box_mm, const Camera& camera) {
   const Eigen::Matrix4d clip_from_bone = camera.clip_from_bone();
@@ -104,11 +101,6 @@ bool outside_frustum(const Eigen::AlignedBox3d& box_mm, const Camera& camera) {
     if ((corners.row(axis) > corners.row(3)).all() || (corners.row(axis) < -corners.row(3)).all()) return true;
   }
   return false;
-}
-
-bool cut_away(const Eigen::AlignedBox3d& box_mm, const Eigen::Vector4d& plane) {
-  const Vec3 normal = plane.head<3>();
-  return normal.dot(box_mm.center()) + plane.w() + normal.cwiseAbs().dot(box_mm.sizes() / 2) < 0;
 }
 
 bool faces_away(const TileBounds& bounds, const Camera& camera) {
@@ -132,7 +124,9 @@ TileBounds tile_bounds(const BoneSurface& surface) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
     std::array<Vec3, 3> corners;
-    for (std::size_t k = 0; k < 3; ++k) out.box_mm.extend(corners[k] = corner_mm(surface, surface.indices[i + k]));
+    for (std::size_t k = 0; k < 3; ++k) {
+      out.box_mm.extend(corners[k] = surface.position_mm(surface.indices[i + k]).cast<double>());
+    }
     const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     if (normal.squaredNorm() > 0) sum += normals.emplace_back(normal.normalized());
   }
@@ -146,8 +140,9 @@ TileBounds tile_bounds(const BoneSurface& surface) {
 
 bool may_be_visible(const TileBounds& bounds, const Camera& camera) {
   if (outside_frustum(bounds.box_mm, camera)) return false;
-  if (camera.cut_plane) return !cut_away(bounds.box_mm, *camera.cut_plane);
-  return !faces_away(bounds, camera);
+  if (!camera.cut_plane) return !faces_away(bounds, camera);
+  const Vec3 normal = camera.cut_plane->head<3>(), half = bounds.box_mm.sizes() / 2;
+  return normal.dot(bounds.box_mm.center()) + camera.cut_plane->w() + normal.cwiseAbs().dot(half) >= 0;
 }
 
 Scene::Scene(const Gl& gl)
@@ -210,8 +205,7 @@ void Scene::draw_background(Background background) const {
 }
 
 void Scene::draw_bone(const DrawCall& call) const {
-  const GlProgram& program = bone_program_;
-  use_program(program, call);
+  const GlProgram& program = use_program(bone_program_, call);
   program.set("eye_from_bone", call.camera.eye_from_bone.matrix());
   program.set("depth_max_mm", call.depth_max_mm);
   program.set("haze_per_mm", call.camera.cut_plane ? kHaze_per_mm : 0.0);
@@ -235,8 +229,7 @@ void Scene::draw_cut_face(const DrawCall& call) const {
   }
   const std::array<std::uint32_t, 6> indices{0, 1, 2, 0, 2, 3};
   const GlMesh quad(gl_, vertices, std::array{3, 2}, indices);
-  const GlProgram& program = cut_face_program_;
-  use_program(program, call);
+  const GlProgram& program = use_program(cut_face_program_, call);
   program.set("density_max_g_cm3", call.density_max_g_cm3);
   program.set("face", 0);
   program.set("density_colors", 1);
@@ -250,8 +243,7 @@ void Scene::draw_cut_face(const DrawCall& call) const {
 void Scene::draw_lines(const DrawCall& call) const {
   const double width_px = kContourWidth_px * std::max(0.6, call.camera.height_px / 1080.0);
   const GlMesh mesh = line_ribbons(gl_, call.lines, call.camera, width_px + 1);
-  const GlProgram& program = line_program_;
-  use_program(program, call);
+  const GlProgram& program = use_program(line_program_, call);
   program.set("half_width_px", 0.5 * width_px);
   program.set("opacity", kContourOpacity);
   gl_.Disable(GL_CULL_FACE);
@@ -265,8 +257,7 @@ void Scene::draw_tool(const DrawCall& call) const {
   const Rigid& bone_from_tool = call.tool->bone_from_tool;
   const bool cut_open = call.camera.cut_plane.has_value();
   const GlMesh& tool = tools_.at(call.tool->pass);
-  const GlProgram& program = tool_program_;
-  use_program(program, call);
+  const GlProgram& program = use_program(tool_program_, call);
   program.set("clip_from_tool", Eigen::Matrix4d(call.camera.clip_from_bone() * bone_from_tool.matrix()));
   program.set("eye_from_tool", (call.camera.eye_from_bone * bone_from_tool).matrix());
   program.set("cut_plane", local_plane(call.camera, bone_from_tool));
@@ -301,8 +292,7 @@ void Scene::draw_tool_cut(const GlMesh& tool, const DrawCall& call) const {
   gl_.Enable(GL_DEPTH_TEST);
   gl_.StencilFunc(GL_NOTEQUAL, 0, 255);
   gl_.StencilOpSeparate(GL_FRONT_AND_BACK, GL_KEEP, GL_KEEP, GL_KEEP);
-  const GlProgram& cut = tool_cut_program_;
-  use_program(cut, call);
+  const GlProgram& cut = use_program(tool_cut_program_, call);
   const Eigen::Matrix4d bone_from_clip = call.camera.clip_from_bone().inverse();
   cut.set("plane_in_clip", Eigen::Vector4d(bone_from_clip.transpose() * *call.camera.cut_plane));
   cut.set("depth_offset", kToolCutOffset_mm * call.camera.clip_depth_per_mm());

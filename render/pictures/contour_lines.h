@@ -47,9 +47,9 @@ struct RasterField {
   [[nodiscard]] double at(const Vec2& place_mm) const;
 };
 
-/// Smooths values (mm) by local least squares with Gaussian weights (Cleveland and Devlin 1988,
-/// doi:10.1080/01621459.1988.10478639): a quadratic in each known column, which has no bias where the values slope or
-/// end; a plane in others at most a few columns away; NaN beyond.
+/// Smooths by local least squares with Gaussian weights (Cleveland and Devlin 1988,
+/// doi:10.1080/01621459.1988.10478639): a quadratic in known columns, which has no bias at slopes and ends; a plane in
+/// others a few columns away; NaN beyond.
 RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known);
 
 /// The smoothed depth of reamed columns, with negative values in all others, so that contours of values ≥ 0 are closed.
@@ -118,7 +118,6 @@ class DepthField {
   void extend_depth();
   void compute_normals();
   void compute_totals();
-  [[nodiscard]] RasterField with_values(std::vector<double> values) const;
   /// Calls visit(column, bilinear weight) for those of the four columns around a point that are in the raster.
   template <class Visit>
   void for_each_corner(const Along& x, const Along& y, const Visit& visit) const;

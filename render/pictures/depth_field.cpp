@@ -194,18 +194,16 @@ void DepthField::extend_depth() {
   }
 }
 
-RasterField DepthField::with_values(std::vector<double> values) const {
-  return {depth_.raster, depth_.corner_mm, depth_.spacing_mm, std::move(values)};
-}
-
 std::vector<ContourLine> DepthField::bone_outlines() const {
-  return contour_lines(with_values(bone_fraction_), 0.5);
+  RasterField field = depth_;
+  field.values = bone_fraction_;
+  return contour_lines(field, 0.5);
 }
 
 std::vector<ContourLine> DepthField::reamed_outlines() const {
-  std::vector<double> values = reamed_fraction_;
-  for (std::size_t n = 0; n < values.size(); ++n) values[n] -= 0.5 * bone_fraction_[n];
-  return contour_lines(with_values(std::move(values)), 0);
+  RasterField field = depth_;
+  for (std::size_t n = 0; n < bone_.size(); ++n) field.values[n] = reamed_fraction_[n] - 0.5 * bone_fraction_[n];
+  return contour_lines(field, 0);
 }
 
 void DepthField::compute_totals() {

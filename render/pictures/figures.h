@@ -22,8 +22,7 @@ void write_depth_picture(const RunData& run, double depth_max_mm);
 /// surface of DIR/reamed.vdb, B, mm; or warns that no bone remains. Throws InputError (damaged result), RunError.
 void write_meshes(const RunData& run, double depth_max_mm, Diagnostics& report);
 
-/// Writes DIR/segmentation.png, if there are planes: the CT with the outline of the segmented bone, to scale, in the
-/// radiological convention. Throws RunError.
+/// Writes DIR/segmentation.png, if there are planes: the CT with the outline of the bone, to scale. Throws RunError.
 void write_segmentation_picture(const std::string& dir, const Segmentation& segmentation);
 
 /// What a picture of a scenario shows before it is run.

@@ -146,14 +146,12 @@ struct Comparison {
 /// All numbers of the runs' summary.json in file order, those of the first run first. Throws InputError.
 std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& runs);
 
-/// The keys of the runs' scenario.yaml that differ, in file order, without those that change no number: `version`,
-/// `name`, `output`, `render`. An input file that changed under one path is a parameter "KEY (contents)", the beginning
-/// of its SHA-256. Throws InputError: missing or damaged.
+/// The keys of the runs' scenario.yaml that differ and change numbers, in file order. An input file that changed under
+/// one path is a parameter "KEY (contents)", the beginning of its SHA-256. Throws InputError: missing or damaged.
 std::vector<ComparedParameter> compare_scenarios(const std::vector<ComparedRun>& runs);
 
-/// The number that colours the curves: `color_by`; otherwise, with more runs than there are line styles, the numeric
-/// parameter that correlates most with the peak axial force by rank, or the number of the run (key ""). None: each run
-/// has a line style of its own. Throws InputError when `color_by` is no number in these runs.
+/// What colours the curves: `color_by`; else, with more runs than line styles, the parameter that correlates most with
+/// the peak axial force by rank, or the number of the run (key ""). Throws InputError when `color_by` is no number.
 std::optional<ComparedMetric> colored_by(const Comparison& comparison);
 
 /// The number of line styles that can be told apart.

@@ -26,24 +26,13 @@ constexpr double kMinPeak = 0.25;  // fraction of the highest
 constexpr double kMaxFramesPerTurn = 100'000;
 
 /// The longest stretch of rows with torque, without a gap of a whole revolution.
-struct Contact {
-  std::size_t first = 0;  ///< row
-  std::size_t count = 0;
-  double begin_s = 0, end_s = 0;
-  double begin_rad = 0, end_rad = 0;
-};
-
-Contact longest_contact(const std::vector<TorqueSample>& samples) {
-  Contact longest, now;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const TorqueSample& sample = samples[i];
-    if (sample.torque_nmm == 0) continue;
-    const bool near = now.count > 0 && std::abs(sample.angle_rad - now.end_rad) < 2 * std::numbers::pi;
-    if (!near) now = {.first = i, .begin_s = sample.time_s, .begin_rad = sample.angle_rad};
-    now.end_s = sample.time_s;
-    now.end_rad = sample.angle_rad;
-    now.count = i - now.first + 1;
-    if (now.count > longest.count) longest = now;
+std::span<const TorqueSample> longest_contact(std::span<const TorqueSample> samples) {
+  std::span<const TorqueSample> longest, now;
+  for (std::size_t i = 0, first = 0; i < samples.size(); ++i) {
+    if (samples[i].torque_nmm == 0) continue;
+    if (now.empty() || std::abs(samples[i].angle_rad - now.back().angle_rad) >= 2 * std::numbers::pi) first = i;
+    now = samples.subspan(first, i - first + 1);
+    if (now.size() > longest.size()) longest = now;
   }
   return longest;
 }
@@ -128,16 +117,17 @@ std::string peaks_block(const TorqueSpectrum& spectrum) {
 
 TorqueSpectrum torque_spectrum(const std::vector<TorqueSample>& samples) {
   TorqueSpectrum out;
-  const Contact contact = longest_contact(samples);
-  if (contact.count < 2) return out;
-  const double duration_s = contact.end_s - contact.begin_s;
-  const double rate_hz = static_cast<double>(contact.count - 1) / duration_s;
-  const double spin_hz = std::abs(contact.end_rad - contact.begin_rad) / (2 * std::numbers::pi) / duration_s;
+  const std::span<const TorqueSample> contact = longest_contact(samples);
+  if (contact.size() < 2) return out;
+  const TorqueSample &first = contact.front(), &last = contact.back();
+  const double duration_s = last.time_s - first.time_s;
+  const double rate_hz = static_cast<double>(contact.size() - 1) / duration_s;
+  const double spin_hz = std::abs(last.angle_rad - first.angle_rad) / (2 * std::numbers::pi) / duration_s;
   const double frames_per_turn = spin_hz > 0 ? rate_hz / spin_hz : 0;
   if (!(frames_per_turn >= 2) || frames_per_turn > kMaxFramesPerTurn) return out;
-  if (static_cast<double>(contact.count) < (kMinTurns + 1) * frames_per_turn) return out;
+  if (static_cast<double>(contact.size()) < (kMinTurns + 1) * frames_per_turn) return out;
   const auto turn = static_cast<std::size_t>(std::lround(frames_per_turn));
-  const std::vector<double> torque_nmm = without_mean(std::span(samples).subspan(contact.first, contact.count), turn);
+  const std::vector<double> torque_nmm = without_mean(contact, turn);
   out.spin_hz = spin_hz;
   out.lines = welch(torque_nmm, std::min(torque_nmm.size(), kWindowTurns * turn), rate_hz);
   out.peaks = find_peaks(out.lines, spin_hz);

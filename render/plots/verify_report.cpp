@@ -15,11 +15,9 @@
 #include "sim/record/result_json.h"
 
 namespace reamsim {
-namespace {
-using Json = nlohmann::ordered_json;
-}  // namespace
-
 namespace verify {
+
+using Json = nlohmann::ordered_json;
 
 static void to_json(Json& out, const Check& check) {
   constexpr std::array kMeasureNames{"relative", "absolute", "at_least", "at_most", "reported"};
@@ -70,6 +68,7 @@ namespace {
 using verify::CaseFindings;
 using verify::Check;
 using verify::Findings;
+using verify::Json;
 using verify::Measure;
 using verify::Refinement;
 

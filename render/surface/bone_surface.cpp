@@ -65,7 +65,7 @@ std::vector<Eigen::Vector3f> normals_at(const std::vector<Eigen::Vector3f>& poin
 /// Calls action(the floats of a vertex, its position in voxel index space).
 template <class Action>
 void for_each_vertex(const VoxelGrid& grid, BoneSurface& surface, const Action& action) {
-  parallel_ranges(surface.vertices.size() / BoneSurface::kStride, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_ranges(surface.count(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       float* v = surface.vertices.data() + i * BoneSurface::kStride;
       const Vec3 mm = Eigen::Map<const Eigen::Vector3f>{v}.cast<double>();
@@ -76,8 +76,7 @@ void for_each_vertex(const VoxelGrid& grid, BoneSurface& surface, const Action& 
   });
 }
 
-/// Moves the vertices of `iso`, where the field is zero, by up to 0.4 voxel until they fit their normals, and adds
-/// normals, depth and reaming.
+/// Moves the vertices of `iso` by up to 0.4 voxel until they fit their normals, and adds normals, depth and reaming.
 BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& fields) {
   const VoxelGrid& grid = fields.voxmap.grid;
   BoneSurface out;
@@ -141,11 +140,6 @@ constexpr int kTileVoxels = BoneTiles::kSideBricks * kSide;
 static_assert(kAttributeReach + 2 <= kSide, "the one-brick halo of a tile must contain all that affects its vertices");
 /// How far a changed voxel affects vertices: three voxels each by field and gradient, the rest by smoothing.
 constexpr int kChangeReach_bricks = 2;
-
-/// Lowest voxel of a tile.
-Vec3i lowest(const Vec3i& tile) {
-  return tile * kTileVoxels - Vec3i::Constant(kSide);
-}
 
 /// The field of a tile with a one-brick halo.
 openvdb::FloatGrid::Ptr tile_field(const openvdb::FloatGrid& field, const Vec3i& lower) {
@@ -352,7 +346,7 @@ std::vector<bool> BoneTiles::tiles_within(const std::vector<Vec3i>& bricks, int 
 }
 
 BoneSurface BoneTiles::mesh(const BoneFields& fields, std::size_t tile) const {
-  const Vec3i lower = lowest(tiles_.coord(tile));
+  const Vec3i lower = tiles_.coord(tile) * kTileVoxels - Vec3i::Constant(kSide);
   const openvdb::FloatGrid::Ptr part = tile_field(*fields.solid.grid().vdb, lower);
   if (part->tree().leafCount() == 0) return {};
   const IsoSurface iso = extract_surface(*part, 0, cells_of(lower));

@@ -59,6 +59,11 @@ struct BoneSurface {
   static constexpr std::size_t kStride = 10;
   static constexpr std::size_t kNormal = 3, kDepth = 6, kReamed = 7, kDensity = 8, kAccessibility = 9;  ///< offsets
 
+  [[nodiscard]] std::size_t count() const { return vertices.size() / kStride; }
+  [[nodiscard]] auto position_mm(std::size_t i) const {
+    return Eigen::Map<const Eigen::Vector3f>(vertices.data() + i * kStride);
+  }
+
   std::vector<float> vertices;
   std::vector<std::uint32_t> indices;
   double deepest_mm = 0;  ///< of the reamed vertices, before smoothing; 0 when nothing is reamed
@@ -117,15 +122,13 @@ struct ReamedMesh {
   std::vector<float> reamed;             ///< certainty that material was removed there, 0…1, per vertex
 };
 
-/// Meshes the level set `surface` of the VDB file `path` (mm, negative inside), with the depth of each vertex below
-/// `unreamed`, at the level near 0 at which the mesh encloses the remaining volume `bone_mm3`. It is closed where the
-/// lattice `grid` cuts the bone, and empty without bone. Throws InputError when the level set is missing or damaged.
+/// Meshes the level set `surface` of the VDB file `path`, with depths below `unreamed`, at the level near 0 at which it
+/// encloses `bone_mm3`; closed where `grid` cuts the bone. Throws InputError when the level set is missing or damaged.
 ReamedMesh make_reamed_mesh(const std::string& path, const VoxelGrid& grid, double bone_mm3,
                             const UnreamedSurface& unreamed);
 
-/// Writes a binary glTF 2.0: one mesh with POSITION (B, mm, as asset.extras states), NORMAL, COLOR_0 (bone, or the
-/// depth colour up to `depth_max_mm`) and _DEPTH_MM, which assimp does not export. A node rotates +z of B to +y of
-/// glTF, which is up. Throws RunError when the file cannot be written or exceeds the 4 GiB limit of GLB.
+/// Writes a binary glTF 2.0, not by assimp, which exports no _DEPTH_MM: one mesh in B, mm, with depth colours up to
+/// `depth_max_mm`; a node turns +z of B up. Throws RunError when it cannot be written or exceeds the 4 GiB of GLB.
 void write_glb(const std::string& path, const ReamedMesh& reamed, double depth_max_mm);
 
 }  // namespace reamsim

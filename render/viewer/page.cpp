@@ -108,10 +108,6 @@ namespace {
 constexpr std::size_t kVertexBytes = BoneSurface::kStride * sizeof(float);  // of a vertex
 constexpr int kNormalSteps = 254, kAttributeSteps = 255;
 
-std::size_t vertex_count(const BoneSurface& surface) {
-  return surface.vertices.size() / BoneSurface::kStride;
-}
-
 /// Appends the triangles of `indices` to `out`, simplified to at most `most`.
 void simplify(const BoneSurface& surface, const std::vector<std::uint32_t>& indices, std::size_t most,
               std::vector<std::uint32_t>& out) {
@@ -121,25 +117,14 @@ void simplify(const BoneSurface& surface, const std::vector<std::uint32_t>& indi
   }
   constexpr float kAnyError = 1;  // only the number of triangles limits
   std::vector<std::uint32_t> kept(indices.size());
-  kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), surface.vertices.data(),
-                               vertex_count(surface), kVertexBytes, 3 * most, kAnyError, meshopt_SimplifyLockBorder,
-                               nullptr));
+  kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), surface.vertices.data(), surface.count(),
+                               kVertexBytes, 3 * most, kAnyError, meshopt_SimplifyLockBorder, nullptr));
   out.insert(out.end(), kept.begin(), kept.end());
 }
 
 /// Maps 0, −1, 1, −2 … to 0, 1, 2, 3 …
 std::uint16_t zigzag(std::uint16_t difference) {
   return static_cast<std::uint16_t>((difference << 1) ^ (difference & 0x8000 ? 0xFFFF : 0));
-}
-
-/// One float of each vertex.
-std::vector<double> components(const BoneSurface& surface, std::size_t component) {
-  std::vector<double> out;
-  out.reserve(vertex_count(surface));
-  for (std::size_t i = component; i < surface.vertices.size(); i += BoneSurface::kStride) {
-    out.push_back(surface.vertices[i]);
-  }
-  return out;
 }
 
 void append_indices(const std::vector<std::uint32_t>& indices, std::vector<std::uint8_t>& out) {
@@ -171,10 +156,10 @@ BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget) {
   simplify(surface, unreamed, budget.unreamed_triangles, out.indices);
   simplify(surface, reamed, budget.reamed_triangles, out.indices);
   if (out.indices.empty()) return out;
-  meshopt_optimizeVertexCache(out.indices.data(), out.indices.data(), out.indices.size(), vertex_count(surface));
+  meshopt_optimizeVertexCache(out.indices.data(), out.indices.data(), out.indices.size(), surface.count());
   out.vertices.resize(surface.vertices.size());
   const std::size_t used = meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(),
-                                                       surface.vertices.data(), vertex_count(surface), kVertexBytes);
+                                                       surface.vertices.data(), surface.count(), kVertexBytes);
   out.vertices.resize(used * BoneSurface::kStride);
   return out;
 }
@@ -201,7 +186,12 @@ void append_numbers16(std::span<const double> values, double low, double size, s
 std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
   std::vector<std::uint8_t> out;
   const auto append = [&](std::size_t component, double low, double size, int steps) {
-    append_numbers16(components(surface, component), low, size, out, steps);
+    std::vector<double> values;
+    values.reserve(surface.count());
+    for (std::size_t i = component; i < surface.vertices.size(); i += BoneSurface::kStride) {
+      values.push_back(surface.vertices[i]);
+    }
+    append_numbers16(values, low, size, out, steps);
   };
   for (std::size_t axis = 0; axis < 3; ++axis) {
     append(axis, box.min()[static_cast<int>(axis)], box.sizes()[static_cast<int>(axis)], kSteps16);
@@ -216,16 +206,14 @@ std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::Al
 }
 
 nlohmann::ordered_json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
-  return {{"vertices", vertex_count(surface)},
+  return {{"vertices", surface.count()},
           {"triangles", surface.indices.size() / 3},
           {"bytes", compressed_base64(mesh_bytes(surface, box, depth_max_mm))}};
 }
 
 Eigen::AlignedBox3f bounds_of(const BoneSurface& surface) {
   Eigen::AlignedBox3f box;
-  for (std::size_t i = 0; i < surface.vertices.size(); i += BoneSurface::kStride) {
-    box.extend(Eigen::Map<const Eigen::Vector3f>(surface.vertices.data() + i));
-  }
+  for (std::size_t i = 0; i < surface.count(); ++i) box.extend(surface.position_mm(i));
   return box;
 }
 

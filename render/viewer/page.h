@@ -58,8 +58,7 @@ extern const char* const study_page;
 std::string self_contained_page(const char* page, const std::string& title, const std::string& program,
                                 const nlohmann::ordered_json& data, PageTexts texts = {});
 
-/// `page` with each {{name}} replaced, not recursively. Throws std::logic_error when a name has no text, because the
-/// page is part of the program.
+/// `page` with each {{name}} replaced, not recursively. Throws std::logic_error when a name has no text.
 std::string fill_template(std::string_view page, const PageTexts& texts);
 
 /// The page of a study: HTML without network, at most `most_bytes`, which sorts, filters and plots its runs and opens
@@ -74,9 +73,8 @@ struct PreviewRequest {
   std::string source;     ///< what the page is titled with: the name of the scenario or of the bone's file
 };
 
-/// The page: HTML without network, at most 15 MB. Problems of segmentation, frame, tool and motion that stop a run are
-/// shown in the page, because it is there to mend them; `report` gets warnings. Throws InputError when the bone itself
-/// cannot be read.
+/// The page: HTML without network, at most 15 MB. It shows problems that stop a run, because it is there to mend them;
+/// `report` gets warnings. Throws InputError when the bone itself cannot be read.
 std::string preview_page(const PreviewRequest& request, Diagnostics& report);
 
 /// Whether a file is such a page.
@@ -90,16 +88,14 @@ struct PreviewVolume {
   std::vector<float> bone;   ///< above 0 in the bone, 0 at its surface, within −1…1; empty without a segmentation
 };
 
-/// A CT scan and its segmentation, with at most `most_voxels` voxels. Larger scans are averaged, first along the axes
-/// with the smallest spacing.
+/// A CT scan and its segmentation, averaged to at most `most_voxels` voxels, first along axes with small spacing.
 PreviewVolume preview_of_scan(const SegmentedScan& scan, std::int64_t most_voxels);
 
 /// A voxmap, averaged over cubes of n³ voxels, with the least n for at most `most_voxels` cubes.
 PreviewVolume preview_of_voxmap(const BoneView& bone, std::int64_t most_voxels);
 
-/// The volume for the page: `dims`, `origin_mm` (centre of the first voxel), `spacing_mm`, `unit`, and zlib in base 64:
-/// `values`, a byte v per voxel for low + step·v, and `bone`, a byte per voxel, 128 at the surface and more inside, or
-/// null. Bytes are differences to the previous voxel, which compress better.
+/// The volume for the page: its lattice, `unit`, and as differences to the previous voxel, zlib in base 64: `values`, a
+/// byte v per voxel for low + step·v, and `bone`, a byte per voxel, 128 at the surface and more inside, or null.
 nlohmann::ordered_json volume_json(const PreviewVolume& volume);
 
 }  // namespace reamsim

@@ -62,11 +62,9 @@ std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most);
 std::string text_at(const nlohmann::ordered_json& json, const char* key, const std::string& path);
 
 /// The figures and tables of the page from summary.json and verification.json (null if missing), without missing
-/// values: `warnings`, texts; `key_figures` and `balance`, rows; `planning`, `measurements` and `provenance`, tables;
-/// `verification`: `passed`, `suite`, number of `cases`, `program`, `device`, and which of the last two `differs` from
-/// the run; null if missing. A row is [label, value, unit]. A table has `title` and `rows`; that of a list has
-/// `columns` (titles) as well, and of their numbers the `decimals` (null: texts). Throws InputError, naming the path,
-/// for values that no run and no verification writes.
+/// values. A row is [label, value, unit]. A table has `title` and `rows`; that of a list has `columns` (titles) as
+/// well, and of their numbers the `decimals` (null: texts). `verification` says what `differs` from the run: program,
+/// device. Throws InputError, naming the path, for values that no run and no verification writes.
 nlohmann::ordered_json summary_data(const nlohmann::ordered_json& summary, const nlohmann::ordered_json& verification,
                                     const std::string& summary_path, const std::string& verification_path);
 

@@ -116,12 +116,11 @@ struct Columns {
 Columns columns_over(const BoneSurface& surface, const Vec3& axis, double voxel_mm) {
   Columns out{.feet = {}, .edges = {}, .axis = axis, .length_mm = 1.5 * surface.deepest_mm + 2 * voxel_mm};
   constexpr std::size_t kNone = -1;
-  std::vector<std::size_t> slots(surface.vertices.size() / BoneSurface::kStride, kNone);
+  std::vector<std::size_t> slots(surface.count(), kNone);
   for (std::size_t i = 0; i < slots.size(); ++i) {
-    const float* vertex = surface.vertices.data() + i * BoneSurface::kStride;
-    if (!counts_as_reamed(vertex)) continue;
+    if (!counts_as_reamed(surface.position_mm(i).data())) continue;
     slots[i] = out.feet.size();
-    out.feet.push_back(Eigen::Map<const Eigen::Vector3f>(vertex).cast<double>());
+    out.feet.push_back(surface.position_mm(i).cast<double>());
   }
   for (std::size_t i = 0; i < surface.indices.size(); ++i) {
     // Inner edges belong to two triangles that pass them in opposite directions.

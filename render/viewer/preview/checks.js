@@ -4,8 +4,7 @@
 // What the surface of the bone says about a glenoid frame, and what would go wrong in a run.
 import { add, cross, dot, length, minus, positionsOf, scaled, unit } from "./volume.js";
 
-// The mean outward normal of the surface within `radius` mm of a point, without the far side of a thin bone. Null where
-// there is no surface.
+// The mean outward normal of the surface within `radius` mm of a point, without the far side of a thin bone; or null.
 export function faceNormal(surface, point, radius = 10) {
   const positions = positionsOf(surface), normals = surface.getAttribute("normal").array;
   let guess = null;

@@ -279,9 +279,8 @@ function fillHoles(lattice, mask, stack) {
   for (let at = 0; at < mask.length; ++at) mask[at] = outside[at] === 0 ? 1 : 0;
 }
 
-// The bone as a field: 128 at its surface, more inside. `ct` has threshold_hu, cut_spheres, cut_planes, seed_mm,
-// closing_mm and fill_holes; `scale` turns bytes into HU. Null where nothing remains; `seedMissed` where the seed is
-// in no bone.
+// The bone as a field: 128 at its surface, more inside; null where nothing remains. `ct` has the keys of the scenario;
+// `scale` turns bytes into HU. `seedMissed`: the seed is in no bone.
 export function liveMask({ lattice, bytes }, ct, scale) {
   const level = (ct.threshold_hu - scale.low) / scale.step;
   let mask = new Uint8Array(lattice.size);

@@ -1,9 +1,247 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The 3D view's controls.
-import { Vector3, choices, find, legend, vector, viewMissing } from "../shared/scene.js";
-import { BoneScene } from "./scene.js";
+// The bone before, during and after reaming and the reamer, with an optional section.
+import {
+  BackSide, BufferAttribute, BufferGeometry, Data3DTexture, DecrementWrapStencilOp, FrontSide, Group, IncrementWrapStencilOp,
+  LinearFilter, Mesh, PlaneGeometry, Quaternion, RedFormat, Vector3, Vector4, View, boneMaterial, capMaterial, choices, find,
+  legend, liftsOf, meshOf, posesOf, toolMaterials, unpacked, vector, viewMissing,
+} from "../shared/scene.js";
+
+function geometryOf(packed, box) {
+  const mesh = meshOf(packed, box);
+  return new BufferGeometry()
+    .setAttribute("position", new BufferAttribute(mesh.positions, 3))
+    .setAttribute("normal", new BufferAttribute(mesh.normals, 3, true))
+    .setAttribute("vertex_attributes", new BufferAttribute(mesh.attributes, 3, true))
+    .setAttribute("depth", new BufferAttribute(mesh.depths, 1, true))
+    .setIndex(new BufferAttribute(mesh.indices, 1));
+}
+
+// The bone during the run: the reamed vertices of the bone after it, lifted by the bone that was still there.
+const blend_mm = 0.3;  // lifts over which the normals change from those after the run to recomputed ones
+
+class Reaming {
+  // `geometry` of the bone after the run.
+  constructor(geometry, reaming, axis) {
+    this.times = reaming.time_s;
+    this.states = liftsOf(reaming);
+    this.axis = axis;
+    this.places = geometry.getAttribute("position").array;
+    this.normals = geometry.getAttribute("normal");
+    this.finalNormals = this.normals.array.slice();
+    const attributes = geometry.getAttribute("vertex_attributes").array;
+    const reamed = (vertex) => attributes[3 * vertex] > 0;
+    this.moved = new Uint32Array(this.places.length / 3).map((_, i) => i).filter(reamed);
+    this.lifts = new BufferAttribute(new Float32Array((2 * this.places.length) / 3), 2);  // mm, and as a fraction of the greatest
+    geometry.setAttribute("lift", this.lifts);
+    // The triangles at the reamed vertices, where these are during the run.
+    const indices = geometry.getIndex().array, touching = indices.filter((_, i) => [0, 1, 2].some((k) => reamed(indices[i - (i % 3) + k])));
+    this.lifted = new BufferGeometry().setAttribute("position", new BufferAttribute(this.places.slice(), 3));
+    this.lifted.setIndex(new BufferAttribute(touching, 1));
+  }
+
+  // At a time of the run, linear between the pictures; undefined: after the run.
+  moveTo(time) {
+    if (time === this.time) return;
+    this.time = time;
+    const [before, after, part] = this.neighbours(time);
+    const first = this.states[0];
+    this.moved.forEach((vertex, slot) => {
+      const lift = before === undefined ? 0 : (1 - part) * before[slot] + part * after[slot];
+      this.lifts.array[2 * vertex] = lift;
+      this.lifts.array[2 * vertex + 1] = first[slot] > 0 ? Math.min(1, lift / first[slot]) : 0;
+    });
+    this.lifts.needsUpdate = true;
+    this.shade();
+  }
+
+  neighbours(time) {
+    const { times, states } = this;
+    if (time === undefined) return [undefined, undefined, 0];
+    const next = times.findIndex((t) => t > time), after = next < 0 ? times.length - 1 : next, before = next > 0 ? next - 1 : after;
+    return [states[before], states[after], before === after ? 0 : (time - times[before]) / (times[after] - times[before])];
+  }
+
+  // Normals of the lifted vertices: the mean of their triangles by area.
+  shade() {
+    const lifted = this.lifted.getAttribute("position").array;
+    for (const vertex of this.moved) {
+      for (let k = 0; k < 3; ++k) lifted[3 * vertex + k] = this.places[3 * vertex + k] + this.lifts.array[2 * vertex] * this.axis[k];
+    }
+    this.lifted.computeVertexNormals();
+    const normals = this.lifted.getAttribute("normal").array;
+    for (const vertex of this.moved) {
+      const weight = Math.min(1, this.lifts.array[2 * vertex] / blend_mm);
+      for (let at = 3 * vertex; at < 3 * vertex + 3; ++at) {
+        this.normals.array[at] = Math.round(weight * 127 * normals[at] + (1 - weight) * this.finalNormals[at]);
+      }
+    }
+    this.normals.needsUpdate = true;
+  }
+}
+
+// The reamer: see-through as in the pictures, or of steel.
+const spinAxis = new Vector3(0, 0, -1);  // of a positive spin, in the tool frame
+
+// The reamer of a pass.
+function modelOf(pass, materials) {
+  const geometry = geometryOf(pass.mesh, pass.box_mm);
+  const model = new Group();
+  materials.forEach((material, i) => {
+    const mesh = new Mesh(geometry, material);
+    mesh.renderOrder = 10 + i;
+    mesh.frustumCulled = false;
+    model.add(mesh);
+  });
+  return model;
+}
+
+class ToolModel {
+  constructor(tool, cut) {
+    this.poses = posesOf(tool.poses);
+    const { uniforms, materials, prepare } = toolMaterials(new Vector3(0.42, 0.45, 0.49), cut);
+    Object.assign(this, { uniforms, prepare });
+    this.group = new Group();
+    this.passes = tool.passes.map((pass) => ({ row: pass.row, model: modelOf(pass, materials) }));
+    for (const pass of this.passes) this.group.add(pass.model);
+    this.moveTo(0);
+  }
+
+  // To the pose of a row.
+  moveTo(row) {
+    const { position, quaternion, spin } = this.poses[row];
+    const present = this.passes.findLast((pass) => pass.row <= row);
+    for (const pass of this.passes) pass.model.visible = pass === present;
+    this.group.position.set(...position);
+    this.group.quaternion.set(...quaternion).normalize();
+    this.group.quaternion.multiply(new Quaternion().setFromAxisAngle(spinAxis, spin));
+  }
+
+  // "see-through", "steel" or "hidden".
+  set look(look) {
+    this.group.visible = look !== "hidden";
+    this.uniforms.opaque.value = look === "steel" ? 1 : 0;
+  }
+}
+
+function densityTexture(volume) {
+  const texture = new Data3DTexture(unpacked(volume.bytes), ...volume.dims);
+  return Object.assign(texture, { format: RedFormat, minFilter: LinearFilter, magFilter: LinearFilter, needsUpdate: true });
+}
+
+class BoneScene extends View {
+  constructor(canvas, bone, tool) {
+    const { look } = bone;
+    super(canvas, {
+      focus: vector(look.focus_mm), reach: look.reach_mm, half: 0.5 * look.height_mm, up: look.superior, aside: vector(look.outward),
+      directions: () => look,
+    }, { stencil: true });
+    this.cut = new Vector4(0, 0, 0, 1);
+    this.addBone(bone);
+    this.addCap(bone);
+    this.addTool(tool);
+    this.show("after");
+  }
+
+  addBone(bone) {
+    const depth = bone.depth_colors;
+    this.uniforms = {
+      cut: { value: this.cut },
+      stops: { value: depth.stops.map(vector) },
+      depth_max_mm: { value: depth.max },
+      contour_mm: { value: depth.step },
+      shows_depth: { value: 1 },
+      lift_axis: { value: vector(bone.look.axis) },
+    };
+    // Behind the cut, more back faces than front faces on a ray mean that the cut plane lies in bone there.
+    const counting = (side, operation) => boneMaterial(this.uniforms, {
+      side, depthWrite: false, depthTest: false, colorWrite: false, stencilWrite: true, stencilZPass: operation,
+    });
+    const materials = [counting(BackSide, IncrementWrapStencilOp), counting(FrontSide, DecrementWrapStencilOp), boneMaterial(this.uniforms)];
+    this.states = {};
+    for (const state of ["before", "after"]) {
+      const geometry = geometryOf(bone[state], bone.box_mm);
+      if (state === "after" && bone.reaming !== null) this.reaming = new Reaming(geometry, bone.reaming, bone.look.axis);
+      this.states[state] = materials.map((made, i) => {
+        const mesh = new Mesh(geometry, made);
+        mesh.renderOrder = i < 2 ? 1 : 3;
+        mesh.frustumCulled = false;
+        this.scene.add(mesh);
+        return mesh;
+      });
+    }
+  }
+
+  addCap(bone) {
+    const { dims, cell_mm, origin_mm } = bone.density, colors = bone.density_colors;
+    this.cap = new Mesh(new PlaneGeometry(4 * this.reach, 4 * this.reach), capMaterial({
+      density: { value: densityTexture(bone.density) },
+      origin_mm: { value: vector(origin_mm) },
+      size_mm: { value: vector(dims).multiplyScalar(cell_mm) },
+      stops: { value: colors.stops.map(vector) },
+      top_grade: { value: bone.grade_per_g_cm3 * colors.max },
+    }));
+    this.cap.renderOrder = 2;
+    this.cap.visible = false;
+    this.scene.add(this.cap);
+  }
+
+  addTool(tool) {
+    if (tool === null) return;
+    this.tool = new ToolModel(tool, this.cut);
+    this.tool.look = tool.shown ? tool.look : "hidden";
+    this.scene.add(this.tool.group);
+  }
+
+  // "before" or "after" the run, or "now": at the time of moveTo().
+  show(state) {
+    this.state = state;
+    this.update();
+  }
+
+  // Tool and bone at a row of the log. `touched`: bone was removed before.
+  moveTo(row, time, touched) {
+    [this.time, this.touched] = [time, touched];
+    this.tool?.moveTo(row);
+    this.update();
+  }
+
+  update() {
+    const shown = this.state !== "now" ? this.state : this.touched ? "after" : "before";
+    for (const [name, [back, front, bone]] of Object.entries(this.states)) {
+      bone.visible = name === shown;
+      back.visible = front.visible = bone.visible && this.cap.visible;
+    }
+    if (this.state !== "before") this.reaming?.moveTo(this.state === "now" ? this.time : undefined);
+    if (this.tool) this.tool.uniforms.has_cut.value = this.cap.visible ? 1 : 0;
+  }
+
+  // Cuts away what lies in front of the plane: `normal` (unit length) points to the removed side. null: no section.
+  cutAlong(normal, point) {
+    this.cap.visible = normal !== null;
+    if (normal === null) {
+      this.cut.set(0, 0, 0, 1);
+    } else {
+      this.cut.set(-normal.x, -normal.y, -normal.z, normal.dot(point));
+      this.cap.position.copy(point);
+      this.cap.lookAt(point.clone().add(normal));
+    }
+    this.update();
+  }
+
+  draw() {
+    super.draw();
+    if (this.tool) this.canvas.dataset.toolMm = this.tool.group.position.toArray().map((v) => v.toFixed(3)).join(" ");
+  }
+
+  render() {
+    this.tool?.prepare(this.camera);
+    super.render();
+  }
+}
+
+// --- its controls
 
 // The section planes: `normal` points towards the viewer of the cut.
 function planesOf(look) {

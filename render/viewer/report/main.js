@@ -3,7 +3,7 @@
 
 import { find, fixedText, measuredText, numberText, pageData, part, tableRow } from "../shared/scene.js";
 import { showBone } from "./bone.js";
-import { showRun } from "./run.js";
+import { Run } from "./run.js";
 
 // --- figures, tables, warnings and verification of the run
 
@@ -96,6 +96,6 @@ function showPictures() {
 const data = pageData();
 showSummary(data.summary);
 const bone = showBone(data.bone, data.tool);
-showRun(data.plot, data.pictures, (...moment) => bone?.moveTo(...moment));
+new Run(data.plot, data.pictures, (...moment) => bone?.moveTo(...moment));
 showPictures();
 globalThis.report = { measuredText, numberText };  // for tests

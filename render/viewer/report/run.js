@@ -5,8 +5,7 @@
 import uPlot from "uplot";
 import { choices, find, fixedText, part, sayValue, significantText } from "../shared/scene.js";
 
-// The plot: panels over one time axis, with one cursor.
-// Okabe and Ito's colours, as in forces.gp.
+// The plot: panels over one time axis, with one cursor, in Okabe and Ito's colours, as in forces.gp.
 const panels = [
   { label: "Axial force", unit: "N", column: "axial_force_n", color: "#0072b2", light: "#b5d3e6", mean: "mean_axial_force_n" },
   { label: "Spin torque", unit: "N·mm", column: "spin_torque_nmm", color: "#d55e00", light: "#f3c9ab", mean: "mean_spin_torque_nmm" },
@@ -137,10 +136,11 @@ const readings = [
   ["Spin torque", "spin_torque_nmm", 0, "N·mm"], ["Removed", "removed_mm3", 1, "mm³"],
 ];
 
-class Run {
+export class Run {
   // `onMove` is told the row and the time that are shown, and whether bone was removed by then.
   constructor(plot, pictures, onMove) {
     Object.assign(this, { plot, pictures, onMove });
+    find("run-interactive").hidden = find("timeline").hidden = false;
     this.camera = pictures.cameras[0];
     this.slider = find("time");
     this.slider.max = plot.frame.length - 1;
@@ -259,9 +259,4 @@ class Run {
     const row = this.plot.time_s.findIndex((t) => t >= time);
     return row < 0 ? this.plot.time_s.length - 1 : row;
   }
-}
-
-export function showRun(plot, pictures, onMove) {
-  find("run-interactive").hidden = find("timeline").hidden = false;
-  new Run(plot, pictures, onMove);
 }

@@ -32,12 +32,10 @@ function withoutZeros(value, decimals) {
   return kept;
 }
 
-const exponentOf = (value, digits) => Number(value.toExponential(digits - 1).split("e")[1]);
-
 // With this many significant digits, and exponents as in 1.2 × 10⁻⁸.
 export function numberText(value, digits = 4) {
   if (value === 0) return "0";
-  const exponent = exponentOf(value, digits);
+  const exponent = Number(value.toExponential(digits - 1).split("e")[1]);
   if (exponent >= -4) return typeset(value.toFixed(withoutZeros(value, Math.max(0, digits - 1 - exponent))));
   const raised = String(-exponent).replace(/\d/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
   return `${typeset((value / 10 ** exponent).toFixed(1))} × 10⁻${raised}`;

@@ -142,10 +142,6 @@ export class View {
     event.preventDefault();
   }
 
-  mmPerPixel() {
-    return (this.camera.top - this.camera.bottom) / this.camera.zoom / this.canvas.clientHeight;
-  }
-
   // At most once per picture of the screen, because it takes long without a GPU.
   draw() {
     this.drawing ??= requestAnimationFrame(() => {
@@ -157,7 +153,7 @@ export class View {
     const away = this.camera.position.clone().sub(this.controls.target).normalize();
     this.canvas.dataset.towardsViewer = away.toArray().map((v) => v.toFixed(4)).join(" ");
     drawAxes(find("bone-axes"), this.directions(), this.camera);
-    drawScale(find("bone-scale"), this.mmPerPixel());
+    drawScale(find("bone-scale"), (this.camera.top - this.camera.bottom) / this.camera.zoom / this.canvas.clientHeight);
   }
 
   render() {

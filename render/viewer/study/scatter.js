@@ -101,13 +101,11 @@ export class Scatter {
   }
 
   drawAxes(draw, x, y) {
+    const line = (...points) => draw.stroke(new Path2D(`M${points.map((p) => p.join()).join("L")}`));
     Object.assign(draw, { strokeStyle: "#e3e5e8", fillStyle: "#333", lineWidth: 1, textAlign: "right" });
     for (const value of stepsOf(this.up.low, this.up.high, 7)) {
       if (this.up.ticks) break;
-      draw.beginPath();
-      draw.moveTo(kLeft, this.toY(value));
-      draw.lineTo(this.width - kRight, this.toY(value));
-      draw.stroke();
+      line([kLeft, this.toY(value)], [this.width - kRight, this.toY(value)]);
       draw.fillText(significantText(value), kLeft - 8, this.toY(value) + 4);
     }
     for (const [value, text] of this.up.ticks ?? []) draw.fillText(text.slice(0, 10), kLeft - 8, this.toY(value) + 4);
@@ -121,11 +119,7 @@ export class Scatter {
       draw.fillText(text, this.toX(value), kHigh - kBottom + 18);
     }
     draw.strokeStyle = "#606060";
-    draw.beginPath();
-    draw.moveTo(kLeft, kTop);
-    draw.lineTo(kLeft, kHigh - kBottom);
-    draw.lineTo(this.width - kRight, kHigh - kBottom);
-    draw.stroke();
+    line([kLeft, kTop], [kLeft, kHigh - kBottom], [this.width - kRight, kHigh - kBottom]);
     draw.fillText(x.title, kLeft + (this.width - kLeft - kRight) / 2, kHigh - 8, this.width - kLeft - kRight);
     draw.save();
     draw.translate(14, kTop + (kHigh - kTop - kBottom) / 2);
