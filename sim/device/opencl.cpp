@@ -71,7 +71,8 @@ Program build_program(const DeviceInfo& info, cl_context context, const std::str
   check(status, "clCreateProgramWithSource");
   const std::string rounding = info.rounds_division ? "-cl-fp32-correctly-rounded-divide-sqrt " : "";
   const std::string atomics = info.int64_atomics ? "-DRS_INT64_ATOMICS " : "";
-  const std::string all_options = "-cl-std=CL1.2 -cl-single-precision-constant " + folder_option + rounding + atomics + options;
+  const std::string all_options =
+      "-cl-std=CL1.2 -cl-single-precision-constant " + folder_option + rounding + atomics + options;
   status = clBuildProgram(program.get(), 1, &info.id, all_options.c_str(), nullptr, nullptr);
   if (status == CL_SUCCESS) return program;
   throw RunError("kernel " + name + " does not build on " + info.name + ": " + build_log(program.get(), info.id));

@@ -45,6 +45,7 @@ TEST_F(CommandLine, UnknownOption) {
 
 TEST_F(CommandLine, OptionWithoutItsValue) {
   write("s.yaml", kSmall);
+  plots_ = true;  // nothing follows the option
   expect_refused(call({"run", "s.yaml", "-o"}), 2, {"--output"});
 }
 

@@ -60,8 +60,8 @@ cl::SlotKernel make_detect_kernel(const cl::Device& device, const DensePlan& pla
     cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense, defines), "detect_octree", group,
                        state.point_count);
     out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.points, state.point_count, state.hu,
-                 state.scale.of_air, state.claims, state.contacts, batch.contact_count(),
-                 batch.sums(), state.outline.arguments(), state.children, state.levels);
+                 state.scale.of_air, state.claims, state.contacts, batch.contact_count(), batch.sums(),
+                 state.outline.arguments(), state.children, state.levels);
     return out;
   }
   const char* defines = plan.wide_codes ? "-DRS_WIDE_CODES" : "";
