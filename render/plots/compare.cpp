@@ -4,6 +4,7 @@
 #include "render/plots/plots.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>

@@ -4,6 +4,7 @@
 #include "render/plots/plots.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
 #include <cmath>

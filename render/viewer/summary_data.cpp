@@ -135,7 +135,7 @@ constexpr Table kMeasurements[]{
      {{"/push/mean_feed_mm_s", "Feed rate from first contact on, mean", "mm/s"},
       {"/push/peak_feed_mm_s", "Feed rate in contact, peak", "mm/s"},
       {"/push/hand_work_mj", "Work of the hand", "mJ"},
-      {"/push/spindle_work_mj", "Work of the drive", "mJ"},
+      {"/push/drill_work_mj", "Work of the drive", "mJ"},
       {"/push/peak_hand_power_w", "Power of the hand, peak", "W"},
       {"/push/peak_drill_power_w", "Power of the drive, peak", "W"},
       {"/push/overshoot_mm", "Travel in 0.2 s after breakthrough", "mm"}}},

@@ -4,6 +4,7 @@
 #include "sim/bench/suite.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -4,6 +4,7 @@
 #include "sim/record/force_log.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -201,12 +201,13 @@ ExactForecast forecast_exact(const SimulationInput& scene) {
     const VoxelBox near = voxel_voi(args, box, bone);
     if (near.empty()) continue;
     std::size_t listed = 0;
+    const Eigen::Affine3d place = tool_from_voxel(args);
     for_each_voxel(near.first / BrickLattice::kSide, near.last / BrickLattice::kSide, [&](const Vec3i& brick) {
       BrickMark& mark = marks[lattice.index(brick)];
       if (mark == BrickMark::air) return;
       const Vec3 middle =
           (BrickLattice::kSide * brick).cast<double>() + Vec3::Constant(0.5 * (BrickLattice::kSide - 1));
-      const Vec2 rz = rz_of(tool_from_voxel(args) * middle);
+      const Vec2 rz = rz_of(place * middle);
       double distance_mm = coarse.nearest(rz);
       if (std::abs(distance_mm - reached_mm) <= sample_slack_mm) distance_mm = tool.profile.nearest(rz).distance_mm;
       listed += std::abs(distance_mm) <= listed_mm ? 1 : 0;

@@ -272,6 +272,7 @@ std::vector<std::string> same_runs(const std::vector<IdentifiedRun>& runs) {
 Scenario scenario_of(const Study& study, const PlannedRun& run) {
   Scenario scenario = parse_scenario(study.base, run.overrides);
   // What is not kept is not made. The bytes of the rest do not depend on it.
+  scenario.output.plots = study.keep.pictures;  // `pictures` are both
   if (!study.keep.pictures) {
     scenario.render.enabled = false;
     scenario.output.meshes = false;

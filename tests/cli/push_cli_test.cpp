@@ -61,6 +61,7 @@ TEST_F(PushCommand, BoneHoldsTheThrustAndColumnsAndSummarySaySo) {
   EXPECT_EQ(events[0].at("event"), "contact");
   EXPECT_EQ(events[1].at("event"), "end");
   EXPECT_EQ(summary()["push"]["events"].size(), 2U);
+  EXPECT_EQ(summary()["push"]["drill_work_mj"], summary()["push"]["spindle_work_mj"]) << "its name in 1.0";
   EXPECT_NEAR(summary()["push"]["spindle_work_mj"].get<double>() + summary()["push"]["hand_work_mj"].get<double>() +
                   summary()["floor_energy_mj"].get<double>(),
               summary()["energy_mj"].get<double>(), 2e-3 * summary()["energy_mj"].get<double>());
