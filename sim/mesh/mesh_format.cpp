@@ -267,8 +267,11 @@ void check_ply(const std::string& path, std::string_view start, std::uintmax_t s
 
 MeshFormat checked_format(const std::string& path, std::string_view start, std::uintmax_t size) {
   if (has_length_of_stl(start, size)) return MeshFormat::stl_binary;
-  if (const auto foreign = foreign_format(start))
-    refuse_file(path, std::string(foreign->name), std::string(foreign->advice));
+  if (const auto foreign = foreign_format(start)) {
+    const std::string space = stated_space(start, MeshFormat::stl_binary);
+    refuse_file(path, std::string(foreign->name),
+                std::string(foreign->advice) + (space.empty() ? "" : "; its header says SPACE=" + space));
+  }
   if (const auto format = mesh_format(start)) return *format;
   // An STL cut short within its header has no triangle by which it could be known.
   if (capitals(fs::path(path).extension().string()) == ".STL" && !is_text(start)) {

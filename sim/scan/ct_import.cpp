@@ -62,7 +62,8 @@ ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& setting
                      "the crop contains no voxel of the image",
                      "the image spans " + ct::box_text(source.geometry.bounds_mm()) + " (LPS)");
   }
-  ct::check_fits_in_memory(static_cast<double>(box.voxels()), 2 * sizeof(float), {settings.path, ct::kScanKey});
+  const double images = ct::is_axis_aligned(source.geometry) ? 2 : 3;  // as read, and CroppedImage
+  ct::check_fits_in_memory(static_cast<double>(box.voxels()), images * sizeof(float), {settings.path, ct::kScanKey});
   return box;
 }
 
@@ -125,7 +126,7 @@ struct CroppedImage {
 };
 
 CroppedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box, const CtSettings& settings,
-                          Diagnostics& report, const StageSink& stages = {}) {
+                          Diagnostics& report, const StageSink& stages = {}, bool for_surfaces = true) {
   ct::Scan scan = source.read(box, 0);
   float least = replace_non_finite(scan.value, settings.path, ct::kScanKey, report);
   if (settings.hu) {
@@ -140,7 +141,8 @@ CroppedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box,
   const ct::Crop crop{settings.crop_min_mm, settings.crop_max_mm};
   CroppedImage out{.hu = ct::align_to_lps(scan, crop, least), .sharp = {}};
   note_crop(out.hu, source, report);
-  if (!ct::is_axis_aligned(scan.geometry)) out.sharp = ct::align_to_lps(scan, crop, least, ct::Interpolation::cubic);
+  if (for_surfaces && !ct::is_axis_aligned(scan.geometry))
+    out.sharp = ct::align_to_lps(scan, crop, least, ct::Interpolation::cubic);
   begin_stage(stages, BoneStage::filter);
   filter(out.hu, settings, report);
   Diagnostics said;  // already
@@ -370,7 +372,7 @@ SegmentedScan segmented_scan(const BoneSettings& given, Diagnostics& report, std
 
 std::vector<ct::Joint> joints_in_scan(const BoneSettings& settings, Diagnostics& report) {
   return with_open_scan(settings.ct, report, [&](const ct::ScanSource& source) {
-    const CroppedImage image = read_cropped(source, cropped_box(source, settings.ct), settings.ct, report);
+    const CroppedImage image = read_cropped(source, cropped_box(source, settings.ct), settings.ct, report, {}, false);
     return ct::find_joints(image.hu, settings.ct.threshold_hu);
   });
 }

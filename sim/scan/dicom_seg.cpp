@@ -232,7 +232,6 @@ class SegFile {
   }
 
   void open_pixels(const DicomValues& values) {
-    const gdcm::TransferSyntax syntax = reader_.GetFile().GetHeader().GetDataSetTransferSyntax();
     const gdcm::ByteValue* plain = values.raw(kPixels);
     bits_ = values.short_integer({0x0028, 0x0100});
     if ((bits_ != 1 && bits_ != 8 && bits_ != 16) || values.short_integer({0x0028, 0x0002}) > 1) {
@@ -242,11 +241,11 @@ class SegFile {
     if (plain != nullptr && plain->GetLength() < (bits + 7) / 8) throw bad_seg(file_, "the segmentation is truncated");
     if (facts_.pixel_type == "FRACTIONAL") least_ = std::max(1.0, 0.5 * values.short_integer({0x0062, 0x000e}));
     pixels_ = plain == nullptr ? nullptr : plain->GetPointer();
-    if (plain == nullptr || (bits_ == 16 && syntax == gdcm::TransferSyntax::ExplicitVRBigEndian)) decode(syntax);
+    if (plain == nullptr) decode();
   }
 
   /// GDCM's image reader is not used: it knows no label maps and no compressed single bits.
-  void decode(const gdcm::TransferSyntax& syntax) {
+  void decode() {
     bits_ = std::max(bits_, 8);  // of a compressed single bit
     decoded_.resize(pixels_of_frame() * frames_.size() * static_cast<std::size_t>(bits_ / 8));
     const auto size = Vec3i(frames_.front().columns, frames_.front().rows, int(frames_.size())).cast<unsigned>().eval();
@@ -255,8 +254,7 @@ class SegFile {
     image.SetDimensions(size.data());
     image.SetPixelFormat(bits_ == 8 ? gdcm::PixelFormat::UINT8 : gdcm::PixelFormat::UINT16);
     image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
-    image.SetTransferSyntax(syntax);
-    image.SetNeedByteSwap(syntax == gdcm::TransferSyntax::ExplicitVRBigEndian);
+    image.SetTransferSyntax(reader_.GetFile().GetHeader().GetDataSetTransferSyntax());
     image.SetDataElement(reader_.GetFile().GetDataSet().GetDataElement(kPixels));
     try {
       if (!image.GetBuffer(decoded_.data())) throw unreadable(file_);
