@@ -47,7 +47,8 @@ typedef uint8_t rs_u8;
 #define RS_FORCE_SCALE RS_SCALE(268435456.0)   /* 2^28 */
 #define RS_TORQUE_SCALE RS_SCALE(16777216.0)   /* 2^24 */
 #define RS_ENERGY_SCALE RS_SCALE(4294967296.0) /* 2^32 */
-/* Units of fixed-point lengths in the tool's frame per mm: up to 28 m away a brick lies within 10^-11 mm of its place. */
+/* Units of fixed-point lengths in the tool's frame per mm: up to 28 m away a brick lies within 10^-11 mm of its place.
+ */
 #define RS_LENGTH_SCALE RS_SCALE(35184372088832.0) /* 2^45 */
 /* Units of density in wear per g/cm3. */
 #define RS_DENSITY_SCALE RS_SCALE(16777216.0) /* 2^24 */
