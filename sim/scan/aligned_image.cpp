@@ -73,9 +73,10 @@ Vec3 lattice_spacing(const ScanGeometry& geometry) {
 /// The weights of Keys' cubic convolution (1981, IEEE Transactions on Acoustics, Speech, and Signal Processing 29,
 /// 1153–1160) for the values at −1, 0, 1, 2, with the slope −0.75 at 1, which keeps edges better than −0.5.
 std::array<double, 4> cubic_weights(double t) {
-  constexpr double a = -0.75;
+  constexpr double kSlope = -0.75;
   const double u = 1 - t;
-  return {a * t * u * u, ((a + 2) * t - (a + 3)) * t * t + 1, ((a + 2) * u - (a + 3)) * u * u + 1, a * u * t * t};
+  const auto inner = [](double x) { return ((kSlope + 2) * x - (kSlope + 3)) * x * x + 1; };
+  return {kSlope * t * u * u, inner(t), inner(u), kSlope * u * t * t};
 }
 
 /// Cubic interpolation at an index, limited to the values of the eight voxels around it.

@@ -44,6 +44,20 @@ TEST_F(Device, DevicesWithoutOpenCl) {
   EXPECT_THAT(result.out, HasSubstr("serial"));
 }
 
+TEST_F(Device, ADeviceWithoutAtomicsOf64BitsGivesTheSameForces) {
+  const std::string variable = "REAMSIM_DEVICE_WITHOUT";
+  expect_refused(run_with({{variable, "int63_atomics"}}, "auto"), 2, {"REAMSIM_DEVICE_WITHOUT", "int64_atomics"});
+  if (!has_opencl()) GTEST_SKIP() << "no OpenCL device";
+  const ProgramResult listed = reamsim(
+      {.arguments = {"devices"}, .environment = {{variable, "int64_atomics"}}, .folder = "", .interrupt_when = {}});
+  EXPECT_THAT(listed.out, HasSubstr("without 64-bit atomics"));
+  expect_done(run_with({{variable, "int64_atomics"}}, "auto"));
+  const std::string forces = read("out/forces.csv");
+  std::filesystem::remove_all(path("out"));
+  expect_done(run_with({}, "auto"));
+  EXPECT_EQ(read("out/forces.csv"), forces);
+}
+
 TEST_F(Device, NameThatMatchesNothing) {
   expect_refused(run_with({}, "nonexistent"), 2, {"engine.device", "nonexistent", "serial"});
 }
