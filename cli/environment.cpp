@@ -143,10 +143,12 @@ std::string line(const cl::DeviceInfo& device, cl_device_id chosen) {
                                 device.id == chosen ? "*" : " ", device.name, device.platform_name, device.driver,
                                 device.gpu ? "GPU" : "CPU", device.compute_units,
                                 device.global_memory_bytes / 1'000'000, device.max_allocation_bytes / 1'000'000);
-  if (!device.missing.empty()) return out + "  not usable: missing " + device.missing;
-  if (!device.int64_atomics) out += "  without 64-bit atomics: sums by two of 32 bits";
-  if (!device.rounds_division) out += "  division is not correctly rounded: results may differ in the last digits";
-  return out;
+  if (!device.missing.empty()) return out + "\n    not usable: missing " + device.missing;
+  return out + fmt::format("\n    {} kernels, sums by {}{}", device.gpu ? "GPU" : "CPU",
+                           device.int64_atomics ? "64-bit atomics" : "two atomics of 32 bits",
+                           device.rounds_division ? "; results have the bytes of serial"
+                                                  : "; division is not correctly rounded: forces may differ from "
+                                                    "serial in the last digits");
 }
 
 /// The device that `auto` selects, and why; no device where none is usable.
@@ -170,11 +172,13 @@ void devices_command(const Console& console) {
   const auto kernels = prepare_opencl("auto", console);
   const auto devices = cl::list_devices();
   if (devices.empty()) {
+    for (const std::string& platform : cl::platforms_without_device()) console.say(platform);
     console.say("no OpenCL device found: install a driver (Debian: pocl-opencl-icd), or use --device serial (slow)");
     return;
   }
   const Choice choice = automatic_choice();
-  for (const auto& device : devices) console.say(line(device, choice.id));
+  for (const auto& device : devices) console.say_lines(line(device, choice.id));
+  for (const std::string& platform : cl::platforms_without_device()) console.say(platform);
   console.say("auto selects " + (choice.name.empty() ? "" : choice.name + ": ") + choice.why);
   console.say("serial is always available: the reference in plain C++ (slow)");
 }
@@ -189,6 +193,9 @@ Json json_of(const cl::DeviceInfo& device, const Choice& choice) {
           {"compute_units", device.compute_units},
           {"memory_bytes", device.global_memory_bytes},
           {"largest_allocation_bytes", device.max_allocation_bytes},
+          {"local_memory_bytes", device.local_memory_bytes},
+          {"unified_memory", device.unified_memory},
+          {"fp64", device.fp64},
           {"int64_atomics", device.int64_atomics},
           {"rounds_division", device.rounds_division},
           {"missing", device.missing},

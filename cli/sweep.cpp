@@ -11,6 +11,7 @@
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
+#include "cli/environment.h"
 #include "cli/lab.h"
 #include "cli/sweep.h"
 #include "sim/base/error.h"
@@ -39,6 +40,23 @@ void add_jobs(CLI::App& command, int& jobs) {
 }
 
 namespace {
+
+/// Throws InputError where one of --devices does not exist.
+void check_devices(const SweepOptions& options, const Console& console) {
+  for (const std::string& device : options.devices) {
+    const auto kernels = prepare_opencl(device, console);
+    if (device != "serial") cl::choose_device(device);
+  }
+}
+
+void add_devices(CLI::App& command, std::vector<std::string>& devices) {
+  command
+      .add_option(
+          "--devices", devices,
+          "Devices in place of engine.device, among which the runs are divided: auto, serial, or parts of names")
+      ->delimiter(',')
+      ->type_name("A,B");
+}
 
 /// Reads the study and parses the scenarios of all runs. Throws InputError for a wrong study.
 SweepRuns load_sweep(const SweepOptions& options) {
@@ -109,6 +127,7 @@ void print_estimate(const Console& console, const Study& study, const StudyEstim
 }
 
 void plan_command(const StudyOptions& options, const Console& console) {
+  check_devices(options.sweep, console);
   const SweepRuns sweep = load_sweep(options.sweep);
   std::vector<std::size_t> valid;
   RunMessages mistakes = mistakes_of(sweep);
@@ -259,6 +278,7 @@ class StudyRun {
 
  private:
   StudyFolder folder_to_run() {
+    check_devices(options_.sweep, console_);
     const std::string dir = options_.sweep.dir(sweep_.study);
     keep_results_of_uq(options_.sweep, dir);
     return {sweep_.study, dir};
@@ -330,10 +350,12 @@ void add_sweep_command(CLI::App& app, Console& console) {
   const auto [plan, plan_options] =
       add("plan", "Validate every run and estimate time, memory and disk; write nothing", plan_command);
   add_jobs(*plan, plan_options->jobs);
+  add_devices(*plan, plan_options->sweep.devices);
   const auto [run, run_options] =
       add("run", "Simulate the runs that are not done yet, then collect them",
           [](const StudyOptions& options, const Console& to) { StudyRun(options, to).run(); });
   add_jobs(*run, run_options->jobs);
+  add_devices(*run, run_options->sweep.devices);
   run->add_option("--shard", run_options->shard, "Simulate part i of n only, and collect nothing")->type_name("i/n");
   run->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   add("status", "Count finished, failed and missing runs", status_command);

@@ -24,6 +24,7 @@ struct SweepOptions {
   std::string file;
   std::string output;
   std::vector<std::string> overrides;
+  std::vector<std::string> devices = {};  ///< in place of engine.device, one worker each in turn; none: engine.device
 
   void add_to(CLI::App& command);
   /// DIR of -o, else out/NAME of the study.
@@ -67,7 +68,14 @@ void warn_of_runs(const RunMessages& messages, const std::string& sentence, cons
 
 /// What a worker says of a run: on one line the letter of the outcome, a space, and the text.
 struct WorkerAnswer {
-  enum class Outcome : char { done = 'd', failed = 'f', wrong_input = 'e', busy = 'b', interrupted = 'i' };
+  enum class Outcome : char {
+    done = 'd',
+    failed = 'f',
+    wrong_input = 'e',
+    device_failed = 'l',
+    busy = 'b',
+    interrupted = 'i'
+  };
 
   std::size_t run = 0;  ///< index in the plan
   Outcome outcome = Outcome::done;
@@ -90,10 +98,11 @@ struct RunEstimate {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunEstimate, load_s, simulate_s, memory_bytes, frames, warnings)
 
-/// Distributes runs (indices in the plan) over `jobs` processes of this program, which divide the processors among
-/// them. They simulate into the study's folder `dir`, or, where it is "", check. Calls `answered` for each run. A
-/// worker that ends by itself fails its run and is replaced. Returns false where stop_requested() ended the work and
-/// the workers. Throws RunError where no worker can be started.
+/// Distributes runs (indices in the plan) over `jobs` processes of this program, at least one for each device, which
+/// divide the processors among them. They simulate into the study's folder `dir`, or, where it is "", check. Calls
+/// `answered` for each run. A worker that ends by itself, or whose device fails, fails its run and is replaced; after
+/// three failures of its device in a row it is not, and others take its runs. Returns false where stop_requested()
+/// ended the work and the workers. Throws RunError where no worker can be started, or none is left.
 bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
              const std::string& dir, int jobs, const std::function<void(const WorkerAnswer&)>& answered);
 

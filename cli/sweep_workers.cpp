@@ -46,6 +46,8 @@ namespace {
 constexpr int kPoll_ms = 100;
 /// How often in a row a worker may end before it has finished a run.
 constexpr int kMostDeaths = 20;
+/// How often in a row the device of a worker may fail.
+constexpr int kMostDeviceFailures = 3;
 
 /// How a process ended, in words.
 std::string cause_of(int status) {
@@ -156,7 +158,8 @@ class Work {
         sweep_(sweep),
         parts_(runs, commands_.size()),
         answered_(answered),
-        workers_(commands_.size()) {}
+        workers_(commands_.size()),
+        device_failures_(commands_.size()) {}
 
   bool run() {
     for (std::size_t i = 0; i < workers_.size(); ++i) begin_next(i);
@@ -167,6 +170,9 @@ class Work {
       for (const auto& worker : workers_) {
         if (worker) worker->stop();
       }
+    }
+    if (!stopping_ && parts_.next(0)) {
+      throw RunError("no device is left for the other runs; the same command continues with them");
     }
     return !stopping_;
   }
@@ -196,7 +202,10 @@ class Work {
     if (const auto answer = workers_[i]->take_answer()) {
       deaths_ = 0;
       answered_(*answer);
-      begin_next(i);
+      const bool failed = answer->outcome == WorkerAnswer::Outcome::device_failed;
+      device_failures_[i] = failed ? device_failures_[i] + 1 : 0;
+      if (failed) workers_[i].reset();  // the driver gets a new process
+      if (device_failures_[i] < kMostDeviceFailures) begin_next(i);
     }
   }
 
@@ -218,6 +227,7 @@ class Work {
   Parts parts_;
   const std::function<void(const WorkerAnswer&)>& answered_;
   std::vector<std::unique_ptr<Worker>> workers_;
+  std::vector<int> device_failures_;  ///< in a row, by worker
   bool stopping_ = false;
   int deaths_ = 0;
 };
@@ -227,7 +237,8 @@ class Work {
 bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
              const std::string& dir, int jobs, const std::function<void(const WorkerAnswer&)>& answered) {
   if (runs.empty()) return true;
-  jobs = std::min(jobs, static_cast<int>(runs.size()));
+  const std::size_t devices = options.devices.size();
+  jobs = std::min(std::max(jobs, static_cast<int>(devices)), static_cast<int>(runs.size()));
   if (jobs > 1) {
     // Workers share the processors: PoCL of each uses its part only, and does not pin its threads to the first ones.
     const long processors = std::max(1L, sysconf(_SC_NPROCESSORS_ONLN));
@@ -238,8 +249,10 @@ bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const
   if (!dir.empty()) command.insert(command.end(), {"-o", dir});
   for (const std::string& text : options.overrides) command.insert(command.end(), {"--set", text});
   std::vector<std::vector<std::string>> commands(static_cast<std::size_t>(jobs), command);
-  for (std::size_t i = 0; i < commands.size(); ++i)
+  for (std::size_t i = 0; i < commands.size(); ++i) {
     commands[i].insert(commands[i].end(), {"--part", std::to_string(i), std::to_string(jobs)});
+    if (devices > 0) commands[i].insert(commands[i].end(), {"--devices", options.devices[i % devices]});
+  }
   return Work(std::move(commands), sweep, runs, answered).run();
 }
 
@@ -307,7 +320,9 @@ class RunWorker {
  public:
   /// Without the study's folder it only checks.
   explicit RunWorker(const SweepOptions& options)
-      : study_(read_study(options.file)), plan_(make_plan(study_, options.overrides)) {
+      : study_(read_study(options.file)),
+        plan_(make_plan(study_, options.overrides)),
+        device_(options.devices.empty() ? "" : options.devices.front()) {
     if (!options.output.empty()) folder_ = StudyFolder::open(study_, options.output);
     console_.quiet = true;
     resources_.bones = &bones_;
@@ -334,7 +349,11 @@ class RunWorker {
     } catch (const Interrupted& error) {
       return {Outcome::interrupted, message_of(error)};
     } catch (const InputError& error) {
-      return {Outcome::wrong_input, message_of(error)};
+      // The command has found the device of --devices when it began.
+      const bool is_gone = !device_.empty() && error.mistakes().front().key == "engine.device";
+      return {is_gone ? Outcome::device_failed : Outcome::wrong_input, message_of(error)};
+    } catch (const cl::DeviceError& error) {
+      return {Outcome::device_failed, message_of(error)};
     } catch (const std::exception& error) {
       return {Outcome::failed, message_of(error)};
     }
@@ -347,6 +366,7 @@ class RunWorker {
     if (run_id(request.scenario, study_.keep, checksums_) != id) {
       throw RunError("the study or one of its files has changed while it was running; run it again");
     }
+    if (!device_.empty()) request.scenario.engine.device = device_;
     if (!kernels_) kernels_ = prepare_opencl(request.scenario.engine.device, console_);
     if (!folder_) {
       const nlohmann::json estimate = estimator_.estimate(request.scenario, resources_);
@@ -365,6 +385,7 @@ class RunWorker {
 
   Study study_;
   StudyPlan plan_;
+  std::string device_;                 ///< in place of that of the scenarios; "": none
   std::optional<StudyFolder> folder_;  ///< not where it only checks
   Console console_;
   Checksums checksums_;
@@ -382,6 +403,7 @@ void add_sweep_worker(CLI::App& sweep) {
   auto part = std::make_shared<std::pair<int, int>>(0, 1);
   options->add_to(*command);
   command->add_option("--part", *part);
+  command->add_option("--devices", options->devices);
   command->callback([options, part] {
     prctl(PR_SET_PDEATHSIG, SIGTERM);  // where the command that gives it runs is killed
     prctl(PR_SET_NAME, "reamsim");     // it was started by way of /proc/self/exe, and would be listed as "exe"

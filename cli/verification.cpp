@@ -218,7 +218,7 @@ struct VerifyOptions {
 std::pair<verify::Findings, std::string> verify_into_folder(const VerifyOptions& options, const Console& console) {
   const auto kernels = prepare_opencl(options.device, console);
   // Fail early where there is no such device or the report cannot be written.
-  const std::string device = options.device == "serial" ? "serial" : cl::choose_device(options.device).name;
+  if (options.device != "serial") cl::choose_device(options.device);
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::verification, .overwrite = options.overwrite, .inputs = {}});
   const auto forced = abandoning(folder);
@@ -230,7 +230,6 @@ std::pair<verify::Findings, std::string> verify_into_folder(const VerifyOptions&
   setting.stop = stop_requested;
   verify::Findings findings = verify::run_suite(setting);
   progress.finish();
-  findings.device = device;
   write_verification(folder.path(), findings);
   write_citation(folder.path(), cite_program());
   finish(folder, console);
@@ -247,15 +246,16 @@ void verify_command(const VerifyOptions& options, const Console& console) {
     std::fputs(verification_json(findings).c_str(), stdout);
   } else {
     run(console);
-    for (const verify::CaseFindings& found : findings.cases) {
-      console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
-    }
+    for (const auto* cases : {&findings.cases, &findings.device_cases})
+      for (const verify::CaseFindings& found : *cases)
+        console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
     console.say("report: " + report);
   }
   if (findings.passed()) return;
-  for (const verify::CaseFindings& found : findings.cases) {
-    for (const verify::Check& check : found.checks) {
-      if (!check.passed()) console.warn(found.title + ": " + check.quantity + " exceeds its tolerance");
+  for (const auto* cases : {&findings.cases, &findings.device_cases}) {
+    for (const verify::CaseFindings& found : *cases) {
+      for (const verify::Check& check : found.checks)
+        if (!check.passed()) console.warn(found.title + ": " + check.quantity + " exceeds its tolerance");
     }
   }
   throw RunError(std::to_string(findings.failed_checks()) + " figures exceed their tolerance; see " + report);
@@ -264,12 +264,12 @@ void verify_command(const VerifyOptions& options, const Console& console) {
 }  // namespace
 
 void add_verify_command(CLI::App& app, Console& console) {
-  auto* command =
-      app.add_subcommand("verify", "Verify this build against analytical solutions and write a citable report");
+  auto* command = app.add_subcommand(
+      "verify", "Verify this build and a device against analytical solutions and the serial reference; write a report");
   auto options = std::make_shared<VerifyOptions>();
   command->add_flag("--quick", options->quick, "Short suite: coarser voxels, fewer runs");
   add_output(*command, options->output,
-             "Output folder for verification.md, .json, .png and .svg (default: out/verify)");
+             "Output folder for device.md, verification.md, .json, .png and .svg (default: out/verify)");
   command->add_flag("--overwrite", options->overwrite, "Replace an existing report once the new one is complete");
   command->add_option("--device", options->device, "auto, serial, or part of the name of an OpenCL device")
       ->type_name("NAME");

@@ -40,6 +40,11 @@ typedef struct {
   rs_u16 fill[RS_BRICK_VOXELS];
 #endif
 } Brick;
+#ifdef RS_BRICK_FILL
+RS_SAME_LAYOUT(Brick, 2 * 64 + 512 + 1024);
+#else
+RS_SAME_LAYOUT(Brick, 2 * 64 + 512);
+#endif
 
 /* Bricks are stored in RS_POOLS buffers (1 or 16) of 2^RS_POOL_BITS bricks, because devices limit one allocation. */
 #ifdef RS_POOLS
@@ -71,6 +76,7 @@ typedef struct {
   rs_u32 begin; /* of the offsets; a multiple of 16 */
   rs_u32 count;
 } ShellCell;
+RS_SAME_LAYOUT(ShellCell, 32);
 
 /* The voxels of a block that a substep removed, as the kernels report them. */
 typedef struct {
@@ -78,6 +84,7 @@ typedef struct {
   rs_u32 detail;  /* substep's slot << 3 | block in the brick */
   rs_u64 removed; /* a bit per voxel of the block */
 } RemovedBlock;
+RS_SAME_LAYOUT(RemovedBlock, 16);
 
 /* The list of removed blocks holds those of any one substep, but not of a whole batch. A substep that might overflow it
  * waits, and all later ones with it, until the host has emptied the list. For each substep detect stores the length of
@@ -104,6 +111,7 @@ typedef struct {
   float shift_mm;
   rs_i32 motion;
 } SubstepWindow;
+RS_SAME_LAYOUT(SubstepWindow, 16);
 
 /* Counters of a visit. */
 typedef struct {
@@ -112,6 +120,7 @@ typedef struct {
   rs_u32 removed; /* records of removed blocks */
   rs_u32 taken;   /* listed bricks that a work-item has taken */
 } VisitCounts;
+RS_SAME_LAYOUT(VisitCounts, 16);
 
 /* Coarse table of signed distances to the tool's surface, at the centres of cells of (r, z). */
 typedef struct {
@@ -120,5 +129,6 @@ typedef struct {
   float slack_mm; /* half a cell's diagonal */
   rs_i32 count_r, count_z;
 } CoarseGrid;
+RS_SAME_LAYOUT(CoarseGrid, 20);
 
 #endif

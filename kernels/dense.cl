@@ -111,7 +111,7 @@ void reduce_forces(__local rs_i64* partial, __global SubstepSums* total, const L
     partial[c * REAMSIM_GROUP_SIZE + item] = own->force[c];
     partial[(3 + c) * REAMSIM_GROUP_SIZE + item] = own->torque[c];
   }
-  for (uint live = REAMSIM_GROUP_SIZE; live > 1;) {
+  for (uint live = (uint)get_local_size(0); live > 1;) {
     const uint kept = (live + 1) / 2;
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item + kept < live) {

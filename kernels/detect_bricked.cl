@@ -263,13 +263,14 @@ __kernel void detect_bricked(PARAMETERS) {
 
 __kernel void detect_bricked(PARAMETERS) {
   __local uint window[2 * WINDOW_BLOCKS];
+  /* All work-items decide alike, and reach the barriers. */
+  const bool waits = must_wait(room, removed_count, removed_before, touched_count, substep);
+  if (get_group_id(0) >= cell_count) return; /* groups are smaller than the launch was made for */
   __global const SubstepArgs* a = args + substep;
   __global const ShellCell* cell = cells + get_group_id(0);
   const Bricks b = BRICKS;
   const OutlineView outline = {pieces, numbers, lists, grid};
   const Reach reach = cell_reach(a, cell);
-  /* All work-items decide alike, and reach the barriers. */
-  const bool waits = must_wait(room, removed_count, removed_before, touched_count, substep);
   const bool culled = culling && !(meets_voi(a, cell) && meets_bone(a, &b, &reach));
   const int origin[3] = {reach.low[0] & ~3, reach.low[1] & ~3, reach.low[2] & ~3};
   for (uint w = get_local_id(0); w < 2 * WINDOW_BLOCKS; w += get_local_size(0)) window[w] = 0;

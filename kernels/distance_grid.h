@@ -25,6 +25,7 @@ typedef struct {
   float slack_mm; /* distance outside the envelope minus distance from the surface, at most */
   rs_i32 bricks[3];
 } DistanceLattice;
+RS_SAME_LAYOUT(DistanceLattice, 44);
 
 typedef struct {
   RS_GLOBAL const DistanceLattice* lattice;

@@ -17,6 +17,7 @@ typedef struct {
   float curvature;      /* 1/mm, positive where it bulges outwards, 0 for a line */
   rs_i32 before, after; /* the piece beyond a sharp corner at the begin, at the end; -1: none */
 } OutlinePiece;
+RS_SAME_LAYOUT(OutlinePiece, 60);
 
 /* A grid of square cells over (r, z), each with an ascending list of the pieces that can be nearest to a point within
  * the grid's reach of the cell. Cells far from the outline, and points off the grid, use list 0 of all pieces. */
@@ -25,11 +26,13 @@ typedef struct {
   float per_mm;
   rs_i32 count_r, count_z;
 } OutlineGrid;
+RS_SAME_LAYOUT(OutlineGrid, 16);
 
 typedef struct {
   rs_u32 first; /* into the array of piece numbers */
   rs_u32 count;
 } PieceList;
+RS_SAME_LAYOUT(PieceList, 8);
 
 /* The outline in device memory. */
 typedef struct {

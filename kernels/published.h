@@ -24,5 +24,6 @@ typedef struct {
   rs_i32 side;
   rs_i32 count_contacts;
 } PublishedFrame;
+RS_SAME_LAYOUT(PublishedFrame, 8 * 4 + 4 * 16 + 4 * 8);
 
 #endif

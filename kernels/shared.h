@@ -31,6 +31,9 @@ typedef uint8_t rs_u8;
 #define RS_GLOBAL
 #endif
 #define RS_INLINE static inline
+/* An error of the compiler, of the host's or the device's, where a shared struct has not this size: members of 8 bytes
+ * come first, and no struct has padding, so that the size decides the layout. */
+#define RS_SAME_LAYOUT(type, bytes) typedef char type##_layout[sizeof(type) == (bytes) ? 1 : -1]
 #define RS_SQRT sqrt
 #define RS_FLOOR floor
 
@@ -102,6 +105,7 @@ typedef struct {
   rs_i32 frame;
   rs_i32 min_loss; /* fill; erosion exact ignores smaller losses */
 } SubstepArgs;
+RS_SAME_LAYOUT(SubstepArgs, 8 * 29 + 4 * 54);
 
 /* Integer sums over the voxels of one substep. Force and torque act on the tool, the torque about its origin. Frame: T
  * without spin for law energy; the shell's for law per_point, which rotates with resolved cutting edges. */
@@ -113,6 +117,7 @@ typedef struct {
   rs_i64 removed;  /* fill units: 65535 = one voxel */
   rs_i64 contacts; /* voxels */
 } SubstepSums;
+RS_SAME_LAYOUT(SubstepSums, 8 * 10);
 
 /* ---- Morton codes: 10 bits per axis, x in bit 0 (paper §3.3) ---- */
 

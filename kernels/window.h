@@ -18,6 +18,7 @@ typedef struct {
   float per_frame;             /* times of consecutive frames differ by this */
   float padding;
 } MotionWindow;
+RS_SAME_LAYOUT(MotionWindow, 3 * sizeof(SubstepArgs) + 16);
 
 /* Forces, torques (T), energy, speed-floor energy: in the order of SubstepSums. */
 #define RS_WINDOW_SUMS 8

@@ -102,10 +102,12 @@ void write_bench_plot(const std::string& dir, const BenchPlot& plot);
 
 /// The report of a verification: tables in Markdown, with a reference to verification.png.
 std::string verification_markdown(const verify::Findings& findings);
+/// One page on the device: capabilities, agreement of the engines, speed.
+std::string device_markdown(const verify::Findings& findings);
 /// The report as JSON; see docs/columns.md.
 std::string verification_json(const verify::Findings& findings);
 
-/// Writes verification.md, verification.json, and the figure of the refinements (verification.gp, .png, .svg).
+/// Writes device.md, verification.md, verification.json, and the figure of the refinements (verification.gp, .png, .svg).
 void write_verification(const std::string& dir, const verify::Findings& findings);
 
 struct ComparedRun {

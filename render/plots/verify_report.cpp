@@ -195,7 +195,8 @@ std::string summary_table(const Findings& findings) {
 
 std::string verification_markdown(const Findings& findings) {
   std::string out = "# Verification of reamsim " REAMSIM_VERSION "\n\n";
-  out += std::string(findings.quick ? "Quick" : "Full") + " suite on " + code(findings.device) + ", erosion `exact`: " +
+  out += std::string(findings.quick ? "Quick" : "Full") + " suite on " + code(findings.device()) +
+         ", erosion `exact`: " +
          (findings.passed() ? "all cases passed" : std::to_string(findings.failed_checks()) + " figures FAILED") +
          ". Took " + fmt::format("{:.0f}", findings.seconds) + " s.\n\n" + summary_table(findings);
   out +=
@@ -213,20 +214,40 @@ std::string verification_markdown(const Findings& findings) {
   return out;
 }
 
+std::string device_markdown(const Findings& findings) {
+  const auto passed = std::ranges::count_if(findings.cases, &CaseFindings::passed);
+  std::string out = "# reamsim " REAMSIM_VERSION " on " + code(findings.device()) + "\n\n" +
+                    fmt::format(
+                        "Closed forms and invariants: {} of {} cases of the {} suite passed; every figure is in "
+                        "verification.md and, with those below, in verification.json. {:.0f} s.\n\n",
+                        passed, findings.cases.size(), findings.quick ? "quick" : "full", findings.seconds);
+  out += head({"capability", ""});
+  for (const auto& [name, value] : findings.capabilities) out += row({name, code(value)});
+  for (const CaseFindings& found : findings.device_cases) {
+    out += "\n## " + found.title + "\n\n" + found.scene + ".\n\n" + head({"figure", "result", "limit", ""});
+    for (const Check& check : found.checks) {
+      out += row({with_unit(check.quantity, check.unit), fmt::format("{:.4g}", check.found), expected_text(check),
+                  verdict(check)});
+    }
+  }
+  return out;
+}
+
 std::string verification_json(const Findings& findings) {
-  const Json out{{"program", "reamsim " REAMSIM_VERSION},
-                 {"device", findings.device},
-                 {"suite", findings.quick ? "quick" : "full"},
-                 {"passed", findings.passed()},
-                 {"failed_checks", findings.failed_checks()},
-                 {"seconds", findings.seconds},
-                 {"cases", findings.cases}};
+  Json capabilities;
+  for (const auto& [name, value] : findings.capabilities) capabilities[name] = value;
+  const Json out{{"program", "reamsim " REAMSIM_VERSION}, {"device", findings.device()},
+                 {"capabilities", capabilities},          {"suite", findings.quick ? "quick" : "full"},
+                 {"passed", findings.passed()},           {"failed_checks", findings.failed_checks()},
+                 {"seconds", findings.seconds},           {"cases", findings.cases},
+                 {"device_cases", findings.device_cases}};
   return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 void write_verification(const std::string& dir, const Findings& findings) {
   write_file(dir + "/verification.json", verification_json(findings));
   write_file(dir + "/verification.md", verification_markdown(findings));
+  write_file(dir + "/device.md", device_markdown(findings));
   run_gnuplot(dir, "verification.gp", plot_data(findings) + embedded::script_verify,
               {"verification.png", "verification.svg"});
 }

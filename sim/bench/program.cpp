@@ -25,9 +25,6 @@ extern const char* const kernel_restore_voxels;
 
 namespace bench {
 
-// The layout is the same on host and device.
-static_assert(sizeof(PublishedFrame) == 8 * 4 + 4 * 16 + 4 * 8);
-
 namespace {
 
 /// Work-items per group of the published kernels.

@@ -3,9 +3,6 @@
 
 #pragma once
 
-#define CL_TARGET_OPENCL_VERSION 120
-#include <CL/cl.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
@@ -17,9 +14,18 @@
 #include <type_traits>
 #include <vector>
 
+#include "sim/base/error.h"
+#include "sim/device/device_list.h"
+
 namespace reamsim::cl {
 
-/// Throws RunError naming the call and OpenCL's error unless `status` is CL_SUCCESS.
+/// A device has failed a call: out of resources, reset, or lost. Its context is of no further use.
+class DeviceError : public RunError {
+ public:
+  using RunError::RunError;
+};
+
+/// Throws DeviceError naming the call and OpenCL's error unless `status` is CL_SUCCESS.
 void check(cl_int status, const char* call);
 
 /// Releases an OpenCL object, and ignores errors of the release.
@@ -40,36 +46,6 @@ using Program = Handle<cl_program, clReleaseProgram>;
 using KernelHandle = Handle<cl_kernel, clReleaseKernel>;
 using Memory = Handle<cl_mem, clReleaseMemObject>;
 using Event = Handle<cl_event, clReleaseEvent>;
-
-/// Properties of a device that the engines use.
-struct DeviceInfo {
-  cl_platform_id platform = nullptr;
-  cl_device_id id = nullptr;
-  std::string platform_name;
-  std::string name;
-  std::string driver;
-  bool gpu = false;
-  unsigned compute_units = 0;
-  unsigned max_parts = 0;          ///< it can be divided into; 0: not at all, as with PoCL 7.1 on a processor
-  std::size_t max_work_group = 0;  ///< limit for the kernels of this program
-  std::size_t global_memory_bytes = 0;
-  std::size_t max_allocation_bytes = 0;
-  bool rounds_division = false;  ///< division and square root of floats are correctly rounded, as on the host
-  bool int64_atomics = false;    ///< cl_khr_int64_base_atomics; without, kernels add in two halves of 32 bits
-  std::string missing;           ///< what the device lacks of the full profile of OpenCL 1.2; empty: usable
-  std::shared_ptr<void> part;    ///< owns `id` where it is a part of a device
-};
-
-/// The devices of all platforms. Throws RunError where a limit of the address space or a missing /sys hides them.
-std::vector<DeviceInfo> list_devices();
-
-/// The device that `wanted` names: "auto" is the first usable GPU, else the first usable CPU; any other text is a part
-/// of the device's name, in either case. Throws RunError when there is no OpenCL device, InputError when none matches
-/// or the match is not usable.
-DeviceInfo choose_device(const std::string& wanted);
-
-/// A part of a device with fewer compute units. Throws RunError where the device cannot be divided.
-DeviceInfo part_of(const DeviceInfo& device, unsigned compute_units);
 
 /// One device with its context and an in-order queue. Copies share both, and the programs that any of them has built;
 /// engines that run one after another open the device and compile their kernels once.
@@ -182,6 +158,8 @@ class Kernel {
   void set_local(cl_uint argument, std::size_t bytes) {
     check(clSetKernelArg(kernel_.get(), argument, bytes, nullptr), "clSetKernelArg");
   }
+  /// The largest work-group in which the device can run the kernel. Throws RunError where it has not enough local memory.
+  [[nodiscard]] std::size_t largest_group(const DeviceInfo& info) const;
   /// Launches at least `items` work-items in groups of `group`. The event holds the time of the run.
   [[nodiscard]] Event launch(const Device& device, std::size_t items, std::size_t group) const;
 
@@ -210,9 +188,10 @@ class SlotKernel : public Kernel {
  public:
   static constexpr cl_uint kAfterSlot = 1;  ///< number of the first argument behind the slot
 
-  /// `items`: work-items of a run, where all runs have as many. The device must outlive the kernel.
-  SlotKernel(const Device& device, const Program& program, const char* name, std::size_t group, std::size_t items = 1)
-      : Kernel(program, name), device_(&device), group_(group), items_(items) {}
+  /// `items`: work-items of a run, where all runs have as many. Groups are smaller than `group` where the device cannot
+  /// run the kernel in such large ones. The device must outlive the kernel. Throws RunError where the kernel needs more
+  /// local memory than the device has.
+  SlotKernel(const Device& device, const Program& program, const char* name, std::size_t group, std::size_t items = 1);
 
   /// Enqueues at least `items` work-items for the substep in `slot`. With 0 items one group runs, so that every substep
   /// has a time; kernels ignore work-items beyond their range.

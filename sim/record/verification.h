@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace reamsim::verify {
@@ -79,15 +80,21 @@ struct CaseFindings {
   [[nodiscard]] bool passed() const { return failed_checks() == 0; }
 };
 
+/// Names and values of what the device has; the first is its name.
+using Capabilities = std::vector<std::pair<std::string, std::string>>;
+
 struct Findings {
   bool quick = false;
-  std::string device;
-  std::vector<CaseFindings> cases;
+  Capabilities capabilities;
+  std::vector<CaseFindings> cases;         ///< of the program's equations
+  std::vector<CaseFindings> device_cases;  ///< of the device; none of serial
   double seconds = 0;
 
+  [[nodiscard]] std::string device() const { return capabilities.empty() ? "" : capabilities.front().second; }
   [[nodiscard]] int failed_checks() const {
     int failed = 0;
-    for (const CaseFindings& row : cases) failed += static_cast<int>(row.failed_checks());
+    for (const auto* all : {&cases, &device_cases})
+      for (const CaseFindings& row : *all) failed += static_cast<int>(row.failed_checks());
     return failed;
   }
   [[nodiscard]] bool passed() const { return failed_checks() == 0; }

@@ -352,7 +352,11 @@ std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources
     take_on_error(monitor, run.report());
     if (!run.simulates() || !folder.has_frames()) throw;
     folder.keep();
-    throw RunError(message_of(error) + "; finished frames are kept in " + folder.path());
+    std::string message = message_of(error) + "; finished frames are kept in " + folder.path();
+    if (const auto frame = checkpoints.saved_frame())
+      message += fmt::format("; frame {} is saved, and the same command with --resume continues", *frame);
+    if (dynamic_cast<const cl::DeviceError*>(&error) != nullptr) throw cl::DeviceError(message);
+    throw RunError(message);
   }
   if (request.keep.pictures)
     write_citation(folder.path(), cite_results(folder.path()));  // else the folder of the study has it

@@ -16,7 +16,7 @@ CaseRun half_space_case, tilted_cap_case, cylinder_case, sweep_case, layered_cas
     half_face_case, ripple_case, zero_feed_case, retraction_case, second_pass_case, mirrored_case, moved_case,
     rotated_case, time_step_case, voxel_case, energy_case, push_steady_case, push_ball_case, push_mass_case,
     push_stall_case, push_energy_case, compliance_steady_case, compliance_half_case, compliance_stiff_case,
-    compliance_energy_case, ct_uniform_case, ct_ramp_case, ct_plate_case, ct_force_case;
+    compliance_energy_case, ct_uniform_case, ct_ramp_case, ct_plate_case, ct_force_case, engines_case, speed_case;
 
 /// A figure of one run.
 struct Sample {

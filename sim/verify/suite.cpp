@@ -56,6 +56,8 @@ const std::vector<Case>& cases() {
       {"ct_ramp", ct_ramp_case, 3.3},
       {"ct_plate", ct_plate_case, 2.9},
       {"ct_force", ct_force_case, 1.1},
+      {"engines", engines_case, 2.0, true},
+      {"speed", speed_case, 20.0, true, true},
   };
   return all;
 }
@@ -71,11 +73,15 @@ Findings run_suite(const Setting& setting) {
   const Stopwatch watch;
   Findings out;
   out.quick = setting.quick;
+  const bool serial = setting.device == "serial";
+  out.capabilities =
+      serial ? Capabilities{{"device", "serial"}} : cl::capabilities_of(cl::choose_device(setting.device));
   double all = 0, past = 0;
-  for (const Case& known : cases()) all += known.seconds;
+  for (const Case& known : cases()) all += known.belongs_to(setting) ? known.seconds : 0;
   for (const Case& known : cases()) {
+    if (!known.belongs_to(setting)) continue;
     setting.part(past / all, known.id);
-    out.cases.push_back(timed(known, setting));
+    (known.of_device ? out.device_cases : out.cases).push_back(timed(known, setting));
     past += known.seconds;
   }
   setting.part(1, "");

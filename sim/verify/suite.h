@@ -16,7 +16,13 @@ using CaseRun = void(const Setting& setting, Report& out);
 struct Case {
   const char* id = nullptr;
   CaseRun* run = nullptr;
-  double seconds = 1;  ///< of the quick suite on two cores; only their ratios count
+  double seconds = 1;          ///< of the quick suite on two cores; only their ratios count
+  bool of_device = false;      ///< needs an OpenCL device
+  bool of_full_suite = false;  ///< not in the quick suite
+
+  [[nodiscard]] bool belongs_to(const Setting& setting) const {
+    return !(of_device && setting.device == "serial") && !(of_full_suite && setting.quick);
+  }
 };
 
 /// All cases, in the order of the report.
@@ -25,7 +31,7 @@ const std::vector<Case>& cases();
 /// Runs one case. Throws InputError when there is no such case or device, RunError, Interrupted.
 CaseFindings run_case(const std::string& id, const Setting& setting);
 
-/// Runs every case. Throws as run_case().
+/// Runs every case that belongs to the setting. Throws as run_case().
 Findings run_suite(const Setting& setting);
 
 }  // namespace reamsim::verify

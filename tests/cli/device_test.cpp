@@ -50,12 +50,117 @@ TEST_F(Device, ADeviceWithoutAtomicsOf64BitsGivesTheSameForces) {
   if (!has_opencl()) GTEST_SKIP() << "no OpenCL device";
   const ProgramResult listed = reamsim(
       {.arguments = {"devices"}, .environment = {{variable, "int64_atomics"}}, .folder = "", .interrupt_when = {}});
-  EXPECT_THAT(listed.out, HasSubstr("without 64-bit atomics"));
+  EXPECT_THAT(listed.out, HasSubstr("two atomics of 32 bits"));
   expect_done(run_with({{variable, "int64_atomics"}}, "auto"));
   const std::string forces = read("out/forces.csv");
   std::filesystem::remove_all(path("out"));
   expect_done(run_with({}, "auto"));
   EXPECT_EQ(read("out/forces.csv"), forces);
+}
+
+/// Devices other than that of this machine (opencl_shim.cpp).
+class OtherDevice : public Device {
+ protected:
+  void SetUp() override {
+    Device::SetUp();
+    if (!has_opencl()) GTEST_SKIP() << "no OpenCL device";
+    std::filesystem::remove_all(path("out"));
+  }
+  static std::map<std::string, std::string> shown(const std::string& settings, const std::string& without = "") {
+    return {
+        {"LD_PRELOAD", REAMSIM_OPENCL_SHIM}, {"REAMSIM_TEST_DEVICE", settings}, {"REAMSIM_DEVICE_WITHOUT", without}};
+  }
+  ProgramResult call(const std::vector<std::string>& arguments, const std::string& settings) const {
+    return reamsim({.arguments = arguments, .environment = shown(settings), .folder = "", .interrupt_when = {}});
+  }
+  /// forces.csv of kSmall with these settings of the scenario.
+  std::string forces(const std::vector<std::string>& settings, const std::map<std::string, std::string>& environment) {
+    write("s.yaml", kSmall);
+    std::vector<std::string> arguments{"run", "s.yaml", "-o", "out", "--overwrite"};
+    for (const std::string& setting : settings) arguments.push_back("--set=" + setting);
+    expect_done(reamsim({.arguments = arguments, .environment = environment, .folder = "", .interrupt_when = {}}));
+    return read("out/forces.csv");
+  }
+};
+
+TEST_F(OtherDevice, AGpuWithNothingOptionalGivesTheBytesOfSerial) {
+  const std::vector<std::vector<std::string>> engines{
+      {"engine.type=exact"},
+      {"engine.type=bricked", "cutting.erosion=remove"},
+      {"engine.type=bricked", "cutting.erosion=wear", "cutting.wear_g_cm3_per_s=30"},
+      {"engine.type=bricked", "cutting.erosion=remove", "cutting.law=per_point"},
+      {"engine.type=direct", "cutting.erosion=remove"},
+      {"engine.type=octree", "cutting.erosion=remove", "cutting.law=per_point"},
+      {"engine.type=implicit", "cutting.erosion=remove"}};
+  for (std::vector<std::string> settings : engines) {
+    SCOPED_TRACE(settings.front() + " " + settings.back());
+    const std::string expected = forces(settings, {});
+    settings.push_back("engine.device=auto");
+    EXPECT_EQ(forces(settings, shown("gpu,least", "fp64,int64_atomics,rounded_division")), expected);
+  }
+}
+
+TEST_F(OtherDevice, LongKernelsOfAGpuAreSplitAndGiveTheSameBytes) {
+  const std::string expected = forces({}, {});
+  EXPECT_EQ(forces({"engine.device=auto"}, shown("gpu,slow")), expected);
+}
+
+TEST_F(OtherDevice, OutOfResourcesKeepsWhatIsFinishedAndGoesOn) {
+  const std::string expected = forces({}, {});
+  std::filesystem::remove_all(path("out"));
+  const std::vector<std::string> run{"run",
+                                     "s.yaml",
+                                     "-o",
+                                     "out",
+                                     "--device",
+                                     "auto",
+                                     "--resume",
+                                     "--set=output.checkpoint_s=0.001",
+                                     "--set=engine.batch_frames=1"};
+  const ProgramResult failed = call(run, "fails=20");
+  EXPECT_EQ(failed.status, 1);
+  for (const char* part : {"out of resources", "out.partial", "is saved", "--resume"})
+    EXPECT_THAT(failed.err, HasSubstr(part));
+  const ProgramResult resumed = call(run, "");
+  expect_done(resumed);
+  EXPECT_THAT(resumed.out, HasSubstr("continued after frame"));
+  EXPECT_EQ(read("out/forces.csv"), expected);
+}
+
+TEST_F(OtherDevice, OneOfTwoOfTheSameNameIsChosenByItsNumber) {
+  write("s.yaml", kSmall);
+  const auto run_on = [&](const std::string& device) {
+    return call({"run", "s.yaml", "-o", "out", "--overwrite", "--device", device}, "twice");
+  };
+  expect_done(run_on("portable computing#2"));
+  std::filesystem::remove_all(path("out"));
+  expect_refused(run_on("portable computing#3"), 2, {"engine.device", "2 match the name", "#N"});
+}
+
+TEST_F(OtherDevice, AStudyGoesOnWhereADeviceIsGone) {
+  write("s.yaml", kSmall);
+  write("study.yaml",
+        "version: 1\nbase: s.yaml\nvary:\n  - motion.plunge.depth_mm: [0.5, 0.6, 0.7, 0.8, 0.9, 1]\nkeep: [summary]\n");
+  const auto sweep = [&](const std::string& devices, const std::string& settings, const std::string& out) {
+    return call({"sweep", "run", "study.yaml", "-o", out, "--jobs", "1", "--devices", devices}, settings);
+  };
+  expect_refused(sweep("serial,nonexistent", "", "refused"), 2, {"engine.device", "nonexistent"});
+  EXPECT_FALSE(exists("refused"));
+  const ProgramResult partial = sweep("serial,auto", "gone", "out");
+  EXPECT_EQ(partial.status, 1);
+  EXPECT_THAT(partial.out + partial.err, HasSubstr("device not available"));
+  EXPECT_THAT(partial.err, HasSubstr("runs failed; the others are complete; the same command repeats"));
+  const ProgramResult lost = sweep("auto", "gone", "lost");
+  EXPECT_EQ(lost.status, 1);
+  EXPECT_THAT(lost.err, HasSubstr("no device is left"));
+  EXPECT_EQ(sweep("serial,auto", "", "out").status, 0);
+  EXPECT_EQ(sweep("serial", "", "serial").status, 0);
+  const auto sums = [&](const std::string& folder) {
+    const std::string table = read(folder + "/effects.csv");
+    EXPECT_FALSE(table.empty());
+    return table;
+  };
+  EXPECT_EQ(sums("out"), sums("serial"));
 }
 
 TEST_F(Device, NameThatMatchesNothing) {

@@ -24,7 +24,7 @@ import roots
 PLACE = "/home/surgeon/reamsim"  # of the clone in a root
 BUILD = f"{PLACE}/build/release"
 RELEASES = ["bookworm", "trixie", "testing"]
-COLUMNS = ["release", "compiler", "pictures", "packages", "build", "default run", "bytes", "tests"]
+COLUMNS = ["release", "compiler", "pictures", "packages", "build", "default run", "bytes", "rusticl", "tests"]
 USER = ("id surgeon >/dev/null 2>&1 || { apt-get update -q && apt-get install -y -q --no-install-recommends sudo && "
         "useradd -m -s /bin/bash surgeon && echo 'surgeon ALL=(ALL) NOPASSWD: ALL' >/etc/sudoers.d/surgeon; }")
 
@@ -99,6 +99,22 @@ def sums(release):
     return lines
 
 
+def rusticl(release):
+    """A second OpenCL driver, of another compiler: Mesa's on the processor, with and without double precision."""
+    *_, there = release.run("bash", "-c", "apt-get install -y -q --no-install-recommends mesa-opencl-icd && "
+                            "test -e /etc/OpenCL/vendors/rusticl.icd")
+    if not there:
+        release.row["rusticl"] = "not in this release"
+        return
+    said = []
+    for features in ("", "fp64"):
+        wall_s, _, ok = release.run("env", "RUSTICL_ENABLE=llvmpipe", f"RUSTICL_FEATURES={features}",
+                                    "OCL_ICD_VENDORS=/etc/OpenCL/vendors/rusticl.icd", f"{BUILD}/cli/reamsim", "verify", "--quick",
+                                    "--device", "llvmpipe", "-o", "/tmp/verify", "--overwrite")
+        said.append(f"{features or 'no fp64'}: {'passed' if ok else 'FAILED'}, {wall_s:.0f} s")
+    release.row["rusticl"] = "; ".join(said)
+
+
 def tests(release, who):
     offset = release.log.stat().st_size
     if who == "user":  # what root has written in the clone
@@ -128,6 +144,7 @@ def main():
         release = Release(name, options.folder.resolve())
         first_commands(release)
         said = sums(release)
+        rusticl(release)
         if options.tests:
             said += tests(release, options.tests)
         print(f"\n{name}: {release.log}", *said, table([release.row]), sep="\n  ", flush=True)

@@ -38,7 +38,7 @@ verify::Findings some_findings() {
                   {"ripple", "", Measure::reported, 0, 0.01, 0, "beside it"}};
   verify::Findings findings;
   findings.quick = true;
-  findings.device = "a device";
+  findings.capabilities = {{"device", "a device"}, {"64-bit atomics", "no"}};
   findings.cases = {found};
   return findings;
 }
@@ -53,6 +53,18 @@ TEST(VerifyReport, MarkdownHasEveryFigureWithItsReason) {
     EXPECT_THAT(text, HasSubstr(part));
   }
   EXPECT_THAT(text, Not(HasSubstr("FAIL")));
+}
+
+TEST(VerifyReport, PageOfTheDeviceHasItsCapabilitiesAndCases) {
+  verify::Findings findings = some_findings();
+  EXPECT_THAT(device_markdown(findings), Not(HasSubstr("## A cap")));
+  findings.device_cases = findings.cases;
+  const std::string text = device_markdown(findings);
+  for (const char* part : {"on `a device`", "1 of 1 cases of the quick suite passed", "| 64-bit atomics | `no` |", "## A cap",
+                           "| volume, mm³ | 100 | 100 | pass |", "| ripple | 0.01 | – | – |"}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
+  EXPECT_EQ(nlohmann::json::parse(verification_json(findings))["capabilities"]["64-bit atomics"], "no");
 }
 
 TEST(VerifyReport, AnErrorThatDoesNotDecreaseHasNoOrder) {

@@ -23,9 +23,6 @@ extern const char* const kernel_detect_bricked;
 extern const char* const kernel_cut_bricked;
 }  // namespace embedded
 
-// The struct has the same layout on host and device.
-static_assert(sizeof(ShellCell) == 32);
-
 namespace {
 
 constexpr int kLargestSide = 1 << RS_CELL_BITS;

@@ -15,9 +15,6 @@
 
 namespace reamsim {
 
-// The structs have the same layout on host and device.
-static_assert(sizeof(Brick) == 2 * 64 + 512);
-static_assert(sizeof(RemovedBlock) == 16);
 static_assert(FillBricks::kSide == RS_BRICK_SIDE);
 
 namespace {

@@ -13,11 +13,6 @@
 
 namespace reamsim {
 
-// The structs have the same layout on host and device: 8-byte members first, then an even number of ints.
-static_assert(sizeof(SubstepArgs) == std::size_t{8} * (9 + 3 + 9 + 3 + 3 + 2) + std::size_t{4} * 54);
-static_assert(sizeof(SubstepSums) == std::size_t{8} * 10);
-static_assert(sizeof(MotionWindow) == 3 * sizeof(SubstepArgs) + 16);
-
 namespace {
 
 std::int64_t fixed_point(double voxels) {

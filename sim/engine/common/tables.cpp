@@ -16,11 +16,6 @@
 
 namespace reamsim {
 
-// The structs have the same layout on host and device.
-static_assert(sizeof(OutlinePiece) == 60);
-static_assert(sizeof(PieceList) == 8);
-static_assert(sizeof(OutlineGrid) == 16);
-
 namespace {
 
 /// Half the diagonal between the centres of a brick's corner voxels plus the motion within a window, voxels.
@@ -197,8 +192,6 @@ DeviceOutline::DeviceOutline(const cl::Device& device, const OutlineTable& table
   grid_ = cl::upload(device, std::array{table.grid}, kWhat);
 }
 
-// The struct has the same layout on host and device.
-static_assert(sizeof(DistanceLattice) == 44);
 static_assert(DistanceGrid::kSide == RS_GRID_SIDE && DistanceGrid::kRow == RS_GRID_ROW);
 static_assert(DistanceGrid::kSamples == RS_GRID_SAMPLES);
 

@@ -102,10 +102,6 @@ BrickBatchPlan plan_brick_batch(std::span<const SubstepArgs> args, const Motions
   return plan;
 }
 
-// The structs have the same layout on host and device.
-static_assert(sizeof(SubstepWindow) == 16);
-static_assert(sizeof(CoarseGrid) == 20);
-
 DistanceTable brick_distances(const Profile& profile, double voxel_mm, double slack_mm) {
   constexpr double kCellVoxels = 4, kMaxCells = 1 << 14;
   const Aabb tool = profile.bounds();

@@ -20,9 +20,6 @@ extern const char* const kernel_cut_exact;
 extern const char* const kernel_list_bricks;
 }  // namespace embedded
 
-// The struct has the same layout on host and device.
-static_assert(sizeof(VisitCounts) == 16);
-
 namespace {
 
 /// On a CPU the items of a group run one after another, each with some 60 KB on the stack.
@@ -49,6 +46,11 @@ std::size_t max_records(std::size_t listed, int substeps) {
 
 /// The largest number of records of removed voxels in a visit; where more are possible it has fewer substeps.
 constexpr std::size_t kMaxRecords = 8'000'000;
+
+/// Where a GPU draws a screen, its watchdog ends kernels after two seconds. A GPU begins with visits of this many
+/// substeps, and later has so many that a cut takes less than `kLongestCut_s`.
+constexpr int kFirstVisit = 32;
+constexpr double kLongestCut_s = 0.5;
 
 /// The batch has no list of removed voxels, because every visit has one.
 constexpr DeviceBatch::RemovedList kNoList{.words = 1, .room = 1, .per_substep = 1, .in_total = 1};
@@ -125,8 +127,9 @@ class ExactEngine final : public Engine {
         cut_.run(visit.first);
         read_removed();
       }
-      const double per_substep = 1.0 / (visit.end - visit.first);
-      const StageTimes times{list_.take_total_s() * per_substep, cut_.take_total_s() * per_substep};
+      const double cut_s = cut_.take_total_s(), per_substep = 1.0 / (visit.end - visit.first);
+      if (device_.info().gpu) limit_visits(visit.end - visit.first, cut_s);
+      const StageTimes times{list_.take_total_s() * per_substep, cut_s * per_substep};
       std::fill(out.times.begin() + visit.first, out.times.begin() + visit.end, times);
       first = visit.end;
     }
@@ -152,6 +155,12 @@ class ExactEngine final : public Engine {
   }
 
  private:
+  /// Sets the substeps of the next visits by the time that the cut of the last one took.
+  void limit_visits(int substeps, double cut_s) {
+    if (cut_s > kLongestCut_s) most_substeps_ = std::max(1, substeps / 2);
+    if (cut_s < kLongestCut_s / 4) most_substeps_ = std::min(2 * most_substeps_, RS_VISIT_SUBSTEPS);
+  }
+
   /// Lists the bricks in reach in a visit, and returns their number.
   std::size_t list_bricks(const BrickBatchPlan& visit) {
     if (visit.superbricks.empty()) return 0;
@@ -167,7 +176,7 @@ class ExactEngine final : public Engine {
 
   /// As many substeps from `first` on as one visit can have, and the number of bricks in reach.
   std::pair<BrickBatchPlan, std::size_t> plan_visit(int first) {
-    for (int most = RS_VISIT_SUBSTEPS;; most /= 2) {
+    for (int most = most_substeps_;; most /= 2) {
       BrickBatchPlan visit = plan_brick_batch(batch_.args_used(), motions_, first, most, tool_box_, extent_);
       most = visit.end - first;
       const std::size_t listed = list_bricks(visit);
@@ -208,6 +217,7 @@ class ExactEngine final : public Engine {
   FillPages fill_;
   DeviceBatch batch_;
   MotionsOfSlots motions_;
+  int most_substeps_ = device_.info().gpu ? kFirstVisit : RS_VISIT_SUBSTEPS;  ///< of a visit
   std::optional<DeviceTeeth> teeth_;  ///< the surface that clips instead of the profile
   std::size_t teeth_bytes_;
   cl::Buffer<CoarseGrid> coarse_;
