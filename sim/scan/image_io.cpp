@@ -266,7 +266,8 @@ ImageFacts check_image(const itk::ImageIOBase& io, const ForeignFile& file, bool
   out.pixel_type = pixel_type_of(io);
   if ((layers != 1 && !allow_layers) || layers == 0 || out.pixel_type.empty()) {
     throw file.error(std::to_string(layers) + " numbers in each voxel",
-                     "expected one integer or real number (HU) in each voxel");
+                     "expected one integer or real number (HU) in each voxel; export one volume of a time series, or "
+                     "one channel (3D Slicer)");
   }
   out.format = is_nrrd(io) ? "NRRD" : "MetaImage";
   out.layers = static_cast<int>(layers);

@@ -7,12 +7,14 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 
 #include "sim/bone/bone.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/scene/load_bone.h"
+#include "tests/scan/dicom_bytes.h"
 #include "tests/scan/test_images.h"
 #include "tests/support/mesh_shapes.h"
 
@@ -152,12 +154,16 @@ void add_labels(SeedWriter& writer) {
   const TestImage image = small_image();
   TestImage labels = image;
   for (double& value : labels.value) value = value > 0 ? 1 : 0;
-  for (const std::string name : {"labels.seg.nrrd", "labels.nii"}) {
-    Seed seed = writer.start("label map, " + std::string(name == "labels.nii" ? "NIfTI" : "NRRD"));
+  const std::map<std::string, std::string> formats{
+      {"labels.seg.nrrd", "NRRD"}, {"labels.nii", "NIfTI"}, {"labels.dcm", "DICOM SEG"}};
+  for (const auto& [name, format] : formats) {
+    Seed seed = writer.start("label map, " + format);
     write_image<std::int16_t>(image, seed.folder + "/scan.nrrd");
     const std::string path = seed.folder + "/" + name;
     if (name == "labels.nii") {
       write_image<std::uint8_t>(labels, path);
+    } else if (name == "labels.dcm") {
+      std::ofstream(path, std::ios::binary) << dicom_seg({{.label = "bone", .mask = labels}});
     } else {
       write_seg_nrrd({labels}, path,
                      "Segment0_ID:=a\nSegment0_Name:=bone\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n");
@@ -170,9 +176,14 @@ void add_labels(SeedWriter& writer) {
   }
 }
 
-void add_dicom(SeedWriter& writer) {
-  Seed seed = writer.start("DICOM");
-  write_dicom(small_image(), seed.folder + "/series");
+void add_dicom(SeedWriter& writer, bool enhanced) {
+  Seed seed = writer.start(enhanced ? "DICOM, enhanced" : "DICOM");
+  if (enhanced) {
+    fs::create_directory(seed.folder + "/series");
+    std::ofstream(seed.folder + "/series/frames.dcm", std::ios::binary) << enhanced_ct({small_image()}, {});
+  } else {
+    write_dicom(small_image(), seed.folder + "/series");
+  }
   for (const auto& file : fs::directory_iterator(seed.folder + "/series")) {
     seed.files.push_back("series/" + file.path().filename().string());
   }
@@ -209,7 +220,7 @@ std::vector<Seed> write_seeds(const std::string& folder) {
   add_meshes(writer);
   add_images(writer);
   add_labels(writer);
-  add_dicom(writer);
+  for (const bool enhanced : {false, true}) add_dicom(writer, enhanced);
   add_vdb(writer);
   return writer.take();
 }
