@@ -47,6 +47,30 @@ std::string utf8_text(const DicomValues& values, const gdcm::Tag& tag, const std
   return out.substr(0, out.find_last_not_of(' ') + 1);
 }
 
+/// Columns and rows that a codestream of JPEG, JPEG-LS or JPEG 2000 states; nullopt for others.
+std::optional<Eigen::Vector2i> stated_size(std::string_view bytes) {
+  const auto number = [&](std::size_t at, std::size_t length) {
+    std::uint32_t out = 0;
+    for (std::size_t i = at; i < at + length; ++i) out = out << 8 | (i < bytes.size() ? std::uint8_t(bytes[i]) : 0U);
+    return out;
+  };
+  const auto size = [](std::uint32_t columns, std::uint32_t rows) {
+    return Eigen::Vector2i(static_cast<int>(columns), static_cast<int>(rows));
+  };
+  if (number(0, 4) == 0xff4fff51) {  // SOC and SIZ: extent of the reference grid, and offset of the image in it
+    return size(number(8, 4) - number(16, 4), number(12, 4) - number(20, 4));
+  }
+  if (number(0, 2) != 0xffd8) return std::nullopt;
+  for (std::size_t at = 2; at < bytes.size(); at += 2 + number(at + 2, 2)) {  // segments up to the start of a frame
+    const std::uint32_t marker = number(at, 2);
+    const bool is_frame =
+        marker >= 0xffc0 && marker <= 0xffcf && marker != 0xffc4 && marker != 0xffc8 && marker != 0xffcc;
+    if (is_frame || marker == 0xfff7) return size(number(at + 7, 2), number(at + 5, 2));
+    if (marker < 0xff00) break;
+  }
+  return std::nullopt;
+}
+
 /// A mistake in a DICOM segmentation, with what to do about it.
 InputError bad_seg(const ForeignFile& file, const std::string& found) {
   return file.error(found, "export the segmentation again, or save it as NRRD (3D Slicer)");
@@ -244,6 +268,18 @@ class SegFile {
     if (plain == nullptr) decode();
   }
 
+  /// GDCM trusts the header: a frame of another size would be read askew.
+  void check_sizes(const gdcm::SequenceOfFragments* fragments) const {
+    for (std::size_t i = 0; fragments != nullptr && i < fragments->GetNumberOfFragments(); ++i) {
+      const gdcm::ByteValue* bytes = fragments->GetFragment(static_cast<unsigned>(i)).GetByteValue();
+      if (bytes == nullptr) continue;
+      const auto size = stated_size({bytes->GetPointer(), bytes->GetLength()});
+      if (!size || *size == facts_.geometry.dims.head<2>()) continue;
+      throw bad_seg(file_, fmt::format("a frame is compressed with {}x{} pixels, and the header says {}x{}", size->x(),
+                                       size->y(), facts_.geometry.dims.x(), facts_.geometry.dims.y()));
+    }
+  }
+
   /// GDCM's image reader is not used: it knows no label maps and no compressed single bits.
   void decode() {
     bits_ = std::max(bits_, 8);  // of a compressed single bit
@@ -255,7 +291,9 @@ class SegFile {
     image.SetPixelFormat(bits_ == 8 ? gdcm::PixelFormat::UINT8 : gdcm::PixelFormat::UINT16);
     image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
     image.SetTransferSyntax(reader_.GetFile().GetHeader().GetDataSetTransferSyntax());
-    image.SetDataElement(reader_.GetFile().GetDataSet().GetDataElement(kPixels));
+    const gdcm::DataElement& pixels = reader_.GetFile().GetDataSet().GetDataElement(kPixels);
+    check_sizes(pixels.GetSequenceOfFragments());
+    image.SetDataElement(pixels);
     try {
       if (!image.GetBuffer(decoded_.data())) throw unreadable(file_);
     } catch (const gdcm::Exception&) {

@@ -302,6 +302,14 @@ TEST_F(DicomFramesTest, DamagedCompressedSegmentationsAreRefused) {
   ASSERT_TRUE(recode_seg(path, gdcm::TransferSyntax::RLELossless, egg_, 8, 8));
   patch_file(path, element(0x28, 0x10, "US", us(30)), element(0x28, 0x10, "US", us(60)));
   EXPECT_THAT(label_error("1"), AllOf(HasSubstr("RLE (1.2.840.10008.1.2.5)"), HasSubstr("Explicit VR Little Endian")));
+  using Syntax = gdcm::TransferSyntax;
+  for (const Syntax::TSType syntax :
+       {Syntax::JPEGLSLossless, Syntax::JPEG2000Lossless, Syntax::JPEGLosslessProcess14_1}) {
+    write("seg.dcm", whole);
+    ASSERT_TRUE(recode_seg(path, syntax, egg_, 8, 8));
+    patch_file(path, element(0x28, 0x10, "US", us(30)), element(0x28, 0x10, "US", us(60)));
+    EXPECT_THAT(label_error("1"), HasSubstr("a frame is compressed with 30x30 pixels, and the header says 30x60"));
+  }
   patch_file(path, "\xe0\x7f\x10" + std::string(1, '\0'), "\xe0\x7f\x12" + std::string(1, '\0'));
   EXPECT_THAT(label_error("1"), HasSubstr("seg.dcm")) << "without pixels";
   const std::string sop_class = "1.2.840.10008.5.1.4.1.1.66.4";
