@@ -34,7 +34,6 @@ class ScenarioView {
     find("save").addEventListener("click", () => this.save());
     find("copy").addEventListener("click", () => this.copy());
     find("undo").addEventListener("click", () => model.undo());
-    find("yaml-help").textContent = "Save it beside the original: relative paths start from its folder. Then validate it with reamsim check.";
     this.show();
   }
 

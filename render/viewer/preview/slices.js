@@ -195,7 +195,8 @@ export class Slice {
     const [x, y] = this.pixelOf(corner);
     context.imageSmoothingEnabled = true;
     context.drawImage(this.image, x, y, scale * this.image.width * lattice.spacing[this.across], scale * this.image.height * lattice.spacing[this.down]);
-    this.drawBone();
+    if (model.segmented !== null) this.outline(model.segmented, colors.bone);
+    if (model.live !== null) this.outline(model.live, colors.live);
     this.drawSpheres();
     this.drawReamer();
     this.drawCross(width, height);
@@ -239,12 +240,6 @@ export class Slice {
     // A border of air closes the outline at the edge of the image.
     const value = (i, j) => (i === 0 || j === 0 || i > columns || j > rows ? 0 : bytes[k + (i - 1) * da + (j - 1) * dd]);
     this.strokeContour(color, 1.4, [columns + 2, rows + 2], value, 127.5, axes.map((axis) => lattice.mm(-1, axis)), axes.map((axis) => lattice.spacing[axis]));
-  }
-
-  drawBone() {
-    const { model } = this;
-    if (model.segmented !== null) this.outline(model.segmented, colors.bone);
-    if (model.live !== null) this.outline(model.live, colors.live);
   }
 
   drawSpheres() {
