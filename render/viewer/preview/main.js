@@ -85,7 +85,7 @@ function solidOf(model) {
 
 const model = new Model(pageData());
 const view = windowOf(model.volume.unit);
-const slices = [...document.querySelectorAll(".slice")].map((figure) => new Slice(figure, model, view));
+const slices = [2, 1, 0].map((axis) => new Slice(axis, model, view));
 const solid = solidOf(model);
 const controls = new Controls(model, slices, view);
 const scenario = new ScenarioView(model);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // A slice across an axis: image, outlines, reamer, points, cross; in the radiological convention where axes are a patient's.
-import { fixedText } from "../shared/scene.js";
+import { find, fixedText } from "../shared/scene.js";
 import { colors, marksOf } from "./model.js";
 
 // Lines where a function on a grid is `level`, by marching squares.
@@ -44,9 +44,11 @@ const kViews = {
 const kNear_mm = 8;  // points further from the slice are not drawn
 
 export class Slice {
-  constructor(figure, model, window) {
-    this.axis = Number(figure.dataset.axis);
-    Object.assign(this, { figure, model, window, ...kViews[this.axis] });
+  constructor(axis, model, window) {
+    const figure = find("slice").content.firstElementChild.cloneNode(true);
+    Object.assign(this, { axis, figure, model, window, ...kViews[axis] });
+    figure.dataset.axis = axis;
+    document.querySelector(".solid").before(figure);
     this.canvas = figure.querySelector("canvas");
     this.slider = figure.querySelector("input");
     this.context = this.canvas.getContext("2d");

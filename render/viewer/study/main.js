@@ -11,9 +11,9 @@ import { Table } from "./table.js";
 
 const start = performance.now();
 const study = readStudy(pageData());
-const withState = (state) => Array.from(study.states.keys()).filter((run) => study.stateText(run) === state);
-const failed = withState("failed");
-const warned = withState("done").filter((run) => study.message(run) !== "");
+const withState = (state) => Uint32Array.from(study.states.keys()).filter((run) => study.stateText(run) === state);
+const done = withState("done");
+const warned = done.filter((run) => study.message(run) !== "");
 
 // --- the values of one run
 
@@ -85,16 +85,15 @@ function showFiltered() {
   scatter.show(runs);
 }
 
-const counts = ["done", "failed", "interrupted", "missing"].map((state, i) => [study.states.filter((s) => s === 3 - i).length, state]);
+const counts = ["done", "failed", "interrupted", "missing"].map((state) => [withState(state).length, state]);
 const missing = study.count < study.all ? ` The page has ${study.count} of the ${study.all} runs, drawn at random; runs.csv has all.` : "";
 find("counts").textContent = `${significantText(study.count)} runs: ${counts.filter(([n]) => n > 0).map(([n, state]) => `${significantText(n)} ${state}`).join(", ")}.${missing}`;
-showMessages("failures", failed, "failed");
+showMessages("failures", withState("failed"), "failed");
 showMessages("warned", warned, "are done and have warnings");
 const results = study.headline.map((key) => study.byKey.get(key));
 const others = study.results.filter((column) => !results.includes(column));
 fillColumns(find("effect-result"), [["Headline", results], ["Other results", others]], study.headline[0]);
 const result = study.byKey.get(find("effect-result").value);
-const done = Uint32Array.from(study.states.keys()).filter((run) => study.stateText(run) === "done");
 const ranked = result && done.length > 1 ? effects.ranked(result, done) : [];
 const first = ranked[0]?.parameter ?? study.columns[0];
 scatter.choose(first?.key, (result ?? study.columns[study.columns.length - 1])?.key, ranked[1]?.parameter.key);
