@@ -201,15 +201,14 @@ class Guarded {
   /// The same for steps, whose warnings become warnings of Python.
   template <class Work>
   auto step(const Work& work) {
-    std::optional<decltype(compute(work))> out;
     try {
-      out = compute(work);
+      auto out = compute(work);
+      warn();
+      return out;
     } catch (const Error&) {
       warn();
       throw;
     }
-    warn();
-    return *std::move(out);
   }
 
   /// Gives Python the warnings since the last call.

@@ -141,15 +141,13 @@ void append_indices(const std::vector<std::uint32_t>& indices, std::vector<std::
 
 BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget) {
   std::vector<std::uint32_t> unreamed, reamed;
+  const auto is_reamed = [&](std::uint32_t vertex) {
+    return surface.vertices[vertex * BoneSurface::kStride + BoneSurface::kReamed] > 0;
+  };
   for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
-    bool touches_reamed = false;
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      touches_reamed = touches_reamed ||
-                       surface.vertices[surface.indices[i + corner] * BoneSurface::kStride + BoneSurface::kReamed] > 0;
-    }
-    auto& part = touches_reamed ? reamed : unreamed;
-    part.insert(part.end(), surface.indices.begin() + static_cast<std::ptrdiff_t>(i),
-                surface.indices.begin() + static_cast<std::ptrdiff_t>(i + 3));
+    const auto triangle = std::span(surface.indices).subspan(i, 3);
+    auto& part = std::ranges::any_of(triangle, is_reamed) ? reamed : unreamed;
+    part.insert(part.end(), triangle.begin(), triangle.end());
   }
   BoneSurface out;
   out.deepest_mm = surface.deepest_mm;

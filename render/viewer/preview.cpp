@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <string>
@@ -246,12 +247,10 @@ std::vector<float> means(const std::vector<float>& values, const ct::Lattice& fr
 template <class ByteOf>
 std::string packed(const std::vector<float>& values, const ByteOf& byte_of) {
   std::vector<std::uint8_t> bytes(values.size());
-  std::uint8_t before = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto byte = static_cast<std::uint8_t>(std::clamp(std::lround(byte_of(values[i])), 0L, 255L));
-    bytes[i] = static_cast<std::uint8_t>(byte - before);
-    before = byte;
-  }
+  std::ranges::transform(values, bytes.begin(), [&](float value) {
+    return static_cast<std::uint8_t>(std::clamp(std::lround(byte_of(value)), 0L, 255L));
+  });
+  std::adjacent_difference(bytes.begin(), bytes.end(), bytes.begin());
   return compressed_base64(bytes);
 }
 
@@ -317,7 +316,6 @@ Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::i
   Json json;
   json["scenario"] = request.text;
   json["file_name"] = request.file_name;
-  json["source"] = name_of(settings.source);
   json["anatomical"] = bone.frame == "LPS" || (bone.frame == "phantom" && bone.side != BodySide::unknown);
   json["side"] = bone.side == BodySide::unknown ? Json() : Json(name_of(bone.side));
   json["ct"] = settings.source == BoneSource::ct ? ct_json(settings.ct, bone.scan.settings) : Json();

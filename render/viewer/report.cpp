@@ -19,6 +19,7 @@
 #include <span>
 #include <vector>
 
+#include "render/pictures/canvas.h"
 #include "render/plots/plots.h"
 #include "render/viewer/page.h"
 #include "render/viewer/report_data.h"
@@ -85,10 +86,10 @@ constexpr int kFrame_px = 1200;
 constexpr std::size_t kMaxFrames = 120;  // of all cameras
 constexpr int kQuality = 86;             // least quality without artefacts around text
 
-using Image = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
+using Png = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 
-Image read_png(const std::string& path) {
-  Image image(cairo_image_surface_create_from_png(path.c_str()), &cairo_surface_destroy);
+Png read_png(const std::string& path) {
+  Png image(cairo_image_surface_create_from_png(path.c_str()), &cairo_surface_destroy);
   if (cairo_surface_status(image.get()) != CAIRO_STATUS_SUCCESS) {
     // Cairo reports every error of libpng as missing memory.
     throw InputError({path, 0, 0}, "", "is not a readable picture, or memory is exhausted",
@@ -98,28 +99,25 @@ Image read_png(const std::string& path) {
 }
 
 /// Scaled down to at most `most_px` wide, on white.
-Image scaled(const Image& image, int most_px) {
+PixelImage scaled(const Png& image, int most_px) {
   const int width = cairo_image_surface_get_width(image.get());
   const int height = cairo_image_surface_get_height(image.get());
   const double scale = std::min(1.0, static_cast<double>(most_px) / width);
-  const int new_width = std::max(1, static_cast<int>(std::lround(width * scale)));
-  const int new_height = std::max(1, static_cast<int>(std::lround(height * scale)));
-  Image out(cairo_image_surface_create(CAIRO_FORMAT_RGB24, new_width, new_height), &cairo_surface_destroy);
-  cairo_t* pen = cairo_create(out.get());
-  cairo_set_source_rgb(pen, 1, 1, 1);
-  cairo_paint(pen);
-  cairo_scale(pen, static_cast<double>(new_width) / width, static_cast<double>(new_height) / height);
+  PixelImage out = plain_image(std::max(1, static_cast<int>(std::lround(width * scale))),
+                               std::max(1, static_cast<int>(std::lround(height * scale))), 0xffffff);
+  const Canvas canvas(out);
+  cairo_t* pen = canvas.get();
+  cairo_scale(pen, static_cast<double>(out.width_px) / width, static_cast<double>(out.height_px) / height);
   cairo_set_source_surface(pen, image.get(), 0, 0);
   cairo_pattern_set_filter(cairo_get_source(pen), CAIRO_FILTER_GOOD);
   cairo_paint(pen);
-  cairo_destroy(pen);
-  cairo_surface_flush(out.get());
-  // Without memory Cairo only sets the status of the surface.
-  if (cairo_surface_status(out.get()) == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
+  // Without memory Cairo only sets the status.
+  if (cairo_status(pen) == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
+  canvas.finish();
   return out;
 }
 
-std::string jpeg_base64(const Image& image) {
+std::string jpeg_base64(PixelImage& image) {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
   jpeg.err = jpeg_std_error(&errors);
@@ -127,18 +125,16 @@ std::string jpeg_base64(const Image& image) {
   unsigned char* bytes = nullptr;
   unsigned long size = 0;
   jpeg_mem_dest(&jpeg, &bytes, &size);
-  jpeg.image_width = static_cast<JDIMENSION>(cairo_image_surface_get_width(image.get()));
-  jpeg.image_height = static_cast<JDIMENSION>(cairo_image_surface_get_height(image.get()));
+  jpeg.image_width = static_cast<JDIMENSION>(image.width_px);
+  jpeg.image_height = static_cast<JDIMENSION>(image.height_px);
   jpeg.input_components = 4;
   jpeg.in_color_space = JCS_EXT_BGRX;  // a Cairo pixel on a little-endian machine
   jpeg_set_defaults(&jpeg);
   jpeg_set_quality(&jpeg, kQuality, TRUE);
   jpeg.optimize_coding = TRUE;
   jpeg_start_compress(&jpeg, TRUE);
-  unsigned char* pixels = cairo_image_surface_get_data(image.get());
-  const int stride = cairo_image_surface_get_stride(image.get());
   while (jpeg.next_scanline < jpeg.image_height) {
-    JSAMPROW row = pixels + static_cast<std::ptrdiff_t>(stride) * jpeg.next_scanline;
+    auto* row = reinterpret_cast<JSAMPROW>(&image.pixels[image.index(0, static_cast<int>(jpeg.next_scanline))]);
     jpeg_write_scanlines(&jpeg, &row, 1);
   }
   jpeg_finish_compress(&jpeg);
@@ -192,10 +188,10 @@ std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, in
   std::vector<PagePicture> out(paths.size());
   for (int width = most_px; width >= most_px / 8; width = width * 3 / 4) {
     parallel_items(paths.size(), [&](std::size_t i) {
-      const Image image = scaled(read_png(paths[i]), width);
+      PixelImage image = scaled(read_png(paths[i]), width);
       out[i] = {.name = std::filesystem::path(paths[i]).stem().string(),
-                .width_px = cairo_image_surface_get_width(image.get()),
-                .height_px = cairo_image_surface_get_height(image.get()),
+                .width_px = image.width_px,
+                .height_px = image.height_px,
                 .jpeg_base64 = jpeg_base64(image)};
     });
     std::size_t bytes = 0;

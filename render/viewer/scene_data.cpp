@@ -16,6 +16,7 @@
 #include "render/surface/surface_smoothing.h"
 #include "render/viewer/page.h"
 #include "render/viewer/report_data.h"
+#include "sim/anatomy/column_map.h"
 #include "sim/base/error.h"
 #include "sim/base/parallel.h"
 #include "sim/record/recorder.h"
@@ -88,23 +89,6 @@ void extrapolate(const BrickLattice& cells, std::vector<std::uint8_t>& grades) {
 constexpr std::size_t kMaxStates = 12;
 constexpr double kStep_voxels = 0.5;
 
-/// Fraction of bone in the voxels round a point, interpolated between their centres.
-double bone_at(const Voxmap& voxmap, const FillBricks& fill, const Vec3& point_mm) {
-  const Vec3 place = (point_mm - voxmap.grid.origin_mm) / voxmap.grid.voxel_mm - Vec3::Constant(0.5);
-  const Vec3i low = place.array().floor().cast<int>();
-  const Vec3 part = place - low.cast<double>();
-  double sum = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3i side(corner & 1, corner >> 1 & 1, corner >> 2);
-    const Vec3i voxel = low + side;
-    if (!voxmap.grid.contains(voxel) || voxmap.grade.get(voxel) == 0) continue;
-    double weight = fill.get(voxel);
-    for (int axis = 0; axis < 3; ++axis) weight *= side[axis] == 1 ? part[axis] : 1 - part[axis];
-    sum += weight;
-  }
-  return sum / FillBricks::kWhole;
-}
-
 /// The rays along which bone was removed from the reamed vertices of a surface.
 struct Columns {
   std::vector<Vec3> feet;
@@ -153,8 +137,9 @@ std::vector<double> bone_in(const Columns& columns, const Voxmap& voxmap, const 
   std::vector<double> out(columns.feet.size());
   const double step_mm = kStep_voxels * voxmap.grid.voxel_mm;
   parallel_items(out.size(), [&](std::size_t i) {
+    BoneFractions fractions({voxmap, fill, fill}, 0);
     for (double s = -voxmap.grid.voxel_mm; s < columns.length_mm; s += step_mm) {
-      out[i] += step_mm * bone_at(voxmap, fill, columns.feet[i] + s * columns.axis);
+      out[i] += step_mm * fractions.at(columns.feet[i] + s * columns.axis).after;
     }
   });
   return out;
@@ -246,14 +231,11 @@ DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells) {
   const Vec3i first = bone.first - Vec3i::Constant(n * kPadding_cells);
   out.origin_mm = voxmap.grid.origin_mm + voxmap.grid.voxel_mm * first.cast<double>();
   std::vector<std::uint32_t> sums(cells.count()), counts(sums.size());
-  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
-    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
-      const std::uint8_t grade = grades[static_cast<std::size_t>(offset)];
-      if (grade == 0) continue;
-      const std::size_t cell = cells.index((BrickLattice::voxel_at(coord, offset) - first) / n);
-      sums[cell] += grade;
-      ++counts[cell];
-    }
+  const FillBricks whole(voxmap.grid.dims);
+  for_each_bone_voxel({voxmap, whole}, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t) {
+    const std::size_t cell = cells.index((voxel - first) / n);
+    sums[cell] += grade;
+    ++counts[cell];
   });
   out.grades.resize(sums.size());
   for (std::size_t i = 0; i < sums.size(); ++i) {

@@ -139,9 +139,8 @@ def call(arguments: Sequence[str], *, show_output: bool = False) -> str:
                     raise
         errors.seek(0)
         lines = errors.read().splitlines()
-    error = None
-    if child.returncode != 0:
-        error = _error([line for line in lines if not line.startswith(_WARNING)], child.returncode)
+    mistakes = [line for line in lines if not line.startswith(_WARNING)]
+    error = _error(mistakes, child.returncode) if child.returncode != 0 else None
     try:
         _warn([line.removeprefix(_WARNING) for line in lines if line.startswith(_WARNING)])
     except ReamsimWarning as warning:  # the caller wants warnings as errors

@@ -165,7 +165,10 @@ class Simulation:
         """
         rows = _array_of_poses(poses)
         self._fill = None
-        return _table_of_steps(self._native.run(rows))
+        values = self._native.run(rows)
+        names = [name.rstrip("_") for name in Step._fields]
+        return as_table({name: values[:, i].astype(numpy.int64 if name in INTEGERS else numpy.float64)
+                         for i, name in enumerate(names)})
 
     def planned_poses(self) -> numpy.ndarray:
         """The poses of the scenario's motion, one per frame: a record array with the fields ``position_mm`` (3 numbers),
@@ -222,13 +225,6 @@ class Simulation:
 def _grid(parts: tuple[numpy.ndarray, tuple[float, ...], float], unit: str) -> Grid:
     values, center_mm, voxel_mm = parts
     return Grid(values, numpy.array(center_mm), voxel_mm, unit=unit)
-
-
-def _table_of_steps(values: numpy.ndarray) -> Any:
-    """Rows of 26 numbers as `Run.forces` has them."""
-    names = [name.rstrip("_") for name in Step._fields]
-    return as_table({name: values[:, i].astype(numpy.int64 if name in INTEGERS else numpy.float64)
-                     for i, name in enumerate(names)})
 
 
 def _poses_of_array(values: numpy.ndarray) -> numpy.ndarray:

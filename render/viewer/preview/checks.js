@@ -67,7 +67,7 @@ export function inOrder(points, normal) {
 
 const mm = (value) => `${value.toFixed(1)} mm`;
 
-function frameWarnings({ bone, surface, glenoid, side, anatomical }, say) {
+function frameWarnings({ bone, surface, glenoid, data, values: { side } }, say) {
   const away = nearestSurface(surface, glenoid.center);
   if (away > 10) say("problem", `The glenoid centre is ${mm(away)} from the surface of the bone; at most 10 mm are accepted.`);
   const round = nearbyBone(bone, glenoid.center, glenoid.axes[2], away + 8);
@@ -76,7 +76,7 @@ function frameWarnings({ bone, surface, glenoid, side, anatomical }, say) {
   } else if (round.outward !== null && dot(round.outward, glenoid.axes[2]) < Math.cos((50 * Math.PI) / 180)) {
     say("note", "The normal is more than 50° away from the direction out of the bone.");
   }
-  if (!anatomical) return;
+  if (!data.anatomical) return;
   const left = glenoid.axes[2][0];
   if ((side === "left" && left < -0.1) || (side === "right" && left > 0.1)) {
     say("note", `The side is ${side}, but the normal points to the patient's ${left > 0 ? "left" : "right"}.`);
@@ -88,7 +88,7 @@ function frameWarnings({ bone, surface, glenoid, side, anatomical }, say) {
 export function contactOf({ reamer, glenoid, surface, bone }) {
   const spacing = Math.min(...bone.lattice.spacing);
   let first = -1, nearest = Infinity, startsInside = false;
-  for (let k = 0; k < reamer.count && first < 0; ++k) {
+  for (let k = 0; k < reamer.motion.poses.length && first < 0; ++k) {
     const pose = reamer.pose(k, glenoid);
     const away = reamer.leastDistance(pose, positionsOf(surface), 30);
     nearest = Math.min(nearest, away);
@@ -111,26 +111,24 @@ function contactWarnings(contact, reamer, say) {
   }
 }
 
-// `view`: bone (Field), surface, glenoid, from, side, needsSide, anatomical, reamer, contact, rim, seed, seedMissed.
-export function warningsOf(view) {
-  const out = [];
+export function warningsOf(model) {
+  const out = [], { surface, glenoid, contact, values: { from, side, rim } } = model;
   const say = (level, text) => out.push({ level, text });
-  if (view.seedMissed) say("problem", "The seed is in no bone: the largest piece is shown.");
-  if (view.surface === null) {
+  if (model.seedMissed) say("problem", "The seed is in no bone: the largest piece is shown.");
+  if (surface === null) {
     say("problem", "No bone is above the threshold.");
     return out;
   }
-  if (view.glenoid === null) {
-    const missing = view.from === "landmarks" ? "the glenoid centre, the trigonum spinae and the inferior angle" : "the glenoid centre, then the superior point";
+  if (glenoid === null) {
+    const missing = from === "landmarks" ? "the glenoid centre, the trigonum spinae and the inferior angle" : "the glenoid centre, then the superior point";
     say("problem", `There is no glenoid frame yet: place ${missing}.`);
-  }
-  if (view.glenoid !== null) frameWarnings(view, say);
-  if (view.needsSide && view.side === null) say("problem", "The side is missing: choose left or right.");
-  view.rim.forEach((point, i) => {
-    const away = nearestSurface(view.surface, point);
+  } else frameWarnings(model, say);
+  if (model.needsSide && side === null) say("problem", "The side is missing: choose left or right.");
+  rim.forEach((point, i) => {
+    const away = nearestSurface(surface, point);
     if (away > 5) say("problem", `Rim point ${i + 1} is ${mm(away)} from the surface of the bone; at most 5 mm are accepted.`);
   });
-  if (view.rim.length > 0 && view.rim.length < 6) say("problem", `A rim needs at least 6 points; ${view.rim.length} are placed.`);
-  if (view.contact !== null) contactWarnings(view.contact, view.reamer, say);
+  if (rim.length > 0 && rim.length < 6) say("problem", `A rim needs at least 6 points; ${rim.length} are placed.`);
+  if (contact !== null) contactWarnings(contact, model.reamer, say);
   return out;
 }

@@ -19,7 +19,7 @@ export function saveText(text, name, type) {
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
 
-const pointText = (p) => (p === null ? "not placed" : p.map((c) => fixedText(c, 1)).join(", "));
+const pointText = (p, missing = "not placed") => (p === null ? missing : p.map((c) => fixedText(c, 1)).join(", "));
 
 export class Controls {
   constructor(model, slices, window) {
@@ -150,11 +150,11 @@ export class Controls {
 
   // Keys that the page uses and does not change.
   addFixed() {
-    const { ct } = this.model.data, box = (p, open) => (p === null ? open : p.map((c) => fixedText(c, 1)).join(", "));
-    const rows = [["crop_min_mm", box(ct.crop_min_mm, "the scan's")], ["crop_max_mm", box(ct.crop_max_mm, "the scan's")], ["filter", ct.filter],
+    const { ct } = this.model.data;
+    const rows = [["crop_min_mm", pointText(ct.crop_min_mm, "the scan's")], ["crop_max_mm", pointText(ct.crop_max_mm, "the scan's")], ["filter", ct.filter],
       ["closing_mm", fixedText(ct.closing_mm, 2)], ["fill_holes", ct.fill_holes ? "true" : "false"],
-      ...ct.cut_planes.map((plane, i) => [`cut_planes ${i + 1}`, `through ${box(plane.point_mm)}; normal ${plane.normal.map((c) => fixedText(c, 3)).join(", ")}`]),
-      ...ct.separated.map((sphere) => ["separate: humerus", `sphere of ${fixedText(sphere.radius_mm, 1)} mm about ${box(sphere.center_mm)}`])];
+      ...ct.cut_planes.map((plane, i) => [`cut_planes ${i + 1}`, `through ${pointText(plane.point_mm)}; normal ${plane.normal.map((c) => fixedText(c, 3)).join(", ")}`]),
+      ...ct.separated.map((sphere) => ["separate: humerus", `sphere of ${fixedText(sphere.radius_mm, 1)} mm about ${pointText(sphere.center_mm)}`])];
     find("fixed").replaceChildren(...rows.flatMap(([key, value]) => [part("dt", {}, key), part("dd", {}, value)]));
   }
 
@@ -203,7 +203,7 @@ export class Controls {
     const { reamer } = this.model;
     if (reamer === null) return;
     find("reamer").hidden = false;
-    find("pose").max = reamer.count - 1;
+    find("pose").max = reamer.motion.poses.length - 1;
     find("pose").addEventListener("input", () => this.model.setPose(Number(find("pose").value)));
     find("show-reamer").addEventListener("change", () => {
       this.model.showsReamer = find("show-reamer").checked;

@@ -34,7 +34,6 @@ class ScenarioView {
     find("save").addEventListener("click", () => this.save());
     find("copy").addEventListener("click", () => this.copy());
     find("undo").addEventListener("click", () => model.undo());
-    find("yaml-help").textContent = "Save it beside the original: relative paths start from its folder. Then validate it with reamsim check.";
     this.show();
   }
 
@@ -86,7 +85,7 @@ function solidOf(model) {
 
 const model = new Model(pageData());
 const view = windowOf(model.volume.unit);
-const slices = [...document.querySelectorAll(".slice")].map((figure) => new Slice(figure, model, view));
+const slices = [2, 1, 0].map((axis) => new Slice(axis, model, view));
 const solid = solidOf(model);
 const controls = new Controls(model, slices, view);
 const scenario = new ScenarioView(model);

@@ -18,7 +18,7 @@ const kSpellings = {
   rim: ["rim", "glenoid rim"],
 };
 
-export function roleOf(label) {
+function roleOf(label) {
   const words = label.replace(/([a-z])([A-Z])/g, "$1 $2").toLowerCase().match(/[a-z]+/g) ?? [];
   const key = [...new Set(words.filter((word) => !kIgnored.has(word)).map((word) => (word === "centre" ? "center" : word)))].sort().join(" ");
   return Object.keys(kSpellings).find((role) => kSpellings[role].includes(key)) ?? null;
@@ -58,7 +58,7 @@ function pointsOfFcsv(text) {
 }
 
 // [{label, point}] of an .mrk.json or .fcsv, in LPS and mm.
-export const pointsOf = (text) => (/^\s*\{/.test(text) ? pointsOfJson(text) : pointsOfFcsv(text));
+const pointsOf = (text) => (/^\s*\{/.test(text) ? pointsOfJson(text) : pointsOfFcsv(text));
 
 // Places the points of a file; returns what was understood, for the user.
 export function applyMarkups(model, text) {

@@ -111,10 +111,7 @@ export class Model {
       this.reamer?.startAtContact(this.glenoid, positionsOf(this.surface));
       if (this.reamer !== null && this.surface !== null && this.reamer.pose(0, this.glenoid) !== null) this.contact = contactOf(this);
     }
-    this.findings = warningsOf({
-      bone: this.bone, surface: this.surface, glenoid: this.glenoid, from: this.values.from, side: this.values.side, needsSide: this.needsSide, anatomical: this.data.anatomical,
-      reamer: this.reamer, contact: this.contact, rim: this.values.rim, seedMissed: this.seedMissed,
-    });
+    this.findings = warningsOf(this);
     if (this.same()) {  // what the program itself has said
       this.findings.push(...this.data.warnings.map((text) => ({ level: "note", text })));
       this.findings.unshift(...this.data.problems.map((text) => ({ level: "problem", text })));

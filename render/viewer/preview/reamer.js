@@ -68,8 +68,6 @@ export class Reamer {
     return near + kCell_mm * Math.hypot(r - rc, h - hc);
   }
 
-  get count() { return this.motion.poses.length; }
-
   // The pose in the bone frame: origin and the tool's axes. Null where the motion needs a glenoid frame that is missing.
   pose(k, glenoid) {
     const [px, py, pz, qw, qx, qy, qz] = this.motion.poses[k];

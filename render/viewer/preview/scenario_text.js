@@ -8,7 +8,7 @@ import { same } from "./volume.js";
 
 // --- single keys are changed where the parser says that they stand; every other byte stays
 
-export class EditError extends Error {}
+class EditError extends Error {}
 
 const spliced = (text, from, to, put = "") => text.slice(0, from) + put + text.slice(to);
 const lineStart = (text, at) => text.lastIndexOf("\n", at - 1) + 1;

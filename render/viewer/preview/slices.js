@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // A slice across an axis: image, outlines, reamer, points, cross; in the radiological convention where axes are a patient's.
-import { fixedText } from "../shared/scene.js";
+import { find, fixedText } from "../shared/scene.js";
 import { colors, marksOf } from "./model.js";
 
 // Lines where a function on a grid is `level`, by marching squares.
@@ -44,9 +44,11 @@ const kViews = {
 const kNear_mm = 8;  // points further from the slice are not drawn
 
 export class Slice {
-  constructor(figure, model, window) {
-    this.axis = Number(figure.dataset.axis);
-    Object.assign(this, { figure, model, window, ...kViews[this.axis] });
+  constructor(axis, model, window) {
+    const figure = find("slice").content.firstElementChild.cloneNode(true);
+    Object.assign(this, { axis, figure, model, window, ...kViews[axis] });
+    figure.dataset.axis = axis;
+    document.querySelector(".solid").before(figure);
     this.canvas = figure.querySelector("canvas");
     this.slider = figure.querySelector("input");
     this.context = this.canvas.getContext("2d");
@@ -195,7 +197,8 @@ export class Slice {
     const [x, y] = this.pixelOf(corner);
     context.imageSmoothingEnabled = true;
     context.drawImage(this.image, x, y, scale * this.image.width * lattice.spacing[this.across], scale * this.image.height * lattice.spacing[this.down]);
-    this.drawBone();
+    if (model.segmented !== null) this.outline(model.segmented, colors.bone);
+    if (model.live !== null) this.outline(model.live, colors.live);
     this.drawSpheres();
     this.drawReamer();
     this.drawCross(width, height);
@@ -239,12 +242,6 @@ export class Slice {
     // A border of air closes the outline at the edge of the image.
     const value = (i, j) => (i === 0 || j === 0 || i > columns || j > rows ? 0 : bytes[k + (i - 1) * da + (j - 1) * dd]);
     this.strokeContour(color, 1.4, [columns + 2, rows + 2], value, 127.5, axes.map((axis) => lattice.mm(-1, axis)), axes.map((axis) => lattice.spacing[axis]));
-  }
-
-  drawBone() {
-    const { model } = this;
-    if (model.segmented !== null) this.outline(model.segmented, colors.bone);
-    if (model.live !== null) this.outline(model.live, colors.live);
   }
 
   drawSpheres() {

@@ -4,7 +4,7 @@
 // The 3D view: bone, reamer, points, cut spheres, glenoid frame. Draws on request only.
 import {
   ArrowHelper, Box3, BufferGeometry, Color, FrontSide, Group, LatheGeometry, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry,
-  Vector2, Vector3, Vector4, View, boneMaterial, find, toolMaterials, vector,
+  Vector2, Vector3, Vector4, View, boneMaterial, find, toolLook, vector,
 } from "../shared/scene.js";
 import { colors, marksOf } from "./model.js";
 
@@ -53,14 +53,9 @@ export class Solid extends View {
     const profile = reamer.points.map(([r, z]) => new Vector2(r, z));
     const geometry = new LatheGeometry([...profile, profile[0]], 64);
     geometry.rotateX(Math.PI / 2);  // from an axis along y to one along z
-    this.reamerLook = toolMaterials(new Color(colors.reamer), new Vector4(0, 0, 0, 1));
-    this.reamerLook.uniforms.opaque.value = 0.4;
-    this.tool = new Group();
-    this.reamerLook.materials.forEach((material, i) => {
-      const mesh = new Mesh(geometry, material);
-      mesh.renderOrder = 4 + i;
-      this.tool.add(mesh);
-    });
+    const { uniforms, modelOf } = toolLook(new Color(colors.reamer), new Vector4(0, 0, 0, 1));
+    uniforms.opaque.value = 0.4;
+    this.tool = modelOf(geometry);
     this.tool.matrixAutoUpdate = false;
     this.scene.add(this.tool);
   }
@@ -182,10 +177,5 @@ export class Solid extends View {
     const { data, glenoid } = this.model;
     if (!data.anatomical) return { anatomical: true, superior: glenoid?.axes[1] ?? null, outward: null, anterior: null };
     return { anatomical: true, superior: [0, 0, 1], outward: data.side === null ? null : [data.side === "left" ? 1 : -1, 0, 0], anterior: [0, -1, 0] };
-  }
-
-  render() {
-    this.reamerLook?.prepare(this.camera);
-    super.render();
   }
 }

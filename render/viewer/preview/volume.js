@@ -27,7 +27,7 @@ function summed(base64) {
 }
 
 // `origin` is the centre of the first voxel; x varies fastest.
-export class Lattice {
+class Lattice {
   constructor(dims, origin, spacing) {
     Object.assign(this, { dims, origin, spacing });
     this.steps = [1, dims[0], dims[0] * dims[1]];
@@ -45,29 +45,37 @@ export class Lattice {
   at(i, j, k) { return i + this.steps[1] * j + this.steps[2] * k; }
 }
 
-// A byte field on a lattice, `outside` beyond it, interpolated linearly.
+function forEachVoxel({ dims }, visit) {
+  for (let k = 0, at = 0; k < dims[2]; ++k) {
+    for (let j = 0; j < dims[1]; ++j) {
+      for (let i = 0; i < dims[0]; ++i, ++at) visit(at, i, j, k);
+    }
+  }
+}
+
+// A byte field on a lattice, 0 beyond it, interpolated linearly.
 export class Field {
-  constructor(lattice, bytes, outside = 0) { Object.assign(this, { lattice, bytes, outside }); }
+  constructor(lattice, bytes) { Object.assign(this, { lattice, bytes }); }
 
   at(point) {
     const { dims, steps } = this.lattice;
     const base = [0, 0, 0], part = [0, 0, 0];
     for (let axis = 0; axis < 3; ++axis) {
       const place = this.lattice.index(point, axis);
-      if (!(place > -1 && place < dims[axis])) return this.outside;
+      if (!(place > -1 && place < dims[axis])) return 0;
       base[axis] = Math.floor(place);
       part[axis] = place - base[axis];
     }
     let sum = 0;
     for (let corner = 0; corner < 8; ++corner) {
-      let weight = 1, index = 0, inside = true;
+      let weight = 1, index = 0;
       for (let axis = 0; axis < 3; ++axis) {
         const up = (corner >> axis) & 1, place = base[axis] + up;
         weight *= up ? part[axis] : 1 - part[axis];
-        inside &&= place >= 0 && place < dims[axis];
+        if (place < 0 || place >= dims[axis]) weight = 0;
         index += place * steps[axis];
       }
-      if (weight > 0) sum += weight * (inside ? this.bytes[index] : this.outside);
+      if (weight > 0) sum += weight * this.bytes[index];
     }
     return sum;
   }
@@ -92,16 +100,11 @@ export function reduced(lattice, bytes, most) {
   const origin = lattice.origin.map((mm, axis) => mm + 0.5 * (spacing[axis] - lattice.spacing[axis]));
   const coarse = new Lattice(dims(), origin, spacing);
   const sums = new Uint32Array(coarse.size), counts = new Uint16Array(coarse.size);
-  for (let k = 0, at = 0; k < lattice.dims[2]; ++k) {
-    for (let j = 0; j < lattice.dims[1]; ++j) {
-      const row = coarse.at(0, Math.floor(j / by[1]), Math.floor(k / by[2]));
-      for (let i = 0; i < lattice.dims[0]; ++i, ++at) {
-        const box = row + Math.floor(i / by[0]);
-        sums[box] += bytes[at];
-        ++counts[box];
-      }
-    }
-  }
+  forEachVoxel(lattice, (at, i, j, k) => {
+    const box = coarse.at(Math.floor(i / by[0]), Math.floor(j / by[1]), Math.floor(k / by[2]));
+    sums[box] += bytes[at];
+    ++counts[box];
+  });
   return { lattice: coarse, bytes: Uint8Array.from(sums, (sum, i) => Math.round(sum / counts[i])) };
 }
 
@@ -112,15 +115,9 @@ const kEdges = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], 
 
 // With a layer of air on every side, which closes the surface where the lattice ends.
 function padded({ lattice, bytes }) {
-  const [nx, ny, nz] = lattice.dims;
-  const dims = [nx + 2, ny + 2, nz + 2];
+  const dims = lattice.dims.map((n) => n + 2), [nx, ny] = dims;
   const out = new Uint8Array(dims[0] * dims[1] * dims[2]);
-  for (let k = 0; k < nz; ++k) {
-    for (let j = 0; j < ny; ++j) {
-      const from = lattice.at(0, j, k);
-      out.set(bytes.subarray(from, from + nx), 1 + dims[0] * (j + 1 + dims[1] * (k + 1)));
-    }
-  }
+  forEachVoxel(lattice, (at, i, j, k) => { out[i + 1 + nx * (j + 1 + ny * (k + 1))] = bytes[at]; });
   return { dims, out };
 }
 
@@ -184,14 +181,6 @@ function isCutAway(ct, p) {
     if ((p[0] - c[0]) ** 2 + (p[1] - c[1]) ** 2 + (p[2] - c[2]) ** 2 < radius_mm ** 2) return true;
   }
   return ct.cut_planes.some(({ point_mm: q, normal: n }) => (p[0] - q[0]) * n[0] + (p[1] - q[1]) * n[1] + (p[2] - q[2]) * n[2] > 0);
-}
-
-function forEachVoxel({ dims }, visit) {
-  for (let k = 0, at = 0; k < dims[2]; ++k) {
-    for (let j = 0; j < dims[1]; ++j) {
-      for (let i = 0; i < dims[0]; ++i, ++at) visit(at, i, j, k);
-    }
-  }
 }
 
 // Fills `label` from `start` over face neighbours where `open(at)`; calls it once per voxel, which must then be closed.

@@ -5,7 +5,7 @@
 import {
   BackSide, BufferAttribute, BufferGeometry, Data3DTexture, DecrementWrapStencilOp, FrontSide, Group, IncrementWrapStencilOp,
   LinearFilter, Mesh, PlaneGeometry, Quaternion, RedFormat, Vector3, Vector4, View, boneMaterial, capMaterial, choices, find,
-  legend, liftsOf, meshOf, posesOf, toolMaterials, unpacked, vector, viewMissing,
+  legend, liftsOf, meshOf, posesOf, toolLook, unpacked, vector, viewMissing,
 } from "../shared/scene.js";
 
 function geometryOf(packed, box) {
@@ -84,27 +84,13 @@ class Reaming {
 // The reamer: see-through as in the pictures, or of steel.
 const spinAxis = new Vector3(0, 0, -1);  // of a positive spin, in the tool frame
 
-// The reamer of a pass.
-function modelOf(pass, materials) {
-  const geometry = geometryOf(pass.mesh, pass.box_mm);
-  const model = new Group();
-  materials.forEach((material, i) => {
-    const mesh = new Mesh(geometry, material);
-    mesh.renderOrder = 10 + i;
-    mesh.frustumCulled = false;
-    model.add(mesh);
-  });
-  return model;
-}
-
 class ToolModel {
   constructor(tool, cut) {
     this.poses = posesOf(tool.poses);
-    const { uniforms, materials, prepare } = toolMaterials(new Vector3(0.42, 0.45, 0.49), cut);
-    Object.assign(this, { uniforms, prepare });
-    this.group = new Group();
-    this.passes = tool.passes.map((pass) => ({ row: pass.row, model: modelOf(pass, materials) }));
-    for (const pass of this.passes) this.group.add(pass.model);
+    const { uniforms, modelOf } = toolLook(new Vector3(0.42, 0.45, 0.49), cut);
+    this.uniforms = uniforms;
+    this.passes = tool.passes.map((pass) => ({ row: pass.row, model: modelOf(geometryOf(pass.mesh, pass.box_mm)) }));
+    this.group = new Group().add(...this.passes.map((pass) => pass.model));
     this.moveTo(0);
   }
 
@@ -130,22 +116,48 @@ function densityTexture(volume) {
   return Object.assign(texture, { format: RedFormat, minFilter: LinearFilter, magFilter: LinearFilter, needsUpdate: true });
 }
 
-class BoneScene extends View {
-  constructor(canvas, bone, tool) {
+// The section planes: `normal` points towards the viewer of the cut.
+function planesOf(look) {
+  const axis = vector(look.axis), front = vector(look.front);
+  const side = new Vector3().crossVectors(axis, front).normalize();
+  const upwards = side.dot(vector(look.superior)) < 0 ? side.clone().negate() : side;
+  const known = look.anatomical && look.anterior !== null;
+  return [
+    { name: known ? "seen from anterior" : "seen from the front", normal: front },
+    { name: known ? "seen from superior" : "seen from above", normal: upwards },
+    { name: "perpendicular to the tool axis", normal: axis },
+  ];
+}
+
+function viewsOf(look) {
+  const views = [["Oblique", vector(look.towards_viewer)], [look.anatomical ? "En face" : "Along the axis", vector(look.outward)]];
+  // Turned slightly towards lateral so that the reamed face is visible behind the cut edge.
+  const front = vector(look.front).multiplyScalar(0.96).addScaledVector(vector(look.outward), 0.28).normalize();
+  views.push([look.anterior ? "Anterior" : "Front", front], [look.anatomical ? "Superior" : "Above", vector(look.superior)]);
+  return views;
+}
+
+class BoneView extends View {
+  constructor(bone, tool) {
     const { look } = bone;
-    super(canvas, {
+    super(find("bone-canvas"), {
       focus: vector(look.focus_mm), reach: look.reach_mm, half: 0.5 * look.height_mm, up: look.superior, aside: vector(look.outward),
       directions: () => look,
     }, { stencil: true });
+    this.bone = bone;
     this.cut = new Vector4(0, 0, 0, 1);
-    this.addBone(bone);
-    this.addCap(bone);
+    this.addBone();
+    this.addCap();
     this.addTool(tool);
-    this.show("after");
+    this.planes = planesOf(look);
+    for (const [name, direction] of viewsOf(look)) this.addButton(name, () => this.look(direction));
+    this.addStates();
+    this.addCuts();
+    this.look(vector(look.towards_viewer));
   }
 
-  addBone(bone) {
-    const depth = bone.depth_colors;
+  addBone() {
+    const { bone } = this, depth = bone.depth_colors;
     this.uniforms = {
       cut: { value: this.cut },
       stops: { value: depth.stops.map(vector) },
@@ -164,17 +176,15 @@ class BoneScene extends View {
       const geometry = geometryOf(bone[state], bone.box_mm);
       if (state === "after" && bone.reaming !== null) this.reaming = new Reaming(geometry, bone.reaming, bone.look.axis);
       this.states[state] = materials.map((made, i) => {
-        const mesh = new Mesh(geometry, made);
-        mesh.renderOrder = i < 2 ? 1 : 3;
-        mesh.frustumCulled = false;
+        const mesh = Object.assign(new Mesh(geometry, made), { renderOrder: i < 2 ? 1 : 3, frustumCulled: false });
         this.scene.add(mesh);
         return mesh;
       });
     }
   }
 
-  addCap(bone) {
-    const { dims, cell_mm, origin_mm } = bone.density, colors = bone.density_colors;
+  addCap() {
+    const { bone } = this, { dims, cell_mm, origin_mm } = bone.density, colors = bone.density_colors;
     this.cap = new Mesh(new PlaneGeometry(4 * this.reach, 4 * this.reach), capMaterial({
       density: { value: densityTexture(bone.density) },
       origin_mm: { value: vector(origin_mm) },
@@ -188,10 +198,12 @@ class BoneScene extends View {
   }
 
   addTool(tool) {
+    find("tool-looks").hidden = tool === null;
     if (tool === null) return;
     this.tool = new ToolModel(tool, this.cut);
     this.tool.look = tool.shown ? tool.look : "hidden";
     this.scene.add(this.tool.group);
+    choices("tool", (look) => { this.tool.look = look; this.draw(); })(tool.shown ? tool.look : "hidden");
   }
 
   // "before" or "after" the run, or "now": at the time of moveTo().
@@ -205,6 +217,7 @@ class BoneScene extends View {
     [this.time, this.touched] = [time, touched];
     this.tool?.moveTo(row);
     this.update();
+    this.draw();
   }
 
   update() {
@@ -235,68 +248,17 @@ class BoneScene extends View {
     if (this.tool) this.canvas.dataset.toolMm = this.tool.group.position.toArray().map((v) => v.toFixed(3)).join(" ");
   }
 
-  render() {
-    this.tool?.prepare(this.camera);
-    super.render();
-  }
-}
-
-// --- its controls
-
-// The section planes: `normal` points towards the viewer of the cut.
-function planesOf(look) {
-  const axis = vector(look.axis), front = vector(look.front);
-  const side = new Vector3().crossVectors(axis, front).normalize();
-  const upwards = side.dot(vector(look.superior)) < 0 ? side.clone().negate() : side;
-  const known = look.anatomical && look.anterior !== null;
-  return [
-    { name: known ? "seen from anterior" : "seen from the front", normal: front },
-    { name: known ? "seen from superior" : "seen from above", normal: upwards },
-    { name: "perpendicular to the tool axis", normal: axis },
-  ];
-}
-
-function viewsOf(look) {
-  const views = [["Oblique", vector(look.towards_viewer)], [look.anatomical ? "En face" : "Along the axis", vector(look.outward)]];
-  // Turned slightly towards lateral so that the reamed face is visible behind the cut edge.
-  const front = vector(look.front).multiplyScalar(0.96).addScaledVector(vector(look.outward), 0.28).normalize();
-  views.push([look.anterior ? "Anterior" : "Front", front], [look.anatomical ? "Superior" : "Above", vector(look.superior)]);
-  return views;
-}
-
-class BoneView {
-  constructor(bone, tool) {
-    this.bone = bone;
-    this.scene = new BoneScene(find("bone-canvas"), bone, tool);
-    this.planes = planesOf(bone.look);
-    for (const [name, direction] of viewsOf(bone.look)) this.scene.addButton(name, () => this.scene.look(direction));
-    this.addStates();
-    this.addToolLooks(tool);
-    this.addCuts();
-    this.showLegends();
-    this.scene.look(vector(bone.look.towards_viewer));
-  }
+  // --- its controls
 
   addStates() {
-    const { scene, bone: { reaming } } = this;
-    const redraw = () => { this.showLegends(); scene.draw(); };
-    const choose = choices("state", (state) => { scene.show(state); redraw(); });
-    choices("surface", (surface) => { scene.uniforms.shows_depth.value = surface === "depth" ? 1 : 0; redraw(); });
+    const { reaming } = this.bone;
+    const redraw = () => { this.showLegends(); this.draw(); };
+    const choose = choices("state", (state) => { this.show(state); redraw(); });
+    choices("surface", (surface) => { this.uniforms.shows_depth.value = surface === "depth" ? 1 : 0; redraw(); });
     document.querySelector("input[name=state][value=now]").closest("label").hidden = reaming === null;
-    if (reaming === null) return;
-    choose("now");
-    scene.show("now");
-  }
-
-  addToolLooks(tool) {
-    find("tool-looks").hidden = tool === null;
-    const choose = choices("tool", (look) => { this.scene.tool.look = look; this.scene.draw(); });
-    if (tool !== null) choose(tool.shown ? tool.look : "hidden");
-  }
-
-  moveTo(row, time, touched) {
-    this.scene.moveTo(row, time, touched);
-    this.scene.draw();
+    const state = reaming === null ? "after" : "now";
+    choose(state);
+    this.show(state);
   }
 
   addCuts() {
@@ -319,7 +281,7 @@ class BoneView {
   // A section is seen from the side that its name says.
   faceCut() {
     const normal = this.cutNormal();
-    if (normal !== null) this.scene.look(normal);
+    if (normal !== null) this.look(normal);
   }
 
   // The extent of the bone along the normal limits the slider.
@@ -344,13 +306,13 @@ class BoneView {
     find("cut-value").textContent = `${offset.toFixed(1).replace("-", "−")} mm`;
     find("cut-offset").setAttribute("aria-valuetext", `${offset.toFixed(1)} mm from the tool axis`);
     const point = plane && vector(this.bone.look.axis_point_mm).addScaledVector(plane.normal, offset);
-    this.scene.cutAlong(this.cutNormal(), point);
-    this.scene.draw();
+    this.cutAlong(this.cutNormal(), point);
+    this.draw();
   }
 
   showLegends() {
     const legends = [];
-    if (this.scene.state !== "before" && this.scene.uniforms.shows_depth.value === 1) legends.push(legend("Reamed depth, mm", this.bone.depth_colors));
+    if (this.state !== "before" && this.uniforms.shows_depth.value === 1) legends.push(legend("Reamed depth, mm", this.bone.depth_colors));
     if (find("cut-plane").value !== "") legends.push(legend("Bone density, g/cm³", this.bone.density_colors));
     find("bone-legends").replaceChildren(...legends);
   }

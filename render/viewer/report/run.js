@@ -3,7 +3,7 @@
 
 // Reamer, readings, curves and picture at one time of the run.
 import uPlot from "uplot";
-import { choices, find, fixedText, part, sayValue, significantText } from "../shared/scene.js";
+import { choices, extremes, find, fixedText, part, sayValue, significantText } from "../shared/scene.js";
 
 // The plot: panels over one time axis, with one cursor, in Okabe and Ito's colours, as in forces.gp.
 const panels = [
@@ -17,11 +17,9 @@ const panels = [
 
 // Padded axis limits. Single frames far above the mean and a retracted tool are clipped.
 function limits(panel, data) {
-  const values = data[panel.column];
-  const most = (list) => list.reduce((a, b) => Math.max(a, b), -Infinity);
-  let top = most(values);
-  let bottom = Math.min(0, -most(values.map((v) => -v)));
-  if (data[panel.mean]) top = Math.min(top, 4 * most(data[panel.mean]) || top);
+  const [low, most] = extremes(data[panel.column]);
+  let top = most, bottom = Math.min(0, low);
+  if (data[panel.mean]) top = Math.min(top, 4 * extremes(data[panel.mean])[1] || top);
   if (panel.column === "depth_mm" && top > 0) bottom = Math.max(bottom, -0.25 * top);
   const air = 0.06 * (top - bottom) || 1;
   return [bottom < 0 ? bottom - air : -air / 2, top + air];

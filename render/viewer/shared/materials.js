@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The materials of bone and reamer: the shading of render/gl/shaders for WebGL 2. Light is in eye space; colours are linear until output.
-import { DoubleSide, GLSL3, LessEqualDepth, NotEqualStencilFunc, ShaderMaterial, Vector3 } from "three";
+import { DoubleSide, GLSL3, Group, LessEqualDepth, Mesh, NotEqualStencilFunc, ShaderMaterial, Vector3 } from "three";
 
 const common = `
 precision highp float;
@@ -167,18 +167,20 @@ export const capMaterial = (uniforms) => material(placedVertex, capFragment, uni
   defines: { STOPS: uniforms.stops.value.length }, stencilWrite: true, stencilFunc: NotEqualStencilFunc,
 });
 
-// Of a reamer: its nearest faces alone are drawn, so that its walls do not add up. `tint` is linear.
-export function toolMaterials(tint, cut) {
+// The look of a reamer: uniforms, and what makes a model of a geometry. Its nearest faces alone are drawn, so that its walls
+// do not add up, and after the bone. `tint` is linear.
+export function toolLook(tint, cut) {
   const uniforms = {
     cut: { value: cut }, has_cut: { value: 0 }, opaque: { value: 0 }, tint: { value: tint },
     towards_viewer: { value: new Vector3(0, 0, 1) }, depth_per_mm: { value: 0 },
   };
-  // Before a picture is drawn from a camera.
-  const prepare = (camera) => {
+  const onBeforeRender = (renderer, scene, camera) => {
     camera.getWorldDirection(uniforms.towards_viewer.value).negate();
     uniforms.depth_per_mm.value = 1 / (camera.far - camera.near);
   };
   const materials = [{ colorWrite: false }, { depthWrite: false }].map((more) =>
-    material(placedVertex, toolFragment, uniforms, { depthFunc: LessEqualDepth, transparent: true, ...more }));
-  return { uniforms, prepare, materials };
+    material(placedVertex, toolFragment, uniforms, { depthFunc: LessEqualDepth, transparent: true, onBeforeRender, ...more }));
+  const modelOf = (geometry) => new Group().add(...materials.map((made, i) =>
+    Object.assign(new Mesh(geometry, made), { renderOrder: 10 + i, frustumCulled: false })));
+  return { uniforms, modelOf };
 }

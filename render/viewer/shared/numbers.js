@@ -59,6 +59,8 @@ export function measuredText(value, unit) {
   return shown === 0 ? (0).toFixed(decimals) : typeset(shown.toFixed(withoutZeros(value, decimals)));
 }
 
+export const extremes = (values) => values.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
+
 // Ends of the steps of an axis: 1, 2 or 5 times a power of ten.
 export function stepsOf(low, high, most) {
   const span = high - low;

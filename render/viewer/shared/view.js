@@ -146,7 +146,7 @@ export class View {
   draw() {
     this.drawing ??= requestAnimationFrame(() => {
       this.drawing = undefined;
-      this.render();
+      this.renderer.render(this.scene, this.camera);
     });
     this.camera.updateMatrixWorld();
     // For tests: what the picture alone does not tell.
@@ -154,9 +154,5 @@ export class View {
     this.canvas.dataset.towardsViewer = away.toArray().map((v) => v.toFixed(4)).join(" ");
     drawAxes(find("bone-axes"), this.directions(), this.camera);
     drawScale(find("bone-scale"), (this.camera.top - this.camera.bottom) / this.camera.zoom / this.canvas.clientHeight);
-  }
-
-  render() {
-    this.renderer.render(this.scene, this.camera);
   }
 }

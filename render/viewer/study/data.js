@@ -16,10 +16,8 @@ function words(base64, Type) {
   for (let i = 0; i < count; ++i) {
     out[i] = bytes[i] | (bytes[count + i] << 8) | (bytes[2 * count + i] << 16) | (bytes[3 * count + i] << 24);
   }
-  return Type === Uint32Array ? out : new Type(out.buffer);
+  return new Type(out.buffer);
 }
-
-const textOf = (base64) => new TextDecoder().decode(unpacked(base64));
 
 // A column of the table, decoded when it is first used.
 class Column {
@@ -61,14 +59,13 @@ export function readStudy(data) {
   const states = words(data.states, Uint32Array);
   const messages = words(data.messages.data, Uint32Array);
   return {
-    name: data.study,
     all: data.all,
     count: data.runs,
     numbers: words(data.numbers, Uint32Array),
     states,
     stateText: (run) => STATES[states[run]],
     reports: words(data.reports, Uint32Array),
-    ids: textOf(data.ids).split("\n"),
+    ids: new TextDecoder().decode(unpacked(data.ids)).split("\n"),
     message: (run) => data.messages.texts[messages[run]],
     hasMessages: data.messages.texts.some((text) => text !== ""),
     columns,
@@ -79,8 +76,6 @@ export function readStudy(data) {
     constants: data.constants,
   };
 }
-
-export const extremes = (values) => values.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
 
 // Fills a list of columns to choose from.
 export function fillColumns(select, groups, chosen) {

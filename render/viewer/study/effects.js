@@ -3,8 +3,7 @@
 
 // Main effects of the runs that are shown: as python/src/reamsim/lab/effects.py computes them.
 import { find, part, svgPart } from "../shared/elements.js";
-import { significantText, stepsOf } from "../shared/numbers.js";
-import { extremes } from "./data.js";
+import { extremes, significantText, stepsOf } from "../shared/numbers.js";
 
 const kMostLevels = 40, kMostIntervals = 8, kLeastValuesOfInterval = 8, kMostPanels = 12, kMostDots = 500;
 
@@ -34,36 +33,27 @@ function shortened(names) {
   return names.some((name) => name.length === separator + 1) ? names : names.map((name) => name.slice(separator + 1));
 }
 
+const sumOf = (values) => values.reduce((sum, value) => sum + value, 0);
+const meanOf = (values) => sumOf(values) / values.length;
+const squaresOf = (values) => {
+  const mean = meanOf(values);
+  return sumOf(values.map((value) => (value - mean) ** 2));
+};
+
 function effectOf(parameter, result, runs) {
   const used = runs.filter((run) => !Number.isNaN(result.values[run]));
   const groups = used.length < 2 ? null : groupsOf(parameter, used);
   if (groups === null) return null;
-  const sums = Array.from({ length: groups.count }, () => ({ runs: 0, x: 0, mean: 0, squares: 0, from: Infinity, to: -Infinity }));
-  let mean = 0;
-  for (const run of used) {
-    const sum = sums[groups.of(run)], x = parameter.values[run];
-    ++sum.runs;
-    sum.x += x;
-    sum.mean += result.values[run];
-    sum.from = Math.min(sum.from, x);
-    sum.to = Math.max(sum.to, x);
-    mean += result.values[run] / used.length;
-  }
-  for (const sum of sums) {
-    sum.x /= sum.runs;
-    sum.mean /= sum.runs;
-  }
-  let within = 0, all = 0;
-  for (const run of used) {
-    const sum = sums[groups.of(run)], y = result.values[run];
-    sum.squares += (y - sum.mean) ** 2;
-    within += (y - sum.mean) ** 2;
-    all += (y - mean) ** 2;
-  }
-  sums.forEach((sum, i) => {
-    sum.sd = sum.runs > 1 ? Math.sqrt(sum.squares / (sum.runs - 1)) : 0;
-    sum.name = groups.names?.[i] ?? `${significantText(sum.from)} to ${significantText(sum.to)}`;
+  const members = Array.from({ length: groups.count }, () => []);
+  for (const run of used) members[groups.of(run)].push(run);
+  const sums = members.map((own, i) => {
+    const xs = own.map((run) => parameter.values[run]), ys = own.map((run) => result.values[run]), squares = squaresOf(ys);
+    const sd = own.length > 1 ? Math.sqrt(squares / (own.length - 1)) : 0;
+    const name = groups.names?.[i] ?? extremes(xs).map((end) => significantText(end)).join(" to ");
+    return { x: meanOf(xs), mean: meanOf(ys), squares, sd, name };
   });
+  const values = Array.from(used, (run) => result.values[run]), mean = meanOf(values), all = squaresOf(values);
+  let within = sumOf(sums.map((sum) => sum.squares));
   if (groups.intervals && used.length > groups.count) within *= (used.length - 1) / (used.length - groups.count);
   const explained = all > 1e-18 * mean * mean * used.length ? Math.min(1, Math.max(0, 1 - within / all)) : 0;
   return { parameter, result, runs: used, sums, explained, intervals: groups.intervals };

@@ -7,6 +7,18 @@ import { STATES, fillColumns } from "./data.js";
 
 const kMostLevels = 60;  // longer lists are searched as text
 
+// Adds check boxes with texts or elements; `hidden` has the values of those that are not checked.
+export function addChecks(fieldset, items, hidden, changed) {
+  for (const [value, ...words] of items) {
+    const box = part("input", { type: "checkbox", checked: !hidden.has(value), onchange: () => {
+      if (box.checked) hidden.delete(value);
+      else hidden.add(value);
+      changed();
+    } });
+    fieldset.append(part("label", {}, box, " ", ...words));
+  }
+}
+
 export class Filters {
   constructor(study, changed) {
     Object.assign(this, { study, changed });
@@ -27,30 +39,18 @@ export class Filters {
     this.listRanges();
   }
 
-  // A fieldset of check boxes; `hidden` has what is not checked.
-  static checks(fieldset, items, hidden, changed) {
-    for (const [value, text] of items) {
-      const box = part("input", { type: "checkbox", checked: true, onchange: () => {
-        if (box.checked) hidden.delete(value);
-        else hidden.add(value);
-        changed();
-      } });
-      fieldset.append(part("label", {}, box, ` ${text}`));
-    }
-  }
-
   makeStates() {
     const counts = new Array(STATES.length).fill(0);
     for (const state of this.study.states) ++counts[state];
     const items = [3, 2, 1, 0].filter((state) => counts[state] > 0).map((state) => [state, `${STATES[state]} (${counts[state]})`]);
-    Filters.checks(find("states"), items, this.hiddenStates, this.changed);
+    addChecks(find("states"), items, this.hiddenStates, this.changed);
   }
 
   makeLevels(column) {
     const hidden = new Set();
     this.hiddenLevels.set(column, hidden);
     const fieldset = part("fieldset", { class: "checks" }, part("legend", {}, column.title));
-    Filters.checks(fieldset, column.order.map((code) => [code, column.levels[code]]), hidden, this.changed);
+    addChecks(fieldset, column.order.map((code) => [code, column.levels[code]]), hidden, this.changed);
     find("parameter-filters").append(fieldset);
   }
 

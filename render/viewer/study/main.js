@@ -5,15 +5,15 @@ import { find, pageData, part, tableRow } from "../shared/elements.js";
 import { significantText } from "../shared/numbers.js";
 import { fillColumns, readStudy } from "./data.js";
 import { Effects } from "./effects.js";
-import { Filters } from "./filters.js";
+import { Filters, addChecks } from "./filters.js";
 import { Scatter } from "./scatter.js";
 import { Table } from "./table.js";
 
 const start = performance.now();
 const study = readStudy(pageData());
-const withState = (state) => Array.from(study.states.keys()).filter((run) => study.stateText(run) === state);
-const failed = withState("failed");
-const warned = withState("done").filter((run) => study.message(run) !== "");
+const withState = (state) => Uint32Array.from(study.states.keys()).filter((run) => study.stateText(run) === state);
+const done = withState("done");
+const warned = done.filter((run) => study.message(run) !== "");
 
 // --- the values of one run
 
@@ -53,23 +53,17 @@ function showMessages(id, runs, what) {
 
 // --- columns of the table
 
-const shownKeys = new Set([...study.parameters.map((column) => column.key), ...study.headline]);
-if (study.headline.length === 0) study.results.slice(0, 6).forEach((column) => shownKeys.add(column.key));
-
 function listColumns(table) {
-  const boxes = study.columns.map((column) => {
-    const box = part("input", { type: "checkbox", checked: shownKeys.has(column.key), onchange: () => {
-      if (box.checked) shownKeys.add(column.key);
-      else shownKeys.delete(column.key);
-      table.showColumns(study.columns.filter((other) => shownKeys.has(other.key)));
-    } });
-    return [part("label", {}, box, ` ${column.title} `, part("code", {}, column.key)), column];
-  });
-  find("column-list").append(...boxes.map(([label]) => label));
+  const headline = study.headline.length > 0 ? study.headline : study.results.slice(0, 6).map((column) => column.key);
+  const hidden = new Set(study.results.map((column) => column.key).filter((key) => !headline.includes(key)));
+  const show = () => table.showColumns(study.columns.filter((column) => !hidden.has(column.key)));
+  addChecks(find("column-list"), study.columns.map(({ key, title }) => [key, `${title} `, part("code", {}, key)]), hidden, show);
+  const labels = find("column-list").querySelectorAll("label");
   find("column-search").addEventListener("input", (event) => {
     const wanted = event.target.value.trim().toLowerCase();
-    for (const [label, column] of boxes) label.hidden = !`${column.title} ${column.key}`.toLowerCase().includes(wanted);
+    study.columns.forEach(({ key, title }, i) => { labels[i].hidden = !`${title} ${key}`.toLowerCase().includes(wanted); });
   });
+  show();
 }
 
 // --- what depends on the filters
@@ -91,21 +85,19 @@ function showFiltered() {
   scatter.show(runs);
 }
 
-const counts = ["done", "failed", "interrupted", "missing"].map((state, i) => [study.states.filter((s) => s === 3 - i).length, state]);
+const counts = ["done", "failed", "interrupted", "missing"].map((state) => [withState(state).length, state]);
 const missing = study.count < study.all ? ` The page has ${study.count} of the ${study.all} runs, drawn at random; runs.csv has all.` : "";
 find("counts").textContent = `${significantText(study.count)} runs: ${counts.filter(([n]) => n > 0).map(([n, state]) => `${significantText(n)} ${state}`).join(", ")}.${missing}`;
-showMessages("failures", failed, "failed");
+showMessages("failures", withState("failed"), "failed");
 showMessages("warned", warned, "are done and have warnings");
 const results = study.headline.map((key) => study.byKey.get(key));
 const others = study.results.filter((column) => !results.includes(column));
 fillColumns(find("effect-result"), [["Headline", results], ["Other results", others]], study.headline[0]);
 const result = study.byKey.get(find("effect-result").value);
-const done = Uint32Array.from(study.states.keys()).filter((run) => study.stateText(run) === "done");
 const ranked = result && done.length > 1 ? effects.ranked(result, done) : [];
 const first = ranked[0]?.parameter ?? study.columns[0];
 scatter.choose(first?.key, (result ?? study.columns[study.columns.length - 1])?.key, ranked[1]?.parameter.key);
 listColumns(table);
-table.showColumns(study.columns.filter((column) => shownKeys.has(column.key)));
 find("same-table").tBodies[0].append(...study.constants.map((made) => valueRow(made.unit ? `${made.text}, ${made.unit}` : made.text, made.value, made.key)));
 find("same").hidden = study.constants.length === 0;
 showFiltered();

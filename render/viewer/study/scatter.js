@@ -3,8 +3,8 @@
 
 // A scatter plot of one column over another, coloured by a third.
 import { find, part } from "../shared/elements.js";
-import { significantText, stepsOf } from "../shared/numbers.js";
-import { extremes, fillColumns } from "./data.js";
+import { extremes, significantText, stepsOf } from "../shared/numbers.js";
+import { fillColumns } from "./data.js";
 
 // Okabe and Ito's colours, as in the plots; black for the eighth.
 const kColors = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a6a00", "#000000"];

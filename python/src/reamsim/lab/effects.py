@@ -124,12 +124,11 @@ def main_effects(parameters: Sequence[Column], results: Sequence[Column]) -> Mai
 
 def _grouped(column: Column) -> Parameter | None:
     if column.numbers is not None:
-        values, group = numpy.unique(column.numbers, return_inverse=True)
+        values, first, group = numpy.unique(column.numbers, return_index=True, return_inverse=True)
         if len(values) < 2:
             return None
         if len(values) <= MOST_NUMERIC_LEVELS:
-            places = [int(numpy.argmax(group == level)) for level in range(len(values))]
-            return Parameter(column, True, [column.shown[place] for place in places], column.numbers, group)
+            return Parameter(column, True, [column.shown[run] for run in first], column.numbers, group)
         intervals = min(max(len(values) // LEAST_VALUES_OF_INTERVAL, 2), MOST_INTERVALS)
         return Parameter(column, True, [], column.numbers, group * intervals // len(values))
     places = {cell: place for place, cell in enumerate(dict.fromkeys(column.cells))}  # in the order of the plan

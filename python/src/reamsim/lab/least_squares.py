@@ -95,9 +95,7 @@ class Problem:
             p, n = (weights @ part for part in basis.parts(column))
             edge = [p[:, 0], n[:, 0]] if self.has_edge else []
             parts[column] = scipy.sparse.hstack([p @ of_unit, n @ of_unit, *edge], format="csr")
-        contact = numpy.zeros(len(time_s), dtype=bool)
-        for part in parts.values():
-            contact |= numpy.asarray(abs(part).sum(axis=1)).ravel() != 0
+        contact = numpy.any([numpy.asarray(abs(part).sum(axis=1)).ravel() != 0 for part in parts.values()], axis=0)
         self.columns = 2 * self.units + 2 * self.has_edge
         self.channels = [Channel(column, parts[column][contact], values[contact]) for column, values in measured.items()]
         if self.samples == 0:

@@ -53,14 +53,8 @@ def write_csv(path: str | os.PathLike[str], header: Sequence[str], rows: Iterabl
 
 def json_text(value: Any) -> str:
     """JSON with two spaces of indentation; NaN is null."""
-    def finite(part: Any) -> Any:
-        if isinstance(part, dict):
-            return {key: finite(each) for key, each in part.items()}
-        if isinstance(part, (list, tuple)):
-            return [finite(each) for each in part]
-        return None if isinstance(part, float) and math.isnan(part) else part
-
-    return json.dumps(finite(value), indent=2, ensure_ascii=False) + "\n"
+    finite = json.loads(json.dumps(value), parse_constant=lambda name: None if name == "NaN" else float(name))
+    return json.dumps(finite, indent=2, ensure_ascii=False) + "\n"
 
 
 def replace_file(path: str | os.PathLike[str], text: str) -> None:
