@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sim/study/study_folder.h"
-#include "sim/study/study_plan.h"
 
 namespace reamsim {
 

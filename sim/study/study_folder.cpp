@@ -17,7 +17,6 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/record/output_folder.h"
 #include "sim/record/result_json.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/show.h"

@@ -7,9 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "sim/record/output_folder.h"
-#include "sim/scenario/scenario.h"
-#include "sim/study/study.h"
 #include "sim/study/study_plan.h"
 
 namespace reamsim {

@@ -41,12 +41,6 @@ bool is_constant(const SampledKey& sampled) {
   return std::ranges::find(kConstants, sampled.key) != kConstants.end();
 }
 
-std::string quoted_cell(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + "\"";
-}
-
 void require_samples_alone(const Study& study) {
   if (!study.sample) {
     throw InputError({study.file, 0, 0}, "sample", "missing",
