@@ -32,8 +32,6 @@ class StudyFolder {
   [[nodiscard]] std::string run_dir(const std::string& id) const { return dir_ + "/runs/" + id; }
   /// A run is done where it has all files that the study keeps.
   [[nodiscard]] RunState state(const std::string& id) const;
-  /// The names of the folders of finished runs, in order.
-  [[nodiscard]] std::vector<std::string> run_names() const;
   /// The message of a run that failed; "" where it did not.
   [[nodiscard]] std::string failure(const std::string& id) const;
   void note_failure(const std::string& id, const std::string& message) const;

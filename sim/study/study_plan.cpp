@@ -27,23 +27,6 @@ namespace {
 
 constexpr std::size_t kMostRuns = 1'000'000;
 
-const YamlNode* node_at(const YamlNode* node, std::string_view path) {
-  while (node != nullptr && !path.empty()) {
-    const std::size_t dot = path.find('.');
-    const std::string_view step = path.substr(0, dot);
-    path = dot == std::string_view::npos ? "" : path.substr(dot + 1);
-    if (node->kind == YamlNode::Kind::sequence) {
-      const auto index = parse_number(step);
-      const bool inside = index && *index >= 0 && *index < static_cast<double>(node->items.size());
-      node = inside ? node->items[static_cast<std::size_t>(*index)].get() : nullptr;
-    } else {
-      const YamlEntry* entry = node->find(step);
-      node = entry == nullptr ? nullptr : entry->value.get();
-    }
-  }
-  return node;
-}
-
 class Planner {
  public:
   Planner(const Study& study, const std::vector<std::string>& overrides) : study_(study), fixed_(study.set) {
@@ -161,7 +144,7 @@ class Planner {
   [[nodiscard]] Vec3 vector_of(const SampledKey& sampled, const PlannedRun& run) const {
     YamlNodePtr document = base_;
     for (const std::string& assignment : run.overrides) document = apply_override(document, assignment);
-    const YamlNode* node = node_at(document.get(), sampled.key);
+    const YamlNode* node = document->at(sampled.key);
     const KeyInfo& info = find_key(sampled.key, sampled.where).info;
     if (node != nullptr && MarkupsKeys::are_in(info, *node)) {
       return MarkupsKeys(shown_path(study_.base), std::filesystem::path(study_.base).parent_path().string())
