@@ -189,9 +189,7 @@ std::optional<FaceOutline> FaceOutline::of(const std::vector<Vec3>& rim_mm, cons
   const std::optional<PlaneFit> plane = fit_plane(rim_mm, outward);
   if (!plane) return std::nullopt;
   FaceOutline out;
-  const Vec3 across = plane->normal.unitOrthogonal();
-  out.bone_from_outline.linear() << across, plane->normal.cross(across), plane->normal;
-  out.bone_from_outline.translation() = plane->point_mm;
+  out.bone_from_outline = frame_at(plane->point_mm, plane->normal);
   const auto set_corners = [&] {
     out.corners_mm.clear();
     out.box_mm = Aabb::none();
