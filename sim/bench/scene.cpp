@@ -12,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/parallel.h"
 #include "sim/bench/paper.h"
+#include "sim/bone/implicit.h"
 #include "sim/bone/phantom.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/tool/point_shell.h"
@@ -231,15 +232,6 @@ constexpr double kFrameS = 1e-3;
 constexpr double kFeedMmS = 1;
 constexpr double kSpinRpm = 250;
 
-bool touches(const Voxmap& voxmap, const SubstepArgs& args, std::uint64_t code) {
-  const Vec3i cell = morton_decode(code);
-  const int x = cell.x(), y = cell.y(), z = cell.z();
-  const Vec3i voxel(rs_voxel_coordinate(&args, 0, x, y, z), rs_voxel_coordinate(&args, 1, x, y, z),
-                    rs_voxel_coordinate(&args, 2, x, y, z));
-  if (!voxmap.grid.contains(voxel)) return false;
-  return voxmap.grade.get(voxel) != 0;
-}
-
 }  // namespace
 
 const std::array<Approach, 4> kApproaches{{
@@ -257,9 +249,9 @@ ToolPose pose_at(const Approach& approach, double depth_mm) {
   const double y = approach.posterior_mm, z = approach.superior_mm;
   const Vec3 center(kFaceRadiusMm, 0, 0);
   const Vec3 place(kFaceRadiusMm - std::sqrt(kFaceRadiusMm * kFaceRadiusMm - y * y - z * z), y, z);
-  const auto radians = [](double degrees) { return degrees * std::numbers::pi / 180; };
-  const Vec3 axis = Eigen::AngleAxisd(radians(approach.tilt_posterior_deg), Vec3::UnitZ()) *
-                    (Eigen::AngleAxisd(-radians(approach.tilt_up_deg), Vec3::UnitY()) * (center - place).normalized());
+  const Vec3 axis =
+      Eigen::AngleAxisd(implicit::radians(approach.tilt_posterior_deg), Vec3::UnitZ()) *
+      (Eigen::AngleAxisd(-implicit::radians(approach.tilt_up_deg), Vec3::UnitY()) * (center - place).normalized());
   ToolPose pose;
   pose.orientation = smallest_rotation(Vec3::UnitZ(), axis);
   pose.position_mm = place - depth_mm * axis;
@@ -301,7 +293,8 @@ std::int64_t count_touching(const Voxmap& voxmap, const Tool& tool, const Subste
   std::atomic<std::int64_t> total = 0;
   parallel_ranges(codes.size(), 8192, [&](std::size_t begin, std::size_t end) {
     std::int64_t sum = 0;
-    for (std::size_t i = begin; i < end; ++i) sum += touches(voxmap, args, codes[i]) ? 1 : 0;
+    for (std::size_t i = begin; i < end; ++i)
+      sum += voxmap.is_bone(voxel_of_cell(args, morton_decode(codes[i]))) ? 1 : 0;
     total += sum;
   });
   return total;
