@@ -16,7 +16,6 @@
 #include "cli/sweep.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/study/study_folder.h"
 
 namespace reamsim {
 

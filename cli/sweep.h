@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cli/console.h"
-#include "sim/study/collect.h"
+#include "sim/study/study_folder.h"
 #include "sim/study/study_plan.h"
 
 namespace CLI {

@@ -16,7 +16,7 @@
 #include "sim/base/text.h"
 #include "sim/record/citation.h"
 #include "sim/scenario/show.h"
-#include "sim/study/collect.h"
+#include "sim/study/study_folder.h"
 #include "sim/study/uq_design.h"
 
 namespace reamsim {

@@ -12,7 +12,6 @@
 #include "cli/sweep.h"
 #include "sim/record/citation.h"
 #include "sim/scenario/show.h"
-#include "sim/study/collect.h"
 #include "sim/study/study_folder.h"
 #include "sim/study/uq_design.h"
 
@@ -34,7 +33,7 @@ struct UqOptions {
 /// The points of a design for the statistics: by point its run, its place in the unit cube, the constants there.
 Json points_json(const UqDesign& design) {
   Json out = Json::array();
-  for (const Eigen::VectorXd& point : design.points()) {
+  for (const UqDesign::Point& point : design.points()) {
     std::vector<double> row{static_cast<double>(design.run_of(point))};
     row.insert(row.end(), point.begin(), point.end());
     for (const auto& [key, value] : design.constants(point)) row.push_back(value);
@@ -48,7 +47,7 @@ Json laws_json(const UqDesign& design, const std::vector<std::string>& run_dirs)
   Json out = Json::array();
   if (!design.needs_basis()) return out;
   std::vector<std::vector<std::string>> constants(run_dirs.size());
-  for (const Eigen::VectorXd& point : design.points()) {
+  for (const UqDesign::Point& point : design.points()) {
     std::vector<std::string>& of_run = constants[design.run_of(point)];
     if (!of_run.empty()) continue;
     for (const auto& [key, value] : design.constants(point)) of_run.push_back(key + "=" + number_text(value));

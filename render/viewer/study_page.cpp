@@ -14,7 +14,7 @@
 #include "render/viewer/page.h"
 #include "sim/base/text.h"
 #include "sim/scenario/show.h"
-#include "sim/study/collect.h"
+#include "sim/study/study_folder.h"
 
 namespace reamsim {
 namespace {

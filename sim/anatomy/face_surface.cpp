@@ -197,6 +197,14 @@ void visit_neighbours(const ColumnMap& map, ColumnState state, const ColumnPlace
 
 }  // namespace
 
+Rigid frame_at(const Vec3& origin_mm, const Vec3& outward) {
+  Rigid out;
+  const Vec3 x = outward.unitOrthogonal();
+  out.linear() << x, outward.cross(x), outward;
+  out.translation() = origin_mm;
+  return out;
+}
+
 std::optional<PlaneFit> fit_plane(const std::vector<Vec3>& points, const Vec3& outward) {
   if (points.size() < 3) return std::nullopt;
   PlaneFit out;

@@ -14,6 +14,9 @@
 
 namespace reamsim {
 
+/// The frame at a point with a normal as +z, rotated about it in any way.
+Rigid frame_at(const Vec3& origin_mm, const Vec3& outward);
+
 /// The plane with the least sum of squared distances.
 struct PlaneFit {
   Vec3 point_mm = Vec3::Zero();  ///< the points' mean

@@ -124,9 +124,6 @@ std::vector<FittedFace> fit_all(std::size_t count, const std::function<std::opti
 /// or more than one surface. −1: too small, too large, or convex.
 double face_score(const FittedFace& face);
 
-/// The frame at a point with a normal as +z, rotated about it in any way.
-Rigid frame_at(const Vec3& origin_mm, const Vec3& outward);
-
 struct FoundGlenoid {
   GlenoidFrame frame;               ///< origin on the surface, +z out of the face, +y superior
   std::vector<Vec3> rim_mm;         ///< B, in order round the face

@@ -288,14 +288,6 @@ PearOutline first_outline(const std::vector<Vec2>& points, bool reversed) {
 
 }  // namespace
 
-Rigid frame_at(const Vec3& origin_mm, const Vec3& outward) {
-  Rigid out;
-  const Vec3 x = outward.unitOrthogonal();
-  out.linear() << x, outward.cross(x), outward;
-  out.translation() = origin_mm;
-  return out;
-}
-
 std::optional<FittedFace> fit_face(const BoneProbe& probe, const Rigid& start, const FitEffort& effort) {
   FittedFace face;
   face.bone_from_face = start;

@@ -66,24 +66,21 @@ struct NearestSurface {
 };
 
 /// nullopt without bone.
-std::optional<NearestSurface> nearest_surface(const Voxmap& voxmap, const Vec3& point_mm) {
-  const VoxelGrid& grid = voxmap.grid;
+std::optional<NearestSurface> nearest_surface(const BoneView& bone, const Vec3& point_mm) {
+  const Voxmap& voxmap = bone.voxmap;
   NearestSurface out{.point_mm = {}, .distance_mm = std::numeric_limits<double>::infinity(), .inside = false};
   for (const auto& [bound_mm, coord] : bricks_by_distance(voxmap, point_mm)) {
     if (bound_mm > out.distance_mm) break;
-    const GradeBricks::Brick& grades = *voxmap.grade.brick(coord);
-    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
-      if (grades[static_cast<std::size_t>(offset)] == 0) continue;
-      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      const Vec3 center = grid.center_mm(voxel);
+    for_each_bone_voxel_in(bone, coord, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t) {
+      const Vec3 center = voxmap.grid.center_mm(voxel);
       const double distance_mm = (center - point_mm).norm();
-      if (distance_mm >= out.distance_mm || !has_air_beside(voxmap, voxel)) continue;
+      if (distance_mm >= out.distance_mm || !has_air_beside(voxmap, voxel)) return;
       out.distance_mm = distance_mm;
       out.point_mm = center;
-    }
+    });
   }
   if (!std::isfinite(out.distance_mm)) return std::nullopt;
-  out.inside = voxmap.is_bone(grid.voxel_of(point_mm));
+  out.inside = voxmap.is_bone(voxmap.grid.voxel_of(point_mm));
   return out;
 }
 
@@ -170,7 +167,7 @@ void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, Mistake
   const FrameKeys keys = keys_of(settings);
   const Rigid& frame = bone.glenoid->bone_from_glenoid;
   const Vec3 center_mm = frame.translation(), normal = frame.linear().col(2);
-  if (const auto nearest = nearest_surface(*bone.voxmap, center_mm)) {
+  if (const auto nearest = nearest_surface(bone, center_mm)) {
     const bool near = mistakes.attempt([&] { check_center(*nearest, center_mm, keys); });
     if (near) {
       const NearbyBone round = nearby_bone(*bone.voxmap, center_mm, normal, nearest->distance_mm + kBeyondSurface_mm);

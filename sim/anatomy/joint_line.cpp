@@ -28,13 +28,11 @@ constexpr double kAboveRim_mm = 3;
 Vec2 centroid_of(const std::vector<Vec2>& corners) {
   Vec2 sum = Vec2::Zero();
   double doubled_area = 0;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec2& a = corners[i];
-    const Vec2& b = corners[(i + 1) % corners.size()];
+  for_each_side(corners, [&](const Vec2& a, const Vec2& b) {
     const double cross = a.x() * b.y() - a.y() * b.x();
     doubled_area += cross;
     sum += cross * (a + b) / 3;
-  }
+  });
   return doubled_area == 0 ? Vec2(Vec2::Zero()) : Vec2(sum / doubled_area);
 }
 
@@ -189,9 +187,7 @@ std::optional<FaceOutline> FaceOutline::of(const std::vector<Vec3>& rim_mm, cons
   const std::optional<PlaneFit> plane = fit_plane(rim_mm, outward);
   if (!plane) return std::nullopt;
   FaceOutline out;
-  const Vec3 across = plane->normal.unitOrthogonal();
-  out.bone_from_outline.linear() << across, plane->normal.cross(across), plane->normal;
-  out.bone_from_outline.translation() = plane->point_mm;
+  out.bone_from_outline = frame_at(plane->point_mm, plane->normal);
   const auto set_corners = [&] {
     out.corners_mm.clear();
     out.box_mm = Aabb::none();
@@ -212,13 +208,11 @@ std::optional<FaceOutline> FaceOutline::of(const std::vector<Vec3>& rim_mm, cons
 double FaceOutline::inside_mm(const Vec2& place) const {
   double distance = std::numeric_limits<double>::infinity();
   bool inside = false;
-  for (std::size_t i = 0; i < corners_mm.size(); ++i) {
-    const Vec2& a = corners_mm[i];
-    const Vec2& b = corners_mm[(i + 1) % corners_mm.size()];
+  for_each_side(corners_mm, [&](const Vec2& a, const Vec2& b) {
     distance = std::min(distance, implicit::distance_to_segment(place, a, b));
     inside ^= (a.y() > place.y()) != (b.y() > place.y()) &&
               place.x() < a.x() + (place.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-  }
+  });
   return inside ? distance : -distance;
 }
 

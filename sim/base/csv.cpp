@@ -229,9 +229,12 @@ bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty)
 std::string csv_text(std::string_view text) {
   const bool formula = !text.empty() && std::string_view("=+-@").find(text.front()) != std::string_view::npos;
   const std::string plain = (formula ? "'" : "") + printable(text);
-  if (plain.find_first_of(",\"") == std::string::npos) return plain;
+  return plain.find_first_of(",\"") == std::string::npos ? plain : quoted_cell(plain);
+}
+
+std::string quoted_cell(std::string_view text) {
   std::string out = "\"";
-  for (const char c : plain) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
   return out + "\"";
 }
 
@@ -250,13 +253,7 @@ CsvWriter::CsvWriter(const std::string& path, const std::string& header)
 
 CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes)
     : CsvWriter(path, header, std::ios::app) {
-  std::error_code error;
-  if (!(std::filesystem::file_size(path, error) >= bytes && !error)) {
-    throw InputError({path, 0, 0}, "", "is shorter than when the checkpoint was written",
-                     "start again with --overwrite");
-  }
-  std::filesystem::resize_file(path, bytes, error);
-  if (error) fail_to_write(path);
+  cut_to_checkpoint(path, bytes);
   whole_bytes_ = bytes;
 }
 

@@ -85,6 +85,9 @@ std::vector<std::string_view> csv_cells(std::string_view line, char separator = 
 /// with =, +, - or @ for a formula, so an apostrophe precedes it.
 std::string csv_text(std::string_view text);
 
+/// A text as a quoted CSV cell, whatever it is.
+std::string quoted_cell(std::string_view text);
+
 /// Writes a CSV file with a header line. Numbers have the fewest digits that read back to the same value, and
 /// integers no exponent, so the same run gives the same bytes; NaN is an empty cell. Only whole rows are written, so
 /// that a process that is killed leaves none incomplete.

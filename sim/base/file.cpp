@@ -70,6 +70,16 @@ void replace_file(const std::string& path, std::string_view content) {
   sync_to_disk(std::filesystem::absolute(path).parent_path().string());
 }
 
+void cut_to_checkpoint(const std::string& path, std::uintmax_t bytes, std::uintmax_t head_bytes) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error || size < bytes || bytes < head_bytes) {
+    refuse_file(path, "is shorter than when the checkpoint was written", "start again with --overwrite");
+  }
+  std::filesystem::resize_file(path, bytes, error);
+  if (error) fail_to_write(path);
+}
+
 void sync_to_disk(const std::string& path) {
   const int opened = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   // EINVAL, ENOSYS: a file system that cannot be asked.

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cstdint>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -23,6 +24,10 @@ void write_file(const std::string& path, std::string_view content);
 
 /// As write_file(); the file has either the old or the new content, and the new one is on the disk on return.
 void replace_file(const std::string& path, std::string_view content);
+
+/// Shortens the file of a run to its `bytes` at a checkpoint, which are at least `head_bytes`. Throws InputError where
+/// it is shorter, RunError.
+void cut_to_checkpoint(const std::string& path, std::uintmax_t bytes, std::uintmax_t head_bytes = 0);
 
 /// Waits until a file or the entries of a folder are on the disk. Throws RunError where they cannot be written.
 void sync_to_disk(const std::string& path);

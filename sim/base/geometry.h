@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <limits>
+#include <vector>
 
 /// Decompositions of small symmetric matrices, for least-squares fits. Functions of their own because Eigen's templates
 /// take seconds to compile for each size and for each file that uses them.
@@ -63,6 +64,12 @@ struct ScapularAxes {
 /// The rotation by the smallest angle that takes direction `from` to direction `to`; where they are opposite, about any
 /// axis across them. Eigen's FromTwoVectors takes six seconds to compile.
 Quat smallest_rotation(const Vec3& from, const Vec3& to);
+
+/// Calls visit(begin, end) for every side of a closed polygon.
+template <class Visit>
+void for_each_side(const std::vector<Vec2>& corners, const Visit& visit) {
+  for (std::size_t i = 0; i < corners.size(); ++i) visit(corners[i], corners[(i + 1) % corners.size()]);
+}
 
 using Mat2 = Eigen::Matrix2d;
 using Mat4 = Eigen::Matrix4d;

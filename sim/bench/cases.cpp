@@ -11,6 +11,7 @@
 #include "sim/base/error.h"
 #include "sim/base/statistics.h"
 #include "sim/base/stopwatch.h"
+#include "sim/bone/implicit.h"
 
 namespace reamsim::bench {
 
@@ -70,12 +71,8 @@ double voi_fraction(const BenchSetup& setup, const ToolPose& pose) {
 
 /// The depth of the first approach at which the VOI is `fraction` of the tool's box.
 double depth_of_fraction(const BenchSetup& setup, double fraction) {
-  double low = -20, high = 30;  // mm: clear of the bone's box, wholly in it
-  for (int i = 0; i < 50; ++i) {
-    const double middle = (low + high) / 2;
-    (voi_fraction(setup, pose_at(kApproaches[0], middle)) < fraction ? low : high) = middle;
-  }
-  return high;
+  const auto is_less = [&](double mm) { return voi_fraction(setup, pose_at(kApproaches[0], mm)) < fraction; };
+  return implicit::bisect(-20, 30, 50, is_less).outside;  // mm: clear of the bone's box, wholly in it
 }
 
 /// Programs that cull points outside the VOI.

@@ -12,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/parallel.h"
 #include "sim/bench/paper.h"
+#include "sim/bone/implicit.h"
 #include "sim/bone/phantom.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/tool/point_shell.h"
@@ -42,89 +43,53 @@ Aabb tight_box(const Voxmap& voxmap) {
           grid.origin_mm + grid.voxel_mm * (bone.last + Vec3i::Ones()).cast<double>()};
 }
 
-/// The two coarse voxels about the centre of a fine one, with integer weights whose sum is 2·factor.
-struct Between {
-  std::array<int, 2> at{}, weight{};
-
-  Between(int fine, int factor, int coarse_side) {
-    const int position = 2 * fine + 1 - factor;  // in units of 1/(2·factor) coarse voxel from the first centre
-    const int unit = 2 * factor;
-    const int floor = position >= 0 ? position / unit : -1;
-    weight = {unit - (position - floor * unit), position - floor * unit};
-    at = {std::clamp(floor, 0, coarse_side - 1), std::clamp(floor + 1, 0, coarse_side - 1)};
-  }
-};
-
 /// Bricks of the finer voxmap: a voxel is bone where the interpolated fraction of bone is at least half, with the mean
-/// grade of the bone about it.
+/// grade of the bone about it. The factor is a power of two, so that weights and their sums are exact.
 class Refinement {
  public:
-  Refinement(const Voxmap& coarse, int factor) : coarse_(coarse), factor_(factor), side_(coarse.grid.dims.x()) {}
+  Refinement(const Voxmap& coarse, int factor) : coarse_(coarse), factor_(factor) {
+    about_.dims = Vec3i::Constant(GradeBricks::kSide / factor + 2);
+  }
 
   /// False where the brick is all air.
   bool brick(const Vec3i& coord, GradeBricks::Brick& out) const {
-    const Vec3i first = kSide * coord;
-    if (all_air_about(first)) return false;
+    const Vec3i low = place_of(GradeBricks::kSide * coord).array().floor().cast<int>();
+    const std::vector<int> grades = grades_from(low);
+    if (std::ranges::count(grades, 0) == std::ssize(grades)) return false;
     bool any = false;
-    for (int z = 0; z < kSide; ++z) {
-      for (int y = 0; y < kSide; ++y) any |= row(first, y, z, &out[static_cast<std::size_t>(kSide * (y + kSide * z))]);
-    }
-    return any;
-  }
-
- private:
-  static constexpr int kSide = GradeBricks::kSide;
-  /// Weight of bone and weighted grade along a line of coarse voxels.
-  struct Line {
-    std::array<int, kSide + 2> bone{}, grade{};
-  };
-
-  [[nodiscard]] bool all_air_about(const Vec3i& first) const {
-    const auto clamped = [&](const Vec3i& voxel) -> Vec3i {
-      return voxel.cwiseMax(0).cwiseMin(Vec3i::Constant(side_ - 1));
-    };
-    const Vec3i low = BrickLattice::brick_of(clamped(first / factor_ - Vec3i::Ones()));
-    const Vec3i high = BrickLattice::brick_of(clamped((first + Vec3i::Constant(kSide)) / factor_ + Vec3i::Ones()));
-    bool all_air = true;
-    for_each_voxel(low, high, [&](const Vec3i& brick) { all_air = all_air && coarse_.grade.brick(brick) == nullptr; });
-    return all_air;
-  }
-
-  bool row(const Vec3i& first, int y, int z, std::uint8_t* out) const {
-    const Between by(first.y() + y, factor_, side_), bz(first.z() + z, factor_, side_);
-    const int x_low = Between(first.x(), factor_, side_).at[0];
-    const int x_high = Between(first.x() + kSide - 1, factor_, side_).at[1];
-    Line line;
-    for (const std::size_t z_end : {0, 1}) {
-      for (const std::size_t y_end : {0, 1})
-        add(by.at[y_end], bz.at[z_end], by.weight[y_end] * bz.weight[z_end], x_low, x_high, line);
-    }
-    const int whole = 8 * factor_ * factor_ * factor_;
-    bool any = false;
-    for (int x = 0; x < kSide; ++x) {
-      const Between bx(first.x() + x, factor_, side_);
-      const auto l = static_cast<std::size_t>(bx.at[0] - x_low), h = static_cast<std::size_t>(bx.at[1] - x_low);
-      const int bone = bx.weight[0] * line.bone[l] + bx.weight[1] * line.bone[h];
-      const int grade = bx.weight[0] * line.grade[l] + bx.weight[1] * line.grade[h];
-      if (2 * bone < whole) continue;
-      out[x] = static_cast<std::uint8_t>(grade / bone);
+    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+      const Vec3 place = place_of(BrickLattice::voxel_at(coord, offset)) - low.cast<double>();
+      const Vec3i lower = place.array().floor().cast<int>();
+      double bone = 0, sum = 0;
+      for_each_trilinear_weight(place - lower.cast<double>(), [&](const Vec3i& step, double weight) {
+        const int grade = grades[static_cast<std::size_t>(about_.index(lower + step))];
+        bone += grade != 0 ? weight : 0;
+        sum += weight * grade;
+      });
+      if (bone < 0.5) continue;
+      out[static_cast<std::size_t>(offset)] = static_cast<std::uint8_t>(sum / bone);
       any = true;
     }
     return any;
   }
 
-  void add(int y, int z, int weight, int x_low, int x_high, Line& line) const {
-    for (int x = x_low; x <= x_high; ++x) {
-      const int grade = coarse_.grade.get({x, y, z});
-      if (grade == 0) continue;
-      line.bone[static_cast<std::size_t>(x - x_low)] += weight;
-      line.grade[static_cast<std::size_t>(x - x_low)] += weight * grade;
-    }
+ private:
+  /// The centre of a fine voxel in coarse ones, from the centre of the first.
+  [[nodiscard]] Vec3 place_of(const Vec3i& fine) const { return (fine.cast<double>().array() + 0.5) / factor_ - 0.5; }
+
+  /// The coarse grades about a brick, x fastest. Beyond the lattice they are those of its outer voxels.
+  [[nodiscard]] std::vector<int> grades_from(const Vec3i& low) const {
+    const Vec3i last = coarse_.grid.dims - Vec3i::Ones();
+    std::vector<int> out;
+    for_each_voxel(about_.dims, [&](const Vec3i& step) {
+      out.push_back(coarse_.grade.get((low + step).cwiseMax(0).cwiseMin(last)));
+    });
+    return out;
   }
 
   const Voxmap& coarse_;
   int factor_;
-  int side_;
+  VoxelGrid about_;  ///< the coarse voxels about a brick
 };
 
 FilledVoxmap refine(const Voxmap& coarse, int side) {
@@ -231,15 +196,6 @@ constexpr double kFrameS = 1e-3;
 constexpr double kFeedMmS = 1;
 constexpr double kSpinRpm = 250;
 
-bool touches(const Voxmap& voxmap, const SubstepArgs& args, std::uint64_t code) {
-  const Vec3i cell = morton_decode(code);
-  const int x = cell.x(), y = cell.y(), z = cell.z();
-  const Vec3i voxel(rs_voxel_coordinate(&args, 0, x, y, z), rs_voxel_coordinate(&args, 1, x, y, z),
-                    rs_voxel_coordinate(&args, 2, x, y, z));
-  if (!voxmap.grid.contains(voxel)) return false;
-  return voxmap.grade.get(voxel) != 0;
-}
-
 }  // namespace
 
 const std::array<Approach, 4> kApproaches{{
@@ -257,9 +213,9 @@ ToolPose pose_at(const Approach& approach, double depth_mm) {
   const double y = approach.posterior_mm, z = approach.superior_mm;
   const Vec3 center(kFaceRadiusMm, 0, 0);
   const Vec3 place(kFaceRadiusMm - std::sqrt(kFaceRadiusMm * kFaceRadiusMm - y * y - z * z), y, z);
-  const auto radians = [](double degrees) { return degrees * std::numbers::pi / 180; };
-  const Vec3 axis = Eigen::AngleAxisd(radians(approach.tilt_posterior_deg), Vec3::UnitZ()) *
-                    (Eigen::AngleAxisd(-radians(approach.tilt_up_deg), Vec3::UnitY()) * (center - place).normalized());
+  const Vec3 axis =
+      Eigen::AngleAxisd(implicit::radians(approach.tilt_posterior_deg), Vec3::UnitZ()) *
+      (Eigen::AngleAxisd(-implicit::radians(approach.tilt_up_deg), Vec3::UnitY()) * (center - place).normalized());
   ToolPose pose;
   pose.orientation = smallest_rotation(Vec3::UnitZ(), axis);
   pose.position_mm = place - depth_mm * axis;
@@ -301,7 +257,8 @@ std::int64_t count_touching(const Voxmap& voxmap, const Tool& tool, const Subste
   std::atomic<std::int64_t> total = 0;
   parallel_ranges(codes.size(), 8192, [&](std::size_t begin, std::size_t end) {
     std::int64_t sum = 0;
-    for (std::size_t i = begin; i < end; ++i) sum += touches(voxmap, args, codes[i]) ? 1 : 0;
+    for (std::size_t i = begin; i < end; ++i)
+      sum += voxmap.is_bone(voxel_of_cell(args, morton_decode(codes[i]))) ? 1 : 0;
     total += sum;
   });
   return total;

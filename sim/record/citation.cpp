@@ -14,6 +14,7 @@
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
+#include "sim/record/output_folder.h"
 #include "sim/record/result_json.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scenario/yaml_tree.h"
@@ -73,21 +74,11 @@ std::string version_of(const Json& summary) {
   return program.substr(std::min(program.size(), program.find(' ') + 1));
 }
 
-/// The scalar below `section.key` of a resolved scenario, or "".
-std::string scalar_at(YamlNodePtr node, std::initializer_list<const char*> path) {
-  for (const char* key : path) {
-    const YamlEntry* entry = node->kind == YamlNode::Kind::map ? node->find(key) : nullptr;
-    if (entry == nullptr) return "";
-    node = entry->value;
-  }
-  return node->text;
-}
-
-bool has_default_density(const YamlNodePtr& scenario) {
+bool has_default_density(const YamlNode& scenario) {
   const DensitySettings usual;
-  const auto is = [&](const char* key, double value) {
-    const std::string text = scalar_at(scenario, {"bone", "density", key});
-    return text.empty() || std::abs(std::strtod(text.c_str(), nullptr) - value) < 1e-12;
+  const auto is = [&](const std::string& key, double value) {
+    const YamlNode* node = scenario.at("bone.density." + key);
+    return node == nullptr || node->text.empty() || std::abs(std::strtod(node->text.c_str(), nullptr) - value) < 1e-12;
   };
   return is("ash_slope_g_cm3_per_hu", usual.ash_slope_g_cm3_per_hu) && is("ash_offset_g_cm3", usual.ash_offset_g_cm3) &&
          is("ash_fraction", usual.ash_fraction);
@@ -105,7 +96,7 @@ void add(const Json& work, std::vector<Json>& list) {
   }
 }
 
-void add_density(const YamlNodePtr& scenario, Works& out) {
+void add_density(const YamlNode& scenario, Works& out) {
   if (has_default_density(scenario)) {
     add(published("pmc5234499", "density from radiodensity: the default, of a femur; docs/density.md, 1"), out.method);
   } else {
@@ -131,7 +122,7 @@ void add_method(const Json& summary, const std::string& dir, Works& out) {
   if (summary.contains("segmentation")) {
     add(published("aslam2004", "density of boundary voxels; docs/density.md, 1"), out.method);
     const std::string file = dir + "/scenario.yaml";
-    add_density(parse_yaml(read_file(file, "the scenario.yaml of a run"), file), out);
+    add_density(*parse_yaml(read_file(file, "the scenario.yaml of a run"), file), out);
   }
   if (summary.contains("deflection")) {
     add(published("broyden1965", "balance of a tool on springs; docs/feeds.md, 11"), out.method);
@@ -200,12 +191,9 @@ std::optional<std::set<std::string, std::less<>>> runs_in_table(const std::strin
 std::vector<std::string> runs_of_study(const std::string& dir) {
   const auto table = runs_in_table(dir);
   std::vector<std::string> out;
-  std::error_code error;
-  for (fs::directory_iterator entry(dir + "/runs", error), end; !error && entry != end; entry.increment(error)) {
-    const fs::path& run = entry->path();
-    if (run.extension().empty() && (!table || table->contains(run.filename().string()))) out.push_back(run.string());
+  for (const std::string& run : finished_runs(dir)) {
+    if (!table || table->contains(run)) out.push_back(dir + "/runs/" + run);
   }
-  std::ranges::sort(out);
   return out;
 }
 

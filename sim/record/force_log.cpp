@@ -203,8 +203,7 @@ void RowDecimator::reduce() {
 }
 
 const ForceRow& ForceLog::at(std::int64_t frame, const std::string& path) const {
-  const auto after = std::upper_bound(rows.begin(), rows.end(), frame,
-                                      [](std::int64_t wanted, const ForceRow& row) { return wanted < row.frame; });
+  const auto after = std::ranges::upper_bound(rows, frame, {}, &ForceRow::frame);
   if (after == rows.begin()) return rows.front();
   const ForceRow& row = *std::prev(after);
   if (row.frame != frame) {

@@ -155,12 +155,9 @@ std::string sha256_of(const std::string& path) {
     if (entry.is_regular_file()) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
-  Sha256 sum;
-  for (const auto& file : files) {
-    const std::string line = file.lexically_relative(path).string() + " " + file_sum(file) + "\n";
-    sum.add(line.data(), line.size());
-  }
-  return sum.hex();
+  std::string sums;
+  for (const auto& file : files) sums += file.lexically_relative(path).string() + " " + file_sum(file) + "\n";
+  return sha256_of_text(sums);
 }
 
 std::string sha256_of_text(const std::string& text) {

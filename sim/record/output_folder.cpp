@@ -323,6 +323,16 @@ std::string OutputFolder::put_in_place() {
   return replace(partial_, dir_);
 }
 
+std::vector<std::string> finished_runs(const std::string& study_dir) {
+  std::vector<std::string> out;
+  std::error_code error;
+  for (fs::directory_iterator entry(study_dir + "/runs", error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->path().extension().empty()) out.push_back(entry->path().filename().string());
+  }
+  std::ranges::sort(out);
+  return out;
+}
+
 ResultUpdate::ResultUpdate(const std::string& dir, ResultKind kind)
     : dir_(resolved(dir)),
       kind_(kind),

@@ -63,6 +63,9 @@ std::set<std::string> open_results(const std::string& dir, ResultKind kind);
 /// `dir` was removed.
 bool remove_results(const std::string& dir, ResultKind kind);
 
+/// The names of the folders of finished runs in the folder of a study, in order.
+std::vector<std::string> finished_runs(const std::string& study_dir);
+
 class FolderInUse : public InputError {
  public:
   using InputError::InputError;

@@ -36,9 +36,7 @@ OrderedJson list_of(const Vec3& v) {
 /// A 4×4 matrix row by row.
 OrderedJson matrix_json(const Rigid& transform) {
   OrderedJson out = OrderedJson::array();
-  for (Eigen::Index i = 0; i < 4; ++i) {
-    for (Eigen::Index j = 0; j < 4; ++j) out.push_back(transform.matrix()(i, j) + 0.0);
-  }
+  for (const double value : transform.matrix().transpose().reshaped()) out.push_back(value + 0.0);
   return out;
 }
 
@@ -67,14 +65,6 @@ OrderedJson markup_json(const char* type, const std::string& name, const std::ve
           {"display", {{"visibility", true}, {"color", color}, {"selectedColor", color}}}};
 }
 
-/// A frame with +z along `normal` and the origin in a plane.
-Rigid plane_frame(const Vec3& point_mm, const Vec3& normal) {
-  Rigid out = Rigid::Identity();
-  out.linear() = smallest_rotation(Vec3::UnitZ(), normal.normalized()).toRotationMatrix();
-  out.translation() = point_mm;
-  return out;
-}
-
 OrderedJson plane_markup(const std::string& name, const Vec3& point_mm, const Vec3& normal,
                          const std::array<double, 3>& color) {
   OrderedJson json = markup_json("Plane", name, {{name, point_mm}}, color);
@@ -86,7 +76,8 @@ OrderedJson plane_markup(const std::string& name, const Vec3& point_mm, const Ve
   json["center"] = list_of(point_mm);
   json["normal"] = list_of(normal.normalized());
   json["objectToBase"] = matrix_json(Rigid::Identity());
-  json["baseToNode"] = matrix_json(plane_frame(point_mm, normal));
+  json["baseToNode"] =
+      matrix_json(Eigen::Translation3d(point_mm) * smallest_rotation(Vec3::UnitZ(), normal.normalized()));
   return json;
 }
 
@@ -116,8 +107,7 @@ std::optional<Vec3> entry_of(const SimulationInput& scene) {
   if (motion.plunge) entry = motion.plunge->entry_mm;
   if (motion.push) entry = motion.push->entry_mm;
   if (!entry) return std::nullopt;
-  const auto bone_from_poses = bone_from_frame(motion.frame, scene.bone.glenoid);
-  return bone_from_poses ? *bone_from_poses * *entry : *entry;
+  return bone_from_frame(motion.frame, scene.bone.glenoid).value_or(Rigid::Identity()) * *entry;
 }
 
 void add_reamer(OrderedJson& markups, const SimulationInput& scene, const ToolPose& deepest) {

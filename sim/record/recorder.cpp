@@ -79,13 +79,7 @@ ForceBasisWriter::ForceBasisWriter(const std::string& path)
 }
 
 ForceBasisWriter::ForceBasisWriter(const std::string& path, std::uintmax_t bytes) : path_(path) {
-  std::error_code error;
-  if (std::filesystem::file_size(path, error) < bytes || error || bytes < kHeaderBytes) {
-    throw InputError({path, 0, 0}, "", "is shorter than when the checkpoint was written",
-                     "start again with --overwrite");
-  }
-  std::filesystem::resize_file(path, bytes, error);
-  if (error) fail_to_write(path);
+  cut_to_checkpoint(path, bytes, kHeaderBytes);
   count_ = (bytes - kHeaderBytes) / sizeof(BasisRow);
   file_.open(path, std::ios::in | std::ios::out | std::ios::binary);
   write_header();

@@ -25,6 +25,8 @@ REAMSIM_TO_JSON(SpecificEnergySettings, density_g_cm3, energy_j_mm3)
 REAMSIM_TO_JSON(SizeEffectSettings, exponent, reference_mm, cutting_edges, least_mm, most_mm)
 REAMSIM_TO_JSON(EdgeForceSettings, tangential_n_mm, normal_n_mm, cutting_edges)
 REAMSIM_TO_JSON(FirstContact, travel_mm, bone_mm)
+REAMSIM_TO_JSON(PassTotals, first_frame, last_frame, first_contact_frame, removed_mm3, energy_mj, max_depth_mm,
+                peak_axial_force_n, peak_spin_torque_nmm)
 REAMSIM_TO_JSON(PushEvent, frame, time_s, depth_mm, event, value)
 
 namespace {
@@ -211,17 +213,8 @@ Json passes_json(const SimulationInput& scene, const RunTotals& totals) {
   Json json = Json::array();
   const std::vector<PassSpec> specs = passes_of(scene.scenario);
   for (std::size_t i = 0; i < totals.passes.size(); ++i) {
-    const PassTotals& pass = totals.passes[i];
-    json.push_back({{"pass", i + 1},
-                    {"tool", recorded_path(specs[i].tool.mesh)},
-                    {"first_frame", pass.first_frame},
-                    {"last_frame", pass.last_frame},
-                    {"first_contact_frame", pass.first_contact_frame},
-                    {"removed_mm3", pass.removed_mm3},
-                    {"energy_mj", pass.energy_mj},
-                    {"max_depth_mm", pass.max_depth_mm},
-                    {"peak_axial_force_n", pass.peak_axial_force_n},
-                    {"peak_spin_torque_nmm", pass.peak_spin_torque_nmm}});
+    json.push_back({{"pass", i + 1}, {"tool", recorded_path(specs[i].tool.mesh)}});
+    json.back().update(Json(totals.passes[i]));
     if (const auto& contact = scene.first_contacts[i]) json.back()["plunge_contact"] = *contact;
   }
   return json;

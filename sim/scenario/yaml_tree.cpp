@@ -222,6 +222,18 @@ const YamlEntry* YamlNode::find(std::string_view key) const {
   return found == entries.end() ? nullptr : &*found;
 }
 
+const YamlNode* YamlNode::at(std::string_view path) const {
+  const YamlNode* node = this;
+  for (const std::string& step : split(path, '.')) {
+    const std::optional<std::uint64_t> index = whole_number(step);
+    const YamlEntry* entry = node->find(step);
+    const bool item = node->kind == Kind::sequence && index && *index < node->items.size();
+    node = item ? node->items[*index].get() : entry == nullptr ? nullptr : entry->value.get();
+    if (node == nullptr) break;
+  }
+  return node;
+}
+
 namespace {
 
 /// Our words for what yaml-cpp may complain of: (how its message begins, found, expected).

@@ -46,6 +46,8 @@ struct YamlNode {
 
   /// The entry of a key, or nullptr.
   [[nodiscard]] const YamlEntry* find(std::string_view key) const;
+  /// The node of a path below this one, "motion.passes.0.tool.mesh", or nullptr.
+  [[nodiscard]] const YamlNode* at(std::string_view path) const;
 };
 
 /// Limits of a document; a scenario is far below them.

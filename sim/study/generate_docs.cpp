@@ -9,7 +9,7 @@
 
 #include "sim/base/file.h"
 #include "sim/scenario/parse.h"
-#include "sim/study/study.h"
+#include "sim/study/study_plan.h"
 
 namespace {
 

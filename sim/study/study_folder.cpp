@@ -17,7 +17,6 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/record/output_folder.h"
 #include "sim/record/result_json.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/show.h"
@@ -116,16 +115,6 @@ RunState StudyFolder::state(const std::string& id) const {
   return fs::exists(run_dir(id) + ".partial", error) ? RunState::interrupted : RunState::missing;
 }
 
-std::vector<std::string> StudyFolder::run_names() const {
-  std::vector<std::string> out;
-  std::error_code error;
-  for (fs::directory_iterator entry(dir_ + "/runs", error), end; !error && entry != end; entry.increment(error)) {
-    if (entry->path().extension().empty()) out.push_back(entry->path().filename().string());
-  }
-  std::ranges::sort(out);
-  return out;
-}
-
 std::string StudyFolder::failure(const std::string& id) const {
   const Json json = parse_result_json(read_file_start(dir_ + "/failed/" + id + ".json", kMostBytes));
   const Json message = json.is_object() ? json.value("message", Json()) : Json();
@@ -203,7 +192,7 @@ std::string text_of_other_runs(const Study& study, const StudyPlan& plan, const 
                                const StudyFolder& folder) {
   std::set<std::string> own;
   for (const IdentifiedRun& run : runs) own.insert(run.id);
-  std::vector<std::string> others = folder.run_names();
+  std::vector<std::string> others = finished_runs(folder.path());
   std::erase_if(others, [&](const std::string& id) { return own.contains(id) || folder.state(id) != RunState::done; });
   if (others.empty()) return "";
   const std::string dir = folder.path() + "/runs", file = folder.run_dir(others.front()) + "/scenario.yaml";

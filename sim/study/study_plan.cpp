@@ -6,7 +6,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <iterator>
 #include <map>
@@ -27,37 +26,19 @@ namespace {
 
 constexpr std::size_t kMostRuns = 1'000'000;
 
-const YamlNode* node_at(const YamlNode* node, std::string_view path) {
-  while (node != nullptr && !path.empty()) {
-    const std::size_t dot = path.find('.');
-    const std::string_view step = path.substr(0, dot);
-    path = dot == std::string_view::npos ? "" : path.substr(dot + 1);
-    if (node->kind == YamlNode::Kind::sequence) {
-      const auto index = parse_number(step);
-      const bool inside = index && *index >= 0 && *index < static_cast<double>(node->items.size());
-      node = inside ? node->items[static_cast<std::size_t>(*index)].get() : nullptr;
-    } else {
-      const YamlEntry* entry = node->find(step);
-      node = entry == nullptr ? nullptr : entry->value.get();
-    }
-  }
-  return node;
-}
-
 class Planner {
  public:
   Planner(const Study& study, const std::vector<std::string>& overrides) : study_(study), fixed_(study.set) {
     fixed_.insert(fixed_.end(), overrides.begin(), overrides.end());
+    for (const Variation& variation : study.vary) variations_.push_back(&variation);
+    if (study.table) variations_.push_back(&*study.table);
   }
 
   StudyPlan plan() {
     make_columns();
     make_samples();
     require_few();
-    std::vector<const Variation*> variations;
-    for (const Variation& variation : study_.vary) variations.push_back(&variation);
-    if (study_.table) variations.push_back(&*study_.table);
-    combine(variations, 0, {.number = 0, .cells = {}, .overrides = fixed_, .place = "", .mistakes = {}});
+    combine(0, {.number = 0, .cells = {}, .overrides = fixed_, .place = "", .mistakes = {}});
     return std::move(plan_);
   }
 
@@ -65,10 +46,9 @@ class Planner {
   void make_columns() {
     auto& columns = plan_.columns;
     if (study_.table && !study_.table->labels.empty()) columns.emplace_back("label");
-    for (const Variation& variation : study_.vary) {
-      columns.insert(columns.end(), variation.keys.begin(), variation.keys.end());
+    for (const Variation* variation : variations_) {
+      columns.insert(columns.end(), variation->keys.begin(), variation->keys.end());
     }
-    if (study_.table) columns.insert(columns.end(), study_.table->keys.begin(), study_.table->keys.end());
     if (!study_.sample) return;
     for (const SampledKey& sampled : study_.sample->of) {
       // A vector that is varied has its column already.
@@ -92,16 +72,15 @@ class Planner {
 
   void require_few() const {
     double runs = points_.empty() ? 1 : static_cast<double>(points_.size());
-    for (const Variation& variation : study_.vary) runs *= static_cast<double>(variation.levels.size());
-    if (study_.table) runs *= static_cast<double>(study_.table->levels.size());
+    for (const Variation* variation : variations_) runs *= static_cast<double>(variation->levels.size());
     if (runs <= static_cast<double>(kMostRuns)) return;
     refuse_file(shown_path(study_.file), "the study has " + rounded_text(runs) + " runs",
                 "expected at most " + std::to_string(kMostRuns) + ": vary fewer keys, or sample them");
   }
 
-  void combine(const std::vector<const Variation*>& variations, std::size_t depth, const PlannedRun& so_far) {
-    if (depth == variations.size()) return add_samples(so_far);
-    const Variation& variation = *variations[depth];
+  void combine(std::size_t depth, const PlannedRun& so_far) {
+    if (depth == variations_.size()) return add_samples(so_far);
+    const Variation& variation = *variations_[depth];
     const CohortTable* const table = study_.table && &variation == &*study_.table ? &*study_.table : nullptr;
     for (std::size_t i = 0; i < variation.levels.size(); ++i) {
       PlannedRun run = so_far;
@@ -115,7 +94,7 @@ class Planner {
         run.cells.push_back(value.shown);
         if (!value.applied.empty()) run.overrides.push_back(variation.keys[k] + "=" + value.applied);
       }
-      combine(variations, depth + 1, run);
+      combine(depth + 1, run);
     }
   }
 
@@ -143,17 +122,16 @@ class Planner {
 
   void add_vector(const SampledKey& sampled, const std::vector<double>& point, std::size_t& at, PlannedRun& run) {
     const Vec3 before = vector_of(sampled, run);
-    std::array<double, 3> parts{};
-    const int dimensions = sampled.distribution.dimensions();
-    for (int d = 0; d < dimensions; ++d) {
-      parts[static_cast<std::size_t>(d)] = sampled.distribution.a * normal_quantile(point[at++]);
+    std::vector<double> parts;
+    for (int d = 0; d < sampled.distribution.dimensions(); ++d) {
+      parts.push_back(sampled.distribution.a * normal_quantile(point[at++]));
     }
     const bool tilt = sampled.distribution.kind == Distribution::Kind::tilt_sd_deg;
     const Vec3 after = tilt ? tilted(before, parts[0], parts[1]) : before + Vec3(parts[0], parts[1], parts[2]);
     const auto column = static_cast<std::size_t>(std::ranges::find(plan_.columns, sampled.key) - plan_.columns.begin());
     run.cells.resize(std::max(run.cells.size(), column + 1));
     run.cells[column] = vector_text(after);
-    for (int d = 0; d < dimensions; ++d) run.cells.push_back(number_text(parts[static_cast<std::size_t>(d)]));
+    for (const double part : parts) run.cells.push_back(number_text(part));
     run.overrides.push_back(sampled.key + "=" + vector_text(after));
   }
 
@@ -161,7 +139,7 @@ class Planner {
   [[nodiscard]] Vec3 vector_of(const SampledKey& sampled, const PlannedRun& run) const {
     YamlNodePtr document = base_;
     for (const std::string& assignment : run.overrides) document = apply_override(document, assignment);
-    const YamlNode* node = node_at(document.get(), sampled.key);
+    const YamlNode* node = document->at(sampled.key);
     const KeyInfo& info = find_key(sampled.key, sampled.where).info;
     if (node != nullptr && MarkupsKeys::are_in(info, *node)) {
       return MarkupsKeys(shown_path(study_.base), std::filesystem::path(study_.base).parent_path().string())
@@ -182,6 +160,7 @@ class Planner {
 
   const Study& study_;
   std::vector<std::string> fixed_;
+  std::vector<const Variation*> variations_;  ///< the table is the last one
   StudyPlan plan_;
   std::vector<std::vector<double>> points_;
   YamlNodePtr base_;

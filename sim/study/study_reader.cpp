@@ -13,7 +13,7 @@
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
 #include "sim/scenario/yaml_tree.h"
-#include "sim/study/study.h"
+#include "sim/study/study_plan.h"
 
 namespace reamsim {
 

@@ -41,12 +41,6 @@ bool is_constant(const SampledKey& sampled) {
   return std::ranges::find(kConstants, sampled.key) != kConstants.end();
 }
 
-std::string quoted_cell(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + "\"";
-}
-
 void require_samples_alone(const Study& study) {
   if (!study.sample) {
     throw InputError({study.file, 0, 0}, "sample", "missing",
@@ -98,17 +92,13 @@ UqDesign::UqDesign(Study study) : study_(std::move(study)) {
     if (names.empty()) names = {sample.of[key].key};
     for (const std::string& name : names) inputs_.push_back({name, key, is_constant(sample.of[key])});
   }
-  const auto count = static_cast<Eigen::Index>(inputs_.size());
-  const auto both = unit_points(SampleMethod::sobol, sample.n, 2 * static_cast<int>(count), sample.seed);
-  a_.resize(sample.n, count);
-  b_.resize(sample.n, count);
-  for (Eigen::Index i = 0; i < sample.n; ++i) {
-    const Eigen::Map<const Eigen::RowVectorXd> row(both[static_cast<std::size_t>(i)].data(), 2 * count);
-    a_.row(i) = row.head(count);
-    b_.row(i) = row.tail(count);
+  const auto drawn = unit_points(SampleMethod::saltelli, sample.n, static_cast<int>(inputs_.size()), sample.seed);
+  const std::size_t matrices = inputs_.size() + 2;  // A, B, and A with a column of B for every input
+  for (std::size_t matrix = 0; matrix < matrices; ++matrix) {
+    for (std::size_t i = matrix; i < drawn.size(); i += matrices) points_.push_back(drawn[i]);
   }
   require_samples_in_range();
-  for (const Eigen::VectorXd& point : points()) {
+  for (const Point& point : points_) {
     if (run_places_.emplace(run_part(point), run_points_.size()).second) run_points_.push_back(run_part(point));
   }
 }
@@ -120,17 +110,16 @@ void UqDesign::require_samples_in_range() const {
     if (sampled.distribution.dimensions() > 1) continue;  // of vectors, the scenario knows: require_valid_runs()
     const Range& range = find_key(sampled.key, sampled.where).info.range;
     std::vector<double> outside;
-    for (const Eigen::MatrixXd* sample : {&a_, &b_}) {
-      for (const double u : sample->col(static_cast<Eigen::Index>(d))) {
-        const double value = sample_number(sampled.distribution, u);
-        if (!range.contains(value)) outside.push_back(value);
-      }
+    const std::size_t drawn = 2 * static_cast<std::size_t>(samples());  // A and B
+    for (std::size_t i = 0; i < drawn; ++i) {
+      const double value = sample_number(sampled.distribution, points_[i][d]);
+      if (!range.contains(value)) outside.push_back(value);
     }
     if (outside.empty()) continue;
     const auto excess = [&](double value) { return std::max(range.min - value, value - range.max); };
     mistakes.add(InputError(sampled.where, sampled.key,
                             "found " + rounded_text(*std::ranges::max_element(outside, {}, excess)) + ": " +
-                                std::to_string(outside.size()) + " of " + std::to_string(2 * a_.rows()) +
+                                std::to_string(outside.size()) + " of " + std::to_string(drawn) +
                                 " samples lie outside " + range_text(range),
                             "expected a distribution within that range, such as uniform, or a smaller spread"));
   }
@@ -161,34 +150,20 @@ void UqDesign::require_valid_runs() const {
                    "expected distributions whose values the scenario accepts together");
 }
 
-std::vector<Eigen::VectorXd> UqDesign::points() const {
-  std::vector<Eigen::VectorXd> out;
-  for (const Eigen::MatrixXd* sample : {&a_, &b_}) {
-    for (Eigen::Index i = 0; i < sample->rows(); ++i) out.emplace_back(sample->row(i).transpose());
-  }
-  for (Eigen::Index d = 0; d < a_.cols(); ++d) {
-    for (Eigen::Index i = 0; i < a_.rows(); ++i) {
-      out.emplace_back(a_.row(i).transpose());
-      out.back()[d] = b_(i, d);
-    }
-  }
-  return out;
-}
-
-std::vector<double> UqDesign::run_part(const Eigen::VectorXd& point) const {
-  std::vector<double> out;
+UqDesign::Point UqDesign::run_part(const Point& point) const {
+  Point out;
   for (std::size_t d = 0; d < inputs_.size(); ++d) {
-    if (!inputs_[d].constant) out.push_back(point[static_cast<Eigen::Index>(d)]);
+    if (!inputs_[d].constant) out.push_back(point[d]);
   }
   return out;
 }
 
-std::vector<std::pair<std::string, double>> UqDesign::constants(const Eigen::VectorXd& point) const {
+std::vector<std::pair<std::string, double>> UqDesign::constants(const Point& point) const {
   std::vector<std::pair<std::string, double>> out;
   for (std::size_t d = 0; d < inputs_.size(); ++d) {
     if (!inputs_[d].constant) continue;
     const SampledKey& sampled = study_.sample->of[inputs_[d].key];
-    out.emplace_back(sampled.key, sample_number(sampled.distribution, point[static_cast<Eigen::Index>(d)]));
+    out.emplace_back(sampled.key, sample_number(sampled.distribution, point[d]));
   }
   return out;
 }

@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include <Eigen/Core>
 #include <map>
 #include <string>
 #include <utility>
@@ -31,17 +30,19 @@ bool depends_on_law(const std::string& name);
 /// The points at which bands and sensitivity indices need the outputs of a study, and their runs.
 class UqDesign {
  public:
+  using Point = std::vector<double>;  ///< of the unit cube, by input
+
   /// Throws InputError unless the study consists of samples alone, each within the range of its key.
   explicit UqDesign(Study study);
 
   [[nodiscard]] const std::vector<UncertainInput>& inputs() const { return inputs_; }
   /// Of two independent samples A and B of the unit cube the rows, and for every input those of A with its column of B.
-  [[nodiscard]] std::vector<Eigen::VectorXd> points() const;
+  [[nodiscard]] const std::vector<Point>& points() const { return points_; }
   [[nodiscard]] int samples() const { return study_.sample->n; }
   [[nodiscard]] std::size_t runs() const { return run_points_.size(); }
   /// The run of a point. Its number in the study of runs is one more.
-  [[nodiscard]] std::size_t run_of(const Eigen::VectorXd& point) const { return run_places_.at(run_part(point)); }
-  [[nodiscard]] std::vector<std::pair<std::string, double>> constants(const Eigen::VectorXd& point) const;
+  [[nodiscard]] std::size_t run_of(const Point& point) const { return run_places_.at(run_part(point)); }
+  [[nodiscard]] std::vector<std::pair<std::string, double>> constants(const Point& point) const;
   /// Whether forces come from the force basis of the runs: some inputs are constants. Otherwise from their forces.csv.
   [[nodiscard]] bool needs_basis() const;
   /// Throws InputError where a scenario refuses a run: no band or index follows from the rest.
@@ -52,13 +53,13 @@ class UqDesign {
  private:
   void require_samples_in_range() const;
   [[nodiscard]] Study study_of_runs() const;
-  [[nodiscard]] std::vector<double> run_part(const Eigen::VectorXd& point) const;
+  [[nodiscard]] Point run_part(const Point& point) const;
 
   Study study_;
   std::vector<UncertainInput> inputs_;
-  Eigen::MatrixXd a_, b_;                        ///< A and B, rows · inputs
-  std::vector<std::vector<double>> run_points_;  ///< coordinates of the inputs that are no constants
-  std::map<std::vector<double>, std::size_t> run_places_;
+  std::vector<Point> points_;
+  std::vector<Point> run_points_;  ///< coordinates of the inputs that are no constants
+  std::map<Point, std::size_t> run_places_;
 };
 
 }  // namespace reamsim

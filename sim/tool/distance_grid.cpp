@@ -167,12 +167,6 @@ bool edge_separates(const Vec3& edge, const Vec3& a, const Vec3& b, const Vec3& 
 
 }  // namespace
 
-const float* DistanceGrid::lowest_corner(const Vec3i& cell) const {
-  const Vec3i brick = cell / kSide, at = cell - kSide * brick;
-  return samples.data() + slot_of_brick[BrickLattice{bricks}.index(brick)] * kSamples +
-         (at.x() + kRow * (at.y() + kRow * at.z()));
-}
-
 DistanceGrid make_distance_grid(const TriangleMesh& mesh, const Profile& envelope, double voxel_mm) {
   DistanceGrid grid = make_lattice(mesh, voxel_mm);
   // One more spacing than the band, so that samples on its edge have a distance in spite of rounding.

@@ -37,8 +37,6 @@ struct DistanceGrid {
   [[nodiscard]] std::size_t bytes() const {
     return samples.size() * sizeof(float) + slot_of_brick.size() * sizeof(std::uint32_t);
   }
-  /// The sample at the lowest corner of a cell of the lattice.
-  [[nodiscard]] const float* lowest_corner(const Vec3i& cell) const;
 };
 
 inline constexpr double kGridSpacingVoxels = 0.5;  ///< spacing of a tool's grid, voxels

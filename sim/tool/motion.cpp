@@ -29,13 +29,6 @@ PoseSequence::PoseSequence(std::vector<ToolPose> poses) : size_(poses.size()) {
   };
 }
 
-PoseSequence PoseSequence::part(std::size_t first, std::size_t count) const {
-  PoseSequence out = *this;
-  out.first_ += first;
-  out.size_ = count;
-  return out;
-}
-
 std::vector<ToolPose> PoseSequence::all() const {
   std::vector<ToolPose> out;
   out.reserve(size_);
@@ -61,48 +54,6 @@ Quat normalized_or_warn(const Quat& q, const std::string& where, Diagnostics& re
   if (std::abs(norm - 1) > kUnitTolerance)
     report.warn(where + ": the quaternion has length " + rounded_text(norm) + " and was normalized");
   return Quat(q.coeffs() / norm);
-}
-
-std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge) {
-  const Vec3 axis = plunge.axis.normalized();
-  const double feed_mm = plunge.approach_mm + plunge.depth_mm;
-  if (!(feed_mm > 0)) {
-    throw InputError(SourceLocation{}, "motion.plunge.approach_mm + depth_mm", rounded_text(feed_mm),
-                     "a number above 0 is needed");
-  }
-  const Quat orientation = orientation_from_axis(-axis);
-  std::vector<KeyPose> poses;
-  double time = 0;
-  const auto add = [&](double duration_s, double travel_mm) {
-    time += duration_s;
-    // A phase without duration, or too short to change the time, adds no pose, so that times keep increasing.
-    if (!poses.empty() && !(time > poses.back().time_s)) return;
-    poses.push_back({time, {plunge.entry_mm + travel_mm * axis, orientation, 0, plunge.spin_rpm}});
-  };
-  add(0, -plunge.approach_mm);
-  add(feed_mm / plunge.feed_mm_s, plunge.depth_mm);
-  add(plunge.dwell_s, plunge.depth_mm);
-  add(plunge.retract_mm / plunge.retract_mm_s, plunge.depth_mm - plunge.retract_mm);
-  return poses;
-}
-
-std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyframes, Diagnostics& report) {
-  std::vector<KeyPose> poses;
-  std::optional<Vec3> last_axis;
-  for (std::size_t i = 0; i < keyframes.size(); ++i) {
-    const KeyframeSettings& k = keyframes[i];
-    Quat orientation;
-    if (k.quaternion) {
-      orientation = normalized_or_warn(*k.quaternion, "motion.keyframes[" + std::to_string(i) + "].quaternion", report);
-    } else {
-      const Vec3 axis = k.axis->normalized();
-      orientation = poses.empty() ? orientation_from_axis(axis)
-                                  : smallest_rotation(*last_axis, axis) * poses.back().pose.orientation;
-    }
-    last_axis = orientation * Vec3::UnitZ();
-    poses.push_back({k.time_s, {k.position_mm, orientation.normalized(), 0, k.spin_rpm}});
-  }
-  return poses;
 }
 
 void PushPlan::read_thrust(const std::string& path) {
@@ -218,6 +169,51 @@ std::size_t count_frames(double end_s, double frame_rate_hz) {
         rounded_text(end_s) + " s at " + rounded_text(frame_rate_hz) + " Hz are " + rounded_text(frames) + " frames",
         "at most ten million are supported: lower motion.frame_rate_hz or shorten the motion");
   return static_cast<std::size_t>(frames);
+}
+
+/// Approach, feed, dwell and retract as key poses from time 0. Throws InputError where approach and depth are 0.
+std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge) {
+  const Vec3 axis = plunge.axis.normalized();
+  const double feed_mm = plunge.approach_mm + plunge.depth_mm;
+  if (!(feed_mm > 0)) {
+    throw InputError(SourceLocation{}, "motion.plunge.approach_mm + depth_mm", rounded_text(feed_mm),
+                     "a number above 0 is needed");
+  }
+  const Quat orientation = orientation_from_axis(-axis);
+  std::vector<KeyPose> poses;
+  double time = 0;
+  const auto add = [&](double duration_s, double travel_mm) {
+    time += duration_s;
+    // A phase without duration, or too short to change the time, adds no pose, so that times keep increasing.
+    if (!poses.empty() && !(time > poses.back().time_s)) return;
+    poses.push_back({time, {plunge.entry_mm + travel_mm * axis, orientation, 0, plunge.spin_rpm}});
+  };
+  add(0, -plunge.approach_mm);
+  add(feed_mm / plunge.feed_mm_s, plunge.depth_mm);
+  add(plunge.dwell_s, plunge.depth_mm);
+  add(plunge.retract_mm / plunge.retract_mm_s, plunge.depth_mm - plunge.retract_mm);
+  return poses;
+}
+
+/// Keyframes as key poses. Between axes the tool tilts along the shortest rotation, without rotation about its axis
+/// beside the spin. The scenario has been validated: two or more, in ascending time. Throws as normalized_or_warn().
+std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyframes, Diagnostics& report) {
+  std::vector<KeyPose> poses;
+  std::optional<Vec3> last_axis;
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    const KeyframeSettings& k = keyframes[i];
+    Quat orientation;
+    if (k.quaternion) {
+      orientation = normalized_or_warn(*k.quaternion, "motion.keyframes[" + std::to_string(i) + "].quaternion", report);
+    } else {
+      const Vec3 axis = k.axis->normalized();
+      orientation = poses.empty() ? orientation_from_axis(axis)
+                                  : smallest_rotation(*last_axis, axis) * poses.back().pose.orientation;
+    }
+    last_axis = orientation * Vec3::UnitZ();
+    poses.push_back({k.time_s, {k.position_mm, orientation.normalized(), 0, k.spin_rpm}});
+  }
+  return poses;
 }
 
 std::vector<KeyPose> read_key_poses(const MotionSettings& settings, Diagnostics& report) {

@@ -50,17 +50,14 @@ class PoseSequence {
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
-  ToolPose operator[](std::size_t k) const { return source_(first_ + k); }
+  ToolPose operator[](std::size_t k) const { return source_(k); }
   [[nodiscard]] ToolPose front() const { return (*this)[0]; }
   [[nodiscard]] ToolPose back() const { return (*this)[size_ - 1]; }
 
-  /// `count` poses from `first` on, which becomes pose 0.
-  [[nodiscard]] PoseSequence part(std::size_t first, std::size_t count) const;
   [[nodiscard]] std::vector<ToolPose> all() const;
 
  private:
   PoseSource source_;
-  std::size_t first_ = 0;
   std::size_t size_ = 0;
 };
 
@@ -141,13 +138,6 @@ struct KeyPose {
   double time_s = 0;
   ToolPose pose;  ///< the spin angle is not used
 };
-
-/// Approach, feed, dwell and retract as key poses from time 0. Throws InputError where approach and depth are 0.
-std::vector<KeyPose> plunge_poses(const PlungeSettings& plunge);
-
-/// Keyframes as key poses. Between axes the tool tilts along the shortest rotation, without rotation about its axis
-/// beside the spin. The scenario has been validated: two or more, in ascending time. Throws as normalized_or_warn().
-std::vector<KeyPose> keyframe_poses(const std::vector<KeyframeSettings>& keyframes, Diagnostics& report);
 
 /// `q` normalized, with a warning where |q| is not 1 (±10⁻³). Throws InputError for 0 or not finite. `where`: for
 /// messages.

@@ -173,16 +173,13 @@ Aabb Profile::bounds() const {
 
 Profile::Nearest Profile::nearest(const Vec2& rz) const {
   EdgeDistance best{std::numeric_limits<double>::infinity(), 0, Vec2::Zero(), -Vec2::UnitY()};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec2& a = points[i];
-    const Vec2& b = points[(i + 1) % points.size()];
-    if (on_axis(a) && on_axis(b)) continue;
-    if (a == b) continue;
+  for_each_side(points, [&](const Vec2& a, const Vec2& b) {
+    if (a == b || (on_axis(a) && on_axis(b))) return;
     const EdgeDistance d = distance_to_edge(rz, a, b);
     // Two edges that share the nearest vertex tie; the more perpendicular one decides the sign.
     const bool tie = d.squared_mm2 == best.squared_mm2 && std::abs(d.side_mm) > std::abs(best.side_mm);
     if (d.squared_mm2 < best.squared_mm2 || tie) best = d;
-  }
+  });
   const double distance = std::sqrt(best.squared_mm2);
   const double sign = best.side_mm < 0 ? -1.0 : 1.0;
   if (distance < kOnSurfaceMm) return {sign * distance, best.normal};
@@ -191,11 +188,9 @@ Profile::Nearest Profile::nearest(const Vec2& rz) const {
 
 double Profile::volume_mm3() const {
   double sum = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec2& a = points[i];
-    const Vec2& b = points[(i + 1) % points.size()];
+  for_each_side(points, [&sum](const Vec2& a, const Vec2& b) {
     sum += (b.y() - a.y()) * (a.x() * a.x() + a.x() * b.x() + b.x() * b.x());
-  }
+  });
   return std::numbers::pi / 3 * sum;
 }
 

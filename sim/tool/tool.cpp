@@ -234,12 +234,11 @@ struct Side {
 /// The profile's edges off the axis, and their mirror images.
 std::vector<Side> sides_of(const Profile& profile) {
   std::vector<Side> sides;
-  for (std::size_t i = 0; i < profile.points.size(); ++i) {
-    const Vec2 &a = profile.points[i], &b = profile.points[(i + 1) % profile.points.size()];
-    if (a == b || (Profile::on_axis(a) && Profile::on_axis(b))) continue;
+  for_each_side(profile.points, [&sides](const Vec2& a, const Vec2& b) {
+    if (a == b || (Profile::on_axis(a) && Profile::on_axis(b))) return;
     const Vec2 along = (b - a).normalized();
     sides.push_back({a, b, {along.y(), -along.x()}});
-  }
+  });
   const std::size_t half = sides.size();
   for (std::size_t i = 0; i < half; ++i) {
     const auto mirrored = [](const Vec2& v) { return Vec2(-v.x(), v.y()); };

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/study/collect.h"
+#include "sim/study/study_folder.h"
 
 #include <atomic>
 #include <cmath>

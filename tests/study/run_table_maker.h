@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/study/collect.h"
+#include "sim/study/study_folder.h"
 
 namespace reamsim::test {
 

@@ -43,6 +43,12 @@ rs_i32 least_loss(double voxel_mm);
 /// From voxel coordinates, 0 at the centre of voxel (0,0,0), to T, mm. `args` has it for bricks.
 Eigen::Affine3d tool_from_voxel(const SubstepArgs& args);
 
+/// The voxel in which the point of a cell of the shell lies; it may lie outside the lattice.
+inline Vec3i voxel_of_cell(const SubstepArgs& args, const Vec3i& cell) {
+  const auto at = [&](int axis) { return rs_voxel_coordinate(&args, axis, cell.x(), cell.y(), cell.z()); };
+  return {at(0), at(1), at(2)};
+}
+
 /// The arguments of a substep. `voi` is in the shell's frame, mm.
 SubstepArgs make_args(const Substep& substep, const Aabb& voi, const PointShell& shell, const VoxelGrid& grid,
                       const CuttingSettings& cutting, bool spin_resolved);

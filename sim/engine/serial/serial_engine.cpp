@@ -71,13 +71,11 @@ class SerialEngine final : public Engine {
     LaneSums point_sums{};
     for (const std::uint64_t code : tool_.shell.codes) {
       const Vec3i cell = morton_decode(code);
-      const int x = cell.x(), y = cell.y(), z = cell.z();
-      const Vec3i voxel(rs_voxel_coordinate(&args, 0, x, y, z), rs_voxel_coordinate(&args, 1, x, y, z),
-                        rs_voxel_coordinate(&args, 2, x, y, z));
+      const Vec3i voxel = voxel_of_cell(args, cell);
       if (!grid_.contains(voxel)) continue;
       const auto e = static_cast<std::size_t>(grid_.index(voxel));
       if (bone_[e] == 0) continue;
-      if (args.law == RS_LAW_PER_POINT) rs_point_force(&args, &outline_, x, y, z, &point_sums);
+      if (args.law == RS_LAW_PER_POINT) rs_point_force(&args, &outline_, cell.x(), cell.y(), cell.z(), &point_sums);
       if (claimed_[e]) continue;
       claimed_[e] = true;
       contacts_.push_back(static_cast<std::int64_t>(e));
