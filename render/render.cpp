@@ -5,19 +5,14 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <exception>
 #include <filesystem>
 #include <future>
 #include <limits>
 #include <map>
 #include <utility>
 
-#include "render/film/film.h"
-#include "render/pictures/composites.h"
+#include "render/pictures/figures.h"
 #include "render/pictures/renderer.h"
-#include "sim/base/error.h"
-#include "sim/bone/voxmap/voxmap.h"
-#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 

@@ -14,7 +14,6 @@
 #include "render/gl/context.h"
 #include "render/gl/pixel_image.h"
 #include "render/surface/bone_surface.h"
-#include "render/surface/surface_smoothing.h"
 
 namespace reamsim {
 

@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "render/surface/color_map.h"
 #include "render/surface/scalar_grid.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "render/surface/solid_field.h"
-#include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
 
 // Only for the source files of this folder, because OpenVDB's headers take ten seconds to compile.

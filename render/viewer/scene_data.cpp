@@ -11,9 +11,7 @@
 
 #include "render/gl/camera.h"
 #include "render/pictures/run_view.h"
-#include "render/surface/color_map.h"
 #include "render/surface/solid_field.h"
-#include "render/surface/surface_smoothing.h"
 #include "render/viewer/page.h"
 #include "render/viewer/report_data.h"
 #include "sim/base/error.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/film/film.h"
+#include "render/render.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,6 @@
 #include <memory>
 #include <sstream>
 
-#include "render/render.h"
 #include "sim/base/error.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"

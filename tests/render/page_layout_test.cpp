@@ -11,8 +11,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/film/film.h"
-#include "render/pictures/composites.h"
+#include "render/pictures/figures.h"
+#include "render/render.h"
 #include "tests/render/opened_run.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"

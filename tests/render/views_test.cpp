@@ -7,7 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "render/pictures/composites.h"
+#include "render/pictures/figures.h"
 #include "render/pictures/run_view.h"
 #include "render/render.h"
 #include "sim/base/error.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/film/film.h"
+#include "render/render.h"
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -14,7 +14,6 @@
 #include <limits>
 
 #include "render/pictures/canvas.h"
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 
 namespace reamsim {
