@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <numbers>
 #include <stdexcept>
-#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
@@ -131,7 +130,7 @@ ViewTarget make_view_target(const RunInputs& run, const PredictedRun& predicted,
 
 }  // namespace
 
-RunPath::RunPath(const RunInputs& run) : dir_(run.dir), used_(run.passes.size(), false) {
+RunPath::RunPath(const RunInputs& run) : dir_(run.dir) {
   for (const ToolPass& pass : run.passes) {
     paths_.emplace_back(tool_reach_mm(pass.tool), kPathStep_voxels * run.voxmap->grid.voxel_mm, run.frames);
   }
@@ -143,19 +142,19 @@ void RunPath::add(const ToolPose& pose, std::int64_t frame, int pass) {
     throw InputError({tool_path(dir_, pass), 0, 0}, "", "no such file", "the tool of pass " + std::to_string(pass));
   }
   paths_[i].add(pose, static_cast<std::size_t>(frame));
-  used_[i] = true;
 }
 
 void RunPath::give(RunInputs& run) {
-  // An interrupted run has not come to its last passes.
-  const auto used = static_cast<std::size_t>(std::ranges::find(used_, false) - used_.begin());
-  run.passes.resize(used);
-  for (std::size_t i = 0; i < used; ++i) {
-    for (const PathSample& sample : paths_[i].finish()) {
-      run.passes[i].pose_frames.push_back(static_cast<std::int64_t>(sample.frame));
-      run.passes[i].poses.push_back(sample.pose);
+  std::size_t used = 0;
+  for (; used < paths_.size(); ++used) {
+    const std::vector<PathSample> path = paths_[used].finish();
+    if (path.empty()) break;  // an interrupted run has not come to its last passes
+    for (const PathSample& sample : path) {
+      run.passes[used].pose_frames.push_back(static_cast<std::int64_t>(sample.frame));
+      run.passes[used].poses.push_back(sample.pose);
     }
   }
+  run.passes.resize(used);
 }
 
 std::size_t RunInputs::pass_at(std::int64_t frame) const {

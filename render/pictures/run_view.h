@@ -61,7 +61,6 @@ class RunPath {
  private:
   std::string dir_;
   std::vector<BoundedPath> paths_;  ///< by pass
-  std::vector<bool> used_;
 };
 
 /// The data of a run for pictures, meshes and the report, read or computed once on first use. Later copies share it,
