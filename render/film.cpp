@@ -245,11 +245,9 @@ void ForcePanel::draw_frame(const Canvas& canvas, const Curve& curve) const {
   const int lowest = static_cast<int>(std::lround(curve.min / curve.step));
   const int highest = static_cast<int>(std::lround(curve.max / curve.step));
   const Scale numbers{curve.max, curve.step};
-  cairo_set_line_width(canvas.get(), std::max(1.0, 1.2 * unit_));
   for (int tick = lowest; tick <= highest; ++tick) {
     const double y = y_of(curve, tick * curve.step);
-    canvas.set_color(tick == 0 ? kFaintTextColor : kGrid);
-    canvas.line({box.x, y}, {box.x + box.width, y});
+    canvas.line({box.x, y}, {box.x + box.width, y}, tick == 0 ? kFaintTextColor : kGrid, grid_px());
     const TextLine number(canvas, numbers.label(tick), kNumber * unit_);
     number.draw(box.x - 10 * unit_ - number.width, y - 0.5 * number.height, kFaintTextColor);
   }
@@ -261,13 +259,11 @@ void ForcePanel::draw_time_axis(const Canvas& canvas) const {
   const Scale scale = scale_up_to(last_s_ - first_s_);
   const Box& lower = curves_.back().box;
   const double bottom = lower.y + lower.height;
-  cairo_set_line_width(canvas.get(), std::max(1.0, 1.2 * unit_));
   const int first = static_cast<int>(std::ceil(first_s_ / scale.step - 1e-9));
   for (int tick = first; tick * scale.step <= last_s_ + 1e-9 * scale.step; ++tick) {
     const double x = x_of(tick * scale.step);
     for (const Curve& curve : curves_) {
-      canvas.set_color(kGrid);
-      canvas.line({x, curve.box.y}, {x, curve.box.y + curve.box.height});
+      canvas.line({x, curve.box.y}, {x, curve.box.y + curve.box.height}, kGrid, grid_px());
     }
     const TextLine number(canvas, scale.label(tick), kNumber * unit_);
     number.draw(x - 0.5 * number.width, bottom + 8 * unit_, kFaintTextColor);
@@ -288,9 +284,7 @@ void ForcePanel::draw_curve(const Canvas& canvas, const Curve& curve, std::size_
   }
   cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
   cairo_set_line_cap(c, CAIRO_LINE_CAP_ROUND);
-  cairo_set_line_width(c, std::max(1.2, 2.4 * unit_));
-  canvas.set_color(rgba_of(curve.rgb, opacity));
-  cairo_stroke(c);
+  canvas.stroke(rgba_of(curve.rgb, opacity), std::max(1.2, 2.4 * unit_));
 }
 
 PixelImage ForcePanel::at(const ForceRow& row) const {
@@ -302,14 +296,12 @@ PixelImage ForcePanel::at(const ForceRow& row) const {
     const Box& box = curve.box;
     const double columns = (x - box.x) / box.width * static_cast<double>(curve.low.size());
     draw_curve(canvas, curve, std::min(curve.low.size(), static_cast<std::size_t>(std::max(0.0, columns)) + 1), 1);
-    cairo_set_line_width(c, std::max(1.0, 1.6 * unit_));
-    canvas.set_color(kFaintTextColor);
-    canvas.line({x, box.y}, {x, box.y + box.height});
+    const double line_px = std::max(1.0, 1.6 * unit_);
+    canvas.line({x, box.y}, {x, box.y + box.height}, kFaintTextColor, line_px);
     cairo_arc(c, x, y_of(curve, curve.value(row)), 7 * unit_, 0, 6.2832);
     canvas.set_color(rgba_of(curve.rgb, 1));
     cairo_fill_preserve(c);
-    canvas.set_color({1, 1, 1, 1});
-    cairo_stroke(c);
+    canvas.stroke({1, 1, 1, 1}, line_px);
     const TextLine number(canvas, fixed_text(curve.value(row), curve.decimals), kTitle * unit_, true);
     number.draw(box.x + box.width - number.width, box.y - number.height - 16 * unit_, rgba_of(curve.rgb, 1));
   }

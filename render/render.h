@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -191,6 +192,7 @@ class ForcePanel {
   /// Draws the curve up to a column.
   void draw_curve(const class Canvas& canvas, const Curve& curve, std::size_t columns, double opacity) const;
   [[nodiscard]] double y_of(const Curve& curve, double value) const;
+  [[nodiscard]] double grid_px() const { return std::max(1.0, 1.2 * unit_); }  ///< width of its lines
 
   const ForceLog& log_;
   double unit_;

@@ -12,7 +12,6 @@
 
 #include "render/gl/camera.h"
 #include "render/gl/context.h"
-#include "render/gl/pixel_image.h"
 #include "render/surface/bone_surface.h"
 
 namespace reamsim {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "render/gl/camera.h"
-#include "render/gl/pixel_image.h"
 #include "render/surface/bone_surface.h"
 #include "sim/scenario/choices.h"
 
