@@ -218,7 +218,7 @@ class PictureComposer {
         view_(run, options.settings),
         camera_without_suffix_(options.camera_without_suffix.empty() ? camera_names(options.settings).front()
                                                                      : options.camera_without_suffix),
-        captions_(run.log(), options.mean_travel_mm, options.settings.force_arrow),
+        captions_(run.log(), options.settings.force_arrow),
         report_(report),
         writer_(progress, count_pictures(options, view_.frames(), run.contact())) {
     std::filesystem::create_directories(dir_ + "/frames");

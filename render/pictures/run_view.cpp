@@ -305,9 +305,8 @@ Labels RunView::labels(const Camera& camera, const std::optional<PlacedTool>& to
   return labels;
 }
 
-Captions::Captions(ForceLog log, double mean_travel_mm, bool arrows)
-    : log_(std::move(log)), mean_(mean_travel_mm > 0 ? "mean " : ""), arrows_(arrows) {
-  add_layer_means(log_, mean_travel_mm);
+Captions::Captions(const ForceLog& log, bool arrows)
+    : log_(log), mean_(log.mean_travel_mm > 0 ? "mean " : ""), arrows_(arrows) {
   for (const ForceRow& row : log_.rows) max_force_n_ = std::max(max_force_n_, row.layer_force_n.norm());
 }
 

@@ -162,7 +162,7 @@ class Films : public ::testing::Test {
   void TearDown() override { setenv("PATH", old_path_.c_str(), 1); }
 
   void render(const PictureProgress& progress = nullptr) {
-    render_pictures(dir_.path(), {.settings = settings_, .mean_travel_mm = 0.25, .stills = false}, progress);
+    render_pictures(dir_.path(), {.settings = settings_, .stills = false}, progress);
   }
   [[nodiscard]] std::string file(const std::string& name) const { return dir_.path() + "/" + name; }
   /// codec, width, height, pixel format, rate and the number of frames that can be decoded

@@ -63,7 +63,6 @@ class Views : public ::testing::Test {
   }
   void render(PictureOptions options = {}) {
     options.settings = settings_;
-    options.mean_travel_mm = 0.25;
     render_pictures(dir_.path(), options);
   }
   [[nodiscard]] Picture picture(const std::string& name) const { return test::read_picture(dir_.path() + "/" + name); }
