@@ -109,18 +109,16 @@ FilmEncoder::~FilmEncoder() {
 }
 
 void FilmEncoder::fail(const std::string& messages) const {
-  std::string line = messages.empty() ? "no message" : messages.substr(0, 300);
+  std::string line = messages.substr(0, 300);
   std::ranges::replace(line, '\n', ' ');
   throw RunError(path_ + ": ffmpeg failed: " + line);
 }
 
-std::string FilmEncoder::wait() {
+void FilmEncoder::wait() {
   close_fd(pictures_fd_);
-  const int status = wait_for(child_);
-  child_ = -1;
-  if (succeeded(status)) return "";
+  if (succeeded(wait_for(std::exchange(child_, -1)))) return;
   const std::string messages = messages_.contents();
-  return messages.empty() ? "exited without an error message" : messages;
+  fail(messages.empty() ? "exited without an error message" : messages);
 }
 
 void FilmEncoder::add(const PixelImage& image) {
@@ -134,15 +132,17 @@ void FilmEncoder::add(const PixelImage& image) {
   while (remaining > 0) {
     const ssize_t sent = send(pictures_fd_, bytes, remaining, MSG_NOSIGNAL);
     if (sent < 0 && errno == EINTR) continue;
-    if (sent <= 0) fail(wait());
+    if (sent <= 0) {
+      wait();
+      fail("no message");
+    }
     bytes += sent;
     remaining -= static_cast<std::size_t>(sent);
   }
 }
 
 void FilmEncoder::finish() {
-  const std::string messages = wait();
-  if (!messages.empty()) fail(messages);
+  wait();
   std::error_code error;
   if (std::filesystem::file_size(partial_path_, error) == 0 || error) fail("wrote no file");
   std::filesystem::rename(partial_path_, path_, error);
@@ -180,12 +180,13 @@ PageLayout page_of(const FilmLayout& film) {
 
 }  // namespace
 
-ForcePanel::ForcePanel(const ForceLog& log, const std::string& mean, int width_px, int height_px, double unit)
+ForcePanel::ForcePanel(const ForceLog& log, int width_px, int height_px, double unit)
     : log_(log),
       unit_(unit),
       first_s_(log.rows.front().time_s),
       last_s_(std::max(log.rows.back().time_s, log.rows.front().time_s + 1e-6)),
       background_(plain_image(width_px, height_px, kColumnRgb)) {
+  const std::string mean = log.mean_travel_mm > 0 ? "mean " : "";
   // Blue and vermilion of Okabe and Ito (2008), as in the plots: safe for colour-blind readers.
   curves_.push_back(
       {mean + "axial force", "N", [](const ForceRow& row) { return row.layer_axial_force_n; }, 1, 0x0072b2, {}});
@@ -337,7 +338,7 @@ Film::Film(const std::string& path, const RunView& view, const Captions& caption
       camera_(camera),
       encoder_(path, view.settings()) {
   if (layout_.panel.width == 0) return;
-  panel_ = std::make_unique<ForcePanel>(captions.log(), captions.mean(), static_cast<int>(layout_.panel.width),
+  panel_ = std::make_unique<ForcePanel>(view.run().log(), static_cast<int>(layout_.panel.width),
                                         static_cast<int>(layout_.panel.height), layout_.unit);
 }
 

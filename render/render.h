@@ -147,8 +147,8 @@ class FilmEncoder {
   void finish();
 
  private:
-  /// Waits for ffmpeg. Returns its message if it failed, else "".
-  std::string wait();
+  /// Waits for ffmpeg. Throws RunError with its message if it failed.
+  void wait();
   [[noreturn]] void fail(const std::string& messages) const;
 
   int width_px_;
@@ -163,9 +163,9 @@ class FilmEncoder {
 /// Axial force, spin torque and the feed rate of a push against time: the whole run pale, the past opaque, a cursor.
 class ForcePanel {
  public:
-  /// Draws the static background. `mean`: prefix of the names of averaged forces. Sizes in pixels; `unit`: pixels per
-  /// pixel of a film 1080 high. `log` outlives the panel. Throws RunError.
-  ForcePanel(const ForceLog& log, const std::string& mean, int width_px, int height_px, double unit);
+  /// Draws the static background. Sizes in pixels; `unit`: pixels per pixel of a film 1080 high. `log` outlives the
+  /// panel. Throws RunError.
+  ForcePanel(const ForceLog& log, int width_px, int height_px, double unit);
 
   /// The panel at the time of a row of the log. Throws RunError.
   [[nodiscard]] PixelImage at(const ForceRow& row) const;

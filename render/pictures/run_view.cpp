@@ -322,7 +322,7 @@ Captions::Values Captions::at(const ForceRow& row) const {
 }
 
 Captions::Values Captions::after(double deepest_mm) const {
-  const KeyResults run = key_results_of(log_, !mean_.empty());
+  const KeyResults run = key_results_of(log_);
   return {{run.depth().name, run.depth().value()},
           {run.force().name, run.force().value()},
           {run.torque().name, run.torque().value()},

@@ -171,13 +171,9 @@ class Captions {
   /// The bone's force on the tool, at the tool's tip; none if negligible.
   [[nodiscard]] std::optional<ForceArrow> arrow(const ForceRow& row) const;
 
-  [[nodiscard]] const ForceLog& log() const { return log_; }
-  /// Prefix of the names of forces: "mean " or empty.
-  [[nodiscard]] const std::string& mean() const { return mean_; }
-
  private:
   const ForceLog& log_;
-  std::string mean_;
+  std::string mean_;  ///< prefix of the names of forces: "mean " or empty
   bool arrows_;
   double max_force_n_ = 0;
 };

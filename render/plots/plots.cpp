@@ -33,7 +33,7 @@ std::string mean_block(const ForceLog& log) {
   constexpr std::size_t kMaxPoints = 2000;
   const std::size_t step = 1 + log.rows.size() / kMaxPoints;
   const double travel_mm = log.mean_travel_mm;
-  const KeyResults run = key_results_of(log, travel_mm > 0);
+  const KeyResults run = key_results_of(log);
   const auto text = [](const KeyResults::Figure& figure) { return gnuplot_string(figure.name + " " + figure.value()); };
   std::ostringstream out;
   out << "# Headline figures, as in pictures, summary.json and report\n"

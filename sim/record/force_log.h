@@ -86,8 +86,8 @@ ForceLog read_force_log(const std::string& path, const LogOptions& options = {})
 /// Calls visit() with every row of forces.csv, without means. Throws as read_force_log().
 void for_each_force_row(const std::string& path, const std::function<void(const ForceRow&)>& visit);
 
-/// The headline of a log with its means. `means`: they are over a voxel of travel.
-KeyResults key_results_of(const ForceLog& log, bool means);
+/// The headline of a log, by its means.
+KeyResults key_results_of(const ForceLog& log);
 
 /// What decides the poses of a run, beside the planned motion.
 struct PoseFeedback {

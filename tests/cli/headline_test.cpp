@@ -64,7 +64,7 @@ TEST_P(HeadlineTest, IsTheSameEverywhere) {
   for (const auto& [name, value] : shown) {
     EXPECT_EQ(value == force + " N", name == force_name) << name;
   }
-  for (const ForceRow& row : captions.log().rows) {
+  for (const ForceRow& row : log.rows) {
     if (const auto arrow = captions.arrow(row)) {
       EXPECT_THAT(arrow->text, ::testing::StartsWith(means ? "mean axial force " : "resultant "));
     }

@@ -17,7 +17,7 @@ struct OpenedRun {
   [[nodiscard]] Camera camera(const std::string& name) const {
     return view.camera(name, view.page().view_width_px, view.page().height_px);
   }
-  [[nodiscard]] const ForceRow& last_row() const { return captions.log().rows.back(); }
+  [[nodiscard]] const ForceRow& last_row() const { return run.log().rows.back(); }
 
   RunData run;
   RunView view;

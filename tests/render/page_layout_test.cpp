@@ -189,7 +189,7 @@ TEST_F(Page, MarksOnTheViewAreLegibleOnAnySlide) {
   ASSERT_EQ(luminance(empty.pixels.front(), 0), 0);
   PixelImage with_force = empty;
   Labels force;
-  force.force = run.captions.arrow(run.captions.log().at(40, ""));
+  force.force = run.captions.arrow(run.run.log().at(40, ""));
   ASSERT_TRUE(force.force);
   draw_marks(with_force, camera, run.view.page().unit, force);
   const Box arrow = changed(with_force, empty);
