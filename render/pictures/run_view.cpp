@@ -204,7 +204,7 @@ RunData::Outcome RunData::read_outcome(const std::string& dir) {
 RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
   PredictedRun predicted = predict_run(inputs);
   UnreamedSurface unreamed(*inputs.voxmap, with_removed_voxels_restored(inputs.fill), predicted.bone.fill);
-  ViewTarget target = make_view_target(inputs, predicted, unreamed.surface());
+  ViewTarget target = make_view_target(inputs, predicted, unreamed.surface);
   return {std::move(unreamed), std::move(target), predicted.contact};
 }
 
@@ -264,7 +264,7 @@ ToolPath path_of_pass(const ToolPass& pass) {
 }  // namespace
 
 Scale depth_scale(const RunData& run, double depth_max_mm) {
-  return depth_max_mm > 0 ? scale_exactly(depth_max_mm) : scale_up_to(run.unreamed().deepest_mm());
+  return depth_max_mm > 0 ? scale_exactly(depth_max_mm) : scale_up_to(run.unreamed().deepest_mm);
 }
 
 RunView::RunView(const RunData& run, const RenderSettings& settings)

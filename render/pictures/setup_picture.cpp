@@ -182,9 +182,9 @@ PixelImage drawn(const RunSetup& setup, const RunData& run, std::string& warning
   const RunView view(run, settings);
   const PredictedRun after = predict_run(setup.inputs);
   const PlacedTool deepest{after.bone.deepest.bone_from_tool(), after.pass};
-  const std::vector<SetupView> views =
-      setup.contact.touches ? views_with_contact(setup, run.target(), deepest, run.unreamed().deepest_mm())
-                            : views_without_contact(setup, run.target());
+  const std::vector<SetupView> views = setup.contact.touches
+                                           ? views_with_contact(setup, run.target(), deepest, run.unreamed().deepest_mm)
+                                           : views_without_contact(setup, run.target());
   PixelImage page = plain_image(kSetupViews * kSetupView_px + (kSetupViews - 1) * kPanelGap_px,
                                 kTitles_px + kSetupView_px, kSetupPaper_rgb);
   Renderer renderer(view);

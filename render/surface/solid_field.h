@@ -90,28 +90,17 @@ struct IsoSurface {
 };
 
 /// The bone before a run, and the depth below its surface where its actual or predicted final state lacks bone.
-class UnreamedSurface {
- public:
+struct UnreamedSurface {
   /// Fill before the run, from which depth is measured, and after it.
-  UnreamedSurface(const Voxmap& voxmap, FillBricks before, const FillBricks& after);
+  UnreamedSurface(const Voxmap& voxmap, FillBricks fill_before, const FillBricks& after);
 
-  [[nodiscard]] const FillBricks& before() const { return before_; }
-  /// Field of the unreamed bone, voxel index space.
-  [[nodiscard]] const ScalarGrid& field() const { return field_.grid(); }
-  /// Surface of the unreamed bone, voxel index space; triangles counter-clockwise seen from outside.
-  [[nodiscard]] const IsoSurface& surface() const { return surface_; }
+  FillBricks before;
+  SolidField field;    ///< of the unreamed bone, voxel index space
+  IsoSurface surface;  ///< of the unreamed bone, voxel index space; triangles counter-clockwise seen from outside
   /// Distance in mm from the reamed part of the unreamed surface, without holes and slits up to 3.6 mm wide (a pilot
   /// hole, a vessel); 0 where no material was removed. In the space of voxel indices times voxel_mm.
-  [[nodiscard]] const ScalarGrid& depth() const { return *depth_; }
-  /// The greatest depth of the final surface, mm; 0 when nothing is reamed.
-  [[nodiscard]] double deepest_mm() const { return deepest_mm_; }
-
- private:
-  FillBricks before_;
-  SolidField field_;
-  IsoSurface surface_;
-  std::shared_ptr<const ScalarGrid> depth_;
-  double deepest_mm_;
+  std::shared_ptr<const ScalarGrid> depth;
+  double deepest_mm;  ///< the greatest depth of the final surface; 0 when nothing is reamed
 };
 
 class NearestPoint;

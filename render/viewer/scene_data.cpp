@@ -265,7 +265,7 @@ Json bone_data(const RunData& run, const RenderSettings& settings) {
   const Voxmap& voxmap = run.voxmap();
   const UnreamedSurface& unreamed = run.unreamed();
   const BoneSurface after = surface_of(voxmap, run.last_fill(), unreamed);
-  const BoneSurface before = surface_of(voxmap, unreamed.before(), unreamed);
+  const BoneSurface before = surface_of(voxmap, unreamed.before, unreamed);
   const Scale depth = depth_scale(run, settings.depth_max_mm);
   const Eigen::AlignedBox3f box = bounds_of(before).merged(bounds_of(after));
   const DensityVolume volume = density_volume(voxmap, kMaxDensityCells);
