@@ -11,7 +11,6 @@
 #include "render/viewer/report_data.h"
 #include "sim/base/error.h"
 #include "sim/record/recorder.h"
-#include "sim/record/run_totals.h"
 #include "sim/run/checkpoint.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/picture_frames.h"
@@ -82,8 +81,7 @@ RunInputs inputs_of(const SimulationInput& scene, const std::string& dir) {
 
 OutputOptions output_options_of(const SimulationInput& scene) {
   const Scenario& scenario = scene.scenario;
-  const double mean_mm = averaged_travel_mm(scenario.cutting, scene.bone.voxmap->grid.voxel_mm);
-  return {.pictures = {.settings = scenario.render, .mean_travel_mm = mean_mm},
+  return {.pictures = {.settings = scenario.render},
           .render = scenario.render.enabled,
           .force_plots = scenario.output.plots,
           .all_plots = scenario.render.enabled && scenario.output.plots,
@@ -142,19 +140,13 @@ void Outputs::end(const SimulationInput& scene, const std::string& dir) {
   run_.emplace(dir);
 }
 
-ForceLog Outputs::log_with_means() const {
-  ForceLog log = run_->log();
-  add_layer_means(log, options_.pictures.mean_travel_mm);
-  return log;
-}
-
 void Outputs::make_figures(Diagnostics& report) const {
   const std::string& dir = run_->dir();
-  if (options_.force_plots) write_force_plots(dir, log_with_means());
+  if (options_.force_plots) write_force_plots(dir, run_->log());
   if (options_.depth_map && options_.finished) write_depth_picture(*run_, options_.pictures.settings.depth_max_mm);
   if (options_.meshes && options_.finished) write_meshes(*run_, options_.pictures.settings.depth_max_mm, report);
   if (!options_.all_plots) return;
-  write_depth_and_energy_plots(dir, log_with_means());
+  write_depth_and_energy_plots(dir, run_->log());
   // Only a push has events.
   write_feedback_plots(dir, {.push = std::filesystem::exists(dir + "/events.csv"),
                              .springs = run_->log().rows.front().deflection_mm.has_value()});

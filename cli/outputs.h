@@ -72,7 +72,6 @@ class Outputs : public PictureSink {
   void make_report() override;
 
  private:
-  [[nodiscard]] ForceLog log_with_means() const;
   void make_figures(Diagnostics& report) const;
   void make_pictures(Diagnostics& report);
 

@@ -20,7 +20,6 @@
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/record/output_folder.h"
-#include "sim/record/run_totals.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/show.h"
 
@@ -226,7 +225,6 @@ void render_command(const RenderOptions& options, const Console& console) {
   pictures.settings.enabled = true;
   const RunData run = open_run(options.dir);
   require_drawable(options, pictures, run);
-  pictures.mean_travel_mm = averaged_travel_mm(settings.cutting, run.voxmap().grid.voxel_mm);
   Outputs outputs(console, run,
                   {.pictures = pictures,
                    .force_plots = options.wants("plots"),

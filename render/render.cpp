@@ -5,19 +5,14 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <exception>
 #include <filesystem>
 #include <future>
 #include <limits>
 #include <map>
 #include <utility>
 
-#include "render/film/film.h"
-#include "render/pictures/composites.h"
+#include "render/pictures/figures.h"
 #include "render/pictures/renderer.h"
-#include "sim/base/error.h"
-#include "sim/bone/voxmap/voxmap.h"
-#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 
@@ -223,7 +218,7 @@ class PictureComposer {
         view_(run, options.settings),
         camera_without_suffix_(options.camera_without_suffix.empty() ? camera_names(options.settings).front()
                                                                      : options.camera_without_suffix),
-        captions_(run.log(), options.mean_travel_mm, options.settings.force_arrow),
+        captions_(run.log(), options.settings.force_arrow),
         report_(report),
         writer_(progress, count_pictures(options, view_.frames(), run.contact())) {
     std::filesystem::create_directories(dir_ + "/frames");
@@ -244,12 +239,12 @@ class PictureComposer {
         break;
       case Shot::Kind::sheet:
         if (!sheet_) sheet_.emplace(view_, frame.camera);
-        sheet_->add(std::move(frame.image), row_of(frame.frame));
+        sheet_->add(std::move(frame.image), view_.run().row_of(frame.frame));
         if (sheet_->is_full()) writer_.write(dir_ + "/contact_sheet.png", sheet_->finish());
         break;
       case Shot::Kind::film:
         if (!film_) film_.emplace(film_path("reamed"), view_, captions_, frame.camera);
-        film_->add(std::move(frame.image), row_of(frame.frame));
+        film_->add(std::move(frame.image), view_.run().row_of(frame.frame));
         writer_.count(film_path("reamed"));
         if (frame.frame == view_.frames().back()) film_->finish();
         break;
@@ -270,9 +265,6 @@ class PictureComposer {
   void finish() { writer_.finish(); }
 
  private:
-  [[nodiscard]] const ForceRow& row_of(std::int64_t frame) const {
-    return captions_.log().at(frame, dir_ + "/forces.csv");
-  }
   [[nodiscard]] int turns() const { return view_.settings().turntable_pictures; }
   [[nodiscard]] std::string turntable_path(int turn) const { return fmt::format("{}/turntable/{:03}.png", dir_, turn); }
   [[nodiscard]] std::string film_path(const std::string& name) const {
@@ -290,7 +282,7 @@ class PictureComposer {
   }
 
   void add_frame(RenderedFrame& frame) {
-    const ForceRow& row = row_of(frame.frame);
+    const ForceRow& row = view_.run().row_of(frame.frame);
     Labels labels = view_.labels(frame.camera, view_.tool_at(frame.frame));
     labels.values = captions_.at(row);
     labels.force = captions_.arrow(row);

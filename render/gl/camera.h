@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -66,5 +67,38 @@ Camera make_user_camera(const UserCamera& wanted, const ViewTarget& target, int 
 /// A camera on a circle about the superior axis, slightly elevated. `turn` 0 and 1 look at the face, ¼ from the side of
 /// superior × outward. The scale is the same for all turns.
 Camera make_turntable_camera(const ViewTarget& target, double turn, int width_px, int height_px);
+
+/// A rectangle of a picture in pixels, y down; empty if width is 0.
+struct Box {
+  double x = 0, y = 0, width = 0, height = 0;
+};
+
+/// A picture: premultiplied BGRA (Cairo's ARGB32), top row first.
+struct PixelImage {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::uint32_t> pixels;
+
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_px) + static_cast<std::size_t>(x);
+  }
+  /// Whether each row has one colour, as a picture of the background alone.
+  [[nodiscard]] bool has_plain_rows() const;
+  /// Composites `part` over this picture with its upper left corner at (x, y), both at least 0, clipped.
+  void paste(const PixelImage& part, int x, int y);
+};
+
+/// A picture of one colour, 0xRRGGBB.
+PixelImage plain_image(int width_px, int height_px, std::uint32_t rgb);
+
+/// The picture reduced by `factor` along each axis: each pixel is the mean of a square.
+PixelImage downsampled(PixelImage image, int factor);
+
+/// The picture with smoothed edges, cheaper than multisampling (T. Lottes, "FXAA", NVIDIA white paper, 2009): blends
+/// each pixel at a brightness step with its neighbour across it; others stay identical. Transparency is white.
+PixelImage antialiased(const PixelImage& image);
+
+/// Writes a PNG: RGB if all is opaque, else RGBA; `software`, if any, near the file's beginning. Throws RunError.
+void write_png(const std::string& path, const PixelImage& image, const std::string& software = "");
 
 }  // namespace reamsim

@@ -7,13 +7,9 @@
 #include <EGL/eglext.h>
 #include <fmt/core.h>
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <numeric>
-#include <span>
 #include <utility>
-
-#include "sim/base/error.h"
 
 namespace reamsim {
 namespace {

@@ -3,7 +3,7 @@
 
 // Not Cairo, whose PNG compression is slow: it took a fifth of the time of a run.
 
-#include "render/gl/pixel_image.h"
+#include "render/gl/camera.h"
 
 #include <png.h>
 #include <algorithm>

@@ -4,11 +4,8 @@
 #include "render/gl/scene.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
-
-#include "render/surface/color_map.h"
 
 namespace reamsim {
 namespace embedded {

@@ -12,9 +12,7 @@
 
 #include "render/gl/camera.h"
 #include "render/gl/context.h"
-#include "render/gl/pixel_image.h"
 #include "render/surface/bone_surface.h"
-#include "render/surface/surface_smoothing.h"
 
 namespace reamsim {
 

@@ -57,10 +57,10 @@ void Canvas::check() const {
   throw RunError(std::string("labels cannot be drawn: ") + cairo_status_to_string(status));
 }
 
-void Canvas::line(const Vec2& from, const Vec2& to) const {
+void Canvas::line(const Vec2& from, const Vec2& to, const Rgba& color, double width_px) const {
   cairo_move_to(get(), from.x(), from.y());
   cairo_line_to(get(), to.x(), to.y());
-  cairo_stroke(get());
+  stroke(color, width_px);
 }
 
 void Canvas::trace(const std::vector<Vec2>& points) const {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "render/gl/pixel_image.h"
+#include "render/gl/camera.h"
 #include "sim/base/geometry.h"
 
 namespace reamsim {
@@ -42,7 +42,7 @@ class Canvas {
   void stroke(const Rgba& color, double width_px) const;
   /// Strokes the path before it is drawn again, narrower or filled.
   void stroke_halo(const Rgba& color, double width_px) const;
-  void line(const Vec2& from, const Vec2& to) const;
+  void line(const Vec2& from, const Vec2& to, const Rgba& color, double width_px) const;
   /// Appends a closed polygon of its own to the path.
   void trace(const std::vector<Vec2>& points) const;
   /// Flushes the drawing into the pixels. Throws RunError when drawing failed.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/pictures/composites.h"
+#include "render/pictures/figures.h"
 
 #include <algorithm>
 

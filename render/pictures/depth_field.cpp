@@ -3,7 +3,6 @@
 
 #include "render/pictures/contour_lines.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>

@@ -9,8 +9,6 @@
 
 #include "render/pictures/canvas.h"
 #include "render/pictures/contour_lines.h"
-#include "render/pictures/overlay.h"
-#include "render/pictures/run_view.h"
 #include "render/surface/bone_surface.h"
 #include "sim/base/parallel.h"
 #include "sim/base/text.h"

@@ -67,11 +67,12 @@ void draw_legend(const Canvas& canvas, double u, const Legend& legend, const Box
     cairo_rectangle(c, bar.x, bar.y + row, bar.width, std::min(2.0, bar.height - row));
     cairo_fill(c);
   }
+  const double line_px = std::max(1.0, 1.5 * u);
   cairo_rectangle(c, bar.x, bar.y, bar.width, bar.height);
-  canvas.stroke(kTextColor, std::max(1.0, 1.5 * u));
+  canvas.stroke(kTextColor, line_px);
   for (int tick = 0; tick < legend.scale.ticks(); ++tick) {
     const double y = bar.y + bar.height * (1 - tick * legend.scale.step / legend.scale.max);
-    canvas.line({bar.x + bar.width, y}, {bar.x + bar.width + 8 * u, y});
+    canvas.line({bar.x + bar.width, y}, {bar.x + bar.width + 8 * u, y}, kTextColor, line_px);
     const TextLine number(canvas, legend.scale.label(tick), kName * u);
     number.draw(bar.x + bar.width + 14 * u, y - 0.5 * number.height);
   }
@@ -89,9 +90,6 @@ void draw_scale_bar(const Canvas& canvas, const PageLayout& layout, const Camera
 /// Arrows towards superior, lateral and anterior.
 void draw_directions(const Canvas& canvas, const PageLayout& layout, const Camera& camera, const Labels& labels) {
   const double u = layout.unit;
-  cairo_t* c = canvas.get();
-  canvas.set_color(kTextColor);
-  cairo_set_line_width(c, 2.5 * u);
   const Vec2 middle = layout.directions_px();
   for (const auto& [name, direction] : labels.directions) {
     const Vec3 eye = camera.eye_from_bone.linear() * direction;
@@ -100,9 +98,9 @@ void draw_directions(const Canvas& canvas, const PageLayout& layout, const Camer
     const Vec2 tip = middle + kReach * u * way;
     way.normalize();
     const Vec2 side(-way.y(), way.x());
-    canvas.line(middle, tip);
+    canvas.line(middle, tip, kTextColor, 2.5 * u);
     canvas.trace({tip + 3 * u * way, tip - 11 * u * way + 5 * u * side, tip - 11 * u * way - 5 * u * side});
-    cairo_fill(c);
+    canvas.fill(kTextColor);
     const TextLine text(canvas, name, 0.9 * kName * u);
     const Vec2 at = tip + (14 * u + 0.5 * std::abs(way.x()) * text.width) * way;
     text.draw(at.x() - 0.5 * text.width, at.y() - 0.5 * text.height);
@@ -115,10 +113,8 @@ void draw_ground(const Canvas& canvas, const PageLayout& layout, Background back
   const Box box{static_cast<double>(layout.view_width_px), 0, column, static_cast<double>(layout.height_px)};
   if (background == Background::transparent) canvas.fill_panel(box, 12 * layout.unit, kPlateColor);
   if (background != Background::white) return;
-  canvas.set_color(kLineColor);
-  cairo_set_line_width(canvas.get(), std::max(1.0, 1.5 * layout.unit));
   const double x = box.x + std::max(1.0, layout.unit);
-  canvas.line({x, 0}, {x, box.height});
+  canvas.line({x, 0}, {x, box.height}, kLineColor, std::max(1.0, 1.5 * layout.unit));
 }
 
 constexpr double kText = 24;

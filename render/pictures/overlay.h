@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "render/gl/camera.h"
-#include "render/gl/pixel_image.h"
-#include "render/surface/color_map.h"
+#include "render/surface/bone_surface.h"
 #include "sim/scenario/choices.h"
 
 namespace reamsim {

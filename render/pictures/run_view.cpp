@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <numbers>
 #include <stdexcept>
-#include <utility>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
@@ -131,7 +130,7 @@ ViewTarget make_view_target(const RunInputs& run, const PredictedRun& predicted,
 
 }  // namespace
 
-RunPath::RunPath(const RunInputs& run) : dir_(run.dir), used_(run.passes.size(), false) {
+RunPath::RunPath(const RunInputs& run) : dir_(run.dir) {
   for (const ToolPass& pass : run.passes) {
     paths_.emplace_back(tool_reach_mm(pass.tool), kPathStep_voxels * run.voxmap->grid.voxel_mm, run.frames);
   }
@@ -143,19 +142,19 @@ void RunPath::add(const ToolPose& pose, std::int64_t frame, int pass) {
     throw InputError({tool_path(dir_, pass), 0, 0}, "", "no such file", "the tool of pass " + std::to_string(pass));
   }
   paths_[i].add(pose, static_cast<std::size_t>(frame));
-  used_[i] = true;
 }
 
 void RunPath::give(RunInputs& run) {
-  // An interrupted run has not come to its last passes.
-  const auto used = static_cast<std::size_t>(std::ranges::find(used_, false) - used_.begin());
-  run.passes.resize(used);
-  for (std::size_t i = 0; i < used; ++i) {
-    for (const PathSample& sample : paths_[i].finish()) {
-      run.passes[i].pose_frames.push_back(static_cast<std::int64_t>(sample.frame));
-      run.passes[i].poses.push_back(sample.pose);
+  std::size_t used = 0;
+  for (; used < paths_.size(); ++used) {
+    const std::vector<PathSample> path = paths_[used].finish();
+    if (path.empty()) break;  // an interrupted run has not come to its last passes
+    for (const PathSample& sample : path) {
+      run.passes[used].pose_frames.push_back(static_cast<std::int64_t>(sample.frame));
+      run.passes[used].poses.push_back(sample.pose);
     }
   }
+  run.passes.resize(used);
 }
 
 std::size_t RunInputs::pass_at(std::int64_t frame) const {
@@ -205,7 +204,7 @@ RunData::Outcome RunData::read_outcome(const std::string& dir) {
 RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
   PredictedRun predicted = predict_run(inputs);
   UnreamedSurface unreamed(*inputs.voxmap, with_removed_voxels_restored(inputs.fill), predicted.bone.fill);
-  ViewTarget target = make_view_target(inputs, predicted, unreamed.surface());
+  ViewTarget target = make_view_target(inputs, predicted, unreamed.surface);
   return {std::move(unreamed), std::move(target), predicted.contact};
 }
 
@@ -265,7 +264,7 @@ ToolPath path_of_pass(const ToolPass& pass) {
 }  // namespace
 
 Scale depth_scale(const RunData& run, double depth_max_mm) {
-  return depth_max_mm > 0 ? scale_exactly(depth_max_mm) : scale_up_to(run.unreamed().deepest_mm());
+  return depth_max_mm > 0 ? scale_exactly(depth_max_mm) : scale_up_to(run.unreamed().deepest_mm);
 }
 
 RunView::RunView(const RunData& run, const RenderSettings& settings)
@@ -306,9 +305,8 @@ Labels RunView::labels(const Camera& camera, const std::optional<PlacedTool>& to
   return labels;
 }
 
-Captions::Captions(ForceLog log, double mean_travel_mm, bool arrows)
-    : log_(std::move(log)), mean_(mean_travel_mm > 0 ? "mean " : ""), arrows_(arrows) {
-  add_layer_means(log_, mean_travel_mm);
+Captions::Captions(const ForceLog& log, bool arrows)
+    : log_(log), mean_(log.mean_travel_mm > 0 ? "mean " : ""), arrows_(arrows) {
   for (const ForceRow& row : log_.rows) max_force_n_ = std::max(max_force_n_, row.layer_force_n.norm());
 }
 
@@ -324,7 +322,7 @@ Captions::Values Captions::at(const ForceRow& row) const {
 }
 
 Captions::Values Captions::after(double deepest_mm) const {
-  const KeyResults run = key_results_of(log_, !mean_.empty());
+  const KeyResults run = key_results_of(log_);
   return {{run.depth().name, run.depth().value()},
           {run.force().name, run.force().value()},
           {run.torque().name, run.torque().value()},

@@ -61,7 +61,6 @@ class RunPath {
  private:
   std::string dir_;
   std::vector<BoundedPath> paths_;  ///< by pass
-  std::vector<bool> used_;
 };
 
 /// The data of a run for pictures, meshes and the report, read or computed once on first use. Later copies share it,
@@ -122,8 +121,6 @@ std::vector<ToolPass> read_tools(const std::string& dir);
 /// Which pictures of a run are made, and how.
 struct PictureOptions {
   RenderSettings settings{};
-  /// Tool travel over which forces are averaged, see averaged_travel_mm(); 0: single frames.
-  double mean_travel_mm = 0;
   bool film = true;                     ///< of the run, if the settings have one; the turntable has its own
   bool stills = true;                   ///< reamed.png and frames/; the settings decide on the rest
   std::string camera_without_suffix{};  ///< "": the first of the settings
@@ -164,8 +161,8 @@ class Captions {
  public:
   using Values = std::vector<std::pair<std::string, std::string>>;  ///< name and number with unit
 
-  /// `mean_travel_mm`: the tool's travel over which forces are averaged; 0: single frames. `arrows`: draw force arrows.
-  Captions(ForceLog log, double mean_travel_mm, bool arrows);
+  /// `log` outlives it. `arrows`: draw force arrows.
+  Captions(const ForceLog& log, bool arrows);
 
   /// Values of a picture during the run.
   [[nodiscard]] Values at(const ForceRow& row) const;
@@ -174,14 +171,9 @@ class Captions {
   /// The bone's force on the tool, at the tool's tip; none if negligible.
   [[nodiscard]] std::optional<ForceArrow> arrow(const ForceRow& row) const;
 
-  /// The log with means.
-  [[nodiscard]] const ForceLog& log() const { return log_; }
-  /// Prefix of the names of forces: "mean " or empty.
-  [[nodiscard]] const std::string& mean() const { return mean_; }
-
  private:
-  ForceLog log_;
-  std::string mean_;
+  const ForceLog& log_;
+  std::string mean_;  ///< prefix of the names of forces: "mean " or empty
   bool arrows_;
   double max_force_n_ = 0;
 };

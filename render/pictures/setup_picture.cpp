@@ -11,8 +11,6 @@
 
 #include "render/pictures/canvas.h"
 #include "render/pictures/renderer.h"
-#include "render/pictures/run_view.h"
-#include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 
@@ -123,10 +121,8 @@ class SetupPainter {
     const double y = panel_.camera.height_px - 20;
     const TextLine text(canvas_, shortest_text(length_mm) + " mm", kSmallText_px);
     canvas_.fill_panel({8, y - text.height - 12, std::max(length_px, text.width) + 24, text.height + 24}, 5);
-    canvas_.set_color(kTextColor);
-    cairo_set_line_width(canvas_.get(), 4);
     cairo_set_line_cap(canvas_.get(), CAIRO_LINE_CAP_BUTT);
-    canvas_.line({20, y}, {20 + length_px, y});
+    canvas_.line({20, y}, {20 + length_px, y}, kTextColor, 4);
     text.draw(20, y - text.height - 6);
   }
 
@@ -186,9 +182,9 @@ PixelImage drawn(const RunSetup& setup, const RunData& run, std::string& warning
   const RunView view(run, settings);
   const PredictedRun after = predict_run(setup.inputs);
   const PlacedTool deepest{after.bone.deepest.bone_from_tool(), after.pass};
-  const std::vector<SetupView> views =
-      setup.contact.touches ? views_with_contact(setup, run.target(), deepest, run.unreamed().deepest_mm())
-                            : views_without_contact(setup, run.target());
+  const std::vector<SetupView> views = setup.contact.touches
+                                           ? views_with_contact(setup, run.target(), deepest, run.unreamed().deepest_mm)
+                                           : views_without_contact(setup, run.target());
   PixelImage page = plain_image(kSetupViews * kSetupView_px + (kSetupViews - 1) * kPanelGap_px,
                                 kTitles_px + kSetupView_px, kSetupPaper_rgb);
   Renderer renderer(view);

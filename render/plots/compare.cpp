@@ -12,11 +12,9 @@
 #include <iterator>
 #include <limits>
 
-#include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/record/force_log.h"
 
 namespace reamsim {
 namespace {
@@ -28,16 +26,8 @@ constexpr std::size_t kDashes = 4;
 static_assert(kCurveColors.size() * kDashes >= kLineStyles);
 
 /// viridis (van der Walt and Smith 2015, CC0) without its lightest tenth, which is faint on white.
-constexpr std::array<std::array<double, 3>, 10> kRamp{{{68, 1, 84},
-                                                       {72, 36, 117},
-                                                       {65, 68, 135},
-                                                       {53, 95, 141},
-                                                       {42, 120, 142},
-                                                       {33, 145, 140},
-                                                       {34, 168, 132},
-                                                       {68, 191, 112},
-                                                       {122, 209, 81},
-                                                       {189, 223, 38}}};
+constexpr std::array<unsigned, 10> kRamp{0x440154, 0x482475, 0x414487, 0x355f8d, 0x2a788e,
+                                         0x21918c, 0x22a884, 0x44bf70, 0x7ad151, 0xbddf26};
 constexpr unsigned kNoValue = 0x999999;  // of a run without the number
 
 /// Most characters of an entry in the legend: two fit side by side, and four of at most kShortEntry.
@@ -47,9 +37,9 @@ unsigned ramp_color(double fraction) {
   const double place = std::clamp(fraction, 0.0, 1.0) * (kRamp.size() - 1);
   const auto low = std::min(static_cast<std::size_t>(place), kRamp.size() - 2);
   unsigned out = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double value = std::lerp(kRamp[low][c], kRamp[low + 1][c], place - static_cast<double>(low));
-    out = out << 8 | static_cast<unsigned>(std::lround(value));
+  for (int shift = 0; shift < 24; shift += 8) {
+    const double from = kRamp[low] >> shift & 255U, to = kRamp[low + 1] >> shift & 255U;
+    out |= static_cast<unsigned>(std::lround(std::lerp(from, to, place - static_cast<double>(low)))) << shift;
   }
   return out;
 }

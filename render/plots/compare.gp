@@ -42,8 +42,7 @@ tall = strip + 3 * panel_step + 9
 from_top(mm) = 1 - mm / tall
 
 do for [format in "png svg pdf"] {
-  eval "set terminal " . terminal(format, 170, tall)
-  set output "compare." . format
+  eval page("compare", format, 170, tall)
   set multiplot
   do for [panel = 1:3] {
     upper_edge = from_top(strip + panel_step * (panel - 1))

@@ -11,8 +11,7 @@ stats csv using (across(column("force_x_n"), column("force_y_n"), column("force_
 step = int(ceil(T_records / 12000.0))
 
 do for [format in "png svg pdf"] {
-  eval "set terminal " . terminal(format, 170, 150)
-  set output "plots/deflection." . format
+  eval page("plots/deflection", format, 170, 150)
   set multiplot layout 3,1 margins char 11, char 2, char 3.5, char 1 spacing char 1.8, char 3.2
   set key top left
 

@@ -15,8 +15,7 @@ worst_shown = worst > 0 ? worst / 10.0**power_of_ten : 1
 set key top left reverse Left
 
 do for [format in "png svg pdf"] {
-  eval "set terminal " . terminal(format, 170, 150)
-  set output "plots/energy." . format
+  eval page("plots/energy", format, 170, 150)
   set multiplot layout 3,1 margins char 11, char 2, char 3.5, char 1 spacing char 1.8
   set format x ""
   eval bare_tics

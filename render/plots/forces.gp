@@ -3,8 +3,7 @@
 stats csv using (in_view(column("depth_mm"))) nooutput name "D"
 
 do for [format in "png svg pdf"] {
-  eval "set terminal " . terminal(format, 170, 190)
-  set output "forces." . format
+  eval page("forces", format, 170, 190)
   set multiplot layout 4,1 margins char 11, char 2, char 3.5, char 1 spacing char 1.8
   set format x ""
   eval bare_tics

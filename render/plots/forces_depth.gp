@@ -10,8 +10,7 @@ set xrange [min(D_min > 0 ? D_min : 0, 0):high(0, D_max)]
 set mxtics 2
 
 do for [format in "png svg pdf"] {
-  eval "set terminal " . terminal(format, 85, 150)
-  set output "plots/forces_depth." . format
+  eval page("plots/forces_depth", format, 85, 150)
   set multiplot layout 3,1 margins char 11, char 2, char 3.5, char 1 spacing char 1.8
   set format x ""
   unset xlabel

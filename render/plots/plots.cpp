@@ -33,7 +33,7 @@ std::string mean_block(const ForceLog& log) {
   constexpr std::size_t kMaxPoints = 2000;
   const std::size_t step = 1 + log.rows.size() / kMaxPoints;
   const double travel_mm = log.mean_travel_mm;
-  const KeyResults run = key_results_of(log, travel_mm > 0);
+  const KeyResults run = key_results_of(log);
   const auto text = [](const KeyResults::Figure& figure) { return gnuplot_string(figure.name + " " + figure.value()); };
   std::ostringstream out;
   out << "# Headline figures, as in pictures, summary.json and report\n"
@@ -140,16 +140,12 @@ using Histogram = std::array<double, kClasses>;  // mm³
 
 Histogram removed_by_density(const Voxmap& voxmap, const FillBricks& before, const FillBricks& after) {
   Histogram out{};
-  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& last) {
-    const GradeBricks::Brick* grades = voxmap.grade.brick(coord);
-    if (grades == nullptr) return;
-    const FillBricks::Brick* first = before.brick(coord);
-    for (std::size_t i = 0; i < last.size(); ++i) {
-      if ((*grades)[i] == 0) continue;
-      const int removed = (first == nullptr ? FillBricks::kWhole : (*first)[i]) - last[i];
-      const std::size_t density_class = std::min<std::size_t>(((*grades)[i] - 1) / kGradesPerClass, kClasses - 1);
-      out[density_class] += static_cast<double>(removed) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
-    }
+  const auto add = [&](const Vec3i& voxel, int grade, int fill) {
+    const std::size_t density_class = std::min<std::size_t>((grade - 1) / kGradesPerClass, kClasses - 1);
+    out[density_class] += static_cast<double>(before.get(voxel) - fill) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
+  };
+  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick&) {
+    if (voxmap.grade.brick(coord) != nullptr) for_each_bone_voxel_in({voxmap, after}, coord, add);
   });
   return out;
 }

@@ -8,8 +8,7 @@ stats csv using "depth_mm" nooutput name "D"
 step = int(ceil(T_records / 12000.0))
 
 do for [format in "png svg pdf"] {
-  eval "set terminal " . terminal(format, 170, 190)
-  set output "plots/push." . format
+  eval page("plots/push", format, 170, 190)
   set multiplot layout 4,1 margins char 11, char 2, char 3.5, char 1 spacing char 1.8, char 3.2
 
   set xlabel "Tool depth (mm)" offset 0, 0.6

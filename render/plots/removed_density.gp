@@ -20,8 +20,7 @@ set mxtics 2
 middle(a, b) = 0.5 * (a + b)
 
 do for [format in "png svg pdf"] {
-  eval "set terminal " . terminal(format, 85, uniform ? 14 : 65)
-  set output "plots/removed_density." . format
+  eval page("plots/removed_density", format, 85, uniform ? 14 : 65)
   if (uniform) {
     unset border; unset tics; unset grid; unset xlabel; unset ylabel
     set lmargin 0; set rmargin 0; set tmargin 0; set bmargin 0

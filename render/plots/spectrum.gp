@@ -14,8 +14,7 @@ set tmargin 1
 set bmargin 3.5
 
 do for [format in "png svg pdf"] {
-  eval "set terminal " . terminal(format, 170, 85)
-  set output "plots/spectrum." . format
+  eval page("plots/spectrum", format, 170, 85)
   plot csv using "frequency_hz":"spin_torque_nmm" with lines lw 1.2 lc rgb dark_red, \
        $peaks using 1:2 with points pt 7 ps 0.35 lc rgb dark_blue, \
        $peaks using 1:2:3 with labels offset 0, 1.7 center tc rgb "#202020"

@@ -11,15 +11,15 @@ purple = "#8c4f86"
 orange = "#e69f00"
 grey = "#606060"
 
-# The terminal for a format and a size: pixels at 300 dpi, vectors in their own size on paper.
+# Begins a file NAME.FORMAT of a size in mm: pixels at 300 dpi, vectors in their own size on paper.
 pixels(mm, dpi) = int(mm / 25.4 * dpi + 0.5)
-terminal(format, width, height) = \
+page(name, format, width, height) = "set terminal " . ( \
   format eq "png" ? sprintf("pngcairo size %d,%d background rgb 'white' font 'DejaVu Sans,8' fontscale 3.125 linewidth 3.2", \
                             pixels(width, 300), pixels(height, 300)) : \
   format eq "pdf" ? sprintf("pdfcairo size %gcm,%gcm background rgb 'white' font 'DejaVu Sans,8' fontscale 1 linewidth 1", \
                             width / 10.0, height / 10.0) : \
   sprintf("svg size %d,%d fixed background rgb 'white' font 'DejaVu Sans,10.67' linewidth 1", \
-          pixels(width, 96), pixels(height, 96))
+          pixels(width, 96), pixels(height, 96))) . "; set output '" . name . "." . format . "'"
 
 set border 3 lw 1 lc rgb "#404040"
 set tics nomirror out scale 0.6,0.35 textcolor rgb "#202020"

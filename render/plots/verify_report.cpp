@@ -35,9 +35,7 @@ static void to_json(Json& out, const Check& check) {
          {"passed", check.passed()}};
 }
 
-static void to_json(Json& out, const Level& level) {
-  out = {{"step", level.step}, {"found", level.found}, {"error", level.error}, {"runs", level.runs}};
-}
+REAMSIM_TO_JSON(Level, step, found, error, runs)
 
 static void to_json(Json& out, const Refinement& refinement) {
   out = {{"quantity", refinement.quantity},

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "render/surface/scalar_grid.h"
-#include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/grids.h"
 

@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "render/surface/color_map.h"
 #include "render/surface/scalar_grid.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -72,7 +70,7 @@ void add_reaming(ReamedMesh& out, const VoxelGrid& grid, const UnreamedSurface& 
     const float certainty = sampler.fraction(voxel(i));
     return Removal{certainty, certainty};
   };
-  Reaming reaming = reaming_at(out.mesh.vertices.size(), unreamed, unreamed.field(), removal_at,
+  Reaming reaming = reaming_at(out.mesh.vertices.size(), unreamed, unreamed.field.grid(), removal_at,
                                [&](std::size_t i) { return voxel(i) * grid.voxel_mm; });
   std::vector<Eigen::Vector3f> points;
   for (const Vec3& p : out.mesh.vertices) points.emplace_back(((p - grid.origin_mm) / grid.voxel_mm).cast<float>());

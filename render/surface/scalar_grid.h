@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "render/surface/solid_field.h"
-#include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
 
 // Only for the source files of this folder, because OpenVDB's headers take ten seconds to compile.
@@ -58,9 +57,9 @@ class ReamingSampler {
  public:
   /// `now`: the field of the current bone.
   ReamingSampler(const UnreamedSurface& unreamed, const ScalarGrid& now)
-      : field_(unreamed.field().vdb->getConstAccessor()),
+      : field_(unreamed.field.grid().vdb->getConstAccessor()),
         now_(now.vdb->getConstAccessor()),
-        depth_grid_(*unreamed.depth().vdb),
+        depth_grid_(*unreamed.depth->vdb),
         depth_(depth_grid_.getConstAccessor()) {}
 
   /// Certainty that material was removed at a point where the field of the current bone is zero, 0…1: that of the

@@ -73,17 +73,12 @@ std::unique_ptr<Leaf> smoothed_leaf(const Occupancy& occupancy, const Kernel& ke
   return leaf;
 }
 
-/// Calls visit(brick) for the 27 bricks about this one.
-template <class Visit>
-void for_each_near(const Vec3i& brick, const Visit& visit) {
-  for_each_voxel(brick - Vec3i::Ones(), brick + Vec3i::Ones(), visit);
-}
-
 /// The common kind of the 27 bricks about this one, or kMixed.
 Occupancy::Kind neighbourhood(const Occupancy& occupancy, const Vec3i& brick) {
   const Occupancy::Kind own = occupancy.kind(brick);
   bool alike = true;
-  for_each_near(brick, [&](const Vec3i& near) { alike = alike && occupancy.kind(near) == own; });
+  for_each_voxel(brick - Vec3i::Ones(), brick + Vec3i::Ones(),
+                 [&](const Vec3i& near) { alike = alike && occupancy.kind(near) == own; });
   return alike ? own : Occupancy::Kind::kMixed;
 }
 
@@ -149,7 +144,7 @@ void SolidField::update(const Occupancy& occupancy, const std::vector<Vec3i>& br
   const BrickLattice padded{occupancy.brick_dims() + Vec3i::Constant(2)};
   std::unordered_set<std::size_t> seen;
   for (const Vec3i& brick : bricks) {
-    for_each_near(brick, [&](const Vec3i& near) {
+    for_each_voxel(brick - Vec3i::Ones(), brick + Vec3i::Ones(), [&](const Vec3i& near) {
       if (seen.insert(padded.index(near + Vec3i::Ones())).second) touched.push_back(near);
     });
   }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/surface/surface_smoothing.h"
+#include "render/surface/bone_surface.h"
 
 #include <algorithm>
 

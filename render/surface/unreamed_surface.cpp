@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "render/surface/scalar_grid.h"
-#include "render/surface/surface_smoothing.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/grids.h"
 
@@ -193,12 +192,12 @@ double max_depth_mm(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const
 
 }  // namespace
 
-UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks before, const FillBricks& after)
-    : before_(std::move(before)),
-      field_(Occupancy(voxmap, before_)),
-      surface_(extract_surface(*field_.grid().vdb, 0)),
-      depth_(new ScalarGrid{depth_grid(surface_, voxmap, before_, after)}),
-      deepest_mm_(max_depth_mm(*depth_->vdb, voxmap, after, before_)) {}
+UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks fill_before, const FillBricks& after)
+    : before(std::move(fill_before)),
+      field(Occupancy(voxmap, before)),
+      surface(extract_surface(*field.grid().vdb, 0)),
+      depth(new ScalarGrid{depth_grid(surface, voxmap, before, after)}),
+      deepest_mm(max_depth_mm(*depth->vdb, voxmap, after, before)) {}
 
 LayerBoundary::LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unreamed, const Vec3& a, const Vec3& b,
                              const Vec3& c)
@@ -207,7 +206,7 @@ LayerBoundary::LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unream
   const Vec3 normal = (b - a).cross(c - a).normalized();
   const double reach = voxmap.layers->cortical_mm / voxmap.grid.voxel_mm + kMargin_voxels;
   std::vector<Vec3> points;
-  for (const Eigen::Vector3f& p : unreamed.surface().points) {
+  for (const Eigen::Vector3f& p : unreamed.surface.points) {
     if (std::abs(normal.dot(p.cast<double>() - a)) < reach) points.emplace_back(p.cast<double>());
   }
   if (!points.empty()) surface_ = std::make_shared<NearestPoint>(points);

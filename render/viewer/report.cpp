@@ -271,9 +271,8 @@ std::string page_html(const RunData& run, const PictureOptions& options) {
   // The slow parts come last, after the checks of the others.
   const auto figures = figures_html(dir, name_of(options.settings.cameras.front()));
   for (std::size_t i = 0; i < figures.size(); ++i) texts[i == 0 ? "bone_figure" : "figures"] += figures[i];
-  ForceLog log = run.log();
-  add_layer_means(log, options.mean_travel_mm);
-  const Json data{{"plot", plot_data(log, options.mean_travel_mm)},
+  const ForceLog& log = run.log();
+  const Json data{{"plot", plot_data(log, log.mean_travel_mm)},
                   {"pictures", frames_json(run, names_of(options.settings.cameras))},
                   {"bone", bone_data(run, options.settings)},
                   {"tool", tool_data(run.inputs().passes, log, options.settings)},

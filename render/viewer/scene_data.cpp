@@ -11,9 +11,7 @@
 
 #include "render/gl/camera.h"
 #include "render/pictures/run_view.h"
-#include "render/surface/color_map.h"
 #include "render/surface/solid_field.h"
-#include "render/surface/surface_smoothing.h"
 #include "render/viewer/page.h"
 #include "render/viewer/report_data.h"
 #include "sim/anatomy/column_map.h"
@@ -249,7 +247,7 @@ Json bone_data(const RunData& run, const RenderSettings& settings) {
   const Voxmap& voxmap = run.voxmap();
   const UnreamedSurface& unreamed = run.unreamed();
   const BoneSurface after = surface_of(voxmap, run.last_fill(), unreamed);
-  const BoneSurface before = surface_of(voxmap, unreamed.before(), unreamed);
+  const BoneSurface before = surface_of(voxmap, unreamed.before, unreamed);
   const Scale depth = depth_scale(run, settings.depth_max_mm);
   const Eigen::AlignedBox3f box = bounds_of(before).merged(bounds_of(after));
   const DensityVolume volume = density_volume(voxmap, kMaxDensityCells);

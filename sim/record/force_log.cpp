@@ -259,16 +259,8 @@ ForceLog read_force_log(const std::string& path, const LogOptions& options) {
   return {decimator.finish(), options.mean_travel_mm, decimator.bucket_rows()};
 }
 
-void add_layer_means(ForceLog& log, double travel_mm) {
-  // The frames between the rows of a decimated log are needed for means.
-  if (log.is_decimated() && travel_mm != 0) return;
-  LayerMeans means(travel_mm);
-  for (ForceRow& row : log.rows) means.set(row);
-  log.mean_travel_mm = travel_mm;
-}
-
-KeyResults key_results_of(const ForceLog& log, bool means) {
-  KeyResults out{.means = means};
+KeyResults key_results_of(const ForceLog& log) {
+  KeyResults out{.means = log.mean_travel_mm > 0};
   for (const ForceRow& row : log.rows) {
     out.peak_axial_force_n = std::max(out.peak_axial_force_n, row.layer_axial_force_n);
     out.peak_spin_torque_nmm = std::max(out.peak_spin_torque_nmm, std::abs(row.layer_spin_torque_nmm));

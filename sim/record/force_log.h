@@ -28,7 +28,7 @@ struct RowPoint {
 struct ForceRow : FrameResult {                  // removed_mm3: since the start
   double cumulative_energy_mj = 0;               ///< cutting energy since the start
   double cumulative_floor_mj = 0;                ///< speed-floor energy since the start
-  double layer_axial_force_n = 0;                ///< mean over the last voxel of travel, see add_layer_means()
+  double layer_axial_force_n = 0;                ///< mean over the last voxel of travel (LayerMean), or the frame
   double layer_spin_torque_nmm = 0;              ///< likewise
   Vec3 layer_force_n = Vec3::Zero();             ///< of a mean, the component along the tool's axis
   std::size_t layer_frames = 0;                  ///< number of frames in these means
@@ -47,7 +47,7 @@ struct ForceLog {
 };
 
 struct LogOptions {
-  double mean_travel_mm = 0;                       ///< see add_layer_means()
+  double mean_travel_mm = 0;                       ///< of the means (LayerMean); 0: single frames
   std::vector<std::int64_t> keep = {};             ///< frames whose rows are kept, ascending
   std::function<void(const ForceRow&)> each = {};  ///< called with every row
   std::size_t most_rows = 50'000;                  ///< a log with more is decimated (RowDecimator)
@@ -86,11 +86,8 @@ ForceLog read_force_log(const std::string& path, const LogOptions& options = {})
 /// Calls visit() with every row of forces.csv, without means. Throws as read_force_log().
 void for_each_force_row(const std::string& path, const std::function<void(const ForceRow&)>& visit);
 
-/// Sets the means over the last `travel_mm` of travel (LayerMean; 0: single frames), but in a decimated log only for 0.
-void add_layer_means(ForceLog& log, double travel_mm);
-
-/// The headline of a log with its means. `means`: they are over a voxel of travel.
-KeyResults key_results_of(const ForceLog& log, bool means);
+/// The headline of a log, by its means.
+KeyResults key_results_of(const ForceLog& log);
 
 /// What decides the poses of a run, beside the planned motion.
 struct PoseFeedback {

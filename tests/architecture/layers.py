@@ -44,7 +44,6 @@ LAYERS = [
     ("render/surface", ["render_surface"]),
     ("render/gl", ["render_gl"]),
     ("render/pictures", ["render_pictures"]),
-    ("render/film", ["render_film"]),
     ("render/plots", ["render_plots"]),
     ("render", ["render"]),
     ("render/viewer", ["render_viewer"]),

@@ -64,7 +64,7 @@ void frame_of_a_run(benchmark::State& state, const std::string& dir, bool for_fi
       state.ResumeTiming();
     }
     run->renderer.advance_to(frames[next]);
-    benchmark::DoNotOptimize(picture(*run, camera, run->captions.log().at(frames[next], dir), for_film));
+    benchmark::DoNotOptimize(picture(*run, camera, run->run.log().at(frames[next], dir), for_film));
     ++next;
   }
 }

@@ -56,15 +56,15 @@ TEST_P(HeadlineTest, IsTheSameEverywhere) {
   EXPECT_THAT(result.out, HasSubstr(" " + torque + " N mm; "));
 
   // The pictures.
-  ForceLog log = read_force_log(path("out/forces.csv"));
-  const Captions captions(log, means ? 0.5 : 0, true);
+  const ForceLog log = read_force_log(path("out/forces.csv"), {.mean_travel_mm = means ? 0.5 : 0});
+  const Captions captions(log, true);
   const Captions::Values shown = captions.after(0.123);
   EXPECT_THAT(shown, AllOf(Contains(Pair(depth_name, depth + " mm")), Contains(Pair(force_name, force + " N")),
                            Contains(Pair("greatest reamed depth", "0.12 mm"))));
   for (const auto& [name, value] : shown) {
     EXPECT_EQ(value == force + " N", name == force_name) << name;
   }
-  for (const ForceRow& row : captions.log().rows) {
+  for (const ForceRow& row : log.rows) {
     if (const auto arrow = captions.arrow(row)) {
       EXPECT_THAT(arrow->text, ::testing::StartsWith(means ? "mean axial force " : "resultant "));
     }

@@ -13,7 +13,7 @@
 #include "render/pictures/figures.h"
 #include "render/pictures/overlay.h"
 #include "render/render.h"
-#include "render/surface/color_map.h"
+#include "render/surface/bone_surface.h"
 #include "sim/base/error.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"

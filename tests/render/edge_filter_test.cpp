@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Jagged edges of known shapes, smoothed, against the fraction of each pixel that the shape covers.
-#include "render/gl/pixel_image.h"
+#include "render/gl/camera.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/film/film.h"
+#include "render/render.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,6 @@
 #include <memory>
 #include <sstream>
 
-#include "render/render.h"
 #include "sim/base/error.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"
@@ -67,7 +66,7 @@ TEST(FilmLayoutTest, EvenAndWithoutGapOrOverlap) {
 
 TEST(ForcePanelTest, OnlyCurvesCursorAndNumbersMove) {
   const ForceLog log = ramp(500);
-  const ForcePanel panel(log, "", 640, 720, 0.8);
+  const ForcePanel panel(log, 640, 720, 0.8);
   const Picture early = as_seen(panel.at(log.rows[100]));
   const Picture late = as_seen(panel.at(log.rows[400]));
   const Box& upper = panel.plot(0);
@@ -86,7 +85,7 @@ TEST(ForcePanelTest, OnlyCurvesCursorAndNumbersMove) {
 
 TEST(ForcePanelTest, TheCursorStandsAtTheTimeAndTheCurveIsStrongUpToIt) {
   const ForceLog log = ramp(500);
-  const ForcePanel panel(log, "", 640, 720, 0.8);
+  const ForcePanel panel(log, 640, 720, 0.8);
   const Box& box = panel.plot(0);
   for (const std::size_t i : {50U, 250U, 450U}) {
     const Picture seen = as_seen(panel.at(log.rows[i]));
@@ -120,7 +119,7 @@ TEST(ForcePanelTest, TheCursorStandsAtTheTimeAndTheCurveIsStrongUpToIt) {
 TEST(ForcePanelTest, APushHasItsFeedRateBelowForceAndTorque) {
   ForceLog log = ramp(500);
   for (ForceRow& row : log.rows) row.push = PushResult{.feed_mm_s = row.frame < 250 ? 5.0 : 1.0};
-  const ForcePanel panel(log, "", 640, 720, 0.8);
+  const ForcePanel panel(log, 640, 720, 0.8);
   const Box& feed = panel.plot(2);
   EXPECT_GT(feed.y, panel.plot(1).y + panel.plot(1).height);
   EXPECT_LT(feed.y + feed.height, 720);
@@ -138,10 +137,10 @@ TEST(ForcePanelTest, APushHasItsFeedRateBelowForceAndTorque) {
 
 TEST(ForcePanelTest, ALogOfZerosOrOfOneRowHasAxesToo) {
   ForceLog log = ramp(1);
-  EXPECT_EQ(ForcePanel(log, "", 300, 300, 0.4).at(log.rows[0]).width_px, 300);
+  EXPECT_EQ(ForcePanel(log, 300, 300, 0.4).at(log.rows[0]).width_px, 300);
   log = ramp(40);
   for (ForceRow& row : log.rows) row.layer_axial_force_n = row.layer_spin_torque_nmm = 0;
-  EXPECT_EQ(ForcePanel(log, "", 300, 300, 0.4).at(log.rows[20]).height_px, 300);
+  EXPECT_EQ(ForcePanel(log, 300, 300, 0.4).at(log.rows[20]).height_px, 300);
 }
 
 class Films : public ::testing::Test {
@@ -163,7 +162,7 @@ class Films : public ::testing::Test {
   void TearDown() override { setenv("PATH", old_path_.c_str(), 1); }
 
   void render(const PictureProgress& progress = nullptr) {
-    render_pictures(dir_.path(), {.settings = settings_, .mean_travel_mm = 0.25, .stills = false}, progress);
+    render_pictures(dir_.path(), {.settings = settings_, .stills = false}, progress);
   }
   [[nodiscard]] std::string file(const std::string& name) const { return dir_.path() + "/" + name; }
   /// codec, width, height, pixel format, rate and the number of frames that can be decoded
@@ -221,8 +220,7 @@ TEST_F(Films, FrameKIsSnapshotK) {
   render();
   const FilmLayout layout = film_layout(settings_.width_px, settings_.height_px);
   const ForceLog log = read_force_log(file("forces.csv"));
-  const ForcePanel panel(log, "", static_cast<int>(layout.panel.width), static_cast<int>(layout.panel.height),
-                         layout.unit);
+  const ForcePanel panel(log, static_cast<int>(layout.panel.width), static_cast<int>(layout.panel.height), layout.unit);
   const Box& box = panel.plot(1);
   for (int k = 1; k < 7; ++k) {
     const Picture seen = frame("reamed.mp4", k);

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/gl/pixel_image.h"
+#include "render/gl/camera.h"
 #include "render/pictures/overlay.h"
 #include "render/render.h"
 #include "tests/render/picture_file.h"

@@ -19,7 +19,6 @@
 #include "render/pictures/figures.h"
 #include "render/pictures/overlay.h"
 #include "render/surface/bone_surface.h"
-#include "render/surface/color_map.h"
 #include "sim/base/error.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/mesh/mesh_check.h"

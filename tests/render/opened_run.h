@@ -12,12 +12,12 @@ namespace reamsim::test {
 /// A run's folder, opened for rendering; single frames' forces.
 struct OpenedRun {
   OpenedRun(const std::string& dir, const RenderSettings& settings)
-      : run(dir), view(run, settings), renderer(view), captions(run.log(), 0, true) {}
+      : run(dir), view(run, settings), renderer(view), captions(run.log(), true) {}
 
   [[nodiscard]] Camera camera(const std::string& name) const {
     return view.camera(name, view.page().view_width_px, view.page().height_px);
   }
-  [[nodiscard]] const ForceRow& last_row() const { return captions.log().rows.back(); }
+  [[nodiscard]] const ForceRow& last_row() const { return run.log().rows.back(); }
 
   RunData run;
   RunView view;

@@ -11,8 +11,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/film/film.h"
-#include "render/pictures/composites.h"
+#include "render/pictures/figures.h"
+#include "render/render.h"
 #include "tests/render/opened_run.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"
@@ -189,7 +189,7 @@ TEST_F(Page, MarksOnTheViewAreLegibleOnAnySlide) {
   ASSERT_EQ(luminance(empty.pixels.front(), 0), 0);
   PixelImage with_force = empty;
   Labels force;
-  force.force = run.captions.arrow(run.captions.log().at(40, ""));
+  force.force = run.captions.arrow(run.run.log().at(40, ""));
   ASSERT_TRUE(force.force);
   draw_marks(with_force, camera, run.view.page().unit, force);
   const Box arrow = changed(with_force, empty);

@@ -12,7 +12,7 @@
 #include "render/pictures/overlay.h"
 #include "render/pictures/run_view.h"
 #include "render/render.h"
-#include "render/surface/color_map.h"
+#include "render/surface/bone_surface.h"
 #include "sim/base/error.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"

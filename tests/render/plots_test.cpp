@@ -185,8 +185,8 @@ TEST_F(Plots, ALongRunIsDecimatedWithItsPeaksAndSums) {
   const ForceLog log = read_force_log(dir_.path() + "/forces.csv", {.keep = {1234}, .most_rows = 1000});
   ASSERT_TRUE(log.is_decimated());
   EXPECT_NO_THROW((void)log.at(1234, ""));
-  EXPECT_EQ(key_results_of(log, false).peak_axial_force_n, key_results_of(whole, false).peak_axial_force_n);
-  EXPECT_EQ(key_results_of(log, false).peak_spin_torque_nmm, key_results_of(whole, false).peak_spin_torque_nmm);
+  EXPECT_EQ(key_results_of(log).peak_axial_force_n, key_results_of(whole).peak_axial_force_n);
+  EXPECT_EQ(key_results_of(log).peak_spin_torque_nmm, key_results_of(whole).peak_spin_torque_nmm);
   write_force_plots(dir_.path(), log);
   write_depth_and_energy_plots(dir_.path(), log);
   expect_plots();
@@ -200,7 +200,7 @@ TEST_F(Plots, ALongRunIsDecimatedWithItsPeaksAndSums) {
     removed_mm3 += row[1];
     energy_mj += row[2];
   }
-  EXPECT_EQ(peak_n, key_results_of(whole, false).peak_axial_force_n);
+  EXPECT_EQ(peak_n, key_results_of(whole).peak_axial_force_n);
   EXPECT_NEAR(removed_mm3, whole.rows.back().removed_mm3, 1e-9 * removed_mm3);
   EXPECT_NEAR(energy_mj, whole.rows.back().cumulative_energy_mj, 1e-9 * energy_mj);
 }

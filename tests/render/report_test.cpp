@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "render/gl/pixel_image.h"
+#include "render/gl/camera.h"
 #include "render/pictures/renderer.h"
 #include "sim/base/error.h"
 #include "tests/render/results_fixture.h"

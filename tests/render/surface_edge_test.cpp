@@ -10,7 +10,7 @@
 #include <numeric>
 #include <random>
 
-#include "render/surface/surface_smoothing.h"
+#include "render/surface/bone_surface.h"
 #include "tests/render/ball_surface.h"
 
 namespace reamsim::test {

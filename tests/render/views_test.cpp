@@ -7,7 +7,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "render/pictures/composites.h"
+#include "render/pictures/figures.h"
 #include "render/pictures/run_view.h"
 #include "render/render.h"
 #include "sim/base/error.h"
@@ -63,7 +63,6 @@ class Views : public ::testing::Test {
   }
   void render(PictureOptions options = {}) {
     options.settings = settings_;
-    options.mean_travel_mm = 0.25;
     render_pictures(dir_.path(), options);
   }
   [[nodiscard]] Picture picture(const std::string& name) const { return test::read_picture(dir_.path() + "/" + name); }

@@ -73,7 +73,7 @@ TEST(PredictedBoneTest, APlungeTakesTheCapOfItsDeepestPose) {
   EXPECT_DOUBLE_EQ(predicted.deepest.position_mm.z(), -2.1);
   EXPECT_NEAR(removed_mm3({bone, predicted.fill}) / cap_mm3(2.1), 1, 0.01);
   const UnreamedSurface unreamed(bone, bone.fill, predicted.fill);
-  EXPECT_NEAR(unreamed.deepest_mm(), 2.1, 0.05);
+  EXPECT_NEAR(unreamed.deepest_mm, 2.1, 0.05);
 }
 
 TEST(PredictedBoneTest, BetweenTwoPosesFarApartTheToolIsEverywhere) {
@@ -127,7 +127,7 @@ TEST(PredictedBoneTest, ARunIsPredictedAsItHappens) {
   const PredictedBone predicted =
       predict_swept_bone(bone, inputs.fill, tool, inputs.passes.front().poses, inputs.whole_voxels);
   EXPECT_NEAR(removed_mm3({bone, predicted.fill}) / removed_mm3({bone, run.last_fill()}), 1, 0.01);
-  EXPECT_NEAR(run.unreamed().deepest_mm(), truth.deepest_mm, 0.1);
+  EXPECT_NEAR(run.unreamed().deepest_mm, truth.deepest_mm, 0.1);
 }
 
 TEST(PredictedBoneTest, WhereVoxelsGoWholeEachOneThatIsTouchedGoes) {
@@ -155,7 +155,7 @@ double deepest_of_a_flat_cut(double depth_mm, bool whole_voxels) {
   const Profile tool{{{0, 0}, {20, 0}, {20, 5}, {0, 5}}};
   const auto poses = {pose_at({0, 0, 1}), pose_at({0, 0, -depth_mm})};
   const PredictedBone predicted = predict_swept_bone(bone, bone.fill, tool, poses, whole_voxels);
-  return UnreamedSurface(bone, bone.fill, predicted.fill).deepest_mm();
+  return UnreamedSurface(bone, bone.fill, predicted.fill).deepest_mm;
 }
 
 TEST(PredictedBoneTest, TheDepthOfAFlatFloorIsKnownWhereverItLiesInTheLattice) {
@@ -179,9 +179,9 @@ TEST(PredictedBoneTest, WhatAnEarlierRunTookIsReamedToo) {
   inputs.passes = {{revolve(ball_profile(), 48), {0, 1}, {pose_at({7, 7, 1}), pose_at({7, 7, -1})}}};
   inputs.frames = {0, 1};
   const RunData run(inputs);
-  EXPECT_NEAR(run.unreamed().deepest_mm(), 3, 0.3);
+  EXPECT_NEAR(run.unreamed().deepest_mm, 3, 0.3);
   const openvdb::Vec3d floor(kVoxel_mm * openvdb::Vec3d(9.5, 9.5, 13.5));
-  EXPECT_NEAR(ReamingSampler(run.unreamed(), run.unreamed().field()).depth_mm(floor), 3, 0.3);
+  EXPECT_NEAR(ReamingSampler(run.unreamed(), run.unreamed().field.grid()).depth_mm(floor), 3, 0.3);
 }
 
 TEST(PredictedBoneTest, LaterPassesFindTheBoneThatEarlierOnesLeave) {
@@ -199,7 +199,7 @@ TEST(PredictedBoneTest, LaterPassesFindTheBoneThatEarlierOnesLeave) {
   EXPECT_EQ(inputs.pass_at(9), 2u);
   EXPECT_EQ(inputs.pose_at(4).position_mm, Vec3(0, 0, 8));
   const RunData run(inputs);
-  EXPECT_NEAR(run.unreamed().deepest_mm(), 2, 0.1) << "of the first pass";
+  EXPECT_NEAR(run.unreamed().deepest_mm, 2, 0.1) << "of the first pass";
   EXPECT_EQ(run.target().bone_from_tool.translation(), Vec3(4, 0, -1)) << "of the last one that removes bone";
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/film/film.h"
+#include "render/render.h"
 
 #include <sys/socket.h>
 #include <unistd.h>
@@ -14,7 +14,6 @@
 #include <limits>
 
 #include "render/pictures/canvas.h"
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 
 namespace reamsim {
@@ -110,18 +109,16 @@ FilmEncoder::~FilmEncoder() {
 }
 
 void FilmEncoder::fail(const std::string& messages) const {
-  std::string line = messages.empty() ? "no message" : messages.substr(0, 300);
+  std::string line = messages.substr(0, 300);
   std::ranges::replace(line, '\n', ' ');
   throw RunError(path_ + ": ffmpeg failed: " + line);
 }
 
-std::string FilmEncoder::wait() {
+void FilmEncoder::wait() {
   close_fd(pictures_fd_);
-  const int status = wait_for(child_);
-  child_ = -1;
-  if (succeeded(status)) return "";
+  if (succeeded(wait_for(std::exchange(child_, -1)))) return;
   const std::string messages = messages_.contents();
-  return messages.empty() ? "exited without an error message" : messages;
+  fail(messages.empty() ? "exited without an error message" : messages);
 }
 
 void FilmEncoder::add(const PixelImage& image) {
@@ -135,15 +132,17 @@ void FilmEncoder::add(const PixelImage& image) {
   while (remaining > 0) {
     const ssize_t sent = send(pictures_fd_, bytes, remaining, MSG_NOSIGNAL);
     if (sent < 0 && errno == EINTR) continue;
-    if (sent <= 0) fail(wait());
+    if (sent <= 0) {
+      wait();
+      fail("no message");
+    }
     bytes += sent;
     remaining -= static_cast<std::size_t>(sent);
   }
 }
 
 void FilmEncoder::finish() {
-  const std::string messages = wait();
-  if (!messages.empty()) fail(messages);
+  wait();
   std::error_code error;
   if (std::filesystem::file_size(partial_path_, error) == 0 || error) fail("wrote no file");
   std::filesystem::rename(partial_path_, path_, error);
@@ -181,12 +180,13 @@ PageLayout page_of(const FilmLayout& film) {
 
 }  // namespace
 
-ForcePanel::ForcePanel(const ForceLog& log, const std::string& mean, int width_px, int height_px, double unit)
+ForcePanel::ForcePanel(const ForceLog& log, int width_px, int height_px, double unit)
     : log_(log),
       unit_(unit),
       first_s_(log.rows.front().time_s),
       last_s_(std::max(log.rows.back().time_s, log.rows.front().time_s + 1e-6)),
       background_(plain_image(width_px, height_px, kColumnRgb)) {
+  const std::string mean = log.mean_travel_mm > 0 ? "mean " : "";
   // Blue and vermilion of Okabe and Ito (2008), as in the plots: safe for colour-blind readers.
   curves_.push_back(
       {mean + "axial force", "N", [](const ForceRow& row) { return row.layer_axial_force_n; }, 1, 0x0072b2, {}});
@@ -246,11 +246,9 @@ void ForcePanel::draw_frame(const Canvas& canvas, const Curve& curve) const {
   const int lowest = static_cast<int>(std::lround(curve.min / curve.step));
   const int highest = static_cast<int>(std::lround(curve.max / curve.step));
   const Scale numbers{curve.max, curve.step};
-  cairo_set_line_width(canvas.get(), std::max(1.0, 1.2 * unit_));
   for (int tick = lowest; tick <= highest; ++tick) {
     const double y = y_of(curve, tick * curve.step);
-    canvas.set_color(tick == 0 ? kFaintTextColor : kGrid);
-    canvas.line({box.x, y}, {box.x + box.width, y});
+    canvas.line({box.x, y}, {box.x + box.width, y}, tick == 0 ? kFaintTextColor : kGrid, grid_px());
     const TextLine number(canvas, numbers.label(tick), kNumber * unit_);
     number.draw(box.x - 10 * unit_ - number.width, y - 0.5 * number.height, kFaintTextColor);
   }
@@ -262,13 +260,11 @@ void ForcePanel::draw_time_axis(const Canvas& canvas) const {
   const Scale scale = scale_up_to(last_s_ - first_s_);
   const Box& lower = curves_.back().box;
   const double bottom = lower.y + lower.height;
-  cairo_set_line_width(canvas.get(), std::max(1.0, 1.2 * unit_));
   const int first = static_cast<int>(std::ceil(first_s_ / scale.step - 1e-9));
   for (int tick = first; tick * scale.step <= last_s_ + 1e-9 * scale.step; ++tick) {
     const double x = x_of(tick * scale.step);
     for (const Curve& curve : curves_) {
-      canvas.set_color(kGrid);
-      canvas.line({x, curve.box.y}, {x, curve.box.y + curve.box.height});
+      canvas.line({x, curve.box.y}, {x, curve.box.y + curve.box.height}, kGrid, grid_px());
     }
     const TextLine number(canvas, scale.label(tick), kNumber * unit_);
     number.draw(x - 0.5 * number.width, bottom + 8 * unit_, kFaintTextColor);
@@ -289,9 +285,7 @@ void ForcePanel::draw_curve(const Canvas& canvas, const Curve& curve, std::size_
   }
   cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
   cairo_set_line_cap(c, CAIRO_LINE_CAP_ROUND);
-  cairo_set_line_width(c, std::max(1.2, 2.4 * unit_));
-  canvas.set_color(rgba_of(curve.rgb, opacity));
-  cairo_stroke(c);
+  canvas.stroke(rgba_of(curve.rgb, opacity), std::max(1.2, 2.4 * unit_));
 }
 
 PixelImage ForcePanel::at(const ForceRow& row) const {
@@ -303,14 +297,12 @@ PixelImage ForcePanel::at(const ForceRow& row) const {
     const Box& box = curve.box;
     const double columns = (x - box.x) / box.width * static_cast<double>(curve.low.size());
     draw_curve(canvas, curve, std::min(curve.low.size(), static_cast<std::size_t>(std::max(0.0, columns)) + 1), 1);
-    cairo_set_line_width(c, std::max(1.0, 1.6 * unit_));
-    canvas.set_color(kFaintTextColor);
-    canvas.line({x, box.y}, {x, box.y + box.height});
+    const double line_px = std::max(1.0, 1.6 * unit_);
+    canvas.line({x, box.y}, {x, box.y + box.height}, kFaintTextColor, line_px);
     cairo_arc(c, x, y_of(curve, curve.value(row)), 7 * unit_, 0, 6.2832);
     canvas.set_color(rgba_of(curve.rgb, 1));
     cairo_fill_preserve(c);
-    canvas.set_color({1, 1, 1, 1});
-    cairo_stroke(c);
+    canvas.stroke({1, 1, 1, 1}, line_px);
     const TextLine number(canvas, fixed_text(curve.value(row), curve.decimals), kTitle * unit_, true);
     number.draw(box.x + box.width - number.width, box.y - number.height - 16 * unit_, rgba_of(curve.rgb, 1));
   }
@@ -346,7 +338,7 @@ Film::Film(const std::string& path, const RunView& view, const Captions& caption
       camera_(camera),
       encoder_(path, view.settings()) {
   if (layout_.panel.width == 0) return;
-  panel_ = std::make_unique<ForcePanel>(captions.log(), captions.mean(), static_cast<int>(layout_.panel.width),
+  panel_ = std::make_unique<ForcePanel>(view.run().log(), static_cast<int>(layout_.panel.width),
                                         static_cast<int>(layout_.panel.height), layout_.unit);
 }
 
