@@ -3,6 +3,8 @@
 
 #include "sim/scenario/markups.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +12,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <ranges>
 
 #include "sim/base/file.h"
 #include "sim/base/text.h"
@@ -82,20 +85,12 @@ class FcsvParser {
   explicit FcsvParser(const std::string& path) : path_(path) {}
 
   Markups read(const std::string& text) {
-    for (const std::string& line : split(text, '\n')) take(line);
-    return finish();
-  }
-
- private:
-  void take(std::string_view line) {
-    ++line_;
-    line = trimmed_cell(line);
-    if (line.empty()) return;
-    if (line.starts_with('#')) return take_comment(trimmed_cell(line.substr(1)));
-    take_point(line);
-  }
-
-  Markups finish() {
+    for (const std::string& as_written : split(text, '\n')) {
+      ++line_;
+      const std::string_view line = trimmed_cell(as_written);
+      if (line.starts_with('#')) take_comment(trimmed_cell(line.substr(1)));
+      if (!line.empty() && !line.starts_with('#')) take_point(line);
+    }
     if (!known_ && points_.empty()) fail("is no markups file of 3D Slicer", kExpectedMarkups);
     const char* const unstated = "RAS, as 3D Slicer takes it where the header names no coordinate system";
     return {.path = path_,
@@ -103,6 +98,7 @@ class FcsvParser {
             .frame = stated_ ? std::string(lps_ ? "LPS" : "RAS") + ", as its header says" : unstated};
   }
 
+ private:
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
     throw InputError({shown_path(path_), line_, 0}, "", found, expected);
   }
@@ -188,11 +184,16 @@ constexpr int kMostMarkupsLevels = 32;
 constexpr std::array<std::pair<std::string_view, double>, 6> kMarkupsUnits{
     {{"mm", 1}, {"um", 1e-3}, {"µm", 1e-3}, {"cm", 10}, {"m", 1000}, {"[in_i]", 25.4}}};
 
+/// A value of an object, or null where there is none.
+MarkupsJson value_in(const MarkupsJson& json, const char* key) {
+  return json.value(key, MarkupsJson());
+}
+
 /// A text of an object, or "" where there is none.
 std::string text_in(const MarkupsJson& json, const char* key, const Markups& file) {
-  if (!json.contains(key) || json[key].is_null()) return "";
-  if (!json[key].is_string()) file.fail(std::string(key) + " is no text", kExpectedMarkups);
-  return json[key].get<std::string>();
+  const MarkupsJson text = value_in(json, key);
+  if (!text.is_null() && !text.is_string()) file.fail(std::string(key) + " is no text", kExpectedMarkups);
+  return text.is_null() ? "" : text.get<std::string>();
 }
 
 /// Notes the frame in `file`.
@@ -210,9 +211,9 @@ bool is_lps(const MarkupsJson& markup, Markups& file) {
 }
 
 double unit_mm_of(const MarkupsJson& markup, const Markups& file) {
-  if (!markup.contains("coordinateUnits") || markup["coordinateUnits"].is_null()) return 1;
+  const MarkupsJson units = value_in(markup, "coordinateUnits");
+  if (units.is_null()) return 1;
   // A code of UCUM, or the code with its scheme and its meaning.
-  const MarkupsJson& units = markup["coordinateUnits"];
   const MarkupsJson& code = units.is_array() && !units.empty() ? units[0] : units;
   for (const auto& [name, mm] : kMarkupsUnits) {
     if (code == MarkupsJson(name)) return mm;
@@ -226,10 +227,9 @@ MarkupsPoint point_of(const MarkupsJson& json, bool lps, double unit_mm, const M
   MarkupsPoint point;
   point.label = text_in(json, "label", file);
   const std::string status = text_in(json, "positionStatus", file);
-  const bool has_position = json.contains("position") && !json["position"].is_null();
-  point.placed = has_position && (status.empty() || status == "defined");
+  const MarkupsJson position = value_in(json, "position");
+  point.placed = !position.is_null() && (status.empty() || status == "defined");
   if (!point.placed) return point;
-  const MarkupsJson& position = json["position"];
   const std::string name = "the position of the point " + shown_text(point.label);
   const bool three = position.is_array() && position.size() == 3;
   if (!three) file.fail(name + " is " + shown_text(position.dump()), "expected 3 numbers");
@@ -247,9 +247,9 @@ Markup markup_of(const MarkupsJson& json, Markups& file) {
   Markup markup{.name = text_in(json, "name", file), .points = {}};
   const bool lps = is_lps(json, file);
   const double unit_mm = unit_mm_of(json, file);
-  if (!json.contains("controlPoints") || json["controlPoints"].is_null()) return markup;
-  if (!json["controlPoints"].is_array()) file.fail("controlPoints is no list", kExpectedMarkups);
-  for (const MarkupsJson& point : json["controlPoints"]) markup.points.push_back(point_of(point, lps, unit_mm, file));
+  const MarkupsJson points = value_in(json, "controlPoints");
+  if (!points.is_null() && !points.is_array()) file.fail("controlPoints is no list", kExpectedMarkups);
+  for (const MarkupsJson& point : points) markup.points.push_back(point_of(point, lps, unit_mm, file));
   return markup;
 }
 
@@ -271,12 +271,11 @@ Markups parse_markups_json(const std::string& text, Markups file) {
 }  // namespace
 
 std::string shown_labels(const std::vector<MarkupsPoint>& points) {
-  std::string out;
-  for (std::size_t i = 0; i < std::min(points.size(), kMostLabelsShown); ++i) {
-    out += (i == 0 ? "" : ", ") + shown_text(points[i].label);
-  }
-  if (points.size() > kMostLabelsShown) out += " and " + std::to_string(points.size() - kMostLabelsShown) + " more";
-  return out;
+  std::vector<std::string> labels;
+  for (const MarkupsPoint& point : points | std::views::take(kMostLabelsShown))
+    labels.push_back(shown_text(point.label));
+  const std::string out = fmt::format("{}", fmt::join(labels, ", "));
+  return points.size() > labels.size() ? fmt::format("{} and {} more", out, points.size() - labels.size()) : out;
 }
 
 void Markups::fail(const std::string& found, const std::string& expected) const {
@@ -329,7 +328,6 @@ Markups read_markups(const std::string& path) {
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
   if (!error && bytes > kMostMarkupsBytes) file.fail("is larger than 16 MB", kExpectedMarkups);
-  if (!error && bytes == 0) file.fail("is empty", kExpectedMarkups);
   std::string text = read_file(path, kExpectedMarkups);
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
