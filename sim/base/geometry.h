@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <limits>
+#include <vector>
 
 /// Decompositions of small symmetric matrices, for least-squares fits. Functions of their own because Eigen's templates
 /// take seconds to compile for each size and for each file that uses them.
@@ -96,5 +97,15 @@ struct SymmetricEigen3 {
 /// Closed form: half the angle whose tangent is 2b/(a − c) for ((a, b), (b, c)).
 SymmetricEigen2 symmetric_eigen(const Mat2& matrix);
 SymmetricEigen3 symmetric_eigen(const Mat3& matrix);
+
+/// The mean of points, and their variances along the main directions.
+struct PointSpread {
+  Vec3 mean = Vec3::Zero();
+  SymmetricEigen3 axes;
+};
+PointSpread spread_of_points(const std::vector<Vec3>& points);
+
+/// The angle of a point about the mean in the plane of the two greater variances, rad.
+double angle_in_plane(const Vec3& point, const PointSpread& spread);
 
 }  // namespace reamsim
