@@ -92,6 +92,10 @@ class KeyVisitor {
  public:
   virtual ~KeyVisitor() = default;
 
+  /// Calls the visitor for each key of a section or an item of a list.
+  template <class S>
+  using Describe = std::type_identity_t<void (*)(KeyVisitor&, S&)>;
+
   /// A key whose kind is that of its value.
   template <class T>
   void key(std::string_view name, T& value, std::string_view doc, const KeyRules& rules = {}) {
@@ -138,13 +142,13 @@ class KeyVisitor {
     rules.nonzero = true;
     key(name, value, doc, rules);
   }
-  virtual void group(const KeyGroup& group) = 0;
+  virtual void group(const KeyGroup& /*group*/) {}
   /// `change` sets those defaults of the keys below this call that depend on choices above it. Only readers call it.
   virtual void defaults(const std::function<void()>& /*change*/) {}
 
   /// A section that always has a value.
   template <class S>
-  void section(std::string_view name, S& value, void (*describe)(KeyVisitor&, S&), std::string_view doc = "",
+  void section(std::string_view name, S& value, Describe<S> describe, std::string_view doc = "",
                const KeyRules& rules = {}) {
     if (!begin_section({rules, name, doc})) return;
     describe(*this, value);
@@ -153,7 +157,7 @@ class KeyVisitor {
 
   /// A section that may be absent.
   template <class S>
-  void section(std::string_view name, std::optional<S>& value, void (*describe)(KeyVisitor&, S&), std::string_view doc,
+  void section(std::string_view name, std::optional<S>& value, Describe<S> describe, std::string_view doc = "",
                const KeyRules& rules = {}) {
     if (!begin_optional_section({rules, name, doc}, value.has_value())) return;
     S filled = value.value_or(S{});
@@ -163,7 +167,7 @@ class KeyVisitor {
   }
 
   template <class S>
-  void list(std::string_view name, std::vector<S>& values, void (*describe)(KeyVisitor&, S&), std::string_view doc,
+  void list(std::string_view name, std::vector<S>& values, Describe<S> describe, std::string_view doc = "",
             const KeyRules& rules = {}) {
     values.resize(begin_list({rules, name, doc, KeyKind::list}, values.size()));
     for (std::size_t i = 0; i < values.size(); ++i) {

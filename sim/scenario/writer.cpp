@@ -25,8 +25,6 @@ class YamlWriter : public KeyVisitor {
 
   [[nodiscard]] const std::string& yaml() const { return levels_.front().text; }
 
-  void group(const KeyGroup&) override {}
-
  protected:
   void visit(const KeyInfo& info, const ValuePointer& value) override {
     Level& level = levels_.back();
