@@ -230,9 +230,7 @@ std::string csv_text(std::string_view text) {
   const bool formula = !text.empty() && std::string_view("=+-@").find(text.front()) != std::string_view::npos;
   const std::string plain = (formula ? "'" : "") + printable(text);
   if (plain.find_first_of(",\"") == std::string::npos) return plain;
-  std::string out = "\"";
-  for (const char c : plain) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
+  return "\"" + replace_all(plain, {{"\"", "\"\""}}) + "\"";
 }
 
 CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::ios::openmode mode)

@@ -47,6 +47,19 @@ std::vector<std::string> split(std::string_view text, char separator) {
   }
 }
 
+std::string replace_all(std::string_view text, std::initializer_list<Replacement> replacements) {
+  std::string out;
+  out.reserve(text.size());
+  while (!text.empty()) {
+    const auto here = [&](const Replacement& one) { return text.starts_with(one.first); };
+    const auto found = std::ranges::find_if(replacements, here);
+    const Replacement step = found == replacements.end() ? Replacement(text.substr(0, 1), text.substr(0, 1)) : *found;
+    out += step.second;
+    text.remove_prefix(step.first.size());
+  }
+  return out;
+}
+
 std::string lower_case(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;

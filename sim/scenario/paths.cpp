@@ -108,12 +108,6 @@ void require_input(const std::string& path, TextKind kind, const SourceLocation&
   if (access(path.c_str(), folder ? R_OK | X_OK : R_OK) != 0) refuse(name + " cannot be read", " with read permission");
 }
 
-/// `path` with "${" as "$${".
-std::string escape_path(std::string path) {
-  for (std::size_t at = 0; (at = path.find("${", at)) != std::string::npos; at += 3) path.insert(at, "$");
-  return path;
-}
-
 }  // namespace
 
 void require_recordable(const std::string& path, const SourceLocation& where, const std::string& key) {
@@ -135,17 +129,13 @@ std::string resolve_path(const std::string& text, TextKind kind, const std::stri
 
 std::string recorded_path(const std::string& path) {
   for (const std::string& home : home_prefixes()) {
-    if (path.starts_with(home)) return kHomeVariable + escape_path(path.substr(home.size()));
+    if (path.starts_with(home)) return kHomeVariable + replace_all(path.substr(home.size()), {{"${", "$${"}});
   }
-  return escape_path(path);
+  return replace_all(path, {{"${", "$${"}});
 }
 
 std::string recorded_text(std::string text) {
-  for (const std::string& home : home_prefixes()) {
-    for (std::size_t at = 0; (at = text.find(home, at)) != std::string::npos; at += kHomeVariable.size()) {
-      text.replace(at, home.size(), kHomeVariable);
-    }
-  }
+  for (const std::string& home : home_prefixes()) text = replace_all(text, {{home, kHomeVariable}});
   return text;
 }
 

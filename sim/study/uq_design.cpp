@@ -42,9 +42,7 @@ bool is_constant(const SampledKey& sampled) {
 }
 
 std::string quoted_cell(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  return out + "\"";
+  return "\"" + replace_all(text, {{"\"", "\"\""}}) + "\"";
 }
 
 void require_samples_alone(const Study& study) {
