@@ -47,6 +47,11 @@ std::vector<std::string> split(std::string_view text, char separator) {
   }
 }
 
+std::string_view without_blanks(std::string_view text, std::string_view blanks) {
+  const std::size_t first = text.find_first_not_of(blanks);
+  return first == text.npos ? "" : text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
 std::string replace_all(std::string_view text, std::initializer_list<Replacement> replacements) {
   std::string out;
   out.reserve(text.size());

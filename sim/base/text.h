@@ -35,6 +35,9 @@ std::vector<std::string> align_columns(const std::vector<std::vector<std::string
 /// The parts of a text between separators, empty ones too: at least one.
 std::vector<std::string> split(std::string_view text, char separator);
 
+/// A text without these characters around it.
+std::string_view without_blanks(std::string_view text, std::string_view blanks = " \t");
+
 /// A text, and what replaces it.
 using Replacement = std::pair<std::string_view, std::string_view>;
 
