@@ -62,18 +62,15 @@ std::string value_of(const std::string& variable) {
 std::string expand_variables(const std::string& text, const SourceLocation& where, const std::string& key) {
   std::string out;
   std::size_t at = 0;
-  while (at < text.size()) {
-    if (text.compare(at, 3, "$${") == 0) {
-      out += "${";
-      at += 3;
+  for (std::size_t begin = 0; (begin = text.find("${", at)) != std::string::npos;) {
+    out += text.substr(at, begin - at);
+    if (begin > at && text[begin - 1] == '$') {
+      out += "{";
+      at = begin + 2;
       continue;
     }
-    if (text.compare(at, 2, "${") != 0) {
-      out += text[at++];
-      continue;
-    }
-    const std::size_t end = text.find('}', at);
-    const std::string name = end == std::string::npos ? "" : text.substr(at + 2, end - at - 2);
+    const std::size_t end = text.find('}', begin);
+    const std::string name = end == std::string::npos ? "" : text.substr(begin + 2, end - begin - 2);
     if (!is_variable_name(name)) {
       throw InputError(where, key, "found " + shown_text(text),
                        "expected ${NAME} with the name of a variable, or $${ "
@@ -87,7 +84,7 @@ std::string expand_variables(const std::string& text, const SourceLocation& wher
     out += value;
     at = end + 1;
   }
-  return out;
+  return out + text.substr(at);
 }
 
 void require_input(const std::string& path, TextKind kind, const SourceLocation& where, const std::string& key) {
