@@ -133,12 +133,10 @@ std::string json_string(std::string_view text) {
 }
 
 std::string yaml_scalar(std::string_view text) {
-  const bool plain = !text.empty() &&
-                     (std::isalpha(static_cast<unsigned char>(text[0])) != 0 || text[0] == '/' || text[0] == '_') &&
-                     text.back() != ' ' && !is_reserved_word(text) && std::ranges::all_of(text, [](unsigned char c) {
-                       return std::isalnum(c) != 0 ||
-                              std::string_view("/_.-+ ()").find(static_cast<char>(c)) != std::string_view::npos;
-                     });
+  static const std::string kFirst = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ/_";
+  static const std::string kAny = kFirst + "0123456789.-+ ()";
+  const bool plain = !text.empty() && kFirst.find(text[0]) != kFirst.npos && text.back() != ' ' &&
+                     text.find_first_not_of(kAny) == text.npos && !is_reserved_word(text);
   return plain ? std::string(text) : json_string(text);
 }
 
