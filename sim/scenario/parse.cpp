@@ -133,10 +133,6 @@ namespace {
 
 constexpr std::array kPowerLawKeys{"specific_energy_j_mm3", "reference_density_g_cm3", "density_exponent"};
 
-bool sets(const std::string& override, const std::string& key) {
-  return override.starts_with(key + "=") || override.starts_with(key + ".");
-}
-
 /// Throws InputError for a key that the law does not have.
 void require_law_keys(const std::vector<std::string>& overrides) {
   for (const std::string& override : overrides) {
@@ -152,7 +148,8 @@ void require_law_keys(const std::vector<std::string>& overrides) {
 std::vector<std::string> replacing_law(const std::vector<std::string>& overrides) {
   std::vector<std::string> out;
   const auto any_sets = [&](const std::string& key) {
-    return std::ranges::any_of(overrides, [&](const std::string& text) { return sets(text, key); });
+    return std::ranges::any_of(
+        overrides, [&](const std::string& text) { return text.starts_with(key + "=") || text.starts_with(key + "."); });
   };
   const bool preset = any_sets("cutting.preset"), table = any_sets("cutting.specific_energy_table");
   if (preset || table) {
