@@ -22,9 +22,7 @@ namespace fs = std::filesystem;
 
 /// A text in single quotes for YAML.
 std::string yaml_quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? "''" : std::string(1, c);
-  return out + "'";
+  return "'" + replace_all(text, {{"'", "''"}}) + "'";
 }
 
 std::string yaml_vector(const Vec3& v, int digits) {

@@ -13,6 +13,7 @@
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/scenario/paths.h"
 
 namespace reamsim {
@@ -162,15 +163,8 @@ std::string completions(const CLI::App& root, std::vector<std::string> words) {
 
 /// Text that roff prints as it is.
 std::string escaped(std::string_view text) {
-  using Escape = std::pair<char, const char*>;
-  static constexpr std::array kEscapes{Escape{'\\', "\\e"},  Escape{'-', "\\-"},   Escape{'\'', "\\(aq"},
-                                       Escape{'`', "\\(ga"}, Escape{'^', "\\(ha"}, Escape{'~', "\\(ti"}};
-  std::string out;
-  for (const char c : text) {
-    const auto found = std::ranges::find(kEscapes, c, &Escape::first);
-    found == kEscapes.end() ? out.append(1, c) : out.append(found->second);
-  }
-  return out;
+  return replace_all(text,
+                     {{"\\", "\\e"}, {"-", "\\-"}, {"'", "\\(aq"}, {"`", "\\(ga"}, {"^", "\\(ha"}, {"~", "\\(ti"}});
 }
 
 /// A line of text. A period at its start would be a request.

@@ -138,7 +138,6 @@ void import_command(const ImportOptions& options, const Console& console) {
   bar.update_part(1, "", true);
   bar.finish();
   for (const auto& note : report.notes) console.say(note);
-  report.notes.clear();
   console.print(report);
   console.say("wrote " + options.output);
 }

@@ -284,7 +284,6 @@ void init_command(InitOptions options, const Console& console) {
   first.bone.side = side_of(options, loaded);
   replace_file(options.output, with_keys(text_of(first), options.overrides));
   for (const std::string& note : report.notes) console.say(note);
-  report.notes.clear();
   console.print(report);
   parse_scenario(options.output, {});
   console.say("wrote " + options.output + "; next: reamsim check " + options.output + ", then reamsim run " +

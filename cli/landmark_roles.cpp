@@ -188,15 +188,8 @@ class Assignment {
 /// Points of a rim in order round their middle, as seen along the normal of their plane.
 std::vector<Vec3> ordered_round(std::vector<Vec3> rim) {
   if (rim.size() < kLeastRimPoints) return rim;
-  Vec3 middle = Vec3::Zero();
-  for (const Vec3& p : rim) middle += p / static_cast<double>(rim.size());
-  Mat3 spread = Mat3::Zero();
-  for (const Vec3& p : rim) spread += (p - middle) * (p - middle).transpose();
-  const Mat3 axes = symmetric_eigen(spread).vectors;  // that of the least spread, the normal, first
-  const auto angle = [&](const Vec3& p) {
-    return std::atan2((p - middle).dot(axes.col(1)), (p - middle).dot(axes.col(2)));
-  };
-  std::ranges::stable_sort(rim, {}, angle);
+  const PointSpread spread = spread_of_points(rim);
+  std::ranges::stable_sort(rim, {}, [&](const Vec3& p) { return angle_in_plane(p, spread); });
   return rim;
 }
 

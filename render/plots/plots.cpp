@@ -243,12 +243,7 @@ void write_bench_plot(const std::string& dir, const BenchPlot& plot) {
 }
 
 std::string gnuplot_string(const std::string& text) {
-  std::string out = "'";
-  for (const char c : printable(text)) {
-    if (c == '\'') out += '\'';
-    out += c;
-  }
-  return out + "'";
+  return "'" + replace_all(printable(text), {{"'", "''"}}) + "'";
 }
 
 void run_gnuplot(const std::string& dir, const std::string& script, const std::string& text,

@@ -9,41 +9,23 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <new>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "render/viewer/report_data.h"
+#include "sim/base/text.h"
 #include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 namespace embedded {
 extern const char* const scene_script;
 }
-namespace {
-
-using Escape = std::pair<char, const char*>;
-
-std::string escaped(std::string_view text, std::span<const Escape> escapes) {
-  std::string out;
-  out.reserve(text.size());
-  for (const char c : text) {
-    const auto found = std::ranges::find(escapes, c, &Escape::first);
-    found == escapes.end() ? out.append(1, c) : out.append(found->second);
-  }
-  return out;
-}
-
-}  // namespace
 
 std::string escape_html(std::string_view text) {
-  static constexpr std::array kEscapes{Escape{'&', "&amp;"}, Escape{'<', "&lt;"}, Escape{'>', "&gt;"},
-                                       Escape{'"', "&quot;"}, Escape{'\'', "&#39;"}};
-  return escaped(text, kEscapes);
+  return replace_all(text, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}, {"'", "&#39;"}});
 }
 
 std::string base64(std::span<const std::uint8_t> bytes) {
@@ -69,8 +51,8 @@ std::string compressed_base64(std::span<const std::uint8_t> bytes) {
 
 std::string json_for_script(const nlohmann::ordered_json& json) {
   // In JSON "<" occurs only in strings, where an escape may replace it.
-  static constexpr std::array kEscapes{Escape{'<', "\\u003c"}};
-  return escaped(json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace), kEscapes);
+  const std::string text = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return replace_all(text, {{"<", "\\u003c"}});
 }
 
 double short_number(double value) {

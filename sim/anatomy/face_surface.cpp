@@ -208,10 +208,8 @@ Rigid frame_at(const Vec3& origin_mm, const Vec3& outward) {
 std::optional<PlaneFit> fit_plane(const std::vector<Vec3>& points, const Vec3& outward) {
   if (points.size() < 3) return std::nullopt;
   PlaneFit out;
-  out.point_mm = mean_of(points);
-  Mat3 spread = Mat3::Zero();
-  for (const Vec3& p : points) spread += (p - out.point_mm) * (p - out.point_mm).transpose();
-  const SymmetricEigen3 axes = symmetric_eigen(Mat3(spread / static_cast<double>(points.size())));
+  const auto [mean, axes] = spread_of_points(points);
+  out.point_mm = mean;
   constexpr double kOnALine = 1e-9;
   if (axes.values(1) <= kOnALine * axes.values(2)) return std::nullopt;
   out.normal = axes.vectors.col(0).normalized();

@@ -28,12 +28,6 @@ constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 30;
 constexpr std::size_t kMostLine = 1 << 16;  // so that a binary file is not read into memory
 constexpr std::string_view kBlank = " \t\r";
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
 /// The number that a cell is, infinite or NaN where written so.
 std::optional<double> number_of(std::string_view cell, bool decimal_comma) {
   std::string with_point;
@@ -85,10 +79,10 @@ std::vector<std::string_view> csv_cells(std::string_view line, char separator) {
   const bool blanks = separator == ' ';
   std::vector<std::string_view> cells;
   for (;;) {
-    if (blanks) line = trimmed(line);
+    if (blanks) line = without_blanks(line, kBlank);
     if (blanks && line.empty()) return cells;
     const std::size_t comma = blanks ? line.find_first_of(kBlank) : line.find(separator);
-    std::string_view cell = trimmed(line.substr(0, comma));
+    std::string_view cell = without_blanks(line.substr(0, comma), kBlank);
     if (!blanks && cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
       cell = cell.substr(1, cell.size() - 2);
     cells.push_back(cell);
@@ -116,13 +110,13 @@ void CsvReader::read_header(const std::string& expected) {
   has_header_ = std::ranges::any_of(layout_.columns, by_name);
   do {
     if (!next_line()) throw InputError({path_, 0, 0}, "", "is empty", expected);
-    if (has_header_ && is_header(text_)) return find_columns(trimmed(text_).substr(1), expected);
-  } while (layout_.comments && trimmed(text_).starts_with('#'));
+    if (has_header_ && is_header(text_)) return find_columns(without_blanks(text_, kBlank).substr(1), expected);
+  } while (layout_.comments && without_blanks(text_, kBlank).starts_with('#'));
   find_columns(text_, expected);
 }
 
 bool CsvReader::is_header(std::string_view comment) const {
-  comment = trimmed(comment);
+  comment = without_blanks(comment, kBlank);
   if (!layout_.comments || !comment.starts_with('#')) return false;
   const auto cells = csv_cells(comment.substr(1), layout_.separator);
   return std::ranges::all_of(layout_.columns, [&](const CsvColumn& column) {
@@ -190,7 +184,7 @@ bool CsvReader::next_line() {
     const auto got = static_cast<std::size_t>(in_.gcount());
     text_.assign(buffer.data(), in_.eof() ? got : got - 1);
     if (line_ == 1 && text_.starts_with("\xEF\xBB\xBF")) text_.erase(0, 3);
-  } while (trimmed(text_).empty());
+  } while (without_blanks(text_, kBlank).empty());
   return true;
 }
 
@@ -209,7 +203,7 @@ bool CsvReader::next(std::vector<double>& values, std::string_view may_be_empty)
   if (!std::exchange(pending_, false)) {
     do {
       if (!next_line()) return false;
-    } while (layout_.comments && trimmed(text_).starts_with('#'));
+    } while (layout_.comments && without_blanks(text_, kBlank).starts_with('#'));
   }
   const auto cells = csv_cells(text_, layout_.separator);
   if (cells.size() == 1 && layout_.separator == ',') refuse_other_separator(text_, where());
@@ -233,9 +227,7 @@ std::string csv_text(std::string_view text) {
 }
 
 std::string quoted_cell(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
+  return "\"" + replace_all(text, {{"\"", "\"\""}}) + "\"";
 }
 
 CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::ios::openmode mode)

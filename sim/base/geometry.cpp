@@ -56,4 +56,20 @@ SymmetricEigen3 symmetric_eigen(const Mat3& matrix) {
   return {found.eigenvalues(), found.eigenvectors()};
 }
 
+PointSpread spread_of_points(const std::vector<Vec3>& points) {
+  const auto count = static_cast<double>(points.size());
+  PointSpread out;
+  for (const Vec3& p : points) out.mean += p;
+  out.mean /= count;
+  Mat3 products = Mat3::Zero();
+  for (const Vec3& p : points) products += (p - out.mean) * (p - out.mean).transpose();
+  out.axes = symmetric_eigen(Mat3(products / count));
+  return out;
+}
+
+double angle_in_plane(const Vec3& point, const PointSpread& spread) {
+  const Vec3 along = spread.axes.vectors.transpose() * (point - spread.mean);
+  return std::atan2(along.y(), along.z());
+}
+
 }  // namespace reamsim

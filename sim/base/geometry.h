@@ -104,4 +104,14 @@ struct SymmetricEigen3 {
 SymmetricEigen2 symmetric_eigen(const Mat2& matrix);
 SymmetricEigen3 symmetric_eigen(const Mat3& matrix);
 
+/// The mean of points, and their variances along the main directions.
+struct PointSpread {
+  Vec3 mean = Vec3::Zero();
+  SymmetricEigen3 axes;
+};
+PointSpread spread_of_points(const std::vector<Vec3>& points);
+
+/// The angle of a point about the mean in the plane of the two greater variances, rad.
+double angle_in_plane(const Vec3& point, const PointSpread& spread);
+
 }  // namespace reamsim

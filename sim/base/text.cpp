@@ -47,6 +47,24 @@ std::vector<std::string> split(std::string_view text, char separator) {
   }
 }
 
+std::string_view without_blanks(std::string_view text, std::string_view blanks) {
+  const std::size_t first = text.find_first_not_of(blanks);
+  return first == text.npos ? "" : text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+std::string replace_all(std::string_view text, std::initializer_list<Replacement> replacements) {
+  std::string out;
+  out.reserve(text.size());
+  while (!text.empty()) {
+    const auto here = [&](const Replacement& one) { return text.starts_with(one.first); };
+    const auto found = std::ranges::find_if(replacements, here);
+    const Replacement step = found == replacements.end() ? Replacement(text.substr(0, 1), text.substr(0, 1)) : *found;
+    out += step.second;
+    text.remove_prefix(step.first.size());
+  }
+  return out;
+}
+
 std::string lower_case(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;

@@ -5,10 +5,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace reamsim {
@@ -32,6 +34,15 @@ std::vector<std::string> align_columns(const std::vector<std::vector<std::string
 
 /// The parts of a text between separators, empty ones too: at least one.
 std::vector<std::string> split(std::string_view text, char separator);
+
+/// A text without these characters around it.
+std::string_view without_blanks(std::string_view text, std::string_view blanks = " \t");
+
+/// A text, and what replaces it.
+using Replacement = std::pair<std::string_view, std::string_view>;
+
+/// `text` with every replacement, from left to right, without those in what has been put in.
+std::string replace_all(std::string_view text, std::initializer_list<Replacement> replacements);
 
 /// A to Z as a to z.
 std::string lower_case(std::string text);

@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "sim/base/file.h"
+#include "sim/base/text.h"
 
 namespace reamsim::ct {
 
@@ -28,9 +29,7 @@ std::string binary_text(const std::string& bytes) {
 
 std::string plain_text(std::string bytes) {
   for (char& c : bytes) c = c == '\0' ? ' ' : (c < 0x20 || c > 0x7e) ? '?' : c;
-  const std::size_t first = bytes.find_first_not_of(' ');
-  if (first == std::string::npos) return "";
-  return bytes.substr(first, bytes.find_last_not_of(' ') - first + 1);
+  return std::string(without_blanks(bytes, " "));
 }
 
 const SeparatingTag kTags[] = {{"AcquisitionNumber", {0x0020, 0x0012}},

@@ -56,9 +56,7 @@ std::vector<std::string> quoted_in(const std::string& text) {
     const std::size_t open = text.find('"', at);
     const std::size_t close = open == std::string::npos ? open : text.find('"', open + 1);
     if (close == std::string::npos) return out;
-    const std::string inside = text.substr(open + 1, close - open - 1);
-    const std::size_t first = inside.find_first_not_of(' ');
-    out.push_back(first == std::string::npos ? "" : inside.substr(first, inside.find_last_not_of(' ') + 1 - first));
+    out.emplace_back(without_blanks(std::string_view(text).substr(open + 1, close - open - 1), " "));
     at = close + 1;
   }
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <memory>
 
 #include "sim/base/text.h"
@@ -70,9 +69,8 @@ YamlNodePtr assign(const YamlNodePtr& node, const Override& change, std::size_t 
 
 YamlNodePtr assign_item(const YamlNode& list, const Override& change, std::size_t level) {
   const std::string& step = change.path[level];
-  std::size_t index = 0;
-  const auto [end, error] = std::from_chars(step.data(), step.data() + step.size(), index);
-  if (error != std::errc{} || end != step.data() + step.size() || index >= list.items.size()) {
+  const std::size_t index = whole_number(step).value_or(list.items.size());
+  if (index >= list.items.size()) {
     const std::size_t size = list.items.size();
     change.fail("found " + shown_key(step) + " where an index into a list of " + std::to_string(size) + " should be",
                 size == 0 ? "expected a list with entries" : "expected 0 to " + std::to_string(size - 1));

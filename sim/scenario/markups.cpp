@@ -3,6 +3,8 @@
 
 #include "sim/scenario/markups.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,16 +12,17 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <ranges>
 
 #include "sim/base/file.h"
 #include "sim/base/text.h"
+#include "sim/scenario/key_tree.h"
+#include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {
 
 namespace {
-
-constexpr std::size_t kMostLabelsShown = 20;
 
 /// In small letters, with one space between words.
 std::string folded_label(std::string_view text) {
@@ -28,10 +31,6 @@ std::string folded_label(std::string_view text) {
   const auto rest = std::ranges::unique(out, [](char a, char b) { return a == ' ' && b == ' '; });
   out.erase(rest.begin(), rest.end());
   return out;
-}
-
-std::string has_labels(const std::vector<MarkupsPoint>& points) {
-  return points.empty() ? "the file has no points" : "expected one of the labels " + shown_labels(points);
 }
 
 Vec3 placed_position(const Markups& markups, const MarkupsPoint& point) {
@@ -47,9 +46,7 @@ constexpr std::size_t kMostMarkupsPoints = 100'000;
 constexpr const char* kExpectedMarkups =
     "expected a markups file of 3D Slicer: .mrk.json or .fcsv, as its module Markups saves it";
 
-std::string_view trimmed_cell(std::string_view text) {
-  return without_blanks(text, " \t\r");
-}
+constexpr std::string_view kAroundCells = " \t\r";
 
 /// The cells of a line. A cell that begins with a quotation mark may hold commas, and two marks for one (RFC 4180).
 std::vector<std::string> cells_of(std::string_view line) {
@@ -60,7 +57,7 @@ std::vector<std::string> cells_of(std::string_view line) {
     const bool next_is_quote = i + 1 < line.size() && line[i + 1] == '"';
     if (quoted && c == '"' && next_is_quote) {
       cells.back() += line[++i];
-    } else if (quoted ? c == '"' : c == '"' && trimmed_cell(cells.back()).empty()) {
+    } else if (quoted ? c == '"' : c == '"' && without_blanks(cells.back(), kAroundCells).empty()) {
       quoted = !quoted;
     } else if (c == ',' && !quoted) {
       cells.emplace_back();
@@ -68,7 +65,7 @@ std::vector<std::string> cells_of(std::string_view line) {
       cells.back() += c;
     }
   }
-  for (std::string& cell : cells) cell = std::string(trimmed_cell(cell));
+  for (std::string& cell : cells) cell = std::string(without_blanks(cell, kAroundCells));
   return cells;
 }
 
@@ -82,20 +79,12 @@ class FcsvParser {
   explicit FcsvParser(const std::string& path) : path_(path) {}
 
   Markups read(const std::string& text) {
-    for (const std::string& line : split(text, '\n')) take(line);
-    return finish();
-  }
-
- private:
-  void take(std::string_view line) {
-    ++line_;
-    line = trimmed_cell(line);
-    if (line.empty()) return;
-    if (line.starts_with('#')) return take_comment(trimmed_cell(line.substr(1)));
-    take_point(line);
-  }
-
-  Markups finish() {
+    for (const std::string& as_written : split(text, '\n')) {
+      ++line_;
+      const std::string_view line = without_blanks(as_written, kAroundCells);
+      if (line.starts_with('#')) take_comment(without_blanks(line.substr(1), kAroundCells));
+      if (!line.empty() && !line.starts_with('#')) take_point(line);
+    }
     if (!known_ && points_.empty()) fail("is no markups file of 3D Slicer", kExpectedMarkups);
     const char* const unstated = "RAS, as 3D Slicer takes it where the header names no coordinate system";
     return {.path = path_,
@@ -103,6 +92,7 @@ class FcsvParser {
             .frame = stated_ ? std::string(lps_ ? "LPS" : "RAS") + ", as its header says" : unstated};
   }
 
+ private:
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
     throw InputError({shown_path(path_), line_, 0}, "", found, expected);
   }
@@ -111,19 +101,14 @@ class FcsvParser {
     if (comment.starts_with("Fiducial List file")) known_ = true;
     const std::size_t equals = comment.find('=');
     if (equals == std::string_view::npos) return;
-    const std::string_view key = trimmed_cell(comment.substr(0, equals)),
-                           value = trimmed_cell(comment.substr(equals + 1));
-    if (key == "Markups fiducial file version") {
+    const std::string_view key = without_blanks(comment.substr(0, equals), kAroundCells),
+                           value = without_blanks(comment.substr(equals + 1), kAroundCells);
+    if (key == "Markups fiducial file version" || key == "columns") {
       known_ = true;
-      columns_ = {"id",   "x",     "y",    "z",    "ow",
-                  "ox",   "oy",    "oz",   "vis",  "sel",
-                  "lock", "label", "desc", "node", std::string(kState)};
+      columns_ = cells_of(key == "columns" ? value : "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,node");
+      if (columns_.size() == 14) columns_.emplace_back(kState);
     } else if (key == "CoordinateSystem") {
       take_frame(value);
-    } else if (key == "columns") {
-      known_ = true;
-      columns_ = cells_of(value);
-      if (columns_.size() == 14) columns_.emplace_back(kState);
     } else if (key == "name") {
       name_ = value;
     }
@@ -182,17 +167,16 @@ class FcsvParser {
 
 using MarkupsJson = nlohmann::json;
 
-/// A deeper document is no markups file, and those who read it recurse.
-constexpr int kMostMarkupsLevels = 32;
-
-constexpr std::array<std::pair<std::string_view, double>, 6> kMarkupsUnits{
-    {{"mm", 1}, {"um", 1e-3}, {"µm", 1e-3}, {"cm", 10}, {"m", 1000}, {"[in_i]", 25.4}}};
+/// A value of an object, or null where there is none.
+MarkupsJson value_in(const MarkupsJson& json, const char* key) {
+  return json.value(key, MarkupsJson());
+}
 
 /// A text of an object, or "" where there is none.
 std::string text_in(const MarkupsJson& json, const char* key, const Markups& file) {
-  if (!json.contains(key) || json[key].is_null()) return "";
-  if (!json[key].is_string()) file.fail(std::string(key) + " is no text", kExpectedMarkups);
-  return json[key].get<std::string>();
+  const MarkupsJson text = value_in(json, key);
+  if (!text.is_null() && !text.is_string()) file.fail(std::string(key) + " is no text", kExpectedMarkups);
+  return text.is_null() ? "" : text.get<std::string>();
 }
 
 /// Notes the frame in `file`.
@@ -204,17 +188,18 @@ bool is_lps(const MarkupsJson& markup, Markups& file) {
               "expected LPS or RAS; save the points again in 3D Slicer, in the frame of the patient");
   }
   const std::string said = frame.empty() ? "LPS, the default of its schema" : frame + ", as its header says";
-  if (file.frame.empty()) file.frame = said;
-  if (file.frame != said) file.frame = "LPS and RAS, as its markups say";
+  file.frame = file.frame.empty() || file.frame == said ? said : "LPS and RAS, as its markups say";
   return lps;
 }
 
 double unit_mm_of(const MarkupsJson& markup, const Markups& file) {
-  if (!markup.contains("coordinateUnits") || markup["coordinateUnits"].is_null()) return 1;
+  constexpr std::array<std::pair<std::string_view, double>, 6> kUnitsInMm{
+      {{"mm", 1}, {"um", 1e-3}, {"µm", 1e-3}, {"cm", 10}, {"m", 1000}, {"[in_i]", 25.4}}};
+  const MarkupsJson units = value_in(markup, "coordinateUnits");
+  if (units.is_null()) return 1;
   // A code of UCUM, or the code with its scheme and its meaning.
-  const MarkupsJson& units = markup["coordinateUnits"];
   const MarkupsJson& code = units.is_array() && !units.empty() ? units[0] : units;
-  for (const auto& [name, mm] : kMarkupsUnits) {
+  for (const auto& [name, mm] : kUnitsInMm) {
     if (code == MarkupsJson(name)) return mm;
   }
   file.fail("coordinateUnits is " + shown_text(code.is_string() ? code.get<std::string>() : code.dump()),
@@ -226,13 +211,12 @@ MarkupsPoint point_of(const MarkupsJson& json, bool lps, double unit_mm, const M
   MarkupsPoint point;
   point.label = text_in(json, "label", file);
   const std::string status = text_in(json, "positionStatus", file);
-  const bool has_position = json.contains("position") && !json["position"].is_null();
-  point.placed = has_position && (status.empty() || status == "defined");
+  const MarkupsJson position = value_in(json, "position");
+  point.placed = !position.is_null() && (status.empty() || status == "defined");
   if (!point.placed) return point;
-  const MarkupsJson& position = json["position"];
   const std::string name = "the position of the point " + shown_text(point.label);
-  const bool three = position.is_array() && position.size() == 3;
-  if (!three) file.fail(name + " is " + shown_text(position.dump()), "expected 3 numbers");
+  if (!position.is_array() || position.size() != 3)
+    file.fail(name + " is " + shown_text(position.dump()), "expected 3 numbers");
   for (std::size_t i = 0; i < 3; ++i) {
     if (!position[i].is_number()) file.fail(name + " has " + shown_text(position[i].dump()), "expected 3 numbers");
     const double value = position[i].get<double>() * unit_mm;
@@ -247,17 +231,18 @@ Markup markup_of(const MarkupsJson& json, Markups& file) {
   Markup markup{.name = text_in(json, "name", file), .points = {}};
   const bool lps = is_lps(json, file);
   const double unit_mm = unit_mm_of(json, file);
-  if (!json.contains("controlPoints") || json["controlPoints"].is_null()) return markup;
-  if (!json["controlPoints"].is_array()) file.fail("controlPoints is no list", kExpectedMarkups);
-  for (const MarkupsJson& point : json["controlPoints"]) markup.points.push_back(point_of(point, lps, unit_mm, file));
+  const MarkupsJson points = value_in(json, "controlPoints");
+  if (!points.is_null() && !points.is_array()) file.fail("controlPoints is no list", kExpectedMarkups);
+  for (const MarkupsJson& point : points) markup.points.push_back(point_of(point, lps, unit_mm, file));
   return markup;
 }
 
 /// The text of an .mrk.json (schema 1.0.0 to 1.0.4), LPS and mm where it does not say. Throws InputError.
 Markups parse_markups_json(const std::string& text, Markups file) {
+  constexpr int kMostLevels = 32;  // a deeper document is no markups file, and those who read it recurse
   bool too_deep = false;
   const auto visit = [&](int depth, MarkupsJson::parse_event_t, MarkupsJson&) {
-    too_deep = too_deep || depth > kMostMarkupsLevels;
+    too_deep = too_deep || depth > kMostLevels;
     return !too_deep;
   };
   const MarkupsJson json = MarkupsJson::parse(text, visit, /*allow_exceptions=*/false);
@@ -268,15 +253,37 @@ Markups parse_markups_json(const std::string& text, Markups file) {
   return file;
 }
 
+constexpr const char* kExpectedValue = "expected {markups: FILE, point: LABEL}";
+
+/// The labels that a value lists; none: those of the file.
+std::vector<std::string> labels_of(const YamlNode& node, const std::string& file, const std::string& key) {
+  const auto reject = [&](const YamlMark& mark, const std::string& found) {
+    throw InputError(mark.in(file), key, found, kExpectedValue);
+  };
+  std::vector<std::string> out;
+  for (const YamlEntry& entry : node.entries) {
+    const YamlNode& value = *entry.value;
+    if (entry.key != "markups" && entry.key != "point") reject(entry.mark, "found " + shown_key(entry.key));
+    const bool list = entry.key == "point" && value.kind == YamlNode::Kind::sequence && !value.items.empty();
+    if (!list && value.kind != YamlNode::Kind::scalar) reject(value.mark, shown_key(entry.key) + " is " + shown(value));
+    if (entry.key == "markups") continue;
+    if (!list) out.push_back(value.text);
+    for (const YamlNodePtr& item : value.items) {
+      if (item->kind != YamlNode::Kind::scalar) reject(item->mark, "point has " + shown(*item));
+      out.push_back(item->text);
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string shown_labels(const std::vector<MarkupsPoint>& points) {
-  std::string out;
-  for (std::size_t i = 0; i < std::min(points.size(), kMostLabelsShown); ++i) {
-    out += (i == 0 ? "" : ", ") + shown_text(points[i].label);
-  }
-  if (points.size() > kMostLabelsShown) out += " and " + std::to_string(points.size() - kMostLabelsShown) + " more";
-  return out;
+  constexpr std::size_t kMostShown = 20;
+  std::vector<std::string> shown;
+  for (const MarkupsPoint& point : points | std::views::take(kMostShown)) shown.push_back(shown_text(point.label));
+  const std::string out = fmt::format("{}", fmt::join(shown, ", "));
+  return points.size() > shown.size() ? fmt::format("{} and {} more", out, points.size() - shown.size()) : out;
 }
 
 void Markups::fail(const std::string& found, const std::string& expected) const {
@@ -295,7 +302,9 @@ Vec3 Markups::position_mm(std::string_view label) const {
   const auto find = [&](const auto& same) { std::ranges::copy_if(all, std::back_inserter(found), same); };
   find([&](const MarkupsPoint& point) { return point.label == label; });
   if (found.empty()) find([&](const MarkupsPoint& point) { return folded_label(point.label) == folded_label(label); });
-  if (found.empty()) fail("has no point " + shown_text(label), has_labels(all));
+  if (found.empty())
+    fail("has no point " + shown_text(label),
+         all.empty() ? "the file has no points" : "expected one of the labels " + shown_labels(all));
   if (found.size() > 1) {
     fail("has " + std::to_string(found.size()) + " points with the label " + shown_text(label),
          "give each a label of its own in 3D Slicer; found " + shown_labels(all));
@@ -329,16 +338,61 @@ Markups read_markups(const std::string& path) {
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
   if (!error && bytes > kMostMarkupsBytes) file.fail("is larger than 16 MB", kExpectedMarkups);
-  if (!error && bytes == 0) file.fail("is empty", kExpectedMarkups);
   std::string text = read_file(path, kExpectedMarkups);
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) file.fail("is empty", kExpectedMarkups);
   const bool json = text[first] == '{' || text[first] == '[';
   Markups out = json ? parse_markups_json(text, file) : FcsvParser(path).read(text);
-  const std::size_t points = out.points().size();
-  if (points > kMostMarkupsPoints)
+  if (const std::size_t points = out.points().size(); points > kMostMarkupsPoints)
     out.fail("has " + std::to_string(points) + " points", "at most 100,000 are possible");
+  return out;
+}
+
+std::vector<Vec3> MarkupsKeys::points(const KeyInfo& info, const YamlNode& node, const std::string& key, bool several) {
+  try {
+    return found_points(info, node, key, several);
+  } catch (const InputError& error) {  // what it says of the file is said at the value in the scenario
+    std::vector<Mistake> mistakes = error.mistakes();
+    for (Mistake& mistake : mistakes) {
+      if (!mistake.key.empty()) continue;
+      mistake.found = mistake.where.text() + ": " + mistake.found;
+      mistake.where = node.mark.in(file_);
+      mistake.key = key;
+    }
+    throw InputError(std::move(mistakes));
+  }
+}
+
+std::vector<Vec3> MarkupsKeys::found_points(const KeyInfo& info, const YamlNode& node, const std::string& key,
+                                            bool several) {
+  const auto fail = [&](const std::string& found, const std::string& expected) {
+    throw InputError(node.mark.in(file_), key, found, expected);
+  };
+  std::vector<std::string> labels = labels_of(node, file_, key);
+  const YamlNode& name = *node.find("markups")->value;
+  if (name.text.empty()) throw InputError(name.mark.in(file_), key, "markups is empty", kExpectedValue);
+  const std::string path = resolve_path(name.text, TextKind::input_file, folder_, name.mark.in(file_), key);
+  if (!read_.contains(path)) read_.emplace(path, read_markups(path));
+  const Markups& markups = read_.at(path);
+  if (!several && labels.size() > 1)
+    fail("point has " + std::to_string(labels.size()) + " labels", "expected one: this key is one point");
+  std::vector<Vec3> out;
+  for (const std::string& label : labels) out.push_back(markups.position_mm(label));
+  if (labels.empty()) out = several ? markups.positions_mm() : std::vector{markups.only_position_mm()};
+  if (several && std::ssize(out) < info.least_points) {
+    fail("found " + std::to_string(out.size()) + " points in " + shown_path(path),
+         "expected at least " + std::to_string(info.least_points));
+  }
+  for (const Vec3& p : out) {
+    if (info.range.contains(p.x()) && info.range.contains(p.y()) && info.range.contains(p.z())) continue;
+    fail("found the point (" + number_text(p.x()) + ", " + number_text(p.y()) + ", " + number_text(p.z()) + ") mm",
+         "expected each number " + range_text(info.range));
+  }
+  for (std::string& label : labels) label = shown_text(label);
+  const std::string found = labels.empty() ? fmt::format("{} point{}", out.size(), out.size() == 1 ? "" : "s")
+                                           : fmt::format("{}", fmt::join(labels, ", "));
+  sources_.push_back({key, path, found + " of " + shown_path(path) + " (" + markups.frame + ")"});
   return out;
 }
 

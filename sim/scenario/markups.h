@@ -11,7 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
-#include "sim/scenario/key_visitor.h"
+#include "sim/scenario/key_tree.h"
 #include "sim/scenario/yaml_tree.h"
 
 namespace reamsim {

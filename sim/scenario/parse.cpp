@@ -62,24 +62,6 @@ Scenario parse_scenario(const std::string& path, const std::vector<std::string>&
   }
 }
 
-namespace {
-
-// The kind of spin of the tools. Their other keys name files, which are not required here.
-
-void describe_spin(KeyVisitor& v, ToolSettings& tool) {
-  v.key("spin", tool.spin, "");
-}
-
-void describe_spin_in_pass(KeyVisitor& v, PassSettings& pass) {
-  v.section("tool", pass.tool, describe_spin, "");
-}
-
-void describe_spins_of_passes(KeyVisitor& v, MotionSettings& motion) {
-  v.list("passes", motion.passes, describe_spin_in_pass, "");
-}
-
-}  // namespace
-
 ResultSettings parse_result_settings(const std::string& path, const std::vector<std::string>& overrides) {
   Scenario out;
   const YamlNodePtr document = read_document(path, overrides, out.notes);
@@ -88,8 +70,12 @@ ResultSettings parse_result_settings(const std::string& path, const std::vector<
     v.section("render", scenario.render, describe_render);
     v.section("cutting", scenario.cutting, describe_cutting);
     v.section("output", scenario.output, describe_output);
-    v.section("tool", scenario.tool, describe_spin);
-    v.section("motion", scenario.motion, describe_spins_of_passes);
+    // Of the tools the kind of spin. Their other keys name files, which are not required here.
+    static constexpr auto spin = [](KeyVisitor& w, ToolSettings& tool) { w.key("spin", tool.spin, ""); };
+    v.section("tool", scenario.tool, spin);
+    v.section("motion", scenario.motion, [](KeyVisitor& w, MotionSettings& motion) {
+      w.list("passes", motion.passes, [](KeyVisitor& x, PassSettings& pass) { x.section("tool", pass.tool, spin); });
+    });
   };
   read_keys(document, shown_path(path), "", describe, out, mistakes);
   mistakes.throw_if_any();
@@ -147,10 +133,6 @@ namespace {
 
 constexpr std::array kPowerLawKeys{"specific_energy_j_mm3", "reference_density_g_cm3", "density_exponent"};
 
-bool sets(const std::string& override, const std::string& key) {
-  return override.starts_with(key + "=") || override.starts_with(key + ".");
-}
-
 /// Throws InputError for a key that the law does not have.
 void require_law_keys(const std::vector<std::string>& overrides) {
   for (const std::string& override : overrides) {
@@ -166,7 +148,8 @@ void require_law_keys(const std::vector<std::string>& overrides) {
 std::vector<std::string> replacing_law(const std::vector<std::string>& overrides) {
   std::vector<std::string> out;
   const auto any_sets = [&](const std::string& key) {
-    return std::ranges::any_of(overrides, [&](const std::string& text) { return sets(text, key); });
+    return std::ranges::any_of(
+        overrides, [&](const std::string& text) { return text.starts_with(key + "=") || text.starts_with(key + "."); });
   };
   const bool preset = any_sets("cutting.preset"), table = any_sets("cutting.specific_energy_table");
   if (preset || table) {
@@ -182,9 +165,8 @@ struct Block {
   std::size_t begin = 0, end = 0;
 };
 Block block_of(const std::string& text, const std::string& head) {
-  std::size_t begin = text.starts_with(head + "\n") ? 0 : text.find("\n" + head + "\n");
+  const std::size_t begin = ("\n" + text).find("\n" + head + "\n");
   if (begin == std::string::npos) return {};
-  begin += text.starts_with(head + "\n") ? 0 : 1;
   const std::size_t indent = head.find_first_not_of(' ');
   std::size_t end = text.find('\n', begin) + 1;
   while (end < text.size() && text.find_first_not_of(' ', end) - end > indent) end = text.find('\n', end) + 1;
@@ -195,12 +177,6 @@ void replace_block(const std::string& head, const std::string& from, std::string
   const Block ours = block_of(text, head), theirs = block_of(from, head);
   if (ours.end > 0 && theirs.end > 0)
     text.replace(ours.begin, ours.end - ours.begin, from, theirs.begin, theirs.end - theirs.begin);
-}
-
-/// The part of `bone` that the law depends on. The other keys name files, which are not required here.
-void describe_source_and_density(KeyVisitor& v, BoneSettings& bone) {
-  v.key("source", bone.source, "Source of the bone", {.required = true});
-  v.section("density", bone.density, describe_density, "Relation from HU to density");
 }
 
 }  // namespace
@@ -214,7 +190,11 @@ LawSettings parse_law_settings(const std::string& path, const std::vector<std::s
     v.section("cutting", read.cutting, describe_cutting);
     v.section("output", read.output, describe_output);
     v.section("engine", read.engine, describe_engine);
-    v.section("bone", read.bone, describe_source_and_density);
+    // The other keys of the bone name files, which are not required here.
+    v.section("bone", read.bone, [](KeyVisitor& w, BoneSettings& bone) {
+      w.key("source", bone.source, "Source of the bone", {.required = true});
+      w.section("density", bone.density, describe_density, "Relation from HU to density");
+    });
   };
   read_keys(document, shown_path(path), "", describe, scenario, mistakes);
   apply_preset(scenario.keys, scenario.cutting);

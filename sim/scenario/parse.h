@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/scenario/paths.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
@@ -45,9 +46,8 @@ BoneSettings parse_bone_settings(const std::string& source, const std::string& p
                                  const std::vector<std::string>& overrides);
 
 /// The resolved scenario as YAML text: every default filled in. Parsing it again gives the same scenario.
-std::string to_yaml(const Scenario& scenario);
-/// The same with `path_text` of every path in place of recorded_path().
-std::string to_yaml(const Scenario& scenario, const std::function<std::string(const std::string&)>& path_text);
+std::string to_yaml(const Scenario& scenario,
+                    const std::function<std::string(const std::string& path)>& path_text = recorded_path);
 
 /// assets/scenario.schema.json, generated from the same description of keys that the parser uses.
 std::string scenario_json_schema();

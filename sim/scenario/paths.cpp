@@ -62,18 +62,15 @@ std::string value_of(const std::string& variable) {
 std::string expand_variables(const std::string& text, const SourceLocation& where, const std::string& key) {
   std::string out;
   std::size_t at = 0;
-  while (at < text.size()) {
-    if (text.compare(at, 3, "$${") == 0) {
-      out += "${";
-      at += 3;
+  for (std::size_t begin = 0; (begin = text.find("${", at)) != std::string::npos;) {
+    out += text.substr(at, begin - at);
+    if (begin > at && text[begin - 1] == '$') {
+      out += "{";
+      at = begin + 2;
       continue;
     }
-    if (text.compare(at, 2, "${") != 0) {
-      out += text[at++];
-      continue;
-    }
-    const std::size_t end = text.find('}', at);
-    const std::string name = end == std::string::npos ? "" : text.substr(at + 2, end - at - 2);
+    const std::size_t end = text.find('}', begin);
+    const std::string name = end == std::string::npos ? "" : text.substr(begin + 2, end - begin - 2);
     if (!is_variable_name(name)) {
       throw InputError(where, key, "found " + shown_text(text),
                        "expected ${NAME} with the name of a variable, or $${ "
@@ -87,7 +84,7 @@ std::string expand_variables(const std::string& text, const SourceLocation& wher
     out += value;
     at = end + 1;
   }
-  return out;
+  return out + text.substr(at);
 }
 
 void require_input(const std::string& path, TextKind kind, const SourceLocation& where, const std::string& key) {
@@ -106,12 +103,6 @@ void require_input(const std::string& path, TextKind kind, const SourceLocation&
   // It is read more than once: for its checksum, and again by --resume.
   if (!folder && type != fs::file_type::regular) refuse(name + " is a pipe, a device or a socket", " on a disk");
   if (access(path.c_str(), folder ? R_OK | X_OK : R_OK) != 0) refuse(name + " cannot be read", " with read permission");
-}
-
-/// `path` with "${" as "$${".
-std::string escape_path(std::string path) {
-  for (std::size_t at = 0; (at = path.find("${", at)) != std::string::npos; at += 3) path.insert(at, "$");
-  return path;
 }
 
 }  // namespace
@@ -135,17 +126,13 @@ std::string resolve_path(const std::string& text, TextKind kind, const std::stri
 
 std::string recorded_path(const std::string& path) {
   for (const std::string& home : home_prefixes()) {
-    if (path.starts_with(home)) return kHomeVariable + escape_path(path.substr(home.size()));
+    if (path.starts_with(home)) return kHomeVariable + replace_all(path.substr(home.size()), {{"${", "$${"}});
   }
-  return escape_path(path);
+  return replace_all(path, {{"${", "$${"}});
 }
 
 std::string recorded_text(std::string text) {
-  for (const std::string& home : home_prefixes()) {
-    for (std::size_t at = 0; (at = text.find(home, at)) != std::string::npos; at += kHomeVariable.size()) {
-      text.replace(at, home.size(), kHomeVariable);
-    }
-  }
+  for (const std::string& home : home_prefixes()) text = replace_all(text, {{home, kHomeVariable}});
   return text;
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/base/error.h"
-#include "sim/scenario/key_visitor.h"
+#include "sim/scenario/key_tree.h"
 
 namespace reamsim {
 

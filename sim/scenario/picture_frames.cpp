@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 
 namespace reamsim {
 namespace {
@@ -14,11 +15,6 @@ constexpr std::int64_t kStills = 11;
 constexpr std::int64_t kFilmPictures = 150;
 /// Margin around the contact, parts of it: 1/20.
 constexpr std::int64_t kMarginParts = 20;
-
-void sort_once(std::vector<std::int64_t>& frames) {
-  std::ranges::sort(frames);
-  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
-}
 
 /// The i-th of the frames of all spans.
 std::int64_t frame_of(const FrameSpans& spans, std::int64_t i) {
@@ -40,12 +36,9 @@ std::vector<std::int64_t> spread_over(FrameSpans contact, std::int64_t last) {
   }
   const int ends = (contact.front().first > 0 ? 1 : 0) + (contact.back().last < last ? 1 : 0);
   const std::int64_t steps = kStills - ends - 1;
-  std::vector<std::int64_t> out{0, last};
-  for (std::int64_t i = 0; i <= steps; ++i) {
-    out.push_back(frame_of(contact, (2 * i * (frames - 1) + steps) / (2 * steps)));
-  }
-  sort_once(out);
-  return out;
+  std::set<std::int64_t> out{0, last};
+  for (std::int64_t i = 0; i <= steps; ++i) out.insert(frame_of(contact, (2 * i * (frames - 1) + steps) / (2 * steps)));
+  return {out.begin(), out.end()};
 }
 
 bool is_near(const FrameSpan& contact, std::int64_t frame) {
@@ -91,10 +84,10 @@ std::vector<std::int64_t> still_frames(const std::vector<std::int64_t>& frames, 
   if (settings.film == FilmFormat::none || settings.every_frames > 0) return frames;
   const std::vector<std::int64_t> among = in_contact(frames, contact);
   const auto ends = std::int64_t{among.front() != frames.front()} + std::int64_t{among.back() != frames.back()};
-  std::vector<std::int64_t> out = evenly_among(among, static_cast<std::size_t>(kStills - ends));
-  out.insert(out.end(), {frames.front(), frames.back()});
-  sort_once(out);
-  return out;
+  const std::vector<std::int64_t> spread = evenly_among(among, static_cast<std::size_t>(kStills - ends));
+  std::set<std::int64_t> out{frames.front(), frames.back()};
+  out.insert(spread.begin(), spread.end());
+  return {out.begin(), out.end()};
 }
 
 }  // namespace reamsim

@@ -206,35 +206,13 @@ constexpr double kLeastRim_mm = 10;   // a joint face, and not a unit mistaken
 constexpr double kMostRim_mm = 100;   // likewise
 constexpr double kLeastWidth = 0.05;  // of the length: below, the points lie on a line
 
-/// The points' middle, and their main directions, the least spread first.
-struct RimSpread {
-  Vec3 middle_mm = Vec3::Zero();
-  Mat3 directions;
-  Vec3 deviations_mm;
-};
-
-RimSpread spread_of(const std::vector<Vec3>& rim_mm) {
-  RimSpread out;
-  for (const Vec3& p : rim_mm) out.middle_mm += p / static_cast<double>(rim_mm.size());
-  Mat3 products = Mat3::Zero();
-  for (const Vec3& p : rim_mm) products += (p - out.middle_mm) * (p - out.middle_mm).transpose();
-  const SymmetricEigen3 axes = symmetric_eigen(Mat3(products / static_cast<double>(rim_mm.size())));
-  out.directions = axes.vectors;
-  out.deviations_mm = axes.values.cwiseMax(0).cwiseSqrt();
-  return out;
-}
-
 /// Number of the first point, from 1, whose angle about the centre does not increase; 0 if all are in order.
-std::size_t first_out_of_order(const std::vector<Vec3>& rim_mm, const RimSpread& spread) {
+std::size_t first_out_of_order(const std::vector<Vec3>& rim_mm, const PointSpread& spread) {
   std::vector<double> steps;
   double turned = 0;
   for (std::size_t i = 0; i < rim_mm.size(); ++i) {
-    const Vec3 from = rim_mm[i] - spread.middle_mm;
-    const Vec3 to = rim_mm[(i + 1) % rim_mm.size()] - spread.middle_mm;
-    const auto angle = [&](const Vec3& p) {
-      return std::atan2(p.dot(spread.directions.col(1)), p.dot(spread.directions.col(2)));
-    };
-    steps.push_back(std::remainder(angle(to) - angle(from), 2 * std::numbers::pi));
+    const double from = angle_in_plane(rim_mm[i], spread), to = angle_in_plane(rim_mm[(i + 1) % rim_mm.size()], spread);
+    steps.push_back(std::remainder(to - from, 2 * std::numbers::pi));
     turned += steps.back();
   }
   // Round once, whichever way: then the points that step the other way are the ones out of order.
@@ -262,8 +240,9 @@ void check_rim(const Scenario& s, const KeyLocations& at) {
     fail("a rim " + number_text(std::round(10 * length_mm) / 10) + " mm long",
          "points in mm around a face of " + number_text(kLeastRim_mm) + " to " + number_text(kMostRim_mm) + " mm");
   }
-  const RimSpread spread = spread_of(rim_mm);
-  if (spread.deviations_mm[1] < kLeastWidth * spread.deviations_mm[2])
+  const PointSpread spread = spread_of_points(rim_mm);
+  const Vec3 deviations_mm = spread.axes.values.cwiseMax(0).cwiseSqrt();
+  if (deviations_mm[1] < kLeastWidth * deviations_mm[2])
     fail("points on one line", "points around the face that span a plane");
   if (const std::size_t point = first_out_of_order(rim_mm, spread); point != 0)
     fail("point " + std::to_string(point) + " out of order", "the points in order around the face, each once");

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -30,13 +31,6 @@ std::string cleaned(std::string_view text, std::size_t limit) {
   return printable(text) + (cut ? "..." : "");
 }
 
-bool is_letter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-}
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
-
 /// Words that some YAML reader or other takes for something else than text.
 bool is_reserved_word(std::string_view text) {
   static constexpr std::array kWords{"null", "true", "false", "yes", "no", "on", "off", "y", "n"};
@@ -54,8 +48,8 @@ std::string shown_path(std::string_view path) {
 }
 
 std::string shown_key(std::string_view key) {
-  const bool plain = !key.empty() && key.size() <= kShownBytes && std::ranges::all_of(key, [](char c) {
-    return is_letter(c) || is_digit(c) || c == '_' || c == '-';
+  const bool plain = !key.empty() && key.size() <= kShownBytes && std::ranges::all_of(key, [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-';
   });
   return plain ? std::string(key) : shown_text(key);
 }
@@ -121,7 +115,7 @@ std::optional<double> parse_number(std::string_view text) {
   if (text == ".nan" || text == ".NaN" || text == ".NAN" || text == "nan" || text == "NaN" || text == "NAN") {
     return std::numeric_limits<double>::quiet_NaN();
   }
-  if (text.empty() || !(is_digit(text[0]) || text[0] == '.')) return std::nullopt;
+  if (text.empty() || std::string_view(".0123456789").find(text[0]) == text.npos) return std::nullopt;
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size() || error == std::errc::invalid_argument) return std::nullopt;
@@ -134,21 +128,15 @@ std::optional<double> parse_number(std::string_view text) {
   return sign * value;
 }
 
-std::string_view without_blanks(std::string_view text, std::string_view blanks) {
-  const std::size_t first = text.find_first_not_of(blanks);
-  return first == text.npos ? "" : text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
-
 std::string json_string(std::string_view text) {
   return nlohmann::json(std::string(text)).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 std::string yaml_scalar(std::string_view text) {
-  const bool plain =
-      !text.empty() && (is_letter(text[0]) || text[0] == '/' || text[0] == '_') && text.back() != ' ' &&
-      !is_reserved_word(text) && std::ranges::all_of(text, [](char c) {
-        return is_letter(c) || is_digit(c) || std::string_view("/_.-+ ()").find(c) != std::string_view::npos;
-      });
+  static const std::string kFirst = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ/_";
+  static const std::string kAny = kFirst + "0123456789.-+ ()";
+  const bool plain = !text.empty() && kFirst.find(text[0]) != kFirst.npos && text.back() != ' ' &&
+                     text.find_first_not_of(kAny) == text.npos && !is_reserved_word(text);
   return plain ? std::string(text) : json_string(text);
 }
 

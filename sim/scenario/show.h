@@ -38,9 +38,6 @@ std::string vector_text(const Vec3& v);
 /// The number that the whole text is; infinite or NaN where written so or overflowing; nullopt for other text.
 std::optional<double> parse_number(std::string_view text);
 
-/// A text without these characters around it.
-std::string_view without_blanks(std::string_view text, std::string_view blanks = " \t");
-
 /// A text as a YAML scalar: plain where that is safe, else in double quotes.
 std::string yaml_scalar(std::string_view text);
 

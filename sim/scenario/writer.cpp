@@ -6,7 +6,6 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 
 #include "sim/scenario/key_tree.h"
@@ -24,53 +23,45 @@ class YamlWriter : public KeyVisitor {
   /// `path_text`: how paths are written.
   explicit YamlWriter(std::function<std::string(const std::string&)> path_text) : path_text_(std::move(path_text)) {}
 
-  [[nodiscard]] const std::string& yaml() const { return out_; }
-
-  void group(const KeyGroup&) override {}
+  [[nodiscard]] const std::string& yaml() const { return levels_.front().text; }
 
  protected:
   void visit(const KeyInfo& info, const ValuePointer& value) override {
-    if (info.kind == KeyKind::text && !info.choices.empty())
-      levels_.back().given[info.name] = *std::get<std::string*>(value);
+    Level& level = levels_.back();
+    if (info.kind == KeyKind::text && !info.choices.empty()) level.given[info.name] = *std::get<std::string*>(value);
     const std::string text = value_text(info, value, [&](const std::string& word) {
       return yaml_scalar(info.text == TextKind::word ? word : path_text_(word));
     });
-    if (!text.empty() && applies(info)) line(info, text);
+    if (!text.empty() && applies(info)) level.text += indent() + std::string(info.name) + ": " + text + "\n";
   }
   bool begin_section(const KeyInfo& info) override {
     if (!applies(info)) return false;
-    begin(info, true);
+    levels_.back().given[info.name] = "given";
+    levels_.push_back({.heading = indent() + std::string(info.name) + ":\n"});
     return true;
   }
   bool begin_optional_section(const KeyInfo& info, bool has_value) override { return has_value && begin_section(info); }
   std::size_t begin_list(const KeyInfo& info, std::size_t size) override {
-    const bool written = size > 0 && applies(info);
-    begin(info, written);
-    return written ? size : 0;
+    if (size > 0 && begin_section(info)) return size;
+    levels_.emplace_back();
+    return 0;
   }
-  void begin_item(std::size_t) override {
-    item_ = pending_.size();
-    levels_.push_back({.given = {}, .begin = pending_.size()});
-  }
+  void begin_item(std::size_t) override { levels_.emplace_back(); }
   void end() override {
-    pending_.resize(std::min(pending_.size(), levels_.back().begin));  // nothing was written of it
+    Level done = std::move(levels_.back());
     levels_.pop_back();
+    if (done.text.empty()) return;
+    if (done.heading.empty()) done.text.replace(done.text.find_first_not_of(' ') - 2, 2, "- ");  // an item
+    levels_.back().text += done.heading + done.text;
   }
 
  private:
   struct Level {
-    std::map<std::string_view, std::string> given;  // choices, sections and lists written so far
-    std::size_t begin = 0;                          // of its heading in pending_
+    std::string heading{};                            // of an item ""
+    std::string text{};                               // what was written of it
+    std::map<std::string_view, std::string> given{};  // choices, sections and lists written so far
   };
 
-  void begin(const KeyInfo& info, bool written) {
-    const std::size_t begin = pending_.size();
-    if (written) {
-      levels_.back().given[info.name] = "given";
-      pending_ += indent() + std::string(info.name) + ":\n";
-    }
-    levels_.push_back({.given = {}, .begin = begin});
-  }
   [[nodiscard]] std::string indent() const { return std::string(2 * (levels_.size() - 1), ' '); }
   [[nodiscard]] bool applies(const KeyInfo& info) const {
     const auto& given = levels_.back().given;
@@ -79,18 +70,8 @@ class YamlWriter : public KeyVisitor {
     const auto chosen = given.find(info.when.choice);
     return chosen != given.end() && std::ranges::find(info.when.values, chosen->second) != info.when.values.end();
   }
-  void line(const KeyInfo& info, const std::string& value) {
-    std::string lines = std::exchange(pending_, "") + indent() + std::string(info.name) + ": " + value + "\n";
-    if (const auto item = std::exchange(item_, std::nullopt)) {
-      lines.replace(lines.find_first_not_of(' ', *item) - 2, 2, "- ");  // the item's first line, perhaps a heading
-    }
-    out_ += lines;
-  }
 
   std::function<std::string(const std::string&)> path_text_;
-  std::string out_;
-  std::string pending_;              // headings of sections whose first key has not come yet
-  std::optional<std::size_t> item_;  // where an item begins in pending_, until its first key has come
   std::vector<Level> levels_{1};
 };
 
@@ -102,18 +83,12 @@ Json number(double value) {
   return static_cast<double>(whole) == value ? Json(whole) : Json(value);
 }
 
-void add_range(Json& out, const Range& range) {
-  if (range.min == range.max) {
-    out["const"] = number(range.min);
-    return;
-  }
-  if (std::isfinite(range.min)) out["minimum"] = number(range.min);
-  if (std::isfinite(range.max)) out["maximum"] = number(range.max);
-}
-
 Json number_type(const KeyNode& key, const char* type) {
+  const auto [min, max] = key.info.range;
+  if (min == max) return {{"type", type}, {"const", number(min)}};
   Json out{{"type", type}};
-  add_range(out, key.info.range);
+  if (std::isfinite(min)) out["minimum"] = number(min);
+  if (std::isfinite(max)) out["maximum"] = number(max);
   return out;
 }
 
@@ -333,10 +308,6 @@ void add_row(std::string& out, const KeyNode& key, const KeyNode& section) {
 constexpr const char* kHead = "| key | type | default | values | what it is |\n|---|---|---|---|---|\n";
 
 }  // namespace
-
-std::string to_yaml(const Scenario& scenario) {
-  return to_yaml(scenario, recorded_path);
-}
 
 std::string to_yaml(const Scenario& scenario, const std::function<std::string(const std::string&)>& path_text) {
   YamlWriter writer(path_text);

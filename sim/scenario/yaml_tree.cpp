@@ -39,6 +39,11 @@ class LineIndex {
     const auto characters = std::ranges::count_if(before, [](char c) { return (c & 0xC0) != 0x80; });
     return {line + 1, static_cast<int>(characters) + 1, nullptr};
   }
+  /// Of a byte of the text.
+  [[nodiscard]] YamlMark mark_of(std::size_t byte) const {
+    const auto line = std::ranges::upper_bound(starts_, byte) - starts_.begin() - 1;
+    return mark(static_cast<int>(line), static_cast<int>(byte - starts_[static_cast<std::size_t>(line)]));
+  }
   /// The first tab in the indentation of a line (from 0); line 0 of the mark when there is none.
   [[nodiscard]] YamlMark tab_in_indentation(int line) const {
     if (line < 0 || static_cast<std::size_t>(line) >= starts_.size()) return {};
@@ -290,22 +295,13 @@ constexpr std::array kRephrased{
 }
 
 void require_text(std::string_view text, const LineIndex& lines, const std::string& file) {
-  int line = 0;
-  std::size_t line_start = 0;
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = utf8_length(text, i);
+  for (std::size_t i = 0, length = 0; i < text.size(); i += length) {
+    length = utf8_length(text, i);
     const auto byte = static_cast<unsigned char>(text[i]);
     const bool control = (byte < 0x20 && byte != '\n' && byte != '\r' && byte != '\t') || byte == 0x7f;
-    if (length == 0 || control) {
-      const std::string shown_byte = shown_text(text.substr(i, 1));
-      throw InputError(lines.mark(line, static_cast<int>(i - line_start)).in(file), "",
-                       "found the byte " + shown_byte + ": not a text file", "expected YAML in UTF-8");
-    }
-    i += length;
-    if (byte == '\n') {
-      ++line;
-      line_start = i;
-    }
+    if (length > 0 && !control) continue;
+    throw InputError(lines.mark_of(i).in(file), "",
+                     "found the byte " + shown_text(text.substr(i, 1)) + ": not a text file", "expected YAML in UTF-8");
   }
 }
 

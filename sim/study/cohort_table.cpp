@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sim/base/csv.h"
+#include "sim/base/text.h"
 #include "sim/scenario/key_tree.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"

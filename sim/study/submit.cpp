@@ -8,6 +8,8 @@
 #include <cctype>
 #include <cstdio>
 
+#include "sim/base/text.h"
+
 namespace reamsim {
 
 namespace {
@@ -194,9 +196,7 @@ std::string plain_name(const std::string& name) {
 }
 
 std::string shell_word(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
+  return "'" + replace_all(text, {{"'", "'\\''"}}) + "'";
 }
 
 std::string python_literal(const std::string& text) {
