@@ -10,6 +10,7 @@
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "sim/anatomy/find_glenoid.h"
+#include "sim/base/checksum.h"
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/vdb/bone_vdb.h"

@@ -10,7 +10,7 @@
 #include "sim/api/state_parts.h"
 #include "sim/base/file.h"
 #include "sim/run/run_scenario.h"
-#include "sim/run/value_file.h"
+#include "sim/base/value_file.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {

@@ -67,6 +67,12 @@ std::string message_of(const std::exception& error) {
   return "internal error: please report it with the scenario";
 }
 
+void Diagnostics::append(const Diagnostics& from) {
+  notes.insert(notes.end(), from.notes.begin(), from.notes.end());
+  warnings.insert(warnings.end(), from.warnings.begin(), from.warnings.end());
+  listings.insert(listings.end(), from.listings.begin(), from.listings.end());
+}
+
 bool MistakeList::concerns(std::string_view key) const {
   const auto related = [&](std::string_view other) { return is_within(other, key) || is_within(key, other); };
   return std::ranges::any_of(mistakes_, related, &Mistake::key) || std::ranges::any_of(doubted_, related);

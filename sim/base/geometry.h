@@ -52,6 +52,8 @@ struct Aabb {
 /// superior.
 struct GlenoidFrame {
   Rigid bone_from_glenoid = Rigid::Identity();
+
+  static auto fields(auto& self) { return std::tie(self.bone_from_glenoid.matrix()); }
 };
 
 /// The directions of the scapular frame S in B, each of length 1: version and inclination are angles between them.
@@ -59,6 +61,8 @@ struct ScapularAxes {
   Vec3 lateral = Vec3::UnitX();   ///< along the Friedman axis, from the trigonum spinae to the glenoid's centre
   Vec3 superior = Vec3::UnitY();  ///< in the scapular plane
   Vec3 anterior = Vec3::UnitZ();
+
+  static auto fields(auto& self) { return std::tie(self.lateral, self.superior, self.anterior); }
 };
 
 /// The rotation by the smallest angle that takes direction `from` to direction `to`; where they are opposite, about any

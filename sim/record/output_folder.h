@@ -28,12 +28,6 @@ std::optional<Manifest> read_manifest(const std::string& dir);
 /// Replaces DIR/manifest.json. `durable`: it is on the disk on return. Throws RunError when it cannot be written.
 void write_manifest(const std::string& dir, const Manifest& manifest, bool durable = true);
 
-/// SHA-256 of a file, in hex; for a folder (DICOM, with its subfolders): of the relative paths and sums of its files,
-/// sorted by path. Throws InputError when a file cannot be read.
-std::string sha256_of(const std::string& path);
-
-std::string sha256_of_text(const std::string& text);
-
 /// What stays in the folder of a run beside scenario.yaml and summary.json.
 struct KeptFiles {
   bool forces = true;    ///< forces.csv

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "sim/base/checksum.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/stopwatch.h"

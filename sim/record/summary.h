@@ -19,6 +19,8 @@ struct InputSum {
   std::string role;
   std::string path;
   std::string sha256;
+
+  static auto fields(auto& self) { return std::tie(self.role, self.path, self.sha256); }
 };
 
 /// Checksums of every input of the scenario, the scenario file first. Throws InputError when one cannot be read.

@@ -12,7 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/run/value_file.h"
+#include "sim/base/value_file.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {

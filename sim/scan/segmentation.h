@@ -25,6 +25,11 @@ struct ScanPlane {
   [[nodiscard]] std::size_t at(int column, int row) const {
     return static_cast<std::size_t>(column) + static_cast<std::size_t>(row) * static_cast<std::size_t>(columns);
   }
+
+  static auto fields(auto& s) {
+    return std::tie(s.name, s.columns, s.rows, s.spacing_mm, s.through, s.left, s.right, s.top, s.bottom, s.hu,
+                    s.field);
+  }
 };
 
 /// Figures of the segmentation of a CT scan. Volumes are of whole image voxels, mm³.
@@ -47,6 +52,12 @@ struct Segmentation {
   double noise_hu = 0;                    ///< standard deviation between neighbouring voxels inside the bone
   Vec3 planes_through_mm = Vec3::Zero();  ///< B: the seed, else the centre of the glenoid, else of the bone
   std::vector<ScanPlane> planes;
+
+  static auto fields(auto& s) {
+    return std::tie(s.method, s.threshold_hu, s.pieces, s.by_seed, s.kept_rank, s.kept_piece_mm3, s.largest_mm3,
+                    s.second_mm3, s.dropped_mm3, s.cut_mm3, s.closed_mm3, s.filled_mm3, s.bone_mm3,
+                    s.below_threshold_fraction, s.lower_bound_fraction, s.noise_hu, s.planes_through_mm, s.planes);
+  }
 };
 
 /// One sentence for the console.

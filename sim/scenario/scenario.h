@@ -33,6 +33,10 @@ struct LandmarkSettings {
   Vec3 glenoid_center_mm = Vec3::Zero();
   Vec3 trigonum_spinae_mm = Vec3::Zero();
   Vec3 inferior_angle_mm = Vec3::Zero();
+
+  static auto fields(auto& self) {
+    return std::tie(self.glenoid_center_mm, self.trigonum_spinae_mm, self.inferior_angle_mm);
+  }
 };
 
 /// The glenoid frame: centre, normal and superior direction; or a point near the centre of a face to be found, with or

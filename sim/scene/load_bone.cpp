@@ -13,6 +13,7 @@
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/ct_import.h"
 #include "sim/scenario/parse.h"
+#include "sim/scene/bone_store.h"
 
 namespace reamsim {
 
@@ -187,18 +188,14 @@ std::string key_of(const BoneSettings& settings) {
   return key;
 }
 
-void append(const Diagnostics& from, Diagnostics& to) {
-  to.notes.insert(to.notes.end(), from.notes.begin(), from.notes.end());
-  to.warnings.insert(to.warnings.end(), from.warnings.begin(), from.warnings.end());
-  to.listings.insert(to.listings.end(), from.listings.begin(), from.listings.end());
-}
-
 }  // namespace
 
 Bone load_bone(const BoneSettings& settings, Diagnostics& report, const StageSink& stages) {
-  Bone bone = bone_from_source(settings, report, stages);
-  begin_stage(stages, BoneStage::anatomy);
-  return with_anatomy(std::move(bone), settings, report);
+  return BoneStore().find_or_load(settings, report, [&](Diagnostics& said) {
+    Bone bone = bone_from_source(settings, said, stages);
+    begin_stage(stages, BoneStage::anatomy);
+    return with_anatomy(std::move(bone), settings, said);
+  });
 }
 
 Bone BoneCache::load(const BoneSettings& settings, Diagnostics& report) {
@@ -215,13 +212,13 @@ Bone BoneCache::load(const BoneSettings& settings, Diagnostics& report) {
     try {
       bone_ = shared ? bone_from_source(settings, report_) : load_bone(settings, report_);
     } catch (...) {  // also where memory ends: what was said before may be why
-      append(report_, report);
+      report.append(report_);
       throw;
     }
     key_ = std::move(key);
     ++loaded_;
   }
-  append(report_, report);
+  report.append(report_);
   return shared ? with_anatomy(bone_, settings, report) : bone_;
 }
 

@@ -14,6 +14,7 @@
 #include <random>
 #include <set>
 
+#include "sim/base/checksum.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "sim/base/checksum.h"
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/record/output_folder.h"

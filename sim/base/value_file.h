@@ -14,11 +14,11 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
 
 #include "sim/base/file.h"
 #include "sim/base/geometry.h"
-#include "sim/record/summary.h"
 
 namespace reamsim {
 
@@ -42,29 +42,22 @@ class ValueVisitor {
     if constexpr (std::is_same_v<Plain, std::string>) {
       file.length_of(v);
       file.bytes(v.data(), v.size());
-    } else if constexpr (std::is_same_v<Plain, InputSum>) {
-      for (auto* part : {&v.role, &v.path, &v.sha256}) (*this)(*part);
-    } else if constexpr (std::is_same_v<Plain, std::optional<Vec3>>) {
+    } else if constexpr (requires { Plain::fields(v); }) {
+      std::apply([this](auto&... field) { ((*this)(field), ...); }, Plain::fields(v));
+    } else if constexpr (requires { v.reshaped(); }) {  // a matrix
+      for (auto& item : v.reshaped()) (*this)(item);
+    } else if constexpr (std::is_trivially_copyable_v<Plain>) {
+      file.bytes(&v, sizeof v);
+    } else if constexpr (requires { v.has_value(); }) {
       file.presence_of(v);
-      if (v) each(*v);
-    } else if constexpr (std::is_same_v<Plain, Vec3i>) {
-      each(v);
+      if (v) (*this)(*v);
     } else if constexpr (requires { typename Value::allocator_type; }) {  // a vector
       file.length_of(v);
-      each(v);
-    } else if constexpr (requires { v.second; }) {
-      (*this)(v.first);
-      (*this)(v.second);
+      for (auto& item : v) (*this)(item);
     } else {
-      static_assert(std::is_trivially_copyable_v<Plain>);
-      file.bytes(&v, sizeof v);
+      (*this)(v.first);  // a pair
+      (*this)(v.second);
     }
-  }
-
- private:
-  template <class List>
-  void each(List& list) {
-    for (auto& item : list) (*this)(item);
   }
 };
 

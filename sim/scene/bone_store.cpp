@@ -1,0 +1,275 @@
+// SPDX-FileCopyrightText: the reamsim authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "sim/scene/bone_store.h"
+
+#include <link.h>
+#include <openssl/evp.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "sim/base/checksum.h"
+#include "sim/base/value_file.h"
+#include "sim/scenario/parse.h"
+
+namespace reamsim {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kEnding = ".bone";
+
+/// A bone with what was said while it was loaded.
+struct KeptBone {
+  Bone bone;
+  Diagnostics report;
+};
+
+/// Visits bricks, each after its coordinates.
+template <class Bricks>
+void visit_bricks(ValueWriter& visit, const Bricks& bricks) {
+  visit.put(bricks.stored_bricks());
+  bricks.for_each_brick([&](const Vec3i& coord, const auto& brick) {
+    visit(coord);
+    visit(brick);
+  });
+}
+template <class Bricks>
+void visit_bricks(ValueReader& visit, Bricks& bricks) {
+  std::size_t count = 0;
+  for (visit(count); count > 0; --count) {
+    Vec3i coord;
+    typename Bricks::Brick brick;
+    visit(coord);
+    visit(brick);
+    if ((coord.array() < 0).any() || (coord.array() >= bricks.brick_dims().array()).any()) throw DamagedValues();
+    bricks.put(coord, brick);
+  }
+}
+
+/// Visits all but the bricks, in the order of the file. `voxmap`: that of the bone.
+template <class Visit, class Voxels, class Kept>
+void visit_values(Visit& visit, Voxels& voxmap, Kept& kept) {
+  visit(voxmap.mapping);
+  visit(voxmap.frame);
+  visit(voxmap.layers);
+  visit(kept.bone.glenoid);
+  visit(kept.bone.landmarks);
+  visit(kept.bone.scapula);
+  visit(kept.bone.side);
+  visit(kept.bone.segmentation);
+  visit(kept.bone.rim_mm);
+  visit(kept.report);
+}
+
+constexpr std::string_view kBoneMagic = "reamsim bone 1\n";
+
+std::string text_of(const KeptBone& kept) {
+  ValueWriter writer(kBoneMagic);
+  const Voxmap& voxmap = *kept.bone.voxmap;
+  writer(voxmap.grid);
+  visit_bricks(writer, voxmap.grade);
+  visit_bricks(writer, kept.bone.fill);
+  visit_values(writer, voxmap, kept);
+  return writer.finish();
+}
+
+/// Throws DamagedValues.
+KeptBone bone_of(std::string_view text) {
+  ValueReader reader(values_of(text, kBoneMagic));
+  VoxelGrid grid;
+  reader(grid);
+  if ((grid.dims.array() < 0).any()) throw DamagedValues();
+  FilledVoxmap voxels(grid);
+  visit_bricks(reader, voxels.grade);
+  visit_bricks(reader, voxels.fill);
+  KeptBone kept;
+  visit_values(reader, static_cast<Voxmap&>(voxels), kept);
+  kept.bone.set_voxels(std::move(voxels));
+  return kept;
+}
+
+/// The build of the program or library that this code is part of: its build id, which the linker makes of its content;
+/// "" without one.
+std::string build_id() {
+  std::string id;
+  const auto find = [](dl_phdr_info* info, std::size_t, void* out) {
+    const auto own = reinterpret_cast<ElfW(Addr)>(&build_id);
+    bool contains = false;
+    for (int i = 0; i < info->dlpi_phnum; ++i) {
+      const ElfW(Phdr)& part = info->dlpi_phdr[i];
+      const ElfW(Addr) begin = info->dlpi_addr + part.p_vaddr;
+      contains = contains || (part.p_type == PT_LOAD && own >= begin && own < begin + part.p_memsz);
+    }
+    for (int i = 0; contains && i < info->dlpi_phnum; ++i) {
+      const ElfW(Phdr)& part = info->dlpi_phdr[i];
+      if (part.p_type != PT_NOTE) continue;
+      const auto* notes = reinterpret_cast<const char*>(info->dlpi_addr + part.p_vaddr);
+      static_cast<std::string*>(out)->append(notes, part.p_memsz);
+    }
+    return contains ? 1 : 0;
+  };
+  dl_iterate_phdr(find, &id);
+  return id;
+}
+
+/// What the bone is made from. Its checksum is the key of the cipher.
+std::string origin_of(const BoneSettings& settings) {
+  Scenario scenario;  // whose other sections are the defaults
+  scenario.bone = settings;
+  std::string origin = "reamsim " REAMSIM_VERSION "\n" + build_id() + "\n" + to_yaml(scenario);
+  for (const auto& [role, path] : input_files(scenario)) {
+    if (!path.empty()) origin += role + " " + sha256_of(path) + "\n";
+  }
+  return origin;
+}
+
+constexpr int kTagBytes = 16;
+using CipherContext = std::unique_ptr<EVP_CIPHER_CTX, decltype(&EVP_CIPHER_CTX_free)>;
+
+/// AES-256-GCM of `text`, whose tag is at its end. A key encrypts one text only: no nonce is needed. nullopt where the
+/// text to decrypt is not one that was encrypted with this key.
+std::optional<std::string> crypted(const std::string& text, const std::string& key_hex, bool encrypt) {
+  unsigned char key[32], nonce[12] = {};
+  for (std::size_t i = 0; i < sizeof key; ++i) {
+    key[i] = static_cast<unsigned char>(std::stoi(key_hex.substr(2 * i, 2), nullptr, 16));
+  }
+  const std::size_t size = encrypt ? text.size() : text.size() - std::min<std::size_t>(text.size(), kTagBytes);
+  const CipherContext context(EVP_CIPHER_CTX_new(), EVP_CIPHER_CTX_free);
+  std::string out(size + kTagBytes, '\0');
+  auto* to = reinterpret_cast<unsigned char*>(out.data());
+  int done = 0;
+  if (EVP_CipherInit_ex(context.get(), EVP_aes_256_gcm(), nullptr, key, nonce, encrypt ? 1 : 0) != 1) return {};
+  if (!encrypt) {
+    std::string tag = text.substr(size);
+    tag.resize(kTagBytes);
+    EVP_CIPHER_CTX_ctrl(context.get(), EVP_CTRL_GCM_SET_TAG, kTagBytes, tag.data());
+  }
+  const auto* from = reinterpret_cast<const unsigned char*>(text.data());
+  if (EVP_CipherUpdate(context.get(), to, &done, from, static_cast<int>(size)) != 1) return {};
+  if (EVP_CipherFinal_ex(context.get(), to + done, &done) != 1) return {};
+  if (encrypt) EVP_CIPHER_CTX_ctrl(context.get(), EVP_CTRL_GCM_GET_TAG, kTagBytes, out.data() + size);
+  out.resize(encrypt ? size + kTagBytes : size);
+  return out;
+}
+
+/// Reads the file of a bone; nullopt where there is none. A damaged one is removed.
+std::optional<KeptBone> read_bone(const fs::path& path, const std::string& key) {
+  const std::optional<std::string> file = read_whole_file(path.string());
+  if (!file) return std::nullopt;
+  std::error_code ignored;
+  try {
+    if (const auto text = crypted(*file, key, false)) {
+      KeptBone kept = bone_of(*text);
+      fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);  // when it was used
+      return kept;
+    }
+  } catch (const DamagedValues&) {  // as one that cannot be decrypted
+  }
+  fs::remove(path, ignored);
+  return std::nullopt;
+}
+
+/// Writes the whole file or none.
+void write_bone(const fs::path& path, const std::string& content) {
+  std::error_code ignored;
+  fs::create_directories(path.parent_path(), ignored);
+  fs::permissions(path.parent_path(), fs::perms::owner_all, ignored);
+  std::string name = path.string() + ".XXXXXX";
+  const int file = mkstemp(name.data());  // readable by this user alone
+  if (file < 0) return;
+  std::size_t written = 0;
+  for (ssize_t got = 1; written < content.size() && got > 0;
+       written += static_cast<std::size_t>(std::max<ssize_t>(0, got)))
+    got = write(file, content.data() + written, content.size() - written);
+  const bool whole = written == content.size() && close(file) == 0;
+  if (!whole || rename(name.c_str(), path.c_str()) != 0) unlink(name.c_str());
+}
+
+}  // namespace
+
+fs::path BoneStore::usual_folder() {
+  const auto value = [](const char* name) {
+    const char* text = std::getenv(name);
+    return std::string(text == nullptr ? "" : text);
+  };
+  const std::string cache = value("XDG_CACHE_HOME"), home = value("HOME");
+  if (value("REAMSIM_CACHE") == "off" || (cache.empty() && home.empty())) return {};
+  return fs::path(cache.empty() ? home + "/.cache" : cache) / "reamsim" / "bones";
+}
+
+BoneStore::BoneStore(fs::path folder) : folder_(std::move(folder)) {}
+
+Bone BoneStore::find_or_load(const BoneSettings& settings, Diagnostics& report,
+                             const std::function<Bone(Diagnostics& report)>& load) const {
+  if (folder_.empty() || settings.source == BoneSource::vdb) return load(report);
+  std::string key;
+  try {
+    key = sha256_of_text(origin_of(settings));
+  } catch (const InputError&) {  // load() says which file cannot be read
+    return load(report);
+  }
+  const fs::path path = folder_ / (sha256_of_text(key) + kEnding);
+  if (auto kept = read_bone(path, key)) {
+    report.append(kept->report);
+    return std::move(kept->bone);
+  }
+  KeptBone kept;
+  try {
+    kept.bone = load(kept.report);
+  } catch (...) {
+    report.append(kept.report);
+    throw;
+  }
+  report.append(kept.report);
+  if (kept.bone.voxmap->grade.bytes() + kept.bone.fill.bytes() < kMostBytesOfBone) {
+    if (const auto content = crypted(text_of(kept), key, true)) {
+      write_bone(path, *content);
+      remove_beyond(kMostBytes);
+    }
+  }
+  return std::move(kept.bone);
+}
+
+std::pair<int, std::uintmax_t> BoneStore::size() const {
+  std::pair<int, std::uintmax_t> out;
+  std::error_code error;
+  for (fs::directory_iterator at(folder_, error), end; !error && at != end; at.increment(error)) {
+    std::error_code gone;
+    const std::uintmax_t bytes = at->file_size(gone);
+    if (gone) continue;
+    ++out.first;
+    out.second += bytes;
+  }
+  return out;
+}
+
+void BoneStore::clear() const {
+  remove_beyond(0);
+}
+
+void BoneStore::remove_beyond(std::uintmax_t most_bytes) const {
+  std::vector<std::pair<fs::file_time_type, fs::directory_entry>> files;
+  std::error_code error;
+  for (fs::directory_iterator at(folder_, error), end; !error && at != end; at.increment(error)) {
+    std::error_code gone;
+    const auto used = at->last_write_time(gone);
+    if (!gone && at->path().filename().string().find(kEnding) != std::string::npos) files.emplace_back(used, *at);
+  }
+  std::ranges::sort(files, std::greater<>(), [](const auto& file) { return file.first; });
+  std::uintmax_t bytes = 0;
+  for (const auto& [used, file] : files) {
+    std::error_code gone;
+    bytes += file.file_size(gone);
+    if (!gone && bytes > most_bytes) fs::remove(file.path(), gone);
+  }
+}
+
+}  // namespace reamsim
