@@ -107,7 +107,8 @@ std::string device_markdown(const verify::Findings& findings);
 /// The report as JSON; see docs/columns.md.
 std::string verification_json(const verify::Findings& findings);
 
-/// Writes device.md, verification.md, verification.json, and the figure of the refinements (verification.gp, .png, .svg).
+/// Writes device.md, verification.md, verification.json, and the figure of the refinements (verification.gp, .png,
+/// .svg).
 void write_verification(const std::string& dir, const verify::Findings& findings);
 
 struct ComparedRun {

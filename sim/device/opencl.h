@@ -158,7 +158,8 @@ class Kernel {
   void set_local(cl_uint argument, std::size_t bytes) {
     check(clSetKernelArg(kernel_.get(), argument, bytes, nullptr), "clSetKernelArg");
   }
-  /// The largest work-group in which the device can run the kernel. Throws RunError where it has not enough local memory.
+  /// The largest work-group in which the device can run the kernel. Throws RunError where it has not enough local
+  /// memory.
   [[nodiscard]] std::size_t largest_group(const DeviceInfo& info) const;
   /// Launches at least `items` work-items in groups of `group`. The event holds the time of the run.
   [[nodiscard]] Event launch(const Device& device, std::size_t items, std::size_t group) const;

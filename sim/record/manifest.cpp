@@ -47,7 +47,9 @@ const KindOfResults& kind_of(ResultKind kind) {
   static const KindOfResults kinds[] = {
       {"run", Pattern(files_of_run()), {"scenario.yaml", "summary.json"}},
       {"comparison", Pattern("CITATION\\.txt|compare\\.(csv|gp|png|svg|pdf)|(curves|runs)\\.csv"), {"compare.csv"}},
-      {"verification", Pattern("CITATION\\.txt|device\\.md|verification\\.(md|json|gp|png|svg)"), {"verification.json"}},
+      {"verification",
+       Pattern("CITATION\\.txt|device\\.md|verification\\.(md|json|gp|png|svg)"),
+       {"verification.json"}},
       {"benchmark", Pattern("CITATION\\.txt|bench\\.(json|gp|png|svg)"), {"bench.gp"}},
   };  // in the order of ResultKind
   return kinds[static_cast<std::size_t>(kind)];
