@@ -52,6 +52,7 @@ void add_commands(CLI::App& app, reamsim::Console& console) {
   reamsim::add_verify_command(app, console);
 #endif
   reamsim::add_devices_command(app, console);
+  reamsim::add_cache_command(app, console);
   reamsim::add_cite_command(app);
   reamsim::add_help_command(app);
 }

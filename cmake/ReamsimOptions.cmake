@@ -82,7 +82,8 @@ function(reamsim_test name)
   reamsim_precompile(${name} test_headers)
   # Names of tests, which are short, must differ within a unit.
   set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 12)
-  set(properties TIMEOUT ${REAMSIM_TEST_TIMEOUT_S})
+  # Tests load their bones themselves, and leave nothing in the home of who runs them.
+  set(properties TIMEOUT ${REAMSIM_TEST_TIMEOUT_S} ENVIRONMENT REAMSIM_CACHE=off)
   if(ARG_HOST_THREADS)
     list(APPEND properties LABELS host_threads)
   endif()

@@ -205,8 +205,6 @@ fs::path BoneStore::usual_folder() {
   return fs::path(cache.empty() ? home + "/.cache" : cache) / "reamsim" / "bones";
 }
 
-BoneStore::BoneStore(fs::path folder) : folder_(std::move(folder)) {}
-
 Bone BoneStore::find_or_load(const BoneSettings& settings, Diagnostics& report,
                              const std::function<Bone(Diagnostics& report)>& load) const {
   if (folder_.empty() || settings.source == BoneSource::vdb) return load(report);
@@ -232,7 +230,7 @@ Bone BoneStore::find_or_load(const BoneSettings& settings, Diagnostics& report,
   if (kept.bone.voxmap->grade.bytes() + kept.bone.fill.bytes() < kMostBytesOfBone) {
     if (const auto content = crypted(text_of(kept), key, true)) {
       write_bone(path, *content);
-      remove_beyond(kMostBytes);
+      remove_beyond(most_bytes_);
     }
   }
   return std::move(kept.bone);

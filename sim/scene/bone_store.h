@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "sim/bone/bone.h"
 
@@ -21,8 +22,9 @@ class BoneStore {
   static constexpr std::uintmax_t kMostBytes = 2'000'000'000;      ///< of all files; the least recently used ones go
   static constexpr std::uintmax_t kMostBytesOfBone = 100'000'000;  ///< larger bones are not kept
 
-  /// `folder`: empty: none is kept.
-  explicit BoneStore(std::filesystem::path folder = usual_folder());
+  /// `folder`: empty: none is kept. `most_bytes`: of all files.
+  explicit BoneStore(std::filesystem::path folder = usual_folder(), std::uintmax_t most_bytes = kMostBytes)
+      : folder_(std::move(folder)), most_bytes_(most_bytes) {}
   /// Empty where it is turned off or the user has no home.
   static std::filesystem::path usual_folder();
 
@@ -40,6 +42,7 @@ class BoneStore {
   void remove_beyond(std::uintmax_t most_bytes) const;
 
   std::filesystem::path folder_;
+  std::uintmax_t most_bytes_;
 };
 
 }  // namespace reamsim
