@@ -188,8 +188,12 @@ class Assignment {
 /// Points of a rim in order round their middle, as seen along the normal of their plane.
 std::vector<Vec3> ordered_round(std::vector<Vec3> rim) {
   if (rim.size() < kLeastRimPoints) return rim;
-  const PointSpread spread = spread_of_points(rim);
-  std::ranges::stable_sort(rim, {}, [&](const Vec3& p) { return angle_in_plane(p, spread); });
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : rim) middle += p / static_cast<double>(rim.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : rim) spread += (p - middle) * (p - middle).transpose();
+  const PointSpread plane{middle, symmetric_eigen(spread)};
+  std::ranges::stable_sort(rim, {}, [&](const Vec3& p) { return angle_in_plane(p, plane); });
   return rim;
 }
 

@@ -40,9 +40,10 @@ void add_jobs(CLI::App& command, int& jobs) {
 
 namespace {
 
-/// Throws InputError where one of --devices does not exist.
+/// Throws InputError where one of --devices does not exist, RunError where there is no OpenCL.
 void check_devices(const SweepOptions& options, const Console& console) {
   for (const std::string& device : options.devices) {
+    if (device.empty()) throw InputError({}, "--devices", "an empty name", "expected auto, serial, or parts of names");
     const auto kernels = prepare_opencl(device, console);
     if (device != "serial") cl::choose_device(device);
   }
@@ -54,6 +55,7 @@ void add_devices(CLI::App& command, std::vector<std::string>& devices) {
           "--devices", devices,
           "Devices in place of engine.device, among which the runs are divided: auto, serial, or parts of names")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->type_name("A,B");
 }
 
@@ -151,7 +153,7 @@ void plan_command(const StudyOptions& options, const Console& console) {
   if (!all) throw Interrupted();
   warn_of_runs(estimate.warnings, fmt::format("{} of {} runs have warnings", estimate.warnings.runs(), valid.size()),
                console);
-  if (!valid.empty()) print_estimate(console, sweep.study, estimate, valid.size(), options.jobs);
+  if (!valid.empty()) print_estimate(console, sweep.study, estimate, valid.size(), options.sweep.workers(options.jobs));
   print(mistakes, console);
   if (mistakes.runs() > 0) {
     refuse_file(options.sweep.file, fmt::format("{} of {} runs are wrong", mistakes.runs(), sweep.runs.size()),

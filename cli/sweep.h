@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -27,6 +28,8 @@ struct SweepOptions {
   std::vector<std::string> devices = {};  ///< in place of engine.device, one worker each in turn; none: engine.device
 
   void add_to(CLI::App& command);
+  /// One for each job, and for each device at least.
+  [[nodiscard]] int workers(int jobs) const { return std::max(jobs, static_cast<int>(devices.size())); }
   /// DIR of -o, else out/NAME of the study.
   [[nodiscard]] std::string dir(const Study& study) const;
 };
@@ -98,11 +101,11 @@ struct RunEstimate {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunEstimate, load_s, simulate_s, memory_bytes, frames, warnings)
 
-/// Distributes runs (indices in the plan) over `jobs` processes of this program, at least one for each device, which
-/// divide the processors among them. They simulate into the study's folder `dir`, or, where it is "", check. Calls
-/// `answered` for each run. A worker that ends by itself, or whose device fails, fails its run and is replaced; after
-/// three failures of its device in a row it is not, and others take its runs. Returns false where stop_requested()
-/// ended the work and the workers. Throws RunError where no worker can be started, or none is left.
+/// Distributes runs (indices in the plan) over SweepOptions::workers() processes of this program, at most one for each
+/// run, which divide the processors among them. They simulate into the study's folder `dir`, or, where it is "", check.
+/// Calls `answered` for each run. A worker that ends by itself, or whose device fails, fails its run and is replaced;
+/// with SweepOptions::devices not after three failures in a row, when others take its runs. Returns false where
+/// stop_requested() ended the work and the workers. Throws RunError where no worker can be started, or none is left.
 bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
              const std::string& dir, int jobs, const std::function<void(const WorkerAnswer&)>& answered);
 

@@ -109,6 +109,8 @@ class Worker {
     return answer;
   }
   void stop() const { kill(pid_, SIGTERM); }
+  /// Ends it at once: a driver that has lost its device may not let it end by itself.
+  void end_now() const { kill(pid_, SIGKILL); }
   /// Waits for its end and says why it ended.
   std::string end() {
     const int status = wait_for(pid_);
@@ -153,12 +155,13 @@ class Parts {
 class Work {
  public:
   Work(std::vector<std::vector<std::string>> commands, const SweepRuns& sweep, const std::vector<std::size_t>& runs,
-       const std::function<void(const WorkerAnswer&)>& answered)
+       bool has_devices, const std::function<void(const WorkerAnswer&)>& answered)
       : commands_(std::move(commands)),
         sweep_(sweep),
         parts_(runs, commands_.size()),
         answered_(answered),
         workers_(commands_.size()),
+        has_devices_(has_devices),
         device_failures_(commands_.size()) {}
 
   bool run() {
@@ -172,7 +175,7 @@ class Work {
       }
     }
     if (!stopping_ && parts_.next(0)) {
-      throw RunError("no device is left for the other runs; the same command continues with them");
+      throw RunError("no device is left for the other runs: " + device_failure_);
     }
     return !stopping_;
   }
@@ -204,8 +207,12 @@ class Work {
       answered_(*answer);
       const bool failed = answer->outcome == WorkerAnswer::Outcome::device_failed;
       device_failures_[i] = failed ? device_failures_[i] + 1 : 0;
-      if (failed) workers_[i].reset();  // the driver gets a new process
-      if (device_failures_[i] < kMostDeviceFailures) begin_next(i);
+      if (failed) {  // the driver gets a new process
+        workers_[i]->end_now();
+        workers_[i].reset();
+        device_failure_ = answer->text;
+      }
+      if (!has_devices_ || device_failures_[i] < kMostDeviceFailures) begin_next(i);
     }
   }
 
@@ -227,7 +234,9 @@ class Work {
   Parts parts_;
   const std::function<void(const WorkerAnswer&)>& answered_;
   std::vector<std::unique_ptr<Worker>> workers_;
+  bool has_devices_;                  ///< of --devices, so that others can take the runs of one that fails
   std::vector<int> device_failures_;  ///< in a row, by worker
+  std::string device_failure_;        ///< the last one
   bool stopping_ = false;
   int deaths_ = 0;
 };
@@ -238,7 +247,7 @@ bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const
              const std::string& dir, int jobs, const std::function<void(const WorkerAnswer&)>& answered) {
   if (runs.empty()) return true;
   const std::size_t devices = options.devices.size();
-  jobs = std::min(std::max(jobs, static_cast<int>(devices)), static_cast<int>(runs.size()));
+  jobs = std::min(options.workers(jobs), static_cast<int>(runs.size()));
   if (jobs > 1) {
     // Workers share the processors: PoCL of each uses its part only, and does not pin its threads to the first ones.
     const long processors = std::max(1L, sysconf(_SC_NPROCESSORS_ONLN));
@@ -253,7 +262,7 @@ bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const
     commands[i].insert(commands[i].end(), {"--part", std::to_string(i), std::to_string(jobs)});
     if (devices > 0) commands[i].insert(commands[i].end(), {"--devices", options.devices[i % devices]});
   }
-  return Work(std::move(commands), sweep, runs, answered).run();
+  return Work(std::move(commands), sweep, runs, devices > 0, answered).run();
 }
 
 namespace {
@@ -350,7 +359,8 @@ class RunWorker {
       return {Outcome::interrupted, message_of(error)};
     } catch (const InputError& error) {
       // The command has found the device of --devices when it began.
-      const bool is_gone = !device_.empty() && error.mistakes().front().key == "engine.device";
+      const Mistake& first = error.mistakes().front();
+      const bool is_gone = !device_.empty() && first.key == "engine.device" && first.where.file.empty();
       return {is_gone ? Outcome::device_failed : Outcome::wrong_input, message_of(error)};
     } catch (const cl::DeviceError& error) {
       return {Outcome::device_failed, message_of(error)};

@@ -53,14 +53,15 @@ std::string_view without_blanks(std::string_view text, std::string_view blanks) 
 }
 
 std::string replace_all(std::string_view text, std::initializer_list<Replacement> replacements) {
-  std::string out;
+  std::string out, begins;  // first characters of what is replaced
   out.reserve(text.size());
+  for (const Replacement& one : replacements) begins += one.first.front();
   while (!text.empty()) {
     const auto here = [&](const Replacement& one) { return text.starts_with(one.first); };
     const auto found = std::ranges::find_if(replacements, here);
-    const Replacement step = found == replacements.end() ? Replacement(text.substr(0, 1), text.substr(0, 1)) : *found;
-    out += step.second;
-    text.remove_prefix(step.first.size());
+    const std::string_view kept = text.substr(0, text.find_first_of(begins, 1));
+    out += found == replacements.end() ? kept : found->second;
+    text.remove_prefix(found == replacements.end() ? kept.size() : found->first.size());
   }
   return out;
 }

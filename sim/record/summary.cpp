@@ -193,6 +193,7 @@ bool is_result_of(const std::string& dir, const Scenario& scenario) {
     if (scenario.bone.side == BodySide::unknown) resolved.bone.side = written.side;
     resolved.bone.voxel_mm = written.voxel_mm;
   }
+  resolved.engine.device = parse_scenario(file, {}).engine.device;  // a study may divide its runs among devices anew
   std::size_t body = 0;
   for (int line = 0; line < kHeadLines; ++line) body = std::min(text.size(), text.find('\n', body)) + 1;
   return body <= text.size() && text.substr(body) == scenario_body(resolved, input_sums(scenario));

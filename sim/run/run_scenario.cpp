@@ -354,7 +354,7 @@ std::optional<std::int64_t> run_scenario(const RunRequest& request, RunResources
     folder.keep();
     std::string message = message_of(error) + "; finished frames are kept in " + folder.path();
     if (const auto frame = checkpoints.saved_frame())
-      message += fmt::format("; frame {} is saved, and the same command with --resume continues", *frame);
+      message += fmt::format("; frame {} is saved: continue a run with --resume, a study by the same command", *frame);
     if (dynamic_cast<const cl::DeviceError*>(&error) != nullptr) throw cl::DeviceError(message);
     throw RunError(message);
   }

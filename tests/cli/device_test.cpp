@@ -153,6 +153,16 @@ TEST_F(OtherDevice, AStudyGoesOnWhereADeviceIsGone) {
   const ProgramResult lost = sweep("auto", "gone", "lost");
   EXPECT_EQ(lost.status, 1);
   EXPECT_THAT(lost.err, HasSubstr("no device is left"));
+  // One that fails in mid run leaves a checkpoint, from which another device goes on.
+  const auto sweep_with_checkpoints = [&](const std::string& devices, const std::string& settings) {
+    return call({"sweep", "run", "--devices", devices, "study.yaml", "-o", "failed", "--jobs", "1",
+                 "--set=output.checkpoint_s=0.001", "--set=engine.batch_frames=1"},
+                settings);
+  };
+  EXPECT_EQ(sweep_with_checkpoints("auto", "fails=20").status, 1);
+  const ProgramResult continued = sweep_with_checkpoints("serial", "");
+  EXPECT_EQ(continued.status, 0) << continued.err;
+  EXPECT_THAT(continued.out, HasSubstr("continued after frame"));
   EXPECT_EQ(sweep("serial,auto", "", "out").status, 0);
   EXPECT_EQ(sweep("serial", "", "serial").status, 0);
   const auto sums = [&](const std::string& folder) {
