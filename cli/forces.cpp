@@ -17,8 +17,8 @@
 #include "sim/record/citation.h"
 #include "sim/record/output_folder.h"
 #include "sim/record/result_json.h"
-#include "sim/scenario/derived.h"
 #include "sim/scenario/key_tree.h"
+#include "sim/scenario/parse.h"
 #include "sim/study/reforce.h"
 
 namespace reamsim {

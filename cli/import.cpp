@@ -20,6 +20,7 @@
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/scenario.h"
+#include "sim/scene/bone_store.h"
 #include "sim/scene/load_bone.h"
 
 namespace reamsim {
@@ -161,6 +162,21 @@ void add_import_command(CLI::App& app, Console& console) {
   command->add_flag("--overwrite", options->overwrite, "Replace the output file");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([options, &console] { import_command(*options, console); });
+}
+
+void add_cache_command(CLI::App& app, Console& console) {
+  auto* command = app.add_subcommand("cache", "Show or empty the store of bones that were loaded before");
+  auto empty = std::make_shared<bool>(false);
+  command->add_flag("--clear", *empty, "Remove these bones");
+  command->callback([empty, &console] {
+    const std::filesystem::path folder = BoneStore::usual_folder();
+    if (folder.empty()) return console.say("no bones are kept: REAMSIM_CACHE is off, or there is no home");
+    const BoneStore store(folder);
+    if (*empty) store.clear();
+    const auto [bones, bytes] = store.size();
+    console.say(fmt::format("{}: {} bones, {} of at most {}; REAMSIM_CACHE=off keeps none", folder.string(), bones,
+                            megabytes(bytes), megabytes(BoneStore::kMostBytes)));
+  });
 }
 
 }  // namespace reamsim

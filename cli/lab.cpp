@@ -11,7 +11,7 @@
 #include <cstring>
 #include <thread>
 
-#include "cli/stop.h"
+#include "cli/console.h"
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/process.h"

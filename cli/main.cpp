@@ -13,8 +13,8 @@
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
+#include "cli/console.h"
 #include "cli/environment.h"
-#include "cli/stop.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"

@@ -78,7 +78,9 @@ struct ScenarioOptions {
         *command.add_option("SCENARIO", file, "Scenario file (YAML), or the name of a shipped one")->required(),
         ShippedKind::scenario);
     add_overrides(command, overrides, "Override a key of the scenario, for example bone.voxel_mm=0.4");
-    command.add_option("--device", device, "auto, serial, or part of the name of an OpenCL device")->type_name("NAME");
+    command
+        .add_option("--device", device, "auto, serial, or part of PLATFORM: NAME of an OpenCL device (#2: the second)")
+        ->type_name("NAME");
     command.add_option("--engine", engine, "Engine (default: that of the scenario)")
         ->type_name("auto|exact|bricked|direct|octree|implicit");
   }

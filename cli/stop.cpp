@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cli/stop.h"
+#include "cli/console.h"
 
 #include <unistd.h>
 

@@ -23,9 +23,9 @@
 #include <tuple>
 #include <utility>
 
+#include "cli/console.h"
 #include "cli/environment.h"
 #include "cli/outputs.h"
-#include "cli/stop.h"
 #include "cli/sweep.h"
 #include "sim/base/error.h"
 #include "sim/base/process.h"
@@ -34,7 +34,7 @@
 #include "sim/record/output_folder.h"
 #include "sim/run/cost_estimate.h"
 #include "sim/run/simulation.h"
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 #include "sim/scene/clearance.h"
 #include "sim/scene/contact_forecast.h"
 #include "sim/study/study_folder.h"
@@ -46,7 +46,7 @@ namespace {
 constexpr int kPoll_ms = 100;
 /// How often in a row a worker may end before it has finished a run.
 constexpr int kMostDeaths = 20;
-/// How often in a row the device of a worker may fail.
+/// How often in a row a device of --devices may fail.
 constexpr int kMostDeviceFailures = 3;
 
 /// How a process ended, in words.
@@ -155,14 +155,14 @@ class Parts {
 class Work {
  public:
   Work(std::vector<std::vector<std::string>> commands, const SweepRuns& sweep, const std::vector<std::size_t>& runs,
-       bool has_devices, const std::function<void(const WorkerAnswer&)>& answered)
+       std::size_t devices, const std::function<void(const WorkerAnswer&)>& answered)
       : commands_(std::move(commands)),
         sweep_(sweep),
         parts_(runs, commands_.size()),
         answered_(answered),
         workers_(commands_.size()),
-        has_devices_(has_devices),
-        device_failures_(commands_.size()) {}
+        has_devices_(devices > 0),
+        device_failures_(std::max<std::size_t>(1, devices)) {}
 
   bool run() {
     for (std::size_t i = 0; i < workers_.size(); ++i) begin_next(i);
@@ -174,13 +174,15 @@ class Work {
         if (worker) worker->stop();
       }
     }
-    if (!stopping_ && parts_.next(0)) {
-      throw RunError("no device is left for the other runs: " + device_failure_);
+    for (auto left = parts_.next(0); left && !stopping_; left = parts_.next(0)) {
+      answered_({.run = *left, .outcome = Outcome::device_failed, .text = "no device is left; " + device_failure_});
     }
     return !stopping_;
   }
 
  private:
+  using Outcome = WorkerAnswer::Outcome;
+
   void begin_next(std::size_t i) {
     const auto run = stopping_ ? std::nullopt : parts_.next(i);
     if (!run) return workers_[i].reset();
@@ -205,14 +207,13 @@ class Work {
     if (const auto answer = workers_[i]->take_answer()) {
       deaths_ = 0;
       answered_(*answer);
-      const bool failed = answer->outcome == WorkerAnswer::Outcome::device_failed;
-      device_failures_[i] = failed ? device_failures_[i] + 1 : 0;
-      if (failed) {  // the driver gets a new process
-        workers_[i]->end_now();
+      if (answer->outcome == Outcome::done) device_failures_[device_of(i)] = 0;
+      if (answer->outcome == Outcome::device_failed) {
+        workers_[i]->end_now();  // the driver gets a new process
         workers_[i].reset();
-        device_failure_ = answer->text;
+        count_failure(i, answer->text);
       }
-      if (!has_devices_ || device_failures_[i] < kMostDeviceFailures) begin_next(i);
+      if (!is_lost(i)) begin_next(i);
     }
   }
 
@@ -222,11 +223,21 @@ class Work {
     const std::string cause = workers_[i]->end();
     workers_[i].reset();
     if (!run) return;
-    using Outcome = WorkerAnswer::Outcome;
     const bool asked_to = stopping_ || stop_requested();
     answered_({.run = *run, .outcome = asked_to ? Outcome::interrupted : Outcome::failed, .text = cause});
     if (!asked_to && ++deaths_ >= kMostDeaths) throw RunError("workers end before they finish a run: " + cause);
-    begin_next(i);
+    count_failure(i, cause);
+    if (!is_lost(i)) begin_next(i);
+  }
+
+  [[nodiscard]] std::size_t device_of(std::size_t worker) const { return worker % device_failures_.size(); }
+  void count_failure(std::size_t worker, const std::string& cause) {
+    ++device_failures_[device_of(worker)];
+    device_failure_ = cause;
+  }
+  /// Whether the device of --devices fails again and again, so that others take its runs.
+  [[nodiscard]] bool is_lost(std::size_t worker) const {
+    return has_devices_ && device_failures_[device_of(worker)] >= kMostDeviceFailures;
   }
 
   std::vector<std::vector<std::string>> commands_;
@@ -234,8 +245,8 @@ class Work {
   Parts parts_;
   const std::function<void(const WorkerAnswer&)>& answered_;
   std::vector<std::unique_ptr<Worker>> workers_;
-  bool has_devices_;                  ///< of --devices, so that others can take the runs of one that fails
-  std::vector<int> device_failures_;  ///< in a row, by worker
+  bool has_devices_;                  ///< of --devices
+  std::vector<int> device_failures_;  ///< in a row, by device: worker i has device i modulo their number
   std::string device_failure_;        ///< the last one
   bool stopping_ = false;
   int deaths_ = 0;
@@ -262,7 +273,7 @@ bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const
     commands[i].insert(commands[i].end(), {"--part", std::to_string(i), std::to_string(jobs)});
     if (devices > 0) commands[i].insert(commands[i].end(), {"--devices", options.devices[i % devices]});
   }
-  return Work(std::move(commands), sweep, runs, devices > 0, answered).run();
+  return Work(std::move(commands), sweep, runs, devices, answered).run();
 }
 
 namespace {

@@ -16,7 +16,6 @@
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/environment.h"
-#include "cli/stop.h"
 #include "render/plots/plots.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -192,7 +191,8 @@ void add_bench_command(CLI::App& app, Console& console) {
       ->excludes(exact)
       ->excludes(latency);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing figure and JSON file")->excludes(latency);
-  command->add_option("--device", options->device, "auto, or part of the name of an OpenCL device")->type_name("NAME");
+  command->add_option("--device", options->device, "auto, or part of PLATFORM: NAME of an OpenCL device")
+      ->type_name("NAME");
   command
       ->add_option("--engines", options->engines,
                    "Engines to measure: exact, bricked, direct, octree, implicit (default: all)")
@@ -271,7 +271,7 @@ void add_verify_command(CLI::App& app, Console& console) {
   add_output(*command, options->output,
              "Output folder for device.md, verification.md, .json, .png and .svg (default: out/verify)");
   command->add_flag("--overwrite", options->overwrite, "Replace an existing report once the new one is complete");
-  command->add_option("--device", options->device, "auto, serial, or part of the name of an OpenCL device")
+  command->add_option("--device", options->device, "auto, serial, or part of PLATFORM: NAME of an OpenCL device")
       ->type_name("NAME");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->add_flag("--json", options->json, "Print the verification.json of the report");

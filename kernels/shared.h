@@ -31,8 +31,8 @@ typedef uint8_t rs_u8;
 #define RS_GLOBAL
 #endif
 #define RS_INLINE static inline
-/* An error of the compiler, of the host's or the device's, where a shared struct has not this size: members of 8 bytes
- * come first, and no struct has padding, so that the size decides the layout. */
+/* An error of the compiler, of the host's or the device's, where a shared struct has not this size: no struct has
+ * padding, so that the size decides the layout. */
 #define RS_SAME_LAYOUT(type, bytes) typedef char type##_layout[sizeof(type) == (bytes) ? 1 : -1]
 #define RS_SQRT sqrt
 #define RS_FLOOR floor

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include "render/pictures/canvas.h"
 #include "sim/base/text.h"

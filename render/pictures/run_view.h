@@ -68,7 +68,7 @@ class RunPath {
 class RunData {
  public:
   /// A finished run: reads DIR/reamed.vdb (with `bone_from_glenoid`, 16 numbers row by row, `bone_side` and
-  /// `erosion` in the metadata of `density`, all optional), DIR/snapshots/ and DIR/forces.csv.
+  /// `erosion` in the metadata of `density`, all optional: without it exact), DIR/snapshots/ and DIR/forces.csv.
   RunData(std::string dir);  // implicit
   /// A run before its start.
   explicit RunData(RunInputs inputs);

@@ -19,7 +19,7 @@
 #include "sim/base/file.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/voxmap/voxmap.h"
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
 #include "sim/scene/load_bone.h"
 #include "sim/tool/motion.h"

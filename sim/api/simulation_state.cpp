@@ -9,8 +9,8 @@
 #include "sim/api/reamsim/simulation.h"
 #include "sim/api/state_parts.h"
 #include "sim/base/file.h"
-#include "sim/run/run_scenario.h"
 #include "sim/base/value_file.h"
+#include "sim/run/run_scenario.h"
 #include "sim/scenario/parse.h"
 
 namespace reamsim {

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <bit>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -27,7 +28,7 @@ namespace bench {
 
 namespace {
 
-/// Work-items per group of the published kernels.
+/// Work-items per group of the published kernels, where the device can run as many.
 constexpr std::size_t kGroup = 256;
 
 /// The arguments of the published kernels for a substep, in shell cells and voxels. `voi` in T, mm; without it the
@@ -63,7 +64,7 @@ class PublishedProgram : public Program {
   void prepare(const Substep& frame) override {
     write_frame(frame, std::nullopt, true);
     touched_count_.clear(device_, 1);
-    const cl::Event done = touched_kernel_.launch(device_, points_, kGroup);
+    const cl::Event done = touched_kernel_.launch(device_, points_, group_of(touched_kernel_));
     touched_count_.read(device_, &recorded_, 1);
     prepared_ = true;
   }
@@ -80,7 +81,7 @@ class PublishedProgram : public Program {
       restore_all();
     } else if (recorded_ > 0) {
       restore_kernel_.set(1, recorded_);
-      const cl::Event done = restore_kernel_.launch(device_, recorded_, kGroup);
+      const cl::Event done = restore_kernel_.launch(device_, recorded_, group_of(restore_kernel_));
     }
     device_.finish();
     changed_ = prepared_ = false;
@@ -111,6 +112,12 @@ class PublishedProgram : public Program {
     touched_kernel_.set_from(0, shell, static_cast<cl_uint>(points_), frame_, bone, touched_, touched_count_);
     restore_kernel_.set(0, touched_);
     restore_kernel_.set(2, state);
+  }
+  /// A power of two.
+  std::size_t group_of(const cl::Kernel& kernel) {
+    const auto [group, is_new] = groups_.try_emplace(&kernel, kGroup);
+    if (is_new) group->second = std::min(kGroup, std::bit_floor(kernel.largest_group(device_.info())));
+    return group->second;
   }
   /// Runs the kernels on the frame that was written, and adds contacts and force to `sample`.
   virtual void detect(std::vector<cl::Event>& events, BatchSample& sample) = 0;
@@ -154,6 +161,7 @@ class PublishedProgram : public Program {
   cl::Kernel touched_kernel_, restore_kernel_;
   cl::Buffer<cl_uint2> touched_;  ///< (voxel, value)
   cl::Buffer<cl_uint> touched_count_;
+  std::map<const cl::Kernel*, std::size_t> groups_;
   cl_uint recorded_ = 0;
   bool prepared_ = false;  ///< the changes of the next frame are recorded
   bool changed_ = false;   ///< by more than what is recorded
@@ -185,7 +193,7 @@ class PublishedDirect final : public PublishedProgram {
   }
 
   void detect(std::vector<cl::Event>& events, BatchSample& sample) override {
-    events.push_back(kernel_.launch(device_, points_, kGroup));
+    events.push_back(kernel_.launch(device_, points_, group_of(kernel_)));
     PublishedFrame result;
     frame_.read(device_, &result, 1);
     sample.contacts += result.contacts;
@@ -242,11 +250,12 @@ class PublishedOctree final : public PublishedProgram {
 
   cl::Event reduce(const cl::Buffer<float>& in, std::size_t count, const cl::Buffer<float>& out, std::size_t groups) {
     reduce_.set_from(0, in, static_cast<cl_uint>(count), out);
-    return reduce_.launch(device_, groups * kGroup, kGroup);
+    const std::size_t group = group_of(reduce_);
+    return reduce_.launch(device_, groups * group, group);
   }
 
   void detect(std::vector<cl::Event>& events, BatchSample& sample) override {
-    events.push_back(detect_.launch(device_, points_, kGroup));
+    events.push_back(detect_.launch(device_, points_, group_of(detect_)));
     events.push_back(reduce(forces_, points_, partial_, kPartialSums));
     events.push_back(reduce(partial_, kPartialSums, sum_, 1));
     float result[4];

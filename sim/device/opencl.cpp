@@ -66,8 +66,8 @@ Program build_program(const DeviceInfo& info, cl_context context, const std::str
       "-cl-std=CL1.2 -cl-single-precision-constant " + folder_option + rounding + atomics + options;
   status = clBuildProgram(program.get(), 1, &info.id, all_options.c_str(), nullptr, nullptr);
   if (status == CL_SUCCESS) return program;
-  throw RunError("kernel " + name + " does not build on " + info.name + " (" + info.platform_name + ", driver " +
-                 info.driver + ") with the options " + all_options + ": " + build_log(program.get(), info.id));
+  throw DeviceError("kernel " + name + " does not build on " + info.name + " (" + info.platform_name + ", driver " +
+                    info.driver + ") with the options " + all_options + ": " + build_log(program.get(), info.id));
 }
 
 }  // namespace
@@ -110,10 +110,12 @@ Memory allocate_memory(const Device& device, std::size_t bytes, const char* what
   }
   cl_int status = CL_SUCCESS;
   Memory memory(clCreateBuffer(device.context(), CL_MEM_READ_WRITE, bytes == 0 ? 1 : bytes, nullptr, &status));
-  if (status != CL_SUCCESS) {
+  if (status == CL_MEM_OBJECT_ALLOCATION_FAILURE || status == CL_INVALID_BUFFER_SIZE ||
+      status == CL_OUT_OF_HOST_MEMORY) {
     throw InputError({}, key, need + "; " + info.name + " has not enough memory (" + error_name(status) + ")",
                      expected + ", or another engine.device");
   }
+  check(status, "clCreateBuffer");
   return memory;
 }
 

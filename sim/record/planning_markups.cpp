@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/record/summary.h"
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 
 namespace reamsim {
 

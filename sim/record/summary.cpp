@@ -16,7 +16,6 @@
 #include "sim/record/output_folder.h"
 #include "sim/record/recorder.h"
 #include "sim/record/result_json.h"
-#include "sim/scenario/derived.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
 
@@ -193,10 +192,14 @@ bool is_result_of(const std::string& dir, const Scenario& scenario) {
     if (scenario.bone.side == BodySide::unknown) resolved.bone.side = written.side;
     resolved.bone.voxel_mm = written.voxel_mm;
   }
-  resolved.engine.device = parse_scenario(file, {}).engine.device;  // a study may divide its runs among devices anew
   std::size_t body = 0;
   for (int line = 0; line < kHeadLines; ++line) body = std::min(text.size(), text.find('\n', body)) + 1;
-  return body <= text.size() && text.substr(body) == scenario_body(resolved, input_sums(scenario));
+  const auto without_device = [](const std::string& yaml) {  // a study may divide its runs among devices anew
+    const std::size_t at = std::min(yaml.find("\n  device: "), yaml.size());
+    return yaml.substr(0, at) + yaml.substr(std::min(yaml.find('\n', at + 1), yaml.size()));
+  };
+  return body <= text.size() &&
+         without_device(text.substr(body)) == without_device(scenario_body(resolved, input_sums(scenario)));
 }
 
 void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,

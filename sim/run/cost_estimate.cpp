@@ -141,7 +141,7 @@ double path_bytes(double frames) {
   return 2 * sizeof(PathSample) * std::min(frames, static_cast<double>(BoundedPath::kMost));
 }
 
-/// The rows of the log, and a copy with the means that the plots show.
+/// The rows of the log; vectors double as they grow.
 double log_bytes(double frames) {
   return 2 * sizeof(ForceRow) * std::min(frames, static_cast<double>(LogOptions{}.most_rows));
 }

@@ -148,7 +148,7 @@ void describe_engine(KeyVisitor& v, EngineSettings& engine) {
         "envelope of revolution per voxel (Yau et al.)");
   v.key("device", engine.device,
         "auto: the OpenCL device that `reamsim devices` marks; serial: C++ reference without OpenCL (slow); other "
-        "text: part of an OpenCL device name");
+        "text: part of PLATFORM: NAME of an OpenCL device; #2 at its end takes the second that matches");
   v.key("batch_frames", engine.batch_frames, "Frames per readback of results; affects speed only", between(1, 10000));
   v.key("max_step_voxels", engine.max_step_voxels,
         "Longest motion of any tool point per substep, voxels; above 0.5 bone may remain between steps",

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 #include "sim/scenario/parse_steps.h"
 
 namespace reamsim {

@@ -11,7 +11,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/scenario/derived.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"

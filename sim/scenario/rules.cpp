@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {

@@ -180,7 +180,7 @@ struct EngineTuning {
 
 struct EngineSettings {
   EngineKind type = EngineKind::automatic;  ///< see engine_of()
-  std::string device = "auto";              ///< auto | serial | part of an OpenCL device's name
+  std::string device = "auto";              ///< auto | serial | part of PLATFORM: NAME of an OpenCL device
   int batch_frames = 64;                    ///< frames whose results are read back at once
   double max_step_voxels = 0.5;             ///< longest motion of any point of the tool in a substep
   EngineTuning tuning;

@@ -15,7 +15,7 @@
 #include "sim/bone/mesh_source.h"
 #include "sim/bone/voxel_surface.h"
 #include "sim/mesh/mesh_io.h"
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 #include "sim/scene/scene.h"
 #include "sim/scene/swept_bone.h"
 #include "sim/tool/tool_path.h"

@@ -8,7 +8,7 @@
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/voxmap.h"
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scene/load_bone.h"
 #include "sim/scene/swept_bone.h"

@@ -29,6 +29,13 @@ PoseSequence::PoseSequence(std::vector<ToolPose> poses) : size_(poses.size()) {
   };
 }
 
+PoseSequence PoseSequence::part(std::size_t first, std::size_t count) const {
+  PoseSequence out = *this;
+  out.first_ += first;
+  out.size_ = count;
+  return out;
+}
+
 std::vector<ToolPose> PoseSequence::all() const {
   std::vector<ToolPose> out;
   out.reserve(size_);

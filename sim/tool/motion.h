@@ -50,14 +50,17 @@ class PoseSequence {
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
-  ToolPose operator[](std::size_t k) const { return source_(k); }
+  ToolPose operator[](std::size_t k) const { return source_(first_ + k); }
   [[nodiscard]] ToolPose front() const { return (*this)[0]; }
   [[nodiscard]] ToolPose back() const { return (*this)[size_ - 1]; }
 
+  /// `count` poses from `first` on, which becomes pose 0.
+  [[nodiscard]] PoseSequence part(std::size_t first, std::size_t count) const;
   [[nodiscard]] std::vector<ToolPose> all() const;
 
  private:
   PoseSource source_;
+  std::size_t first_ = 0;
   std::size_t size_ = 0;
 };
 

@@ -145,6 +145,7 @@ void speed_case(const Setting& setting, Report& out) {
   for (const bench::Json& row : report["results"]) {
     median(fmt::format("{}, {}", bench::name_of({row["engine"], row["variant"]}), row["case"].get<std::string>()), row);
   }
+  for (const bench::Json& skipped : report["skipped"]) out.form += "; not measured: " + skipped.dump();
   for (const bench::Json& row : report["spheres"])
     median(row["engine"].get<std::string>() + ", sphere of 0.25 mm", row);
   SimulationInput plunge = scene_of(block({34, 34, 8}, 0.25, kExample.density_g_cm3), make_tool(head_of(kExample)),

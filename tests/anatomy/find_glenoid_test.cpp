@@ -11,7 +11,7 @@
 #include <iostream>
 #include <random>
 
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 #include "tests/bone/phantom_truth.h"
 
 namespace reamsim::test {

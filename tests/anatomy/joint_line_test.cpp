@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "sim/bone/bone.h"
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 #include "sim/scene/load_bone.h"
 #include "tests/anatomy/reamed_fixture.h"
 

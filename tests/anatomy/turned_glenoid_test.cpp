@@ -9,7 +9,7 @@
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/bone/phantom.h"
 #include "sim/bone/voxmap/voxmap.h"
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 #include "tests/bone/phantom_truth.h"
 
 namespace reamsim::test {

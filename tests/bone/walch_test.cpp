@@ -11,7 +11,7 @@
 
 #include "bone_fixture.h"
 #include "sim/bone/phantom.h"
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 
 namespace reamsim::test {
 namespace {

@@ -58,6 +58,7 @@ EXAMPLES = {
     "reamsim import": "reamsim import s.yaml -o bone.vdb",
     "reamsim devices": "reamsim devices --json",
     "reamsim cite": "reamsim cite out/s",
+    "reamsim cache": "reamsim cache",
     "reamsim help": "reamsim help sweep run",
     "reamsim bench": "",  # cli_test (Bench)
     "reamsim verify": "",  # cli_test (Verify)

@@ -32,19 +32,14 @@ def lab(rgb, vision):
     return numpy.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
 
 
-def curve_colors():
-    text = re.search(r"kCurveColors\{([^}]+)\}", SOURCE)[1]
+def colors_of(name):
+    text = re.search(name + r"\{([^}]+)\}", SOURCE)[1]
     return [[value >> 16, value >> 8 & 255, value & 255] for value in (int(word, 16) for word in text.split(","))]
-
-
-def ramp_colors():
-    text = re.search(r"kRamp\{(.+?)\}\}\};", SOURCE, re.DOTALL)[1]
-    return [[int(number) for number in stop] for stop in re.findall(r"(\d+), (\d+), (\d+)", text)]
 
 
 @pytest.mark.parametrize("vision", VISIONS)
 def test_curve_colours_are_apart(vision):
-    colors = curve_colors()
+    colors = colors_of("kCurveColors")
     assert len(colors) == 6
     least = min(numpy.linalg.norm(lab(a, vision) - lab(b, vision)) for a, b in itertools.combinations(colors, 2))
     to_paper = min(numpy.linalg.norm(lab(a, vision) - lab([255] * 3, vision)) for a in colors)
@@ -55,7 +50,7 @@ def test_curve_colours_are_apart(vision):
 @pytest.mark.parametrize("vision", VISIONS)
 def test_the_ramp_has_an_order(vision):
     """Lightness rises along the ramp, and 21 steps of it can be told apart."""
-    stops = numpy.array(ramp_colors(), dtype=float)
+    stops = numpy.array(colors_of("kRamp"), dtype=float)
     assert len(stops) == 10
     places = numpy.linspace(0, 9, 21)
     seen = [lab([numpy.interp(place, range(10), stops[:, c]) for c in range(3)], vision) for place in places]

@@ -9,7 +9,7 @@
 
 namespace reamsim::test {
 
-/// A run's folder, opened for rendering; single frames' forces.
+/// A run's folder, opened for rendering; forces as in its log.
 struct OpenedRun {
   OpenedRun(const std::string& dir, const RenderSettings& settings)
       : run(dir), view(run, settings), renderer(view), captions(run.log(), true) {}

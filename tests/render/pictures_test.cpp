@@ -47,7 +47,7 @@ class Pictures : public ::testing::Test {
   static void SetUpTestSuite() {
     dir_ = new TempDir;
     truth_ = write_results(dir_->path(), {});
-    render_pictures(dir_->path(), {small_settings(), 0.25});
+    render_pictures(dir_->path(), {.settings = small_settings()});
     target_ = new ViewTarget(RunData(dir_->path()).target());
   }
   static void TearDownTestSuite() {
@@ -201,7 +201,7 @@ TEST_F(Pictures, NumbersStandBesideTheLegendAndInTheCorner) {
 
 TEST_F(Pictures, TheSameRunGivesTheSameBytes) {
   const std::string before = test::file_bytes(dir_->path() + "/frames/000040_section.png");
-  render_pictures(dir_->path(), {small_settings(), 0.25});
+  render_pictures(dir_->path(), {.settings = small_settings()});
   EXPECT_EQ(test::file_bytes(dir_->path() + "/frames/000040_section.png"), before);
 }
 
@@ -216,7 +216,7 @@ class OtherPictures : public ::testing::Test {
     settings_.height_px = 240;
     settings_.cameras = {CameraView::oblique};
   }
-  void render() { render_pictures(dir_.path(), {settings_, 0.25}); }
+  void render() { render_pictures(dir_.path(), {.settings = settings_}); }
 
   TempDir dir_;
   RenderSettings settings_;
@@ -239,7 +239,7 @@ TEST_F(OtherPictures, OSMesaAndEglGiveTheSamePicture) {
   for (const RenderContext context : {RenderContext::osmesa, RenderContext::egl}) {
     settings_.context = context;
     Diagnostics report;
-    render_pictures(dir_.path(), {settings_, 0.25}, nullptr, &report);
+    render_pictures(dir_.path(), {.settings = settings_}, nullptr, &report);
     if (!report.warnings.empty()) GTEST_SKIP() << "this machine has only one of the two: " << report.warnings.front();
     fs::rename(dir_.path() + "/frames", dir_.path() + "/frames_" + name_of(context));
   }
@@ -255,7 +255,7 @@ TEST_F(OtherPictures, ProgressCountsEveryPicture) {
   std::vector<int> done;
   int total = 0;
   settings_.cameras = {CameraView::oblique, CameraView::glenoid};
-  render_pictures(dir_.path(), {settings_, 0.25}, [&](int now, int all, const std::string& file) {
+  render_pictures(dir_.path(), {.settings = settings_}, [&](int now, int all, const std::string& file) {
     done.push_back(now);
     total = all;
     EXPECT_TRUE(fs::exists(file));
@@ -274,7 +274,7 @@ TEST_F(OtherPictures, ARunWithoutGlenoidFrameIsSeenAlongTheTool) {
   options.side = BodySide::unknown;
   const FixtureTruth truth = write_results(other.path(), options);
   settings_.cameras = {CameraView::glenoid};
-  render_pictures(other.path(), {settings_, 0.25});
+  render_pictures(other.path(), {.settings = settings_});
   const RunData run(other.path());
   const ViewTarget& target = run.target();
   EXPECT_FALSE(target.anatomical);
@@ -289,7 +289,7 @@ TEST_F(OtherPictures, ABoneThatWasNeverTouchedHasNoDepthColour) {
   options.depth_mm = -1;
   write_results(other.path(), options);
   settings_.cameras = {CameraView::glenoid};
-  render_pictures(other.path(), {settings_, 0.25});
+  render_pictures(other.path(), {.settings = settings_});
   const Picture shown = test::read_picture(other.path() + "/reamed.png");
   EXPECT_TRUE(test::looks_like_bone(shown.at(160, 130)));
 }
@@ -333,7 +333,7 @@ TEST_F(OtherPictures, DamagedResultsAreInputErrors) {
   cut_short("snapshots/000060.vdb");
   cut_short("snapshots/tool.stl");
   EXPECT_NO_THROW(render());
-  EXPECT_THROW(render_pictures(dir + "/nowhere", {settings_, 0.25}), InputError);
+  EXPECT_THROW(render_pictures(dir + "/nowhere", {.settings = settings_}), InputError);
 }
 
 TEST_F(OtherPictures, NoCameraAndNoWidthAreInputErrors) {

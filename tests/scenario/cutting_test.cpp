@@ -4,7 +4,7 @@
 // The section `cutting`: presets, the table of specific energy, and the options of the force law.
 #include <gmock/gmock.h>
 
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 #include "tests/scenario/scenario_fixture.h"
 
 namespace reamsim::test {

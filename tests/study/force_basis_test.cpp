@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "sim/record/recorder.h"
-#include "sim/scenario/derived.h"
+#include "sim/scenario/parse.h"
 #include "sim/tool/distance_grid.h"
 #include "sim/tool/profile.h"
 #include "tests/study/basis_scene.h"

@@ -65,5 +65,15 @@ TEST(BoundedPathTest, ATrembleOfMillionsOfPosesIsBounded) {
   EXPECT_LE(path.finish().size(), 1001u);
 }
 
+TEST(PoseSequenceTest, APartBeginsAtItsFirstPose) {
+  const PoseSequence poses = {at_height(0), at_height(1), at_height(2), at_height(3)};
+  const PoseSequence part = poses.part(1, 2);
+  EXPECT_EQ(part.size(), 2u);
+  EXPECT_EQ(part.front().position_mm.z(), 1);
+  EXPECT_EQ(part.back().position_mm.z(), 2);
+  EXPECT_EQ(part.part(1, 1)[0].position_mm.z(), 2);
+  EXPECT_EQ(part.all().size(), 2u);
+}
+
 }  // namespace
 }  // namespace reamsim

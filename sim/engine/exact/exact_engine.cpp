@@ -158,7 +158,8 @@ class ExactEngine final : public Engine {
   /// Sets the substeps of the next visits by the time that the cut of the last one took.
   void limit_visits(int substeps, double cut_s) {
     if (cut_s > kLongestCut_s) most_substeps_ = std::max(1, substeps / 2);
-    if (cut_s < kLongestCut_s / 4) most_substeps_ = std::min(2 * most_substeps_, RS_VISIT_SUBSTEPS);
+    const bool whole = substeps >= most_substeps_ && cut_s > 0;
+    if (whole && cut_s < kLongestCut_s / 4) most_substeps_ = std::min(2 * most_substeps_, RS_VISIT_SUBSTEPS);
   }
 
   /// Lists the bricks in reach in a visit, and returns their number.

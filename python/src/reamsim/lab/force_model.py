@@ -151,8 +151,11 @@ class ForceBasis:
         kind, axis = CHANNELS[column]
         unit = "mm3" if kind else "mm2"
         values = [self.rows[f"{part}_{kind}{unit}"].astype(float) for part in "pn"]
-        direction = self.tool_z[self._place] if axis == 3 else numpy.eye(3)[axis]
-        p, n = (self.matrix((value * direction).sum(axis=1)) for value in values)
+        if axis == 3:
+            direction = self.tool_z[self._place]
+            p, n = (self.matrix((value * direction).sum(axis=1)) for value in values)
+        else:
+            p, n = (self.matrix(value[:, axis]) for value in values)
         return p, n
 
     def values(self, column: str, coefficients: Coefficients) -> numpy.ndarray:
