@@ -33,7 +33,6 @@ const std::string kBlockScan =
 TEST_F(Preview, HoldsTheScenarioAsItIsWritten) {
   const std::string page = page_of(kSmall + "# at the end\n");
   EXPECT_THAT(page, HasSubstr("\\n# at the end\\n\",\"file_name\":\"s.yaml\""));
-  EXPECT_THAT(page, HasSubstr("\"source\":\"phantom\""));
   EXPECT_FALSE(exists("p.html.tmp"));
 }
 
