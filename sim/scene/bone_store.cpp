@@ -8,9 +8,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -96,35 +98,36 @@ KeptBone bone_of(std::string_view text) {
   return kept;
 }
 
-/// The build of the program or library that this code is part of: its build id, which the linker makes of its content;
-/// "" without one.
-std::string build_id() {
-  std::string id;
-  const auto find = [](dl_phdr_info* info, std::size_t, void* out) {
-    const auto own = reinterpret_cast<ElfW(Addr)>(&build_id);
-    bool contains = false;
-    for (int i = 0; i < info->dlpi_phnum; ++i) {
-      const ElfW(Phdr)& part = info->dlpi_phdr[i];
-      const ElfW(Addr) begin = info->dlpi_addr + part.p_vaddr;
-      contains = contains || (part.p_type == PT_LOAD && own >= begin && own < begin + part.p_memsz);
+/// The builds of the program or library that this code is part of, and of the libraries that read and filter scans and
+/// meshes: their build ids, which the linker makes of their content.
+std::string build_ids() {
+  std::string ids;
+  const auto add = [](dl_phdr_info* object, std::size_t, void* out) {
+    const std::string_view name = object->dlpi_name;
+    const auto own = reinterpret_cast<ElfW(Addr)>(&build_ids);
+    bool counts = std::ranges::any_of(std::array{"ITK", "itk", "gdcm", "openvdb", "assimp"},
+                                      [&](const char* part) { return name.find(part) != name.npos; });
+    const std::span parts(object->dlpi_phdr, object->dlpi_phnum);
+    for (const ElfW(Phdr) & part : parts) {
+      const ElfW(Addr) begin = object->dlpi_addr + part.p_vaddr;
+      counts = counts || (part.p_type == PT_LOAD && own >= begin && own < begin + part.p_memsz);
     }
-    for (int i = 0; contains && i < info->dlpi_phnum; ++i) {
-      const ElfW(Phdr)& part = info->dlpi_phdr[i];
-      if (part.p_type != PT_NOTE) continue;
-      const auto* notes = reinterpret_cast<const char*>(info->dlpi_addr + part.p_vaddr);
+    for (const ElfW(Phdr) & part : parts) {
+      if (!counts || part.p_type != PT_NOTE) continue;
+      const auto* notes = reinterpret_cast<const char*>(object->dlpi_addr + part.p_vaddr);
       static_cast<std::string*>(out)->append(notes, part.p_memsz);
     }
-    return contains ? 1 : 0;
+    return 0;
   };
-  dl_iterate_phdr(find, &id);
-  return id;
+  dl_iterate_phdr(add, &ids);
+  return ids;
 }
 
 /// What the bone is made from. Its checksum is the key of the cipher.
 std::string origin_of(const BoneSettings& settings) {
   Scenario scenario;  // whose other sections are the defaults
   scenario.bone = settings;
-  std::string origin = "reamsim " REAMSIM_VERSION "\n" + build_id() + "\n" + to_yaml(scenario);
+  std::string origin = "reamsim " REAMSIM_VERSION "\n" + build_ids() + "\n" + to_yaml(scenario);
   for (const auto& [role, path] : input_files(scenario)) {
     if (!path.empty()) origin += role + " " + sha256_of(path) + "\n";
   }
