@@ -179,7 +179,7 @@ void devices_command(const Console& console) {
   const Choice choice = automatic_choice();
   for (const auto& device : devices) console.say_lines(line(device, choice.id));
   for (const std::string& platform : cl::platforms_without_device()) console.say(platform);
-  console.say("auto selects " + (choice.name.empty() ? "" : choice.name + ": ") + choice.why);
+  console.say((choice.name.empty() ? "auto: " : "auto selects " + choice.name + ": ") + choice.why);
   console.say("serial is always available: the reference in plain C++ (slow)");
 }
 

@@ -169,13 +169,14 @@ void add_cache_command(CLI::App& app, Console& console) {
   auto empty = std::make_shared<bool>(false);
   command->add_flag("--clear", *empty, "Remove these bones");
   command->callback([empty, &console] {
-    const std::filesystem::path folder = BoneStore::usual_folder();
-    if (folder.empty()) return console.say("no bones are kept: REAMSIM_CACHE is off, or there is no home");
+    const std::filesystem::path folder = BoneStore::usual_folder(true);
+    if (folder.empty()) return console.say("no bones are stored: neither XDG_CACHE_HOME nor HOME is set");
+    const bool off = BoneStore::usual_folder().empty();
     const BoneStore store(folder);
     if (*empty) store.clear();
     const auto [bones, bytes] = store.size();
-    console.say(fmt::format("{}: {} bones, {} of at most {}; REAMSIM_CACHE=off keeps none", folder.string(), bones,
-                            megabytes(bytes), megabytes(BoneStore::kMostBytes)));
+    console.say(fmt::format("{}: {} bones, {} of at most {}{}", folder.string(), bones, megabytes(bytes),
+                            megabytes(BoneStore::kMostBytes), off ? "; REAMSIM_CACHE=off: no bone is added" : ""));
   });
 }
 

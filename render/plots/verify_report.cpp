@@ -229,7 +229,8 @@ std::string device_markdown(const Findings& findings) {
   out += head({"capability", ""});
   for (const auto& [name, value] : findings.capabilities) out += row({name, code(value)});
   for (const CaseFindings& found : findings.device_cases) {
-    out += "\n## " + found.title + "\n\n" + found.scene + ".\n\n" + head({"figure", "result", "limit", ""});
+    out += "\n## " + found.title + "\n\n" + found.scene + ". Criterion: " + found.form + ".\n\n" +
+           head({"figure", "result", "limit", ""});
     for (const Check& check : found.checks) {
       out += row({with_unit(check.quantity, check.unit), fmt::format("{:.4g}", check.found), expected_text(check),
                   verdict(check)});

@@ -35,9 +35,10 @@ class Sha256 {
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_{EVP_MD_CTX_new(), EVP_MD_CTX_free};
 };
 
-std::string file_sum(const fs::path& path) {
+std::string file_sum(const fs::path& path, const std::string& before) {
   std::ifstream in(path, std::ios::binary);
   Sha256 sum;
+  sum.add(before.data(), before.size());
   std::vector<char> block(1 << 20);
   while (in) {
     in.read(block.data(), static_cast<std::streamsize>(block.size()));
@@ -49,15 +50,15 @@ std::string file_sum(const fs::path& path) {
 
 }  // namespace
 
-std::string sha256_of(const std::string& path) {
-  if (!fs::is_directory(path)) return file_sum(path);
+std::string sha256_of(const std::string& path, const std::string& before) {
+  if (!fs::is_directory(path)) return file_sum(path, before);
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(path, fs::directory_options::skip_permission_denied)) {
     if (entry.is_regular_file()) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   std::string sums;
-  for (const auto& file : files) sums += file.lexically_relative(path).string() + " " + file_sum(file) + "\n";
+  for (const auto& file : files) sums += file.lexically_relative(path).string() + " " + file_sum(file, before) + "\n";
   return sha256_of_text(sums);
 }
 

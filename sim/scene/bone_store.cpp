@@ -129,7 +129,8 @@ std::string origin_of(const BoneSettings& settings) {
   scenario.bone = settings;
   std::string origin = "reamsim " REAMSIM_VERSION "\n" + build_ids() + "\n" + to_yaml(scenario);
   for (const auto& [role, path] : input_files(scenario)) {
-    if (!path.empty()) origin += role + " " + sha256_of(path) + "\n";
+    // Results publish the checksum of the file alone, from which this one does not follow.
+    if (!path.empty()) origin += role + " " + sha256_of(path, "reamsim bone\n") + "\n";
   }
   return origin;
 }
@@ -198,13 +199,13 @@ void write_bone(const fs::path& path, const std::string& content) {
 
 }  // namespace
 
-fs::path BoneStore::usual_folder() {
+fs::path BoneStore::usual_folder(bool even_if_off) {
   const auto value = [](const char* name) {
     const char* text = std::getenv(name);
     return std::string(text == nullptr ? "" : text);
   };
   const std::string cache = value("XDG_CACHE_HOME"), home = value("HOME");
-  if (value("REAMSIM_CACHE") == "off" || (cache.empty() && home.empty())) return {};
+  if ((value("REAMSIM_CACHE") == "off" && !even_if_off) || (cache.empty() && home.empty())) return {};
   return fs::path(cache.empty() ? home + "/.cache" : cache) / "reamsim" / "bones";
 }
 

@@ -23,10 +23,10 @@ class BoneStore {
   static constexpr std::uintmax_t kMostBytesOfBone = 100'000'000;  ///< larger bones are not kept
 
   /// `folder`: empty: none is kept. `most_bytes`: of all files.
-  explicit BoneStore(std::filesystem::path folder = usual_folder(), std::uintmax_t most_bytes = kMostBytes)
+  explicit BoneStore(std::filesystem::path folder = usual_folder(false), std::uintmax_t most_bytes = kMostBytes)
       : folder_(std::move(folder)), most_bytes_(most_bytes) {}
   /// Empty where it is turned off or the user has no home.
-  static std::filesystem::path usual_folder();
+  static std::filesystem::path usual_folder(bool even_if_off = false);
 
   /// The bone that `load` returns, with what it reports; from the disk where it is there, undamaged. Where it cannot be
   /// kept, nothing is said. Throws what `load` throws, with `report` of the time before.

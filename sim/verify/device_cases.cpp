@@ -128,7 +128,7 @@ void engines_case(const Setting& setting, Report& out) {
 void speed_case(const Setting& setting, Report& out) {
   out.title = "Speed";
   out.scene = "the paper's cap in a voxmap and shell of 512³; the plunged sphere; single frames of a steady plunge";
-  out.form = "none: for the record; the paper's GTX 970 takes 0.76 to 0.81 ms in severe contact with a shell of 1024³";
+  out.form = "none; not comparable with the paper's 0.76 to 0.81 ms (GTX 970, shell of 1024³)";
   const auto median = [&](const std::string& name, const bench::Json& row) {
     out.reported(name + ", median", "ms", row["median_ms"].get<double>());
   };
