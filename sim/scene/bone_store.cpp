@@ -123,14 +123,28 @@ std::string build_ids() {
   return ids;
 }
 
-/// What the bone is made from. Its checksum is the key of the cipher.
+/// Whether a file, or all of a folder, can be read soon: devices and pipes may have no end.
+bool is_quick_to_read(const fs::path& path) {
+  constexpr std::uintmax_t kMost = 4'000'000'000, kPerFile = 100'000;  // as long as a file takes to open
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return fs::is_regular_file(path, error) && fs::file_size(path, error) < kMost;
+  std::uintmax_t bytes = 0;
+  fs::recursive_directory_iterator at(path, fs::directory_options::skip_permission_denied, error), end;
+  for (; !error && at != end && bytes < kMost; at.increment(error))
+    if (at->is_regular_file(error)) bytes += kPerFile + at->file_size(error);
+  return !error && bytes < kMost;
+}
+
+/// What the bone is made from; throws where that cannot be read soon. Its checksum is the key of the cipher.
 std::string origin_of(const BoneSettings& settings) {
   Scenario scenario;  // whose other sections are the defaults
   scenario.bone = settings;
   std::string origin = "reamsim " REAMSIM_VERSION "\n" + build_ids() + "\n" + to_yaml(scenario);
   for (const auto& [role, path] : input_files(scenario)) {
     // Results publish the checksum of the file alone, from which this one does not follow.
-    if (!path.empty()) origin += role + " " + sha256_of(path, "reamsim bone\n") + "\n";
+    if (path.empty()) continue;
+    if (!is_quick_to_read(path)) throw RunError("not stored");
+    origin += role + " " + sha256_of(path, "reamsim bone\n") + "\n";
   }
   return origin;
 }
@@ -175,6 +189,8 @@ std::optional<KeptBone> read_bone(const fs::path& path, const std::string& key) 
       fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);  // when it was used
       return kept;
     }
+  } catch (const std::bad_alloc&) {
+    return std::nullopt;
   } catch (const DamagedValues&) {  // as one that cannot be decrypted
   }
   fs::remove(path, ignored);
@@ -215,7 +231,7 @@ Bone BoneStore::find_or_load(const BoneSettings& settings, Diagnostics& report,
   std::string key;
   try {
     key = sha256_of_text(origin_of(settings));
-  } catch (const InputError&) {  // load() says which file cannot be read
+  } catch (const std::exception&) {  // load() says which file cannot be read
     return load(report);
   }
   const fs::path path = folder_ / (sha256_of_text(key) + kEnding);
@@ -231,46 +247,41 @@ Bone BoneStore::find_or_load(const BoneSettings& settings, Diagnostics& report,
     throw;
   }
   report.append(kept.report);
-  if (kept.bone.voxmap->grade.bytes() + kept.bone.fill.bytes() < kMostBytesOfBone) {
-    if (const auto content = crypted(text_of(kept), key, true)) {
-      write_bone(path, *content);
-      remove_beyond(most_bytes_);
+  if (kept.bone.voxmap->grade.bytes() + kept.bone.fill.bytes() < kMostBytesOfBone) try {
+      if (const auto content = crypted(text_of(kept), key, true)) {
+        write_bone(path, *content);
+        remove_beyond(most_bytes_);
+      }
+    } catch (const std::bad_alloc&) {  // the run may have enough memory without its copy
     }
-  }
   return std::move(kept.bone);
 }
 
-std::pair<int, std::uintmax_t> BoneStore::size() const {
-  std::pair<int, std::uintmax_t> out;
+std::vector<BoneStore::StoredFile> BoneStore::files() const {
+  std::vector<StoredFile> out;
   std::error_code error;
   for (fs::directory_iterator at(folder_, error), end; !error && at != end; at.increment(error)) {
-    std::error_code gone;
-    const std::uintmax_t bytes = at->file_size(gone);
-    if (gone) continue;
-    ++out.first;
-    out.second += bytes;
+    std::error_code removed;  // by another process
+    const StoredFile file{at->last_write_time(removed), at->file_size(removed), at->path()};
+    if (!removed && file.path.filename().string().find(kEnding) != std::string::npos) out.push_back(file);
   }
   return out;
 }
 
-void BoneStore::clear() const {
-  remove_beyond(0);
+std::pair<int, std::uintmax_t> BoneStore::size() const {
+  std::pair<int, std::uintmax_t> out;
+  for (const StoredFile& file : files()) out = {out.first + 1, out.second + file.bytes};
+  return out;
 }
 
 void BoneStore::remove_beyond(std::uintmax_t most_bytes) const {
-  std::vector<std::pair<fs::file_time_type, fs::directory_entry>> files;
-  std::error_code error;
-  for (fs::directory_iterator at(folder_, error), end; !error && at != end; at.increment(error)) {
-    std::error_code gone;
-    const auto used = at->last_write_time(gone);
-    if (!gone && at->path().filename().string().find(kEnding) != std::string::npos) files.emplace_back(used, *at);
-  }
-  std::ranges::sort(files, std::greater<>(), [](const auto& file) { return file.first; });
+  std::vector<StoredFile> all = files();
+  std::ranges::sort(all, std::greater<>(), &StoredFile::used);
   std::uintmax_t bytes = 0;
-  for (const auto& [used, file] : files) {
-    std::error_code gone;
-    bytes += file.file_size(gone);
-    if (!gone && bytes > most_bytes) fs::remove(file.path(), gone);
+  for (const StoredFile& file : all) {
+    std::error_code ignored;
+    bytes += file.bytes;
+    if (bytes > most_bytes) fs::remove(file.path, ignored);
   }
 }
 

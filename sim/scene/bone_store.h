@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "sim/bone/bone.h"
 
@@ -36,9 +37,15 @@ class BoneStore {
   /// Number and bytes of its files.
   [[nodiscard]] std::pair<int, std::uintmax_t> size() const;
   /// Removes its files.
-  void clear() const;
+  void clear() const { remove_beyond(0); }
 
  private:
+  struct StoredFile {
+    std::filesystem::file_time_type used;
+    std::uintmax_t bytes;
+    std::filesystem::path path;
+  };
+  [[nodiscard]] std::vector<StoredFile> files() const;
   void remove_beyond(std::uintmax_t most_bytes) const;
 
   std::filesystem::path folder_;
