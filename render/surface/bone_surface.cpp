@@ -140,24 +140,7 @@ static_assert(kAttributeReach + 2 <= kSide, "the one-brick halo of a tile must c
 /// How far a changed voxel affects vertices: three voxels each by field and gradient, the rest by smoothing.
 constexpr int kChangeReach_bricks = 2;
 
-/// The field of a tile with a one-brick halo.
-openvdb::FloatGrid::Ptr tile_field(const openvdb::FloatGrid& field, const Vec3i& lower) {
-  auto part = make_float_grid(field.background());
-  auto from = field.getConstAccessor();
-  constexpr int kBricks = BoneTiles::kSideBricks + 2;
-  for (int i = 0; i < kBricks * kBricks * kBricks; ++i) {
-    const Vec3i brick(i % kBricks - 1, i / kBricks % kBricks - 1, i / (kBricks * kBricks) - 1);
-    const openvdb::Coord origin = vdb_coord(lower + kSide * brick);
-    if (const auto* leaf = from.probeConstLeaf(origin)) {
-      part->tree().addLeaf(new openvdb::FloatTree::LeafNodeType(*leaf));
-    } else if (const float value = from.getValue(origin); value != field.background()) {
-      part->tree().addTile(1, origin, value, false);
-    }
-  }
-  return part;
-}
-
-/// The cells in which tile_field() has the same surface as the whole field.
+/// The cells in which a tile with a one-brick halo has the same surface as the whole field.
 openvdb::BoolGrid::Ptr cells_of(const Vec3i& lower) {
   auto cells = make_bool_grid(false);
   const Vec3i first = lower - Vec3i::Constant(kSide - 1);
@@ -346,7 +329,8 @@ std::vector<bool> BoneTiles::tiles_within(const std::vector<Vec3i>& bricks, int 
 
 BoneSurface BoneTiles::mesh(const BoneFields& fields, std::size_t tile) const {
   const Vec3i lower = tiles_.coord(tile) * kTileVoxels - Vec3i::Constant(kSide);
-  const openvdb::FloatGrid::Ptr part = tile_field(*fields.solid.grid().vdb, lower);
+  const Vec3i first = lower / kSide - Vec3i::Ones(), last = first + Vec3i::Constant(kSideBricks + 1);
+  const openvdb::FloatGrid::Ptr part = bricks_of(*fields.solid.grid().vdb, first, last);
   if (part->tree().leafCount() == 0) return {};
   const IsoSurface iso = extract_surface(*part, 0, cells_of(lower));
   std::vector<bool> owned(iso.indices.size() / 3);

@@ -22,6 +22,9 @@ struct ScalarGrid {
 /// The isosurface of `field` at `level`, in the grid's world space; with `where`, only in its active voxels.
 IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvdb::BoolGrid::ConstPtr where = nullptr);
 
+/// A copy of the bricks `first` to `last` of a field; the background elsewhere.
+openvdb::FloatGrid::Ptr bricks_of(const openvdb::FloatGrid& field, const Vec3i& first, const Vec3i& last);
+
 inline openvdb::Coord vdb_coord(const Vec3i& v) {
   return {v.x(), v.y(), v.z()};
 }
@@ -30,8 +33,26 @@ openvdb::Vec3d vdb_point(const Point& p) {
   return openvdb::Vec3d(p.x(), p.y(), p.z());
 }
 
+/// Trilinear interpolation at a point in index space: the bytes of openvdb::tools::BoxSampler::sample(), but without a
+/// look-up per corner where all eight are in one leaf.
 inline double sample(const openvdb::FloatGrid::ConstAccessor& accessor, const openvdb::Vec3d& point) {
-  return openvdb::tools::BoxSampler::sample(accessor, point);
+  using openvdb::tools::BoxSampler;
+  using Leaf = openvdb::FloatTree::LeafNodeType;
+  constexpr openvdb::Int32 kLast = Leaf::DIM - 1;
+  const openvdb::Coord base = openvdb::Coord::floor(point);
+  const openvdb::Coord in_leaf = base & kLast;
+  float corners[2][2][2];
+  const bool inside = in_leaf.x() < kLast && in_leaf.y() < kLast && in_leaf.z() < kLast;
+  if (const Leaf* leaf = inside ? accessor.probeConstLeaf(base) : nullptr) {
+    const float* first = leaf->buffer().data() + Leaf::coordToOffset(base);
+    for (int i = 0; i < 8; ++i) {
+      const int x = i >> 2, y = i >> 1 & 1, z = i & 1;
+      corners[x][y][z] = first[(x * Leaf::DIM + y) * Leaf::DIM + z];
+    }
+  } else {
+    BoxSampler::getValues(corners, accessor, base);
+  }
+  return BoxSampler::trilinearInterpolation(corners, point - base.asVec3d());
 }
 
 /// The central differences of `value` along each axis; not divided by the step.

@@ -177,6 +177,20 @@ std::vector<float> SolidField::at(std::span<const Vec3> points) const {
   return out;
 }
 
+openvdb::FloatGrid::Ptr bricks_of(const openvdb::FloatGrid& field, const Vec3i& first, const Vec3i& last) {
+  auto out = make_float_grid(field.background());
+  auto from = field.getConstAccessor();
+  for_each_voxel(first, last, [&](const Vec3i& brick) {
+    const openvdb::Coord origin = vdb_coord(kBrickSide * brick);
+    if (const Leaf* leaf = from.probeConstLeaf(origin)) {
+      out->tree().addLeaf(new Leaf(*leaf));
+    } else if (const float value = from.getValue(origin); value != field.background()) {
+      out->tree().addTile(1, origin, value, false);
+    }
+  });
+  return out;
+}
+
 IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvdb::BoolGrid::ConstPtr where) {
   openvdb::tools::VolumeToMesh mesher(level, 0.0, false);
   if (where) mesher.setSurfaceMask(std::move(where));

@@ -116,6 +116,27 @@ void dilate(std::vector<std::uint8_t>& marked, const Neighbours& neighbours, int
   }
 }
 
+/// The surface of the unreamed bone wherever it may affect a depth: the offset surface above removed bone, widened over
+/// the mouths of holes. Beyond, it is closed.
+IsoSurface surface_near_changes(const SolidField& field, const FillBricks& before, const FillBricks& after,
+                                double voxel_mm) {
+  constexpr double kReach_mm = 8 * kClosing_mm;
+  Eigen::AlignedBox3i changed;
+  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
+    if (reamed(fill, before.brick(coord))) changed.extend(coord);
+  });
+  const Vec3i reach = Vec3i::Constant(1 + static_cast<int>(std::ceil(kReach_mm / (FillBricks::kSide * voxel_mm))));
+  const Vec3i first = changed.min() - reach, last = changed.max() + reach;
+  const openvdb::FloatGrid::Ptr part = bricks_of(*field.grid().vdb, first, last);
+  // OpenVDB finds no surface between two constant bricks.
+  for_each_voxel(first, last, [&](const Vec3i& brick) {
+    if (((brick - first).array() == 0).any() || ((last - brick).array() == 0).any()) {
+      part->tree().touchLeaf(vdb_coord(FillBricks::kSide * brick))->setValuesOn();
+    }
+  });
+  return extract_surface(*part, 0);
+}
+
 /// A grid whose active cells cover every changed brick, plus a margin for interpolation.
 openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBricks& after, const FillBricks& before,
                                                 double cell_mm) {
@@ -132,12 +153,13 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBrick
   return grid;
 }
 
-openvdb::FloatGrid::Ptr depth_grid(const IsoSurface& surface, const Voxmap& voxmap, const FillBricks& before,
+openvdb::FloatGrid::Ptr depth_grid(const SolidField& field, const Voxmap& voxmap, const FillBricks& before,
                                    const FillBricks& after) {
   const double bone_mm3 = static_cast<double>(voxmap.grade.count()) * voxmap.grid.voxel_mm3();
   const double cell_mm = std::max(voxmap.grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
   auto depth = cells_of_changed_bricks(voxmap.grid.voxel_mm, after, before, cell_mm);
   if (depth->empty()) return depth;
+  const IsoSurface surface = surface_near_changes(field, before, after, voxmap.grid.voxel_mm);
   const OffsetSurface offset = offset_outwards(surface, voxmap.grid.voxel_mm, cell_mm);
   std::vector<std::uint8_t> marked = above_removed_bone(offset, voxmap, before, after);
   dilate(marked, {offset.surface.points.size(), offset.surface.indices},
@@ -196,7 +218,7 @@ UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks fill_before, c
     : before(std::move(fill_before)),
       field(Occupancy(voxmap, before)),
       surface(extract_surface(*field.grid().vdb, 0)),
-      depth(new ScalarGrid{depth_grid(surface, voxmap, before, after)}),
+      depth(new ScalarGrid{depth_grid(field, voxmap, before, after)}),
       deepest_mm(max_depth_mm(*depth->vdb, voxmap, after, before)) {}
 
 LayerBoundary::LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unreamed, const Vec3& a, const Vec3& b,
