@@ -99,10 +99,11 @@ void RenderThread::render(const RunView& view, const std::vector<Shot>& shots) {
     if (shot.kind != Kind::before && shot.frame != state) renderer.advance_to(state = shot.frame);
     RenderedFrame out{shot, renderer.deepest_mm()};
     std::optional<PlacedTool> tool;
-    if (shot.kind == Kind::frame || shot.kind == Kind::sheet || shot.kind == Kind::film) {
-      tool = view.tool_at(shot.frame);
-    }
-    out.image = renderer.render(shot.camera, tool, shot.kind == Kind::film);
+    const bool along_run = shot.kind == Kind::frame || shot.kind == Kind::sheet || shot.kind == Kind::film;
+    if (along_run) tool = view.tool_at(shot.frame);
+    // By samples in small and final pictures, and where the user asks for the smoothest edges.
+    const bool filtered = shot.kind == Kind::film || (shot.kind == Kind::frame && view.settings().supersampling == 1);
+    out.image = renderer.render(shot.camera, tool, filtered);
     const bool numbered = shot.kind != Kind::sheet && !(tool && shot.camera.shows_tool);
     if (numbered) out.contours = renderer.contours(shot.camera);
     if (!queue_.push(std::move(out))) throw Stopped();
@@ -130,11 +131,12 @@ std::vector<std::string> camera_names(const RenderSettings& settings) {
 std::vector<Shot> shots_of(const RunView& view, const PictureOptions& options) {
   using Kind = Shot::Kind;
   const RenderSettings& settings = view.settings();
-  const PageLayout page = view.page();
+  const PageLayout page = view.page(), frame_page = view.frame_page();
   const std::vector<std::string> names = camera_names(settings);
-  std::vector<Camera> cameras, halves, cell, film, turntable;
+  std::vector<Camera> cameras, frame_cameras, halves, cell, film, turntable;
   for (const std::string& name : names) {
     cameras.push_back(view.camera(name, page.view_width_px, page.height_px));
+    frame_cameras.push_back(view.camera(name, frame_page.view_width_px, frame_page.height_px));
     if (settings.before_after) halves.push_back(half_camera(view, name));
   }
   std::vector<std::int64_t> stills, cells;
@@ -154,7 +156,7 @@ std::vector<Shot> shots_of(const RunView& view, const PictureOptions& options) {
   };
   add(Kind::before, view.frames().front(), halves);
   for (const std::int64_t frame : view.frames()) {
-    if (std::ranges::binary_search(stills, frame)) add(Kind::frame, frame, cameras);
+    if (std::ranges::binary_search(stills, frame)) add(Kind::frame, frame, frame_cameras);
     if (std::ranges::binary_search(cells, frame)) add(Kind::sheet, frame, cell);
     add(Kind::film, frame, film);
   }
@@ -278,7 +280,8 @@ class PictureComposer {
   /// Takes the image and the contours of the frame.
   [[nodiscard]] PixelImage labelled(RenderedFrame& frame, Labels labels) const {
     labels.contours = std::move(frame.contours);
-    return labelled_page(std::move(frame.image), view_.page(), frame.camera, labels, view_.settings().background);
+    const PageLayout page = frame.kind == Shot::Kind::frame ? view_.frame_page() : view_.page();
+    return labelled_page(std::move(frame.image), page, frame.camera, labels, view_.settings().background);
   }
 
   void add_frame(RenderedFrame& frame) {

@@ -169,7 +169,7 @@ PixelImage Scene::draw(const DrawCall& call) {
   const int factor = call.settings.supersampling;
   const int width_px = factor * call.camera.width_px;
   const int height_px = factor * call.camera.height_px;
-  const bool multisample = factor < kSupersamplingAlone && !call.for_film;
+  const bool multisample = factor < kSupersamplingAlone && !call.filtered;
   const GlTarget& target =
       targets_.try_emplace({width_px, height_px, multisample}, gl_, width_px, height_px, multisample).first->second;
   target.bind();
@@ -187,7 +187,7 @@ PixelImage Scene::draw(const DrawCall& call) {
   if (call.tool && call.camera.shows_tool) draw_tool(call);
   gl_.check("drawing a picture");
   PixelImage image{width_px, height_px, target.read()};
-  if (call.for_film) image = antialiased(image);
+  if (call.filtered) image = antialiased(image);
   return downsampled(std::move(image), factor);
 }
 
@@ -210,9 +210,14 @@ void Scene::draw_bone(const DrawCall& call) const {
   depth_colors_.bind(0);
   (call.camera.cut_plane ? gl_.Disable : gl_.Enable)(GL_CULL_FACE);
   gl_.CullFace(GL_BACK);
+  // The nearest first, so that few hidden pixels are shaded.
+  std::vector<std::pair<double, const Tile*>> visible;
   for (const auto& [index, tile] : bone_) {
-    if (may_be_visible(tile.bounds, call.camera)) tile.mesh.draw();
+    if (!may_be_visible(tile.bounds, call.camera)) continue;
+    visible.emplace_back(-(call.camera.eye_from_bone * tile.bounds.box_mm.center()).z(), &tile);
   }
+  std::ranges::stable_sort(visible, {}, &std::pair<double, const Tile*>::first);
+  for (const auto& [away_mm, tile] : visible) tile->mesh.draw();
 }
 
 void Scene::draw_cut_face(const DrawCall& call) const {

@@ -61,7 +61,7 @@ struct DrawCall {
   std::optional<PlacedTool> tool{};
   CutFace cut_face{};  ///< section of the bone by the camera's cut plane
   /// Antialiasing by a filter on the finished picture, in half the time of four samples per pixel.
-  bool for_film = false;
+  bool filtered = false;
 };
 
 /// Meshes, shaders and lights. Its context must be current.

@@ -200,14 +200,14 @@ std::vector<SeenContour> Renderer::contours(const Camera& camera) const {
   return out;
 }
 
-PixelImage Renderer::render(const Camera& camera, const std::optional<PlacedTool>& tool, bool for_film) {
+PixelImage Renderer::render(const Camera& camera, const std::optional<PlacedTool>& tool, bool filtered) {
   DrawCall call{.camera = camera,
                 .settings = view_.settings(),
                 .depth_max_mm = view_.depth_scale().max,
                 .density_max_g_cm3 = view_.density_scale().max,
                 .lines = contours_,
                 .tool = tool,
-                .for_film = for_film};
+                .filtered = filtered};
   if (camera.cut_plane) call.cut_face = sample_cut_face(fields_, camera);
   return scene_.draw(call);
 }

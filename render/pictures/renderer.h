@@ -25,8 +25,8 @@ class Renderer {
   void advance_to_last() { advance_to(view_.frames().back()); }
   void show(const FillBricks& fill);
 
-  /// The current picture without labels, and without a tool if the camera shows none. `for_film`: as in DrawCall.
-  [[nodiscard]] PixelImage render(const Camera& camera, const std::optional<PlacedTool>& tool, bool for_film = false);
+  /// The current picture without labels, and without a tool if the camera shows none. `filtered`: as in DrawCall.
+  [[nodiscard]] PixelImage render(const Camera& camera, const std::optional<PlacedTool>& tool, bool filtered = false);
 
   /// The contour lines of the current surface as a camera sees them.
   [[nodiscard]] std::vector<SeenContour> contours(const Camera& camera) const;

@@ -270,6 +270,12 @@ Scale depth_scale(const RunData& run, double depth_max_mm) {
 RunView::RunView(const RunData& run, const RenderSettings& settings)
     : run_(run), settings_(settings), depth_scale_(reamsim::depth_scale(run, settings.depth_max_mm)) {}
 
+PageLayout RunView::frame_page() const {
+  const int height_px = std::min(settings_.height_px, settings_.frame_height_px);
+  const double width_px = static_cast<double>(settings_.width_px) * height_px / settings_.height_px;
+  return page_layout(std::max(1, static_cast<int>(std::lround(width_px))), height_px);
+}
+
 Camera RunView::camera(const std::string& name, int width_px, int height_px) const {
   for (const UserCamera& own : settings_.user_cameras) {
     if (own.name == name) return make_user_camera(own, run_.target(), width_px, height_px);

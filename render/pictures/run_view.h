@@ -133,6 +133,8 @@ class RunView {
   RunView(const RunData& run, const RenderSettings& settings);
 
   [[nodiscard]] PageLayout page() const { return page_layout(settings_.width_px, settings_.height_px); }
+  /// Of the pictures along the run.
+  [[nodiscard]] PageLayout frame_page() const;
   /// A camera by name, built in or defined by the user. Throws InputError.
   [[nodiscard]] Camera camera(const std::string& name, int width_px, int height_px) const;
   /// The tool in a frame; none if the settings hide it.

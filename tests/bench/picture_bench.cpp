@@ -33,9 +33,9 @@ RenderSettings settings_with(int supersampling) {
 
 using test::OpenedRun;
 
-PixelImage picture(OpenedRun& run, const Camera& camera, const ForceRow& row, bool for_film = false) {
+PixelImage picture(OpenedRun& run, const Camera& camera, const ForceRow& row, bool filtered = false) {
   const std::optional<PlacedTool> tool = run.view.tool_at(row.frame);
-  PixelImage image = run.renderer.render(camera, tool, for_film);
+  PixelImage image = run.renderer.render(camera, tool, filtered);
   Labels labels = run.view.labels(camera, tool);
   labels.force = run.captions.arrow(row);
   return labelled_page(std::move(image), run.view.page(), camera, labels, Background::studio);
@@ -49,7 +49,7 @@ void opening(benchmark::State& state, const std::string& dir) {
   }
 }
 
-void frame_of_a_run(benchmark::State& state, const std::string& dir, bool for_film) {
+void frame_of_a_run(benchmark::State& state, const std::string& dir, bool filtered) {
   const RenderSettings settings = settings_with(1);
   auto run = std::make_unique<OpenedRun>(dir, settings);
   const Camera camera = run->camera("oblique");
@@ -64,17 +64,17 @@ void frame_of_a_run(benchmark::State& state, const std::string& dir, bool for_fi
       state.ResumeTiming();
     }
     run->renderer.advance_to(frames[next]);
-    benchmark::DoNotOptimize(picture(*run, camera, run->run.log().at(frames[next], dir), for_film));
+    benchmark::DoNotOptimize(picture(*run, camera, run->run.log().at(frames[next], dir), filtered));
     ++next;
   }
 }
 
 void last_state(benchmark::State& state, const std::string& dir, const std::string& camera_name, int supersampling,
-                bool for_film = false) {
+                bool filtered = false) {
   OpenedRun run(dir, settings_with(supersampling));
   run.renderer.advance_to_last();
   const Camera camera = run.camera(camera_name);
-  while (state.KeepRunning()) benchmark::DoNotOptimize(picture(run, camera, run.last_row(), for_film));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(picture(run, camera, run.last_row(), filtered));
 }
 
 void written(benchmark::State& state, const std::string& dir, const std::string& to) {
@@ -91,7 +91,7 @@ void register_all(const std::string& dir, const std::string& scratch) {
   add("opening", [dir](benchmark::State& s) { opening(s, dir); });
   add("frame_of_a_film", [dir](benchmark::State& s) { frame_of_a_run(s, dir, true); });
   add("picture_of_a_run", [dir](benchmark::State& s) { frame_of_a_run(s, dir, false); });
-  add("oblique_for_film", [dir](benchmark::State& s) { last_state(s, dir, "oblique", 1, true); });
+  add("oblique_filtered", [dir](benchmark::State& s) { last_state(s, dir, "oblique", 1, true); });
   add("oblique", [dir](benchmark::State& s) { last_state(s, dir, "oblique", 1); });
   add("section", [dir](benchmark::State& s) { last_state(s, dir, "section", 1); });
   add("oblique_supersampled_2", [dir](benchmark::State& s) { last_state(s, dir, "oblique", 2); });
