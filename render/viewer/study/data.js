@@ -3,8 +3,7 @@
 
 // The runs of the study: decodes what render/viewer/study_page.cpp encodes.
 import { unpacked } from "../shared/decode.js";
-import { part } from "../shared/elements.js";
-import { significantText } from "../shared/numbers.js";
+import { part, significantText } from "../shared/page.js";
 
 export const STATES = ["missing", "interrupted", "failed", "done"];
 

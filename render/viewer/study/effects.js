@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Main effects of the runs that are shown: as python/src/reamsim/lab/effects.py computes them.
-import { find, part, svgPart } from "../shared/elements.js";
-import { extremes, significantText, stepsOf } from "../shared/numbers.js";
+import { extremes, find, part, significantText, stepsOf, svgPart } from "../shared/page.js";
 
 const kMostLevels = 40, kMostIntervals = 8, kLeastValuesOfInterval = 8, kMostPanels = 12, kMostDots = 500;
 

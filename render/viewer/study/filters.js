@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The filters: text, status, levels of parameters, ranges of any column.
-import { find, part } from "../shared/elements.js";
+import { find, part } from "../shared/page.js";
 import { STATES, fillColumns } from "./data.js";
 
 const kMostLevels = 60;  // longer lists are searched as text

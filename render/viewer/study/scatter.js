@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // A scatter plot of one column over another, coloured by a third.
-import { find, part } from "../shared/elements.js";
-import { extremes, significantText, stepsOf } from "../shared/numbers.js";
+import { extremes, find, part, significantText, stepsOf } from "../shared/page.js";
 import { fillColumns } from "./data.js";
 
 // Okabe and Ito's colours, as in the plots; black for the eighth.
