@@ -9,7 +9,6 @@ const kMostLevels = 40, kMostIntervals = 8, kLeastValuesOfInterval = 8, kMostPan
 // Which group each run is in, and how the groups are named; null where a parameter does not group them.
 function groupsOf(column, runs) {
   if (column.levels) {
-    column.values;  // decodes the codes
     const present = new Set(Array.from(runs, (run) => column.codes[run])), codes = column.order.filter((code) => present.has(code));
     const differs = codes.length === runs.length && runs.length > 2 && !column.numeric;
     if (codes.length < 2 || codes.length > kMostLevels || differs) return null;

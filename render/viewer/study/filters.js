@@ -105,7 +105,6 @@ export class Filters {
   runs() {
     const { study } = this;
     const levels = [...this.hiddenLevels].filter(([, hidden]) => hidden.size > 0);
-    for (const [column] of levels) column.values;  // decodes the codes
     const ranges = [...this.ranges].filter(([, [low, high]]) => low > -Infinity || high < Infinity);
     const wanted = find("search").value.trim().toLowerCase();
     const out = [];
