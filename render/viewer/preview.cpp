@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "render/viewer/report_data.h"
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"

@@ -22,7 +22,6 @@
 #include "render/pictures/canvas.h"
 #include "render/plots/plots.h"
 #include "render/viewer/page.h"
-#include "render/viewer/report_data.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/parallel.h"
