@@ -235,10 +235,6 @@ std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& ru
   return out;
 }
 
-bool ComparedParameter::is_number() const {
-  return std::ranges::none_of(numbers, [](double number) { return std::isnan(number); });
-}
-
 std::size_t ComparedParameter::distinct() const {
   return std::set<std::string>(values.begin(), values.end()).size();
 }

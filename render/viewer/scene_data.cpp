@@ -58,14 +58,15 @@ void append_indices(const std::vector<std::uint32_t>& indices, std::vector<std::
 
 constexpr int kSteps16 = 65535;
 
-/// Appends `values` as numbers 0…`steps` from `low` to `low` + `size`, 16 bits each, as zigzag differences to the one
-/// before: first all low bytes, then all high bytes.
-void append_numbers16(std::span<const double> values, double low, double size, std::vector<std::uint8_t>& out,
-                      int steps = kSteps16) {
+/// Appends value_of(i) of each i < `count` as numbers 0…`steps` from `low` to `low` + `size`, 16 bits each, as zigzag
+/// differences to the one before: first all low bytes, then all high bytes.
+template <class ValueOf>
+void append_numbers16(std::size_t count, const ValueOf& value_of, double low, double size,
+                      std::vector<std::uint8_t>& out, int steps = kSteps16) {
   std::vector<std::uint8_t> high;
   std::uint16_t before = 0;
-  for (const double value : values) {
-    const double fraction = (value - low) / std::max(size, 1e-6);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double fraction = (value_of(i) - low) / std::max(size, 1e-6);
     const auto now = static_cast<std::uint16_t>(std::lround(steps * std::clamp(fraction, 0.0, 1.0)));
     const std::uint16_t code = zigzag(static_cast<std::uint16_t>(now - before));
     before = now;
@@ -227,7 +228,10 @@ Json reaming_data(const RunData& run, const BoneSurface& after) {
   double most_mm = 0;
   for (const auto& state : states) most_mm = std::max(most_mm, *std::ranges::max_element(state));
   std::vector<std::uint8_t> bytes;
-  for (const auto& state : states) append_numbers16(state, 0, most_mm, bytes);
+  for (const auto& state : states) {
+    append_numbers16(
+        state.size(), [&](std::size_t i) { return state[i]; }, 0, most_mm, bytes);
+  }
   return {{"time_s", std::move(times)},
           {"vertices", columns.feet.size()},
           {"most_mm", most_mm},
@@ -261,9 +265,8 @@ Json poses_json(const ForceLog& log, const std::vector<std::size_t>& rows) {
   for (const std::size_t row : rows) box.extend(log.rows[row].pose.position_mm);
   std::vector<std::uint8_t> bytes;
   const auto append = [&](double low, double size, const auto& number_of) {
-    std::vector<double> numbers;
-    for (const std::size_t row : rows) numbers.push_back(number_of(log.rows[row].pose));
-    append_numbers16(numbers, low, size, bytes);
+    const auto value_of = [&](std::size_t i) { return number_of(log.rows[rows[i]].pose); };
+    append_numbers16(rows.size(), value_of, low, size, bytes);
   };
   for (int axis = 0; axis < 3; ++axis) {
     append(box.min[axis], box.max[axis] - box.min[axis], [&](const ToolPose& pose) { return pose.position_mm[axis]; });
@@ -305,12 +308,8 @@ BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget) {
 std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
   std::vector<std::uint8_t> out;
   const auto append = [&](std::size_t component, double low, double size, int steps) {
-    std::vector<double> values;
-    values.reserve(surface.count());
-    for (std::size_t i = component; i < surface.vertices.size(); i += BoneSurface::kStride) {
-      values.push_back(surface.vertices[i]);
-    }
-    append_numbers16(values, low, size, out, steps);
+    const auto value_of = [&](std::size_t i) { return double{surface.vertices[i * BoneSurface::kStride + component]}; };
+    append_numbers16(surface.count(), value_of, low, size, out, steps);
   };
   for (std::size_t axis = 0; axis < 3; ++axis) {
     append(axis, box.min()[static_cast<int>(axis)], box.sizes()[static_cast<int>(axis)], kSteps16);
