@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The runs of the study: decodes what render/viewer/study_page.cpp encodes.
+// The runs of the study: decodes what render/viewer/page.cpp encodes.
 import { unpacked } from "../shared/decode.js";
 import { part, significantText } from "../shared/page.js";
 
