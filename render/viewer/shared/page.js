@@ -1,11 +1,20 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What every page needs: elements, and numbers as people read them.
+// What every page needs: elements, packed data, and numbers as people read them.
+import { unzlibSync } from "fflate";
+
 export const find = (id) => document.getElementById(id);
 
 // What C++ has put into the page.
 export const pageData = () => JSON.parse(find("page-data").textContent);
+
+// What compressed_base64() of page.cpp has packed.
+export function unpacked(base64) {
+  const text = atob(base64), bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  return unzlibSync(bytes);
+}
 
 export function part(name, attributes = {}, ...children) {
   const made = document.createElement(name);

@@ -11,7 +11,6 @@ export {
   IncrementWrapStencilOp, LatheGeometry, LinearFilter, Matrix4, Mesh, MeshBasicMaterial, PlaneGeometry, Quaternion, RedFormat,
   SphereGeometry, Vector2, Vector3, Vector4,
 } from "three";
-export * from "./decode.js";
 export * from "./materials.js";
 export * from "./page.js";
 

@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The runs of the study: decodes what render/viewer/page.cpp encodes.
-import { unpacked } from "../shared/decode.js";
-import { part, significantText } from "../shared/page.js";
+import { part, significantText, unpacked } from "../shared/page.js";
 
 export const STATES = ["missing", "interrupted", "failed", "done"];
 
