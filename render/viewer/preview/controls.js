@@ -116,8 +116,8 @@ export class Controls {
   }
 
   addFrame() {
-    this.chooseSide = choices("side", (side) => this.model.set({ side }));
-    this.chooseFrom = choices("from", (from) => this.model.set({ from }));
+    this.chooseSide = choices("side", "side", [["left", "Left"], ["right", "Right"]], (side) => this.model.set({ side }));
+    this.chooseFrom = choices("from", "from", [["face", "Face"], ["landmarks", "Landmarks"]], (from) => this.model.set({ from }));
     this.showNormal = this.numbers("normal", 0.01, (normal) => { if (normal.some((n) => n !== 0)) this.model.set({ normal }); });
     find("fit-normal").addEventListener("click", () => this.model.fitNormal());
     find("flip-normal").addEventListener("click", () => this.model.set({ normal: this.model.values.normal.map((n) => -n + 0) }));

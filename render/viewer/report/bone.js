@@ -262,7 +262,8 @@ class BoneView extends View {
     this.tool = new ToolModel(tool, this.cut);
     this.tool.look = tool.shown ? tool.look : "hidden";
     this.scene.add(this.tool.group);
-    choices("tool", (look) => { this.tool.look = look; this.draw(); })(tool.shown ? tool.look : "hidden");
+    const looks = [["see-through", "See-through"], ["steel", "Steel"], ["hidden", "Hidden"]];
+    choices("tool-looks", "tool", looks, (look) => { this.tool.look = look; this.draw(); })(tool.shown ? tool.look : "hidden");
   }
 
   // "before" or "after" the run, or "now": at the time of moveTo().
@@ -312,11 +313,13 @@ class BoneView extends View {
   addStates() {
     const { reaming } = this.bone;
     const redraw = () => { this.showLegends(); this.draw(); };
-    const choose = choices("state", (state) => { this.show(state); redraw(); });
-    choices("surface", (surface) => { this.uniforms.shows_depth.value = surface === "depth" ? 1 : 0; redraw(); });
-    document.querySelector("input[name=state][value=now]").closest("label").hidden = reaming === null;
+    const states = [["before", "Before"], ...(reaming === null ? [] : [["now", "During"]]), ["after", "After"]];
     const state = reaming === null ? "after" : "now";
-    choose(state);
+    choices("bone-states", "state", states, (chosen) => { this.show(chosen); redraw(); })(state);
+    choices("surfaces", "surface", [["depth", "Depth"], ["plain", "Bone"]], (surface) => {
+      this.uniforms.shows_depth.value = surface === "depth" ? 1 : 0;
+      redraw();
+    })("depth");
     this.show(state);
   }
 

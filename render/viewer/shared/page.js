@@ -34,10 +34,11 @@ export function svgPart(name, attributes, text) {
   return made;
 }
 
-// Calls act(value) when another radio button of this name is chosen; returns what chooses one.
-export function choices(name, act) {
-  const inputs = [...document.querySelectorAll(`input[name=${name}]`)];
-  for (const input of inputs) input.addEventListener("change", () => act(input.value));
+// Radio buttons behind the legend of the fieldset `id`: `options` are [value, text], act(value) is called when another one is
+// chosen. Returns what chooses one.
+export function choices(id, name, options, act) {
+  const inputs = options.map(([value]) => part("input", { type: "radio", name, value, onchange: () => act(value) }));
+  find(id).querySelector("legend").after(...inputs.flatMap((input, i) => ["\n", part("label", {}, input, ` ${options[i][1]}`)]));
   return (value) => { for (const input of inputs) input.checked = input.value === value; };
 }
 
