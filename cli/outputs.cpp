@@ -8,7 +8,7 @@
 
 #include "render/pictures/figures.h"
 #include "render/plots/plots.h"
-#include "render/viewer/report_data.h"
+#include "render/viewer/page.h"
 #include "sim/base/error.h"
 #include "sim/record/recorder.h"
 #include "sim/run/checkpoint.h"

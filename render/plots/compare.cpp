@@ -130,10 +130,13 @@ Eigen::VectorXd centered_ranks(const std::vector<double>& values) {
   return all.unaryExpr(rank).matrix();
 }
 
+bool has_missing(const std::vector<double>& values) {
+  return std::ranges::any_of(values, [](double value) { return std::isnan(value); });
+}
+
 /// Spearman's rank correlation of `a` and `b`; 0 where one is constant or has a missing value.
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
-  const auto is_missing = [](double value) { return std::isnan(value); };
-  if (std::ranges::any_of(a, is_missing) || std::ranges::any_of(b, is_missing)) return 0;
+  if (has_missing(a) || has_missing(b)) return 0;
   const Eigen::VectorXd x = centered_ranks(a), y = centered_ranks(b);
   const double scale = std::sqrt(x.squaredNorm() * y.squaredNorm());
   return scale > 0 ? x.dot(y) / scale : 0;
@@ -233,7 +236,7 @@ std::optional<ComparedMetric> colored_by(const Comparison& comparison) {
   const ComparedParameter* best = nullptr;
   double best_correlation = -1;
   for (const ComparedParameter& parameter : comparison.parameters) {
-    if (!parameter.is_number()) continue;
+    if (has_missing(parameter.numbers)) continue;
     const double correlation =
         force == comparison.metrics.end() ? 0 : std::abs(rank_correlation(parameter.numbers, force->values));
     if (correlation <= best_correlation) continue;

@@ -1,18 +1,14 @@
 # ---- force, torque and removed volume of every run since first contact, against time (left) and depth (right)
 csv = "curves.csv"
-stats csv using "contact_time_s" nooutput name "T"
-stats csv using "depth_mm" nooutput name "D"
-stats csv using "axial_force_n" nooutput name "F"
-stats csv using "spin_torque_nmm" nooutput name "M"
-stats csv using "removed_mm3" nooutput name "V"
+do for [c in "contact_time_s depth_mm axial_force_n spin_torque_nmm removed_mm3"] { stats csv using c nooutput name c }
 # The time in which some run has contact.
 t_last = 0
 stats csv using (column("contact") > 0 && column("contact_time_s") > t_last ? (t_last = column("contact_time_s")) : 0) nooutput
 t_max = t_last > 0 ? 1.04 * t_last : 1
 array column_of[3] = ["axial_force_n", "spin_torque_nmm", "removed_mm3"]
 array title_of[3] = ["Axial force (N)", "Spin torque (N·mm)", "Removed volume (mm³)"]
-array least[3] = [min(F_min, 0), min(M_min, 0), 0]
-array most[3] = [F_max, M_max, V_max]
+array least[3] = [min(axial_force_n_min, 0), min(spin_torque_nmm_min, 0), 0]
+array most[3] = [axial_force_n_max, spin_torque_nmm_max, removed_mm3_max]
 
 set dashtype 11 (14,5)
 set dashtype 12 (3,4)
@@ -89,7 +85,7 @@ do for [format in "png svg pdf"] {
     set rmargin at screen 0.985
     set format y ""
     unset ylabel
-    set xrange [0:high(0, D_max)]
+    set xrange [0:high(0, depth_mm_max)]
     if (panel == 3) { set xlabel "Tool depth since first contact (mm)" }
     plot csv using (begun(column("depth_mm"))):(of_first(touching(column(column_of[panel])))) with lines lw 2.4 \
            dt dash_type(dash[1]) lc rgb shade[1] notitle, \

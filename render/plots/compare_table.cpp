@@ -147,20 +147,6 @@ Json read_summary(const std::string& path) {
   return summary;
 }
 
-/// Calls visit(key, number) for every number below `json`.
-template <class Visit>
-void for_each_number(const Json& json, const std::string& key, const Visit& visit) {
-  if (json.is_number()) visit(key, json.get<double>());
-  if (!json.is_structured()) return;
-  std::size_t item = 0;
-  for (const auto& [name, value] : json.items()) {
-    const std::string path = json.is_array() ? key + "[" + std::to_string(item++) + "]"
-                             : key.empty()   ? name
-                                             : key + "." + name;
-    for_each_number(value, path, visit);
-  }
-}
-
 /// Ends the name of a parameter: the contents of an input file.
 constexpr std::string_view kSumOfInput = " (contents)";
 
@@ -226,17 +212,14 @@ std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& ru
   std::vector<ComparedMetric> out;
   std::map<std::string, std::size_t> places;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    for_each_number(read_summary(runs[i].dir + "/summary.json"), "", [&](const std::string& key, double value) {
+    const Json summary = read_summary(runs[i].dir + "/summary.json");
+    for_each_number(summary, "", "[", "]", [&](const std::string& key, double value) {
       const auto [found, is_new] = places.try_emplace(key, out.size());
       if (is_new) out.push_back({key, std::vector<double>(runs.size(), kNone)});
       out[found->second].values[i] = value;
     });
   }
   return out;
-}
-
-bool ComparedParameter::is_number() const {
-  return std::ranges::none_of(numbers, [](double number) { return std::isnan(number); });
 }
 
 std::size_t ComparedParameter::distinct() const {

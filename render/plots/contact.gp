@@ -1,6 +1,6 @@
 #include "run.gp"
-t_min = T_min
-t_max = T_max > T_min ? T_max : T_min + 1
+t_min = time_s_min
+t_max = time_s_max > time_s_min ? time_s_max : time_s_min + 1
 
 # ---- the time axis: the time of contact with a margin, where the rest is more than a few per cent of the run
 if (!exists("whole_run")) whole_run = 0  # 1: the whole run; also gnuplot -e "whole_run = 1"
@@ -11,8 +11,7 @@ in_gap(t) = gaps ? (sum [i = 1:gaps] (t > hidden_from[i] && t < hidden_to[i])) :
 shown(t) = in_gap(t) ? NaN : t - hidden_before(t)  # place on the axis
 t_begin = t_min
 t_end = t_max
-stats csv using "removed_mm3" nooutput name "V"
-if (!whole_run && V_sum > 0) {
+if (!whole_run && removed_mm3_sum > 0) {
   stats csv using (column("removed_mm3") > 0 ? column("time_s") : NaN) nooutput name "C"
   margin = 0.05 * (C_max > C_min ? shown(C_max) - shown(C_min) : t_max - t_min)
   worth_hiding = 0.05 * (t_max - t_min)

@@ -1,12 +1,11 @@
 #include "contact.gp"
-stats csv using "energy_mj" nooutput name "E"
-stats csv using "floor_energy_mj" nooutput name "L"
+do for [c in "energy_mj floor_energy_mj"] { stats csv using c nooutput name c }
 stats $mean using 5 nooutput name "P"
 
 # The balance divides by what has been cut so far, so that its first frames say little: its scale begins at 1 % of all.
 cut = 0.0
 worst = 0.0
-do_balance(e, b) = (cut = cut + e, cut > 0.01 * E_sum && abs(b) > worst ? (worst = abs(b)) : 0, 0)
+do_balance(e, b) = (cut = cut + e, cut > 0.01 * energy_mj_sum && abs(b) > worst ? (worst = abs(b)) : 0, 0)
 stats csv using (do_balance(column("energy_mj"), column("balance"))) nooutput name "Z"
 power_of_ten = worst > 0 ? int(floor(log10(worst))) : 0
 unit = power_of_ten == 0 ? "" : sprintf(" (10^{%d})", power_of_ten)
@@ -28,7 +27,7 @@ do for [format in "png svg pdf"] {
   unset label  # the key is there
 
   set ylabel "Energy (J)"
-  top = max(E_sum, L_sum) / 1000
+  top = max(energy_mj_sum, floor_energy_mj_sum) / 1000
   set yrange [low(0, top):high(0, top)]
   taken = 0.0
   cut = 0.0

@@ -26,7 +26,7 @@ do for [format in "png svg pdf"] {
 
   unset label 1
   set ylabel "Removed volume (mm³)"
-  set yrange [low(0, V_sum):high(0, V_sum)]
+  set yrange [low(0, removed_mm3_sum):high(0, removed_mm3_sum)]
   removed = 0.0
   plot csv using (shown(column("time_s"))):(removed = removed + column("removed_mm3")) with lines lw 1.5 lc rgb green notitle
 

@@ -1,12 +1,10 @@
 #include "means.gp"
-stats csv using "removed_mm3" nooutput name "V"
-stats csv using "depth_mm" nooutput name "D"
 
 # Frames with at least 1 % of the greatest force only: drawn back, the tool says nothing, though a tooth may graze bone.
-touching(y) = abs(column("axial_force_n")) > 0.01 * F_max ? y : NaN
+touching(y) = abs(column("axial_force_n")) > 0.01 * axial_force_n_max ? y : NaN
 touching_mean(y) = abs(column(2)) > 0.01 * A_max ? y : NaN
 
-set xrange [min(D_min > 0 ? D_min : 0, 0):high(0, D_max)]
+set xrange [min(depth_mm_min > 0 ? depth_mm_min : 0, 0):high(0, depth_mm_max)]
 set mxtics 2
 
 do for [format in "png svg pdf"] {
@@ -34,7 +32,7 @@ do for [format in "png svg pdf"] {
   set label 1 headline_depth at graph 0.012, graph 0.93 left front
   set xlabel "Tool depth (mm)" . (passes ? "; numbers: passes" : "")
   set ylabel "Removed volume (mm³)"
-  set yrange [low(0, V_sum):high(0, V_sum)]
+  set yrange [low(0, removed_mm3_sum):high(0, removed_mm3_sum)]
   removed = 0.0
   plot csv using "depth_mm":(removed = removed + column("removed_mm3"), touching(removed)) with lines lw 1.5 \
          lc rgb green notitle, \

@@ -1,6 +1,4 @@
 #include "run.gp"
-stats csv using "axial_force_n" nooutput name "F"
-stats csv using "spin_torque_nmm" nooutput name "M"
 stats $mean using 2 nooutput name "A"
 stats $mean using 3 nooutput name "B"
 
@@ -9,8 +7,8 @@ stats $mean using 3 nooutput name "B"
 array load_of[2] = ["axial_force_n", "spin_torque_nmm"]
 array title_of[2] = ["Axial force (N)", "Spin torque (N·mm)"]
 array headline_of[2] = [headline_force, headline_torque]
-array least[2] = [F_min, M_min]
-array most[2] = [F_max, M_max]
+array least[2] = [axial_force_n_min, spin_torque_nmm_min]
+array most[2] = [axial_force_n_max, spin_torque_nmm_max]
 array most_of_means[2] = [A_max, B_max]
 array light[2] = [light_blue, light_red]
 array dark[2] = [dark_blue, dark_red]

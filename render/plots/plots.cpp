@@ -186,9 +186,8 @@ std::string data_of(const BenchPlot& plot) {
 
 std::string on_one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
-  const std::size_t first = text.find_first_not_of(' ');
-  const std::size_t last = text.find_last_not_of(' ');
-  return first == std::string::npos ? std::string("no message") : text.substr(first, last - first + 1);
+  const std::string_view words = without_blanks(text, " ");
+  return words.empty() ? "no message" : std::string(words);
 }
 
 }  // namespace

@@ -135,7 +135,6 @@ struct ComparedParameter {
   std::vector<double> numbers;      ///< the same as numbers; NaN where the value is none
   std::vector<std::string> shown;   ///< of paths the file name, where no two paths share one; else as `values`
 
-  [[nodiscard]] bool is_number() const;
   [[nodiscard]] std::size_t distinct() const;
 };
 

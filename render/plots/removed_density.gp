@@ -1,19 +1,18 @@
 csv = "plots/removed_density.csv"
-stats csv using "removed_mm3" nooutput name "V"
-stats csv using "density_to_g_cm3" nooutput name "R"
+do for [c in "removed_mm3 density_to_g_cm3"] { stats csv using c nooutput name c }
 
 # A histogram says nothing of bone that has about one density: a line of text says it.
-stats csv using (column("removed_mm3") == V_max ? column("density_to_g_cm3") : NaN) nooutput name "M"
-stats csv using (column("removed_mm3") == V_max ? column("density_from_g_cm3") : NaN) nooutput name "L"
-uniform = V_max >= 0.98 * V_sum
-sentence = V_sum > 0 ? \
-           sprintf("%.4g mm³ removed, %.4g %% of it with\n%g to %g g/cm³: no histogram", V_sum, 100 * V_max / V_sum, L_min, M_max) : \
+stats csv using (column("removed_mm3") == removed_mm3_max ? column("density_to_g_cm3") : NaN) nooutput name "M"
+stats csv using (column("removed_mm3") == removed_mm3_max ? column("density_from_g_cm3") : NaN) nooutput name "L"
+uniform = removed_mm3_max >= 0.98 * removed_mm3_sum
+sentence = removed_mm3_sum > 0 ? \
+           sprintf("%.4g mm³ removed, %.4g %% of it with\n%g to %g g/cm³: no histogram", removed_mm3_sum, 100 * removed_mm3_max / removed_mm3_sum, L_min, M_max) : \
            "No bone was removed: no histogram"
 
 set key off
 set style fill solid 0.85 border rgb "white"
-set xrange [0:R_max]
-set yrange [0:high(0, V_max)]
+set xrange [0:density_to_g_cm3_max]
+set yrange [0:high(0, removed_mm3_max)]
 set xlabel "Bone density (g/cm³)"
 set ylabel "Removed volume (mm³)"
 set mxtics 2

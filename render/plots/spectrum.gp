@@ -1,10 +1,9 @@
 csv = "plots/spectrum.csv"
-stats csv using "frequency_hz" nooutput name "F"
-stats csv using "spin_torque_nmm" nooutput name "A"
+do for [c in "frequency_hz spin_torque_nmm"] { stats csv using c nooutput name c }
 
 set key off
-set xrange [0:min(shown_hz, F_max)]
-set yrange [0:1.25 * (A_max > 0 ? A_max : 1)]
+set xrange [0:min(shown_hz, frequency_hz_max)]
+set yrange [0:1.25 * (spin_torque_nmm_max > 0 ? spin_torque_nmm_max : 1)]
 set xlabel "Frequency (Hz)"
 set ylabel "Amplitude of the spin torque (N·mm)"
 set mxtics 2

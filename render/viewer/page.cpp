@@ -4,20 +4,20 @@
 #include "render/viewer/page.h"
 
 #include <fmt/core.h>
-#include <meshoptimizer.h>
 #include <openssl/evp.h>
 #include <zlib.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <new>
 #include <stdexcept>
-#include <vector>
 
-#include "render/viewer/report_data.h"
 #include "sim/base/text.h"
-#include "sim/bone/voxmap/voxmap.h"
+#include "sim/scenario/show.h"
+#include "sim/study/study_folder.h"
 
 namespace reamsim {
 namespace embedded {
@@ -85,116 +85,158 @@ std::string self_contained_page(const char* page, const std::string& title, cons
   return fill_template(page, texts);
 }
 
+// --- the page of a study
+
 namespace {
 
-constexpr std::size_t kVertexBytes = BoneSurface::kStride * sizeof(float);  // of a vertex
-constexpr int kNormalSteps = 254, kAttributeSteps = 255;
+using Json = nlohmann::ordered_json;
 
-/// Appends the triangles of `indices` to `out`, simplified to at most `most`.
-void simplify(const BoneSurface& surface, const std::vector<std::uint32_t>& indices, std::size_t most,
-              std::vector<std::uint32_t>& out) {
-  if (indices.size() <= 3 * most) {
-    out.insert(out.end(), indices.begin(), indices.end());
-    return;
+/// A number with more values than this is no list of levels (as in reamsim.lab.effects).
+constexpr std::size_t kMostNumericLevels = 8;
+
+/// Numbers of 32 bits as four planes of bytes, least significant first, which compress better than whole numbers.
+std::string packed(std::span<const std::uint32_t> words) {
+  std::vector<std::uint8_t> bytes(4 * words.size());
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    for (std::size_t plane = 0; plane < 4; ++plane) {
+      bytes[plane * words.size() + i] = static_cast<std::uint8_t>(words[i] >> (8 * plane));
+    }
   }
-  constexpr float kAnyError = 1;  // only the number of triangles limits
-  std::vector<std::uint32_t> kept(indices.size());
-  kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), surface.vertices.data(), surface.count(),
-                               kVertexBytes, 3 * most, kAnyError, meshopt_SimplifyLockBorder, nullptr));
-  out.insert(out.end(), kept.begin(), kept.end());
+  return compressed_base64(bytes);
 }
 
-/// Maps 0, −1, 1, −2 … to 0, 1, 2, 3 …
-std::uint16_t zigzag(std::uint16_t difference) {
-  return static_cast<std::uint16_t>((difference << 1) ^ (difference & 0x8000 ? 0xFFFF : 0));
+std::string packed(const std::vector<double>& numbers) {
+  std::vector<std::uint32_t> words;
+  for (const double number : numbers) words.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(number)));
+  return packed(words);
 }
 
-void append_indices(const std::vector<std::uint32_t>& indices, std::vector<std::uint8_t>& out) {
-  std::uint32_t next = 0;
-  for (const std::uint32_t index : indices) {
-    std::uint32_t below = next - index;
-    if (below == 0) ++next;
-    for (; below > 127; below >>= 7) out.push_back(static_cast<std::uint8_t>(128 | (below & 127)));
-    out.push_back(static_cast<std::uint8_t>(below));
+std::string packed(const std::string& text) {
+  return compressed_base64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+/// Different texts in the order of their first use.
+class TextList {
+ public:
+  std::uint32_t add(const std::string& text) {
+    const auto [found, is_new] = places_.emplace(text, static_cast<std::uint32_t>(texts_.size()));
+    if (is_new) texts_.push_back(printable(text));
+    return found->second;
   }
-}
+  [[nodiscard]] const std::vector<std::string>& texts() const { return texts_; }
+
+ private:
+  std::map<std::string, std::uint32_t> places_;
+  std::vector<std::string> texts_;
+};
+
+class PageData {
+ public:
+  PageData(const std::string& study, const RunTable& table, std::size_t most_runs) {
+    const std::vector<bool> taken = runs_of_table(table.runs.size(), most_runs);
+    for (std::size_t i = 0; i < taken.size(); ++i) {
+      if (taken[i]) runs_.push_back(&table.runs[i]);
+    }
+    json_ = {{"study", printable(study)}, {"all", table.all}, {"runs", runs_.size()}, {"constants", Json::array()}};
+    add_runs();
+    const std::vector<ColumnName> parameters = column_names(table.parameters), results = column_names(table.results);
+    for (std::size_t p = 0; p < parameters.size(); ++p) add_parameter(parameters[p], p);
+    for (std::size_t r = 0; r < results.size(); ++r) add_result(results[r], r);
+    for (const ColumnName& name : headline_results()) json_["headline"].push_back(name.key);
+  }
+
+  [[nodiscard]] const Json& json() const { return json_; }
+
+ private:
+  void add_runs() {
+    std::vector<std::uint32_t> numbers, states, reports, messages;
+    std::string ids;
+    TextList texts;
+    for (const CollectedRun* run : runs_) {
+      numbers.push_back(static_cast<std::uint32_t>(run->number));
+      states.push_back(static_cast<std::uint32_t>(run->state));
+      reports.push_back(run->has_report ? 1 : 0);
+      messages.push_back(texts.add(run->message));
+      ids += run->id + "\n";
+    }
+    json_["numbers"] = packed(numbers);
+    json_["states"] = packed(states);
+    json_["reports"] = packed(reports);
+    json_["ids"] = packed(ids);
+    json_["messages"] = {{"texts", texts.texts()}, {"data", packed(messages)}};
+  }
+
+  static Json column(const ColumnName& name) {
+    return {{"key", printable(name.key)}, {"text", printable(name.text)}, {"unit", name.unit}};
+  }
+
+  void add_constant(const ColumnName& name, const std::string& value) {
+    Json json = column(name);
+    json["value"] = printable(value);
+    json_["constants"].push_back(std::move(json));
+  }
+
+  void add_parameter(const ColumnName& name, std::size_t place) {
+    TextList texts;
+    std::vector<std::uint32_t> levels;
+    std::vector<double> numbers;
+    for (const CollectedRun* run : runs_) {
+      const std::string& cell = run->cells[place];
+      levels.push_back(texts.add(cell));
+      const auto number = parse_number(cell);
+      if (number && std::isfinite(*number)) numbers.push_back(*number);
+    }
+    const bool is_number = numbers.size() == runs_.size();
+    if (texts.texts().size() < 2) return add_constant(name, texts.texts().empty() ? "" : texts.texts()[0]);
+    Json json = column(name);
+    json["parameter"] = true;
+    if (is_number && texts.texts().size() > kMostNumericLevels) {
+      json["data"] = packed(numbers);
+    } else {
+      std::vector<std::string> shown;
+      for (const std::string& text : texts.texts()) shown.push_back(is_number ? text : shown_cell(text));
+      json["levels"] = shown;
+      json["numeric"] = is_number;
+      json["data"] = packed(levels);
+    }
+    json_["columns"].push_back(std::move(json));
+  }
+
+  void add_result(const ColumnName& name, std::size_t place) {
+    std::vector<double> numbers;
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    bool complete = true;
+    for (const CollectedRun* run : runs_) {
+      const double number = run->numbers.empty() ? std::numeric_limits<double>::quiet_NaN() : run->numbers[place];
+      numbers.push_back(number);
+      if (std::isnan(number)) {
+        complete = complete && run->state != RunState::done;
+        continue;
+      }
+      least = std::min(least, number);
+      most = std::max(most, number);
+    }
+    if (least > most) return;
+    if (least == most && complete) return add_constant(name, rounded_text(least));
+    Json json = column(name);
+    json["data"] = packed(numbers);
+    json_["columns"].push_back(std::move(json));
+  }
+
+  std::vector<const CollectedRun*> runs_;
+  Json json_;
+};
 
 }  // namespace
 
-BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget) {
-  std::vector<std::uint32_t> unreamed, reamed;
-  const auto is_reamed = [&](std::uint32_t vertex) {
-    return surface.vertices[vertex * BoneSurface::kStride + BoneSurface::kReamed] > 0;
-  };
-  for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
-    const auto triangle = std::span(surface.indices).subspan(i, 3);
-    auto& part = std::ranges::any_of(triangle, is_reamed) ? reamed : unreamed;
-    part.insert(part.end(), triangle.begin(), triangle.end());
+std::string study_page(const std::string& study, const RunTable& table, std::size_t most_bytes) {
+  // Noise does not compress, so the number of runs alone does not bound the size.
+  for (std::size_t most_runs = table.runs.size();; most_runs /= 2) {
+    const std::string page =
+        self_contained_page(embedded::study_page, printable(study), "reamsim sweep " REAMSIM_VERSION,
+                            PageData(study, table, most_runs).json());
+    if (page.size() <= most_bytes || most_runs <= 1) return page;
   }
-  BoneSurface out;
-  out.deepest_mm = surface.deepest_mm;
-  simplify(surface, unreamed, budget.unreamed_triangles, out.indices);
-  simplify(surface, reamed, budget.reamed_triangles, out.indices);
-  if (out.indices.empty()) return out;
-  meshopt_optimizeVertexCache(out.indices.data(), out.indices.data(), out.indices.size(), surface.count());
-  out.vertices.resize(surface.vertices.size());
-  const std::size_t used = meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(),
-                                                       surface.vertices.data(), surface.count(), kVertexBytes);
-  out.vertices.resize(used * BoneSurface::kStride);
-  return out;
-}
-
-bool counts_as_reamed(const float* vertex) {
-  return std::lround(kAttributeSteps * std::clamp(double{vertex[BoneSurface::kReamed]}, 0.0, 1.0)) > 0;
-}
-
-void append_numbers16(std::span<const double> values, double low, double size, std::vector<std::uint8_t>& out,
-                      int steps) {
-  std::vector<std::uint8_t> high;
-  std::uint16_t before = 0;
-  for (const double value : values) {
-    const double fraction = (value - low) / std::max(size, 1e-6);
-    const auto now = static_cast<std::uint16_t>(std::lround(steps * std::clamp(fraction, 0.0, 1.0)));
-    const std::uint16_t code = zigzag(static_cast<std::uint16_t>(now - before));
-    before = now;
-    out.push_back(static_cast<std::uint8_t>(code & 255));
-    high.push_back(static_cast<std::uint8_t>(code >> 8));
-  }
-  out.insert(out.end(), high.begin(), high.end());
-}
-
-std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
-  std::vector<std::uint8_t> out;
-  const auto append = [&](std::size_t component, double low, double size, int steps) {
-    std::vector<double> values;
-    values.reserve(surface.count());
-    for (std::size_t i = component; i < surface.vertices.size(); i += BoneSurface::kStride) {
-      values.push_back(surface.vertices[i]);
-    }
-    append_numbers16(values, low, size, out, steps);
-  };
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    append(axis, box.min()[static_cast<int>(axis)], box.sizes()[static_cast<int>(axis)], kSteps16);
-  }
-  append(BoneSurface::kDepth, 0, depth_max_mm, kSteps16);
-  for (std::size_t axis = 0; axis < 3; ++axis) append(BoneSurface::kNormal + axis, -1, 2, kNormalSteps);
-  append(BoneSurface::kReamed, 0, 1, kAttributeSteps);
-  append(BoneSurface::kDensity, 0, DensityMapping::kMaxDensity_g_cm3, kAttributeSteps);
-  append(BoneSurface::kAccessibility, 0, 1, kAttributeSteps);
-  append_indices(surface.indices, out);
-  return out;
-}
-
-nlohmann::ordered_json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
-  return {{"vertices", surface.count()},
-          {"triangles", surface.indices.size() / 3},
-          {"bytes", compressed_base64(mesh_bytes(surface, box, depth_max_mm))}};
-}
-
-Eigen::AlignedBox3f bounds_of(const BoneSurface& surface) {
-  Eigen::AlignedBox3f box;
-  for (std::size_t i = 0; i < surface.count(); ++i) box.extend(surface.position_mm(i));
-  return box;
 }
 
 }  // namespace reamsim

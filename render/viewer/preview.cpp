@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "render/viewer/report_data.h"
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -36,8 +35,8 @@ struct PreviewBone {
   std::optional<LandmarkSettings> landmarks;
   std::vector<Vec3> rim_mm;
   BodySide side = BodySide::unknown;
-  std::string frame = "LPS";      ///< of B
-  std::vector<Mistake> mistakes;  ///< those that stop a run
+  std::string frame = "LPS";  ///< of B
+  MistakeList mistakes;       ///< those that stop a run
 };
 
 using Json = nlohmann::ordered_json;
@@ -56,16 +55,6 @@ Json points_json(const std::vector<Vec3>& points) {
   Json json = Json::array();
   for (const Vec3& p : points) json.push_back(vector_json(p));
   return json;
-}
-
-/// Calls `work` and adds the mistakes of an InputError to `mistakes`.
-template <class Work>
-void attempt(std::vector<Mistake>& mistakes, const Work& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    mistakes.insert(mistakes.end(), error.mistakes().begin(), error.mistakes().end());
-  }
 }
 
 Json spheres_json(std::span<const CutSphereSettings> spheres) {
@@ -131,9 +120,9 @@ Json glenoid_json(const PreviewBone& bone, const GlenoidSettings& given) {
 }
 
 /// The envelope of revolution of the tool; null where it cannot be read.
-Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistake>& mistakes, Diagnostics& report) {
+Json tool_json(const ToolSettings& settings, double voxel_mm, MistakeList& mistakes, Diagnostics& report) {
   Json json;
-  attempt(mistakes, [&] {
+  mistakes.attempt([&] {
     const Tool tool = load_tool(settings, voxel_mm, ShellUse::none, report);
     for (const Vec2& p : tool.profile.points) json["profile"].push_back({short_number(p.x()), short_number(p.y())});
   });
@@ -142,7 +131,7 @@ Json tool_json(const ToolSettings& settings, double voxel_mm, std::vector<Mistak
 
 /// The path of the tool in its own frame, at evenly spaced frames; poses are x, y, z (mm), qw, qx, qy, qz. `contact`:
 /// of a plunge whose depth counts from the first contact, which the page finds, its direction and approach; else null.
-Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes, Diagnostics& report) {
+Json motion_json(const MotionSettings& settings, MistakeList& mistakes, Diagnostics& report) {
   Json json{
       {"frame", name_of(settings.frame)}, {"time_s", Json::array()}, {"poses", Json::array()}, {"contact", Json()}};
   const auto count_from_contact = [&](const auto& feed) {
@@ -151,7 +140,7 @@ Json motion_json(const MotionSettings& settings, std::vector<Mistake>& mistakes,
   };
   count_from_contact(settings.plunge);
   count_from_contact(settings.push);
-  attempt(mistakes, [&] {
+  mistakes.attempt([&] {
     const Motion motion = build_motion(settings, GlenoidFrame{}, report);
     for (const std::size_t k : evenly_spaced(motion.poses.size(), kMaxPoses)) {
       const ToolPose pose = motion.poses[k];
@@ -186,10 +175,10 @@ PreviewBone load_preview_bone(const Scenario& scenario, Diagnostics& report) {
     std::optional<FilledVoxmap> voxels;
     const BoneSettings with_surface = with_surface_voxels(settings, scenario.cutting);
     out.scan = segmented_scan(with_surface, report, settings.glenoid.near_mm ? &voxels : nullptr);
-    out.mistakes = out.scan.mistakes;
+    out.mistakes.add(InputError(out.scan.mistakes));
     out.landmarks = settings.glenoid.landmarks;
     out.rim_mm = settings.glenoid.rim_mm;
-    attempt(out.mistakes, [&] { out.glenoid = glenoid_of_scan(settings, voxels, report); });
+    out.mistakes.attempt([&] { out.glenoid = glenoid_of_scan(settings, voxels, report); });
     return out;
   }
   // A rim that lies beside the bone is what the preview is for: it must not stop it.
@@ -312,7 +301,7 @@ Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::i
                   Diagnostics& report) {
   const Scenario& scenario = request.scenario;
   const BoneSettings& settings = scenario.bone;
-  std::vector<Mistake> mistakes = bone.mistakes;
+  MistakeList mistakes = bone.mistakes;
   Json json;
   json["scenario"] = request.text;
   json["file_name"] = request.file_name;
@@ -326,7 +315,7 @@ Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::i
   json["volume"] =
       volume_json(bone.bone ? preview_of_voxmap(*bone.bone, most_voxels) : preview_of_scan(bone.scan, most_voxels));
   json["problems"] = Json::array();
-  for (Mistake& mistake : mistakes) {
+  for (Mistake mistake : mistakes.mistakes()) {
     // The file's name suffices, and says nothing about the machine.
     mistake.where = {std::filesystem::path(mistake.where.file).filename().string(), 0, 0};
     json["problems"].push_back(recorded_text(mistake.line()));

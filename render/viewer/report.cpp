@@ -22,7 +22,6 @@
 #include "render/pictures/canvas.h"
 #include "render/plots/plots.h"
 #include "render/viewer/page.h"
-#include "render/viewer/report_data.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/parallel.h"
@@ -201,17 +200,17 @@ std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, in
   return out;
 }
 
-/// The final pictures of a folder as figures (HTML). `first_camera` is the one without a suffix.
-std::vector<std::string> figures_html(const std::string& dir, const std::string& first_camera) {
-  std::vector<std::string> out;
+/// Adds the final pictures of a folder as figures: the first as `bone_figure`, which stands in place of the 3D view on
+/// paper and without JavaScript, the others as `figures`. `first_camera` is the one without a suffix.
+void add_figures(const std::string& dir, const std::string& first_camera, PageTexts& texts) {
+  std::string &first = texts["bone_figure"], &others = texts["figures"];
   for (const PagePicture& picture : page_pictures(final_pictures(dir), kPicture_px, kMaxPictureBytes)) {
     const std::string caption = escape_html(caption_of(picture.name, first_camera));
-    out.push_back(fmt::format(
+    (first.empty() ? first : others) += fmt::format(
         "<figure{0}><img alt=\"{1}\" width=\"{2}\" height=\"{3}\" src=\"data:image/jpeg;base64,{4}\"><figcaption>{1}"
         "</figcaption></figure>\n",
-        out.empty() ? " id=\"bone-still\"" : "", caption, picture.width_px, picture.height_px, picture.jpeg_base64));
+        first.empty() ? " id=\"bone-still\"" : "", caption, picture.width_px, picture.height_px, picture.jpeg_base64);
   }
-  return out;
 }
 
 /// The pictures during the run, and the cameras that have one of each of these frames.
@@ -265,12 +264,9 @@ std::string page_html(const RunData& run, const PictureOptions& options) {
   PageTexts texts{{"device", escape_html(text("device"))},
                   {"plain", plain_html(tables)},
                   {"printed_plot", printed_plot_html(dir)},
-                  {"scenario", escape_html(read_file(dir + "/scenario.yaml", "the scenario.yaml of a run"))},
-                  {"bone_figure", ""},  // the first picture: in place of the 3D view on paper and without JavaScript
-                  {"figures", ""}};
+                  {"scenario", escape_html(read_file(dir + "/scenario.yaml", "the scenario.yaml of a run"))}};
   // The slow parts come last, after the checks of the others.
-  const auto figures = figures_html(dir, name_of(options.settings.cameras.front()));
-  for (std::size_t i = 0; i < figures.size(); ++i) texts[i == 0 ? "bone_figure" : "figures"] += figures[i];
+  add_figures(dir, name_of(options.settings.cameras.front()), texts);
   const ForceLog& log = run.log();
   const Json data{{"plot", plot_data(log, log.mean_travel_mm)},
                   {"pictures", frames_json(run, names_of(options.settings.cameras))},

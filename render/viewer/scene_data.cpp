@@ -13,7 +13,6 @@
 #include "render/pictures/run_view.h"
 #include "render/surface/solid_field.h"
 #include "render/viewer/page.h"
-#include "render/viewer/report_data.h"
 #include "sim/anatomy/column_map.h"
 #include "sim/base/error.h"
 #include "sim/base/parallel.h"
@@ -25,6 +24,69 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kMaxDensityCells = 2'500'000;
+constexpr std::size_t kVertexBytes = BoneSurface::kStride * sizeof(float);  // of a vertex
+constexpr int kNormalSteps = 254, kAttributeSteps = 255;
+
+/// Appends the triangles of `indices` to `out`, simplified to at most `most`.
+void simplify(const BoneSurface& surface, const std::vector<std::uint32_t>& indices, std::size_t most,
+              std::vector<std::uint32_t>& out) {
+  if (indices.size() <= 3 * most) {
+    out.insert(out.end(), indices.begin(), indices.end());
+    return;
+  }
+  constexpr float kAnyError = 1;  // only the number of triangles limits
+  std::vector<std::uint32_t> kept(indices.size());
+  kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), surface.vertices.data(), surface.count(),
+                               kVertexBytes, 3 * most, kAnyError, meshopt_SimplifyLockBorder, nullptr));
+  out.insert(out.end(), kept.begin(), kept.end());
+}
+
+/// Maps 0, −1, 1, −2 … to 0, 1, 2, 3 …
+std::uint16_t zigzag(std::uint16_t difference) {
+  return static_cast<std::uint16_t>((difference << 1) ^ (difference & 0x8000 ? 0xFFFF : 0));
+}
+
+void append_indices(const std::vector<std::uint32_t>& indices, std::vector<std::uint8_t>& out) {
+  std::uint32_t next = 0;
+  for (const std::uint32_t index : indices) {
+    std::uint32_t below = next - index;
+    if (below == 0) ++next;
+    for (; below > 127; below >>= 7) out.push_back(static_cast<std::uint8_t>(128 | (below & 127)));
+    out.push_back(static_cast<std::uint8_t>(below));
+  }
+}
+
+constexpr int kSteps16 = 65535;
+
+/// Appends value_of(i) of each i < `count` as numbers 0…`steps` from `low` to `low` + `size`, 16 bits each, as zigzag
+/// differences to the one before: first all low bytes, then all high bytes.
+template <class ValueOf>
+void append_numbers16(std::size_t count, const ValueOf& value_of, double low, double size,
+                      std::vector<std::uint8_t>& out, int steps = kSteps16) {
+  std::vector<std::uint8_t> high;
+  std::uint16_t before = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double fraction = (value_of(i) - low) / std::max(size, 1e-6);
+    const auto now = static_cast<std::uint16_t>(std::lround(steps * std::clamp(fraction, 0.0, 1.0)));
+    const std::uint16_t code = zigzag(static_cast<std::uint16_t>(now - before));
+    before = now;
+    out.push_back(static_cast<std::uint8_t>(code & 255));
+    high.push_back(static_cast<std::uint8_t>(code >> 8));
+  }
+  out.insert(out.end(), high.begin(), high.end());
+}
+
+/// Whether mesh_bytes() writes a vertex as reamed.
+bool counts_as_reamed(const float* vertex) {
+  return std::lround(kAttributeSteps * std::clamp(double{vertex[BoneSurface::kReamed]}, 0.0, 1.0)) > 0;
+}
+
+/// A surface for the page's JSON: `vertices`, `triangles`, and mesh_bytes() compressed as `bytes`.
+Json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
+  return {{"vertices", surface.count()},
+          {"triangles", surface.indices.size() / 3},
+          {"bytes", compressed_base64(mesh_bytes(surface, box, depth_max_mm))}};
+}
 
 BoneSurface surface_of(const Voxmap& voxmap, const FillBricks& fill, const UnreamedSurface& unreamed) {
   return simplified(make_bone_surface(BoneFields(voxmap, fill, unreamed)), MeshBudget());
@@ -166,7 +228,10 @@ Json reaming_data(const RunData& run, const BoneSurface& after) {
   double most_mm = 0;
   for (const auto& state : states) most_mm = std::max(most_mm, *std::ranges::max_element(state));
   std::vector<std::uint8_t> bytes;
-  for (const auto& state : states) append_numbers16(state, 0, most_mm, bytes);
+  for (const auto& state : states) {
+    append_numbers16(
+        state.size(), [&](std::size_t i) { return state[i]; }, 0, most_mm, bytes);
+  }
   return {{"time_s", std::move(times)},
           {"vertices", columns.feet.size()},
           {"most_mm", most_mm},
@@ -200,9 +265,8 @@ Json poses_json(const ForceLog& log, const std::vector<std::size_t>& rows) {
   for (const std::size_t row : rows) box.extend(log.rows[row].pose.position_mm);
   std::vector<std::uint8_t> bytes;
   const auto append = [&](double low, double size, const auto& number_of) {
-    std::vector<double> numbers;
-    for (const std::size_t row : rows) numbers.push_back(number_of(log.rows[row].pose));
-    append_numbers16(numbers, low, size, bytes);
+    const auto value_of = [&](std::size_t i) { return number_of(log.rows[rows[i]].pose); };
+    append_numbers16(rows.size(), value_of, low, size, bytes);
   };
   for (int axis = 0; axis < 3; ++axis) {
     append(box.min[axis], box.max[axis] - box.min[axis], [&](const ToolPose& pose) { return pose.position_mm[axis]; });
@@ -217,6 +281,53 @@ Json poses_json(const ForceLog& log, const std::vector<std::size_t>& rows) {
 }
 
 }  // namespace
+
+BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget) {
+  std::vector<std::uint32_t> unreamed, reamed;
+  const auto is_reamed = [&](std::uint32_t vertex) {
+    return surface.vertices[vertex * BoneSurface::kStride + BoneSurface::kReamed] > 0;
+  };
+  for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
+    const auto triangle = std::span(surface.indices).subspan(i, 3);
+    auto& part = std::ranges::any_of(triangle, is_reamed) ? reamed : unreamed;
+    part.insert(part.end(), triangle.begin(), triangle.end());
+  }
+  BoneSurface out;
+  out.deepest_mm = surface.deepest_mm;
+  simplify(surface, unreamed, budget.unreamed_triangles, out.indices);
+  simplify(surface, reamed, budget.reamed_triangles, out.indices);
+  if (out.indices.empty()) return out;
+  meshopt_optimizeVertexCache(out.indices.data(), out.indices.data(), out.indices.size(), surface.count());
+  out.vertices.resize(surface.vertices.size());
+  const std::size_t used = meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(),
+                                                       surface.vertices.data(), surface.count(), kVertexBytes);
+  out.vertices.resize(used * BoneSurface::kStride);
+  return out;
+}
+
+std::vector<std::uint8_t> mesh_bytes(const BoneSurface& surface, const Eigen::AlignedBox3f& box, double depth_max_mm) {
+  std::vector<std::uint8_t> out;
+  const auto append = [&](std::size_t component, double low, double size, int steps) {
+    const auto value_of = [&](std::size_t i) { return double{surface.vertices[i * BoneSurface::kStride + component]}; };
+    append_numbers16(surface.count(), value_of, low, size, out, steps);
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    append(axis, box.min()[static_cast<int>(axis)], box.sizes()[static_cast<int>(axis)], kSteps16);
+  }
+  append(BoneSurface::kDepth, 0, depth_max_mm, kSteps16);
+  for (std::size_t axis = 0; axis < 3; ++axis) append(BoneSurface::kNormal + axis, -1, 2, kNormalSteps);
+  append(BoneSurface::kReamed, 0, 1, kAttributeSteps);
+  append(BoneSurface::kDensity, 0, DensityMapping::kMaxDensity_g_cm3, kAttributeSteps);
+  append(BoneSurface::kAccessibility, 0, 1, kAttributeSteps);
+  append_indices(surface.indices, out);
+  return out;
+}
+
+Eigen::AlignedBox3f bounds_of(const BoneSurface& surface) {
+  Eigen::AlignedBox3f box;
+  for (std::size_t i = 0; i < surface.count(); ++i) box.extend(surface.position_mm(i));
+  return box;
+}
 
 DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells) {
   const VoxelBox bone = bone_extent(voxmap);
@@ -254,7 +365,6 @@ Json bone_data(const RunData& run, const RenderSettings& settings) {
   return {{"look", view_json(run.target())},
           {"box_mm", box_json(box.min(), box.max())},
           {"grade_per_g_cm3", DensityMapping::kMaxGrade / DensityMapping::kMaxDensity_g_cm3},
-          {"deepest_mm", short_number(after.deepest_mm)},
           {"depth_colors", colors_json(depth_colors(), depth)},
           {"density_colors", colors_json(density_colors(), scale_up_to(DensityMapping::kMaxDensity_g_cm3))},
           {"before", mesh_json(before, box, depth.max)},

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "render/viewer/report_data.h"
+#include "render/viewer/page.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/record/run_totals.h"

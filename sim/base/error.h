@@ -118,6 +118,7 @@ class MistakeList {
   void doubt(std::string key) { doubted_.push_back(std::move(key)); }
 
   [[nodiscard]] bool empty() const { return mistakes_.empty(); }
+  [[nodiscard]] const std::vector<Mistake>& mistakes() const { return mistakes_; }
   /// Whether a mistake or a doubted key is `key`, a key above it or a key below it.
   [[nodiscard]] bool concerns(std::string_view key) const;
   /// Whether a mistake concerns a key directly in the section `section`.

@@ -42,4 +42,17 @@ inline nlohmann::ordered_json parse_result_json(const std::string& text) {
   return too_deep ? Json(Json::value_t::discarded) : json;
 }
 
+/// Calls visit(key, number) for every number below `json`, whose own key is `key`. Below it names follow after a dot,
+/// and places in a list between `before` and `after`: "passes[0].frames".
+template <class Visit>
+void for_each_number(const nlohmann::ordered_json& json, const std::string& key, const char* before, const char* after,
+                     const Visit& visit) {
+  if (json.is_number()) visit(key, json.get<double>());
+  if (!json.is_structured()) return;
+  for (const auto& [name, value] : json.items()) {
+    const std::string dotted = key.empty() ? name : key + "." + name;
+    for_each_number(value, json.is_array() ? key + before + name + after : dotted, before, after, visit);
+  }
+}
+
 }  // namespace reamsim

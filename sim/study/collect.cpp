@@ -49,24 +49,9 @@ std::vector<std::string> RunMessages::lines(std::size_t most) const {
 namespace {
 
 namespace fs = std::filesystem;
-using Numbers = std::vector<std::pair<std::string, double>>;
-
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostSummaryBytes = 16'000'000;
-
-void flatten(const Json& json, const std::string& name, Numbers& out) {
-  if (json.is_number()) {
-    out.emplace_back(name, json.get<double>());
-  } else if (json.is_object()) {
-    for (const auto& [key, value] : json.items()) {
-      const bool differs_from_run_to_run = name.empty() && (key == "timings_s" || key == "memory_mb");
-      if (!differs_from_run_to_run) flatten(value, name.empty() ? key : name + "." + key, out);
-    }
-  } else if (json.is_array()) {
-    for (std::size_t i = 0; i < json.size(); ++i) flatten(json[i], name + "." + std::to_string(i), out);
-  }
-}
 
 RunState state_of(const StudyFolder& folder, const IdentifiedRun& run) {
   return run.id.empty() ? RunState::failed : folder.state(run.id);
@@ -166,9 +151,11 @@ CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, co
 
 RunSummary read_run_summary(const std::string& run_dir) {
   RunSummary out;
-  const Json json = parse_result_json(read_file_start(run_dir + "/summary.json", kMostSummaryBytes));
+  Json json = parse_result_json(read_file_start(run_dir + "/summary.json", kMostSummaryBytes));
   if (!json.is_object()) return out;
-  flatten(json, "", out.numbers);
+  for (const char* differs_from_run_to_run : {"timings_s", "memory_mb"}) json.erase(differs_from_run_to_run);
+  for_each_number(json, "", ".", "",
+                  [&](const std::string& name, double value) { out.numbers.emplace_back(name, value); });
   const Json warnings = json.value("warnings", Json());
   for (const Json& warning : warnings.is_array() ? warnings : Json::array()) {
     if (warning.is_string()) out.warnings.push_back(warning.get<std::string>());

@@ -11,7 +11,6 @@
 #include <stdexcept>
 
 #include "render/viewer/page.h"
-#include "render/viewer/report_data.h"
 #include "sim/base/error.h"
 
 namespace reamsim {

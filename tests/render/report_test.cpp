@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "render/viewer/report_data.h"
+#include "render/viewer/page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

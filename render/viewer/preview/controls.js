@@ -71,8 +71,10 @@ export class Controls {
     find("go-there").disabled = find("remove-point").disabled = !placed;
   }
 
-  numbers(id, apply) {
-    const inputs = [...document.querySelectorAll(`#${id} input`)];
+  // Inputs for x, y and z behind the legend of a fieldset; returns what shows values in them.
+  numbers(id, step, apply) {
+    const inputs = [0, 1, 2].map((axis) => part("input", { type: "number", step, "data-axis": `${axis}` }));
+    find(id).querySelector("legend").after(...inputs.map((input, axis) => part("label", {}, `${"xyz"[axis]} `, input)));
     for (const input of inputs) {
       input.addEventListener("change", () => {
         const values = inputs.map((each) => Number(each.value));
@@ -86,7 +88,7 @@ export class Controls {
   }
 
   addPoint() {
-    this.showPoint = this.numbers("point", (point) => {
+    this.showPoint = this.numbers("point", 0.1, (point) => {
       if (this.model.tool === "look") return this.model.moveCross(point);
       const placed = this.model.pointOf(this.model.tool) !== null;
       this.model.place(this.model.tool, point, placed && this.model.tool !== "center");
@@ -114,9 +116,9 @@ export class Controls {
   }
 
   addFrame() {
-    this.chooseSide = choices("side", (side) => this.model.set({ side }));
-    this.chooseFrom = choices("from", (from) => this.model.set({ from }));
-    this.showNormal = this.numbers("normal", (normal) => { if (normal.some((n) => n !== 0)) this.model.set({ normal }); });
+    this.chooseSide = choices("side", "side", [["left", "Left"], ["right", "Right"]], (side) => this.model.set({ side }));
+    this.chooseFrom = choices("from", "from", [["face", "Face"], ["landmarks", "Landmarks"]], (from) => this.model.set({ from }));
+    this.showNormal = this.numbers("normal", 0.01, (normal) => { if (normal.some((n) => n !== 0)) this.model.set({ normal }); });
     find("fit-normal").addEventListener("click", () => this.model.fitNormal());
     find("flip-normal").addEventListener("click", () => this.model.set({ normal: this.model.values.normal.map((n) => -n + 0) }));
   }

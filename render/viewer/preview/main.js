@@ -90,7 +90,7 @@ const solid = solidOf(model);
 const controls = new Controls(model, slices, view);
 const scenario = new ScenarioView(model);
 
-model.listen((what) => {
+model.notify = (what) => {
   for (const slice of slices) slice.draw();
   controls.show();
   if (what === "values") scenario.show();
@@ -101,7 +101,7 @@ model.listen((what) => {
     solid.remark();
     solid.draw();
   }
-});
+};
 
 // For tests: what a user can see, as numbers.
 globalThis.preview = { model, slices, solid, edited, applyMarkups: (text) => applyMarkups(model, text), markupsText: () => markupsText(model) };

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What the page edits, and what follows from it. Views listen for changes.
+// What the page edits, and what follows from it.
 import { Vector3 } from "../shared/scene.js";
 import { contactOf, faceNormal, warningsOf } from "./checks.js";
 import { Reamer, frameOf, frameOfLandmarks } from "./reamer.js";
@@ -45,7 +45,7 @@ export class Model {
     this.volume = volumeOf(data.volume);
     this.initial = valuesOf(data);
     this.values = copy(this.initial);
-    this.listeners = [];
+    this.notify = () => {};  // the page sets what is told what has changed: values, cross, tool or pose
     this.tool = "look";
     this.reamer = data.tool === null || data.motion.poses.length === 0 ? null : new Reamer(data.tool, data.motion);
     this.pose = 0;
@@ -66,9 +66,6 @@ export class Model {
     if (!box || box.isEmpty()) return this.volume.lattice.center();
     return rounded(box.getCenter(new Vector3()).toArray(), 2);
   }
-
-  listen(listener) { this.listeners.push(listener); }
-  notify(what) { for (const listener of this.listeners) listener(what); }
 
   get segmentationChanged() {
     return ["threshold_hu", "seed", "cut_spheres"].some((key) => !same(this.values[key], this.initial[key]));
@@ -169,8 +166,7 @@ export class Model {
     const point = rounded(place, 2), { values } = this;
     if (tool === "look") return;
     if (tool === "center") {
-      const normal = this.surface === null ? values.normal : faceNormal(this.surface, point) ?? values.normal;
-      this.set({ center: point, normal: moves || normal === null ? values.normal : rounded(normal, 4) });
+      this.set({ center: point, normal: (moves ? null : this.normalAt(point)) ?? values.normal });
     } else if (tool === "superior") {
       if (values.center === null || same(point, values.center)) return;
       this.set({ superior: rounded(unit(minus(point, values.center)), 4) });
@@ -192,9 +188,14 @@ export class Model {
     } else if (tool !== "look") this.set({ [tool]: null });
   }
 
+  // The normal of the bone's surface near a point; null where there is none.
+  normalAt(point) {
+    const normal = this.surface === null ? null : faceNormal(this.surface, point);
+    return normal === null ? null : rounded(normal, 4);
+  }
+
   fitNormal() {
-    if (this.values.center === null || this.surface === null) return;
-    const normal = faceNormal(this.surface, this.values.center);
-    if (normal !== null) this.set({ normal: rounded(normal, 4) });
+    const normal = this.normalAt(this.values.center);
+    if (normal !== null) this.set({ normal });
   }
 }

@@ -8,8 +8,6 @@ import { same } from "./volume.js";
 
 // --- single keys are changed where the parser says that they stand; every other byte stays
 
-class EditError extends Error {}
-
 const spliced = (text, from, to, put = "") => text.slice(0, from) + put + text.slice(to);
 const lineStart = (text, at) => text.lastIndexOf("\n", at - 1) + 1;
 function lineEnd(text, at) {
@@ -36,7 +34,7 @@ const nested = (path, value) => path.reduceRight((inner, key) => ({ [key]: inner
 const isEmpty = (node) => node === null || (isScalar(node) && node.range[0] === node.range[1]);
 function colonEnd(pair, name) {
   const colon = pair.srcToken.sep?.find((token) => token.type === "map-value-ind");
-  if (colon === undefined) throw new EditError(`${name} has no value: change it by hand`);
+  if (colon === undefined) throw new Error(`${name} has no value: change it by hand`);
   return colon.offset + 1;
 }
 // Where the content of a node, or of a pair, ends: before spaces and comments.
@@ -78,13 +76,13 @@ function replaced(text, map, pair, value, name) {
 function refuse(text, pair, name) {
   const { value } = pair;
   if (!isAlias(value) && !value?.anchor && !value?.tag && !/BLOCK/.test(isScalar(value) ? value.type : "")) return;
-  throw new EditError(`${name} is written with ${text.slice(colonEnd(pair, name)).trim().slice(0, 12)}, which this page does not change: change it by hand`);
+  throw new Error(`${name} is written with ${text.slice(colonEnd(pair, name)).trim().slice(0, 12)}, which this page does not change: change it by hand`);
 }
 
 // Sets the key `path` (names; numbers for items of a sequence) to a value; undefined removes the key.
 function setKey(text, path, value) {
   const { contents, errors } = parseDocument(text, { keepSourceTokens: true, strict: false, uniqueKeys: false });
-  if (errors.length > 0) throw new EditError(`the page cannot read the text (${errors[0].code}): change it by hand`);
+  if (errors.length > 0) throw new Error(`the page cannot read the text (${errors[0].code}): change it by hand`);
   if (contents === null) return value === undefined ? text : text + blockLines(nested(path, value), 0).join("\n");
   let node = contents;
   for (let depth = 0; depth < path.length; ++depth) {
@@ -93,7 +91,7 @@ function setKey(text, path, value) {
       node = node.items[path[depth]];
       continue;
     }
-    if (!isMap(node)) throw new EditError(`${path.slice(0, depth).join(".")} has no keys below it: change it by hand`);
+    if (!isMap(node)) throw new Error(`${path.slice(0, depth).join(".")} has no keys below it: change it by hand`);
     const pair = node.items.find(({ key }) => key.value === path[depth]);
     if (pair === undefined) return value === undefined ? text : inserted(text, node, nested(path.slice(depth), value));
     refuse(text, pair, name);
@@ -157,7 +155,7 @@ function withSpheres(text, values, changes) {
   }
 }
 
-// `model`: values, initial, data, glenoid. Throws EditError where the text has what cannot be changed in place.
+// `model`: values, initial, data, glenoid. Throws where the text has what cannot be changed in place.
 export function scenarioText({ values, initial, data, glenoid }) {
   const changes = [];
   if (values.side !== initial.side) changes.push([["bone", "side"], values.side]);

@@ -5,17 +5,76 @@
 import {
   BackSide, BufferAttribute, BufferGeometry, Data3DTexture, DecrementWrapStencilOp, FrontSide, Group, IncrementWrapStencilOp,
   LinearFilter, Mesh, PlaneGeometry, Quaternion, RedFormat, Vector3, Vector4, View, boneMaterial, capMaterial, choices, find,
-  legend, liftsOf, meshOf, posesOf, toolLook, unpacked, vector, viewMissing,
+  legend, toolLook, unpacked, vector, viewMissing,
 } from "../shared/scene.js";
 
-function geometryOf(packed, box) {
-  const mesh = meshOf(packed, box);
+// --- decodes what render/viewer/scene_data.cpp encodes
+
+// The `plane`th plane of 16-bit numbers, delta and zigzag encoded.
+function numbers16(bytes, plane, count) {
+  const out = new Uint16Array(count);
+  let value = 0;
+  for (let i = 0; i < count; ++i) {
+    const code = bytes[2 * plane * count + i] | (bytes[(2 * plane + 1) * count + i] << 8);
+    value += (code >> 1) ^ -(code & 1);
+    out[i] = value;
+  }
+  return out;
+}
+
+// Poses of the tool: position in mm, quaternion and spin angle in radians, one each for every row of the curves.
+function posesOf(packed) {
+  const bytes = unpacked(packed.bytes);
+  const [low, high] = packed.box_mm;
+  const column = (plane, from, size) => Float64Array.from(numbers16(bytes, plane, packed.count), (n) => from + (size * n) / 65535);
+  const places = [0, 1, 2].map((axis) => column(axis, low[axis], high[axis] - low[axis]));
+  const turns = [3, 4, 5, 6].map((plane) => column(plane, -1, 2));
+  const spins = column(7, 0, 2 * Math.PI);
+  return Array.from(spins, (spin, row) => ({ position: places.map((c) => c[row]), quaternion: turns.map((c) => c[row]), spin }));
+}
+
+// The bone over each reamed vertex in mm, one list for each time.
+function liftsOf(reaming) {
+  const bytes = unpacked(reaming.bytes);
+  const step = reaming.most_mm / 65535;
+  return reaming.time_s.map((_, state) => Float32Array.from(numbers16(bytes, state, reaming.vertices), (n) => step * n));
+}
+
+// Three planes of numbers from the `first` on, interleaved.
+function interleaved(bytes, first, count, Type, valueOf) {
+  const out = new Type(3 * count);
+  for (let part = 0; part < 3; ++part) {
+    numbers16(bytes, first + part, count).forEach((n, i) => { out[3 * i + part] = valueOf(n, part); });
+  }
+  return out;
+}
+
+function corners(bytes, from, count) {
+  const out = new Uint32Array(count);
+  let at = from, next = 0;
+  for (let i = 0; i < count; ++i) {
+    let below = 0;
+    for (let shift = 0; ; shift += 7) {
+      const byte = bytes[at++];
+      below |= (byte & 127) << shift;
+      if (byte < 128) break;
+    }
+    out[i] = next - below;
+    if (below === 0) ++next;
+  }
+  return out;
+}
+
+// A mesh: positions in mm, normals, attributes (reamed, density, ambient accessibility), depths, triangle indices.
+function geometryOf(packed, [low, high]) {
+  const bytes = unpacked(packed.bytes), count = packed.vertices;
+  const placeOf = (n, axis) => low[axis] + ((high[axis] - low[axis]) / 65535) * n;
   return new BufferGeometry()
-    .setAttribute("position", new BufferAttribute(mesh.positions, 3))
-    .setAttribute("normal", new BufferAttribute(mesh.normals, 3, true))
-    .setAttribute("vertex_attributes", new BufferAttribute(mesh.attributes, 3, true))
-    .setAttribute("depth", new BufferAttribute(mesh.depths, 1, true))
-    .setIndex(new BufferAttribute(mesh.indices, 1));
+    .setAttribute("position", new BufferAttribute(interleaved(bytes, 0, count, Float32Array, placeOf), 3))
+    .setAttribute("normal", new BufferAttribute(interleaved(bytes, 4, count, Int8Array, (n) => n - 127), 3, true))
+    .setAttribute("vertex_attributes", new BufferAttribute(interleaved(bytes, 7, count, Uint8Array, (n) => n), 3, true))
+    .setAttribute("depth", new BufferAttribute(numbers16(bytes, 3, count), 1, true))
+    .setIndex(new BufferAttribute(corners(bytes, 20 * count, 3 * packed.triangles), 1));
 }
 
 // The bone during the run: the reamed vertices of the bone after it, lifted by the bone that was still there.
@@ -203,7 +262,8 @@ class BoneView extends View {
     this.tool = new ToolModel(tool, this.cut);
     this.tool.look = tool.shown ? tool.look : "hidden";
     this.scene.add(this.tool.group);
-    choices("tool", (look) => { this.tool.look = look; this.draw(); })(tool.shown ? tool.look : "hidden");
+    const looks = [["see-through", "See-through"], ["steel", "Steel"], ["hidden", "Hidden"]];
+    choices("tool-looks", "tool", looks, (look) => { this.tool.look = look; this.draw(); })(tool.shown ? tool.look : "hidden");
   }
 
   // "before" or "after" the run, or "now": at the time of moveTo().
@@ -253,11 +313,13 @@ class BoneView extends View {
   addStates() {
     const { reaming } = this.bone;
     const redraw = () => { this.showLegends(); this.draw(); };
-    const choose = choices("state", (state) => { this.show(state); redraw(); });
-    choices("surface", (surface) => { this.uniforms.shows_depth.value = surface === "depth" ? 1 : 0; redraw(); });
-    document.querySelector("input[name=state][value=now]").closest("label").hidden = reaming === null;
+    const states = [["before", "Before"], ...(reaming === null ? [] : [["now", "During"]]), ["after", "After"]];
     const state = reaming === null ? "after" : "now";
-    choose(state);
+    choices("bone-states", "state", states, (chosen) => { this.show(chosen); redraw(); })(state);
+    choices("surfaces", "surface", [["depth", "Depth"], ["plain", "Bone"]], (surface) => {
+      this.uniforms.shows_depth.value = surface === "depth" ? 1 : 0;
+      redraw();
+    })("depth");
     this.show(state);
   }
 

@@ -103,7 +103,8 @@ class Plots {
       const ends = [range.min, range.max].map((time) => time.toFixed(2));
       find("plot-range").textContent = `${ends[0]} to ${ends[1]} s of ${whole.max.toFixed(2)} s`;
     };
-    const choose = choices("range", show);
+    const choose = choices("plot-ranges", "range", [["contact", "Contact"], ["whole", "Whole run"]], show);
+    choose("contact");
     this.place.addEventListener("dblclick", () => { choose("whole"); show("whole"); });
     if (contact !== null) show("contact");
   }

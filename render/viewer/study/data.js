@@ -1,10 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The runs of the study: decodes what render/viewer/study_page.cpp encodes.
-import { unpacked } from "../shared/decode.js";
-import { part } from "../shared/elements.js";
-import { significantText } from "../shared/numbers.js";
+// The runs of the study: decodes what render/viewer/page.cpp encodes.
+import { part, significantText, unpacked } from "../shared/page.js";
 
 export const STATES = ["missing", "interrupted", "failed", "done"];
 
@@ -27,17 +25,13 @@ class Column {
     this.title = this.unit ? `${this.name}, ${this.unit}` : this.name;
   }
 
+  // The level of each run.
+  get codes() { return this.decodedCodes ??= words(this.data, Uint32Array); }
+
   // Numbers to sort, filter and plot by; of texts their numbers in the order of the plan.
   get values() {
-    this.decoded ??= this.decode();
-    return this.decoded;
-  }
-
-  decode() {
-    if (!this.levels) return words(this.data, Float32Array);
-    this.codes = words(this.data, Uint32Array);
-    const numbers = this.numeric ? this.levels.map(Number) : this.levels.map((_, i) => i + 1);
-    return Float64Array.from(this.codes, (code) => numbers[code]);
+    const number = (code) => (this.numeric ? Number(this.levels[code]) : code + 1);
+    return this.decoded ??= this.levels ? Float64Array.from(this.codes, number) : words(this.data, Float32Array);
   }
 
   // Numbers of the levels in the order in which they are listed: numbers ascend.

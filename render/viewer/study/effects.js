@@ -2,15 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Main effects of the runs that are shown: as python/src/reamsim/lab/effects.py computes them.
-import { find, part, svgPart } from "../shared/elements.js";
-import { extremes, significantText, stepsOf } from "../shared/numbers.js";
+import { extremes, find, part, significantText, stepsOf, svgPart } from "../shared/page.js";
 
 const kMostLevels = 40, kMostIntervals = 8, kLeastValuesOfInterval = 8, kMostPanels = 12, kMostDots = 500;
 
 // Which group each run is in, and how the groups are named; null where a parameter does not group them.
 function groupsOf(column, runs) {
   if (column.levels) {
-    column.values;  // decodes the codes
     const present = new Set(Array.from(runs, (run) => column.codes[run])), codes = column.order.filter((code) => present.has(code));
     const differs = codes.length === runs.length && runs.length > 2 && !column.numeric;
     if (codes.length < 2 || codes.length > kMostLevels || differs) return null;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The filters: text, status, levels of parameters, ranges of any column.
-import { find, part } from "../shared/elements.js";
+import { find, part } from "../shared/page.js";
 import { STATES, fillColumns } from "./data.js";
 
 const kMostLevels = 60;  // longer lists are searched as text
@@ -105,7 +105,6 @@ export class Filters {
   runs() {
     const { study } = this;
     const levels = [...this.hiddenLevels].filter(([, hidden]) => hidden.size > 0);
-    for (const [column] of levels) column.values;  // decodes the codes
     const ranges = [...this.ranges].filter(([, [low, high]]) => low > -Infinity || high < Infinity);
     const wanted = find("search").value.trim().toLowerCase();
     const out = [];

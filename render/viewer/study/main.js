@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-import { find, pageData, part, tableRow } from "../shared/elements.js";
-import { significantText } from "../shared/numbers.js";
+import { find, pageData, part, significantText, tableRow } from "../shared/page.js";
 import { fillColumns, readStudy } from "./data.js";
 import { Effects } from "./effects.js";
 import { Filters, addChecks } from "./filters.js";

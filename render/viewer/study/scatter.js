@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // A scatter plot of one column over another, coloured by a third.
-import { find, part } from "../shared/elements.js";
-import { extremes, significantText, stepsOf } from "../shared/numbers.js";
+import { extremes, find, part, significantText, stepsOf } from "../shared/page.js";
 import { fillColumns } from "./data.js";
 
 // Okabe and Ito's colours, as in the plots; black for the eighth.
@@ -131,10 +130,9 @@ export class Scatter {
   // The colour of a run: of up to eight levels their own, of numbers a ramp.
   colors(color, runs) {
     if (!color) return () => kColors[0];
-    const { values } = color;  // decodes the codes
     if (color.levels?.length <= kColors.length) return (run) => kColors[color.codes[run]];
     const [low, high] = this.limits(color, runs);
-    return (run) => (Number.isNaN(values[run]) ? "#b9bec5" : rampColor((values[run] - low) / (high - low || 1)));
+    return (run) => (Number.isNaN(color.values[run]) ? "#b9bec5" : rampColor((color.values[run] - low) / (high - low || 1)));
   }
 
   limits(color, runs) {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The table of runs. Only the rows in sight, and some around them, are in the document.
-import { find, part } from "../shared/elements.js";
+import { find, part } from "../shared/page.js";
 
 const kRow = 30;  // px, as in style.css
 const kMargin = 12;  // rows above and below those in sight

@@ -1,7 +1,62 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Numbers as people read them.
+// What every page needs: elements, packed data, and numbers as people read them.
+import { unzlibSync } from "fflate";
+
+export const find = (id) => document.getElementById(id);
+
+// What C++ has put into the page.
+export const pageData = () => JSON.parse(find("page-data").textContent);
+
+// What compressed_base64() of page.cpp has packed.
+export function unpacked(base64) {
+  const text = atob(base64), bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  return unzlibSync(bytes);
+}
+
+export function part(name, attributes = {}, ...children) {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    else if (key in made && typeof value !== "string") made[key] = value;
+    else made.setAttribute(key, value);
+  }
+  made.append(...children);
+  return made;
+}
+
+export function svgPart(name, attributes, text) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  if (text !== undefined) made.textContent = text;
+  return made;
+}
+
+// Radio buttons behind the legend of the fieldset `id`: `options` are [value, text], act(value) is called when another one is
+// chosen. Returns what chooses one.
+export function choices(id, name, options, act) {
+  const inputs = options.map(([value]) => part("input", { type: "radio", name, value, onchange: () => act(value) }));
+  find(id).querySelector("legend").after(...inputs.flatMap((input, i) => ["\n", part("label", {}, input, ` ${options[i][1]}`)]));
+  return (value) => { for (const input of inputs) input.checked = input.value === value; };
+}
+
+// Shows and says what the slider `id` stands for.
+export function sayValue(id, text, said = text) {
+  find(`${id}-value`).textContent = text;
+  find(id).setAttribute("aria-valuetext", said);
+}
+
+// A row of a table; cells are texts, elements or cells.
+export function tableRow(head, ...cells) {
+  return part("tr", {}, part("th", { scope: "row" }, head), ...cells.map((cell) => (cell.tagName === "TD" ? cell : part("td", {}, cell))));
+}
+
+// Says where the 3D view would be that there is none.
+export const viewMissing = (error, instead) => part("p", { class: "note" }, `This browser cannot show the 3D view (${error.message}). ${instead}`);
+
+// --- numbers
 
 // A true minus sign, and thin spaces between thousands from five digits on.
 function typeset(text) {
