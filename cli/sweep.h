@@ -53,11 +53,21 @@ void add_sweep_worker(CLI::App& sweep);
 
 // `sweep` and `uq` write files of the same names into the folder of a study, which must not replace one another.
 
+/// Whether a folder holds the runs of an uncertainty analysis.
+bool holds_uq_runs(const std::string& dir);
+
 /// Throws InputError where `dir` holds an analysis of `uq`, unless the study is that of its own runs (runs.yaml).
 void keep_results_of_uq(const SweepOptions& options, const std::string& dir);
 
 /// Throws InputError where `dir` holds runs of a study that is no analysis of `uq`.
 void keep_results_of_sweep(const std::string& dir);
+
+/// Whether holds_uq_runs(), and their forces are those of the base's force law:
+/// sampled constants of the law have no runs.
+bool has_forces_of_base_law(const Study& runs, const std::string& dir);
+
+/// Whether a result of a study's table, such as "forces.peak_force_n", follows from the constants of the force law.
+bool depends_on_law(const std::string& name);
 
 /// Writes runs.csv, effects.* and sweep.html into the folder, and prints counts, a table and the paths. Throws
 /// RunError.
