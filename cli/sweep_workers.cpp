@@ -15,11 +15,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <deque>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -48,14 +48,6 @@ constexpr int kPoll_ms = 100;
 constexpr int kMostDeaths = 20;
 /// How often in a row a device of --devices may fail.
 constexpr int kMostDeviceFailures = 3;
-
-/// How a process ended, in words.
-std::string cause_of(int status) {
-  if (!WIFSIGNALED(status)) return fmt::format("its process ended with status {}", WEXITSTATUS(status));
-  const int signal = WTERMSIG(status);
-  return fmt::format("its process was ended by signal {} ({}){}", signal, strsignal(signal),
-                     signal == SIGKILL ? "; the system may have run out of memory: use fewer --jobs" : "");
-}
 
 /// A process that works on one run at a time.
 class Worker {
@@ -113,9 +105,11 @@ class Worker {
   void end_now() const { kill(pid_, SIGKILL); }
   /// Waits for its end and says why it ended.
   std::string end() {
-    const int status = wait_for(pid_);
-    pid_ = -1;
-    return cause_of(status);
+    const int status = wait_for(std::exchange(pid_, -1));
+    if (!WIFSIGNALED(status)) return fmt::format("its process ended with status {}", WEXITSTATUS(status));
+    const int signal = WTERMSIG(status);
+    return fmt::format("its process was ended by signal {} ({}){}", signal, strsignal(signal),
+                       signal == SIGKILL ? "; the system may have run out of memory: use fewer --jobs" : "");
   }
 
  private:
@@ -129,40 +123,40 @@ class Worker {
 /// has finished its part takes over half of the longest one that is left.
 class Parts {
  public:
-  Parts(const std::vector<std::size_t>& runs, std::size_t workers) : parts_(workers) {
-    for (std::size_t i = 0; i < runs.size(); ++i) parts_[i * workers / runs.size()].push_back(runs[i]);
+  Parts(std::span<const std::size_t> runs, std::size_t workers) {
+    const auto begin = [&](std::size_t part) { return (part * runs.size() + workers - 1) / workers; };
+    for (std::size_t i = 0; i < workers; ++i) parts_.push_back(runs.subspan(begin(i), begin(i + 1) - begin(i)));
   }
 
   std::optional<std::size_t> next(std::size_t worker) {
-    std::deque<std::size_t>& own = parts_[worker];
+    std::span<const std::size_t>& own = parts_[worker];
     if (own.empty()) {
-      auto& longest = *std::ranges::max_element(parts_, {}, &std::deque<std::size_t>::size);
-      for (std::size_t half = (longest.size() + 1) / 2; half > 0; --half) {
-        own.push_front(longest.back());
-        longest.pop_back();
-      }
+      auto& longest = *std::ranges::max_element(parts_, {}, &std::span<const std::size_t>::size);
+      own = longest.subspan(longest.size() / 2);
+      longest = longest.first(longest.size() - own.size());
     }
     if (own.empty()) return std::nullopt;
     const std::size_t run = own.front();
-    own.pop_front();
+    own = own.subspan(1);
     return run;
   }
 
  private:
-  std::vector<std::deque<std::size_t>> parts_;
+  std::vector<std::span<const std::size_t>> parts_;
 };
 
 class Work {
  public:
-  Work(std::vector<std::vector<std::string>> commands, const SweepRuns& sweep, const std::vector<std::size_t>& runs,
-       std::size_t devices, const std::function<void(const WorkerAnswer&)>& answered)
-      : commands_(std::move(commands)),
+  /// `command`: of a worker, without what differs between workers.
+  Work(std::vector<std::string> command, const std::vector<std::string>& devices, const SweepRuns& sweep,
+       std::span<const std::size_t> runs, std::size_t workers, const std::function<void(const WorkerAnswer&)>& answered)
+      : command_(std::move(command)),
+        devices_(devices),
         sweep_(sweep),
-        parts_(runs, commands_.size()),
+        parts_(runs, workers),
         answered_(answered),
-        workers_(commands_.size()),
-        has_devices_(devices > 0),
-        device_failures_(std::max<std::size_t>(1, devices)) {}
+        workers_(workers),
+        device_failures_(std::max<std::size_t>(1, devices.size())) {}
 
   bool run() {
     for (std::size_t i = 0; i < workers_.size(); ++i) begin_next(i);
@@ -186,8 +180,15 @@ class Work {
   void begin_next(std::size_t i) {
     const auto run = stopping_ ? std::nullopt : parts_.next(i);
     if (!run) return workers_[i].reset();
-    if (!workers_[i]) workers_[i] = std::make_unique<Worker>(commands_[i]);
+    if (!workers_[i]) workers_[i] = std::make_unique<Worker>(command_of(i));
     workers_[i]->begin(*run, sweep_.runs[*run].id);
+  }
+
+  [[nodiscard]] std::vector<std::string> command_of(std::size_t i) const {
+    std::vector<std::string> out = command_;
+    out.insert(out.end(), {"--part", std::to_string(i), std::to_string(workers_.size())});
+    if (!devices_.empty()) out.insert(out.end(), {"--devices", devices_[device_of(i)]});
+    return out;
   }
 
   /// Handles what workers say for a moment. Returns false once none is left.
@@ -237,15 +238,15 @@ class Work {
   }
   /// Whether the device of --devices fails again and again, so that others take its runs.
   [[nodiscard]] bool is_lost(std::size_t worker) const {
-    return has_devices_ && device_failures_[device_of(worker)] >= kMostDeviceFailures;
+    return !devices_.empty() && device_failures_[device_of(worker)] >= kMostDeviceFailures;
   }
 
-  std::vector<std::vector<std::string>> commands_;
+  std::vector<std::string> command_;
+  const std::vector<std::string>& devices_;  ///< of --devices; none: engine.device
   const SweepRuns& sweep_;
   Parts parts_;
   const std::function<void(const WorkerAnswer&)>& answered_;
   std::vector<std::unique_ptr<Worker>> workers_;
-  bool has_devices_;                  ///< of --devices
   std::vector<int> device_failures_;  ///< in a row, by device: worker i has device i modulo their number
   std::string device_failure_;        ///< the last one
   bool stopping_ = false;
@@ -257,7 +258,6 @@ class Work {
 bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
              const std::string& dir, int jobs, const std::function<void(const WorkerAnswer&)>& answered) {
   if (runs.empty()) return true;
-  const std::size_t devices = options.devices.size();
   jobs = std::min(options.workers(jobs), static_cast<int>(runs.size()));
   if (jobs > 1) {
     // Workers share the processors: PoCL of each uses its part only, and does not pin its threads to the first ones.
@@ -268,12 +268,7 @@ bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const
   std::vector<std::string> command{"/proc/self/exe", "sweep", "worker", options.file};
   if (!dir.empty()) command.insert(command.end(), {"-o", dir});
   for (const std::string& text : options.overrides) command.insert(command.end(), {"--set", text});
-  std::vector<std::vector<std::string>> commands(static_cast<std::size_t>(jobs), command);
-  for (std::size_t i = 0; i < commands.size(); ++i) {
-    commands[i].insert(commands[i].end(), {"--part", std::to_string(i), std::to_string(jobs)});
-    if (devices > 0) commands[i].insert(commands[i].end(), {"--devices", options.devices[i % devices]});
-  }
-  return Work(std::move(commands), sweep, runs, devices, answered).run();
+  return Work(std::move(command), options.devices, sweep, runs, static_cast<std::size_t>(jobs), answered).run();
 }
 
 namespace {
