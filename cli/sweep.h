@@ -20,16 +20,19 @@ class App;
 
 namespace reamsim {
 
-/// The arguments that all commands of `sweep` share.
+/// The arguments of the commands of `sweep`.
 struct SweepOptions {
   std::string file;
   std::string output;
-  std::vector<std::string> overrides;
+  std::vector<std::string> overrides = {};
+  int jobs = 1;
   std::vector<std::string> devices = {};  ///< in place of engine.device, one worker each in turn; none: engine.device
+  std::string shard = {};
 
+  /// Adds those that all commands share.
   void add_to(CLI::App& command);
   /// One for each job, and for each device at least.
-  [[nodiscard]] int workers(int jobs) const { return std::max(jobs, static_cast<int>(devices.size())); }
+  [[nodiscard]] int workers() const { return std::max(jobs, static_cast<int>(devices.size())); }
   /// DIR of -o, else out/NAME of the study.
   [[nodiscard]] std::string dir(const Study& study) const;
 };
@@ -42,7 +45,7 @@ struct SweepRuns {
 };
 
 /// Simulates the runs that are not done, and collects them. Throws RunError where some fail, and Suspended.
-SweepRuns simulate_study(const SweepOptions& options, int jobs, const Console& console);
+SweepRuns simulate_study(const SweepOptions& options, const Console& console);
 
 /// The option --jobs.
 void add_jobs(CLI::App& command, int& jobs);
@@ -117,6 +120,6 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunEstimate, load_s, simulate_s, memory_bytes
 /// where one of SweepOptions::devices fails three times in a row, others take its runs. Returns false where
 /// stop_requested() ended the work and the workers. Throws RunError where no worker can be started.
 bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
-             const std::string& dir, int jobs, const std::function<void(const WorkerAnswer&)>& answered);
+             const std::string& dir, const std::function<void(const WorkerAnswer&)>& answered);
 
 }  // namespace reamsim

@@ -256,9 +256,9 @@ class Work {
 }  // namespace
 
 bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
-             const std::string& dir, int jobs, const std::function<void(const WorkerAnswer&)>& answered) {
+             const std::string& dir, const std::function<void(const WorkerAnswer&)>& answered) {
   if (runs.empty()) return true;
-  jobs = std::min(options.workers(jobs), static_cast<int>(runs.size()));
+  const int jobs = std::min(options.workers(), static_cast<int>(runs.size()));
   if (jobs > 1) {
     // Workers share the processors: PoCL of each uses its part only, and does not pin its threads to the first ones.
     const long processors = std::max(1L, sysconf(_SC_NPROCESSORS_ONLN));

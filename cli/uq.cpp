@@ -219,12 +219,6 @@ class UqDesign {
   std::map<Point, std::size_t> run_places_;
 };
 
-struct UqOptions {
-  std::string file;
-  std::string output;
-  int jobs = 1;
-};
-
 /// The points of a design for the statistics: by point its run, its place in the unit cube, the constants there.
 Json points_json(const UqDesign& design) {
   Json out = Json::array();
@@ -292,22 +286,22 @@ void evaluate(const UqDesign& design, const SweepRuns& done, const StudyFolder& 
              console);
 }
 
-void uq_command(const UqOptions& options, const Console& console) {
+void uq_command(const SweepOptions& options, const Console& console) {
   const Study study = read_study(options.file);
   const UqDesign design(study);
-  const std::string dir = options.output.empty() ? "out/" + study.name : options.output;
+  const std::string dir = options.dir(study);
   keep_results_of_sweep(dir);
   design.require_valid_runs();
   require_lab();
   const std::string marked = StudyFolder(study, dir).path();
-  const SweepOptions runs{.file = design.write_runs(marked), .output = marked, .overrides = {}};
+  const SweepOptions runs{.file = design.write_runs(marked), .output = marked, .jobs = options.jobs};
   console.say(fmt::format("{}: {} uncertain inputs, {} evaluations of {} runs", study.name, design.inputs().size(),
                           design.points().size(), design.runs()));
   if (study.sample->n < kTrusted) {
     console.warn(fmt::format("sample.n is {}: with less than {}, sensitivity indices are a hint only", study.sample->n,
                              kTrusted));
   }
-  const SweepRuns done = simulate_study(runs, options.jobs, console);
+  const SweepRuns done = simulate_study(runs, console);
   const StudyFolder folder = StudyFolder::open(done.study, marked);
   evaluate(design, done, folder, console);
   write_citation(marked, cite_results(marked));
@@ -335,7 +329,7 @@ bool has_forces_of_base_law(const Study& runs, const std::string& dir) {
 void add_uq_command(CLI::App& app, Console& console) {
   auto* command =
       app.add_subcommand("uq", "Propagate uncertain inputs: bands of force and torque, sensitivity indices");
-  auto options = std::make_shared<UqOptions>();
+  auto options = std::make_shared<SweepOptions>();
   take_shipped_names(
       *command->add_option("STUDY", options->file, "Study file (YAML) with a sample, or the name of a shipped one")
            ->required(),
