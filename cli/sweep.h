@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cli/console.h"
+#include "sim/run/cost_estimate.h"
 #include "sim/study/study_folder.h"
 #include "sim/study/study_plan.h"
 
@@ -104,14 +105,6 @@ struct WorkerAnswer {
   }
 };
 
-/// What a run would take.
-struct RunEstimate {
-  double load_s = 0;
-  double simulate_s = 0;
-  std::size_t memory_bytes = 0;  ///< of the process, without pictures
-  std::int64_t frames = 0;
-  std::vector<std::string> warnings;
-};
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunEstimate, load_s, simulate_s, memory_bytes, frames, warnings)
 
 /// Distributes runs (indices in the plan) over SweepOptions::workers() processes of this program, at most one for each

@@ -16,11 +16,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
-#include <tuple>
 #include <utility>
 
 #include "cli/console.h"
@@ -29,14 +27,9 @@
 #include "cli/sweep.h"
 #include "sim/base/error.h"
 #include "sim/base/process.h"
-#include "sim/base/stopwatch.h"
 #include "sim/base/text.h"
 #include "sim/record/output_folder.h"
-#include "sim/run/cost_estimate.h"
-#include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
-#include "sim/scene/clearance.h"
-#include "sim/scene/contact_forecast.h"
 #include "sim/study/study_folder.h"
 
 namespace reamsim {
@@ -272,48 +265,6 @@ bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const
 }
 
 namespace {
-
-constexpr double kEstimateTiming_s = 0.1;
-
-/// Checks runs and estimates their cost. Of runs with the same bone, tool and force basis, only the first is timed.
-class RunEstimator {
- public:
-  /// `resources` must have a cache of bones. Throws InputError with every mistake of the scenario.
-  RunEstimate estimate(const Scenario& scenario, RunResources& resources) {
-    const Stopwatch watch;
-    Diagnostics report;
-    MistakeList mistakes;
-    SimulationInput scene = load_scene(scenario, report, mistakes, resources.bones);
-    mistakes.throw_if_any();
-    RunEstimate out{.load_s = watch.seconds(), .frames = scene.last_frame(), .warnings = {}};
-    const std::vector<ContactForecast> contacts = forecast_passes(scene);
-    warn_of_contact(scene, contacts, report);
-    if (const auto clearance = find_clearance(scene)) warn_of_clearance(*clearance, scene, report);
-    out.warnings = report.warnings;
-    do {
-      out.memory_bytes = std::max(out.memory_bytes, plan_memory(scene).process_bytes);
-      out.simulate_s += simulate_s(scene, resources);
-    } while (begin_next_pass(scene));
-    return out;
-  }
-
- private:
-  double simulate_s(SimulationInput& scene, RunResources& resources) {
-    const auto frames = static_cast<double>(scene.motion.last_frame() - scene.motion.first_frame + 1);
-    const std::vector<PassSpec> passes = passes_of(scene.scenario);
-    const std::tuple key{resources.bones->loaded(), passes[static_cast<std::size_t>(scene.motion.pass) - 1].tool.mesh,
-                         scene.scenario.output.force_basis};
-    const auto known = s_per_frame_.find(key);
-    if (known != s_per_frame_.end()) return known->second * frames;
-    const auto engine = load_engine(scene, resources.devices);  // also finds what does not fit the device
-    const double seconds = plan_time(scene, *engine, kEstimateTiming_s).simulate_s;
-    s_per_frame_[key] = seconds / std::max(1.0, frames);
-    return seconds;
-  }
-
-  /// By bone (BoneCache::loaded), tool, and whether a force basis is written, which takes longer than the frames.
-  std::map<std::tuple<int, std::string, bool>, double> s_per_frame_;
-};
 
 /// Leaves this process part `index` of `count` of the processors it may use.
 void take_processors(int index, int count) {
