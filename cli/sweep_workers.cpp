@@ -171,7 +171,7 @@ class Work {
   using Outcome = WorkerAnswer::Outcome;
 
   void begin_next(std::size_t i) {
-    const auto run = stopping_ ? std::nullopt : parts_.next(i);
+    const auto run = stopping_ || is_lost(i) ? std::nullopt : parts_.next(i);
     if (!run) return workers_[i].reset();
     if (!workers_[i]) workers_[i] = std::make_unique<Worker>(command_of(i));
     workers_[i]->begin(*run, sweep_.runs[*run].id);
@@ -207,7 +207,7 @@ class Work {
         workers_[i].reset();
         count_failure(i, answer->text);
       }
-      if (!is_lost(i)) begin_next(i);
+      begin_next(i);
     }
   }
 
@@ -221,7 +221,7 @@ class Work {
     answered_({.run = *run, .outcome = asked_to ? Outcome::interrupted : Outcome::failed, .text = cause});
     if (!asked_to && ++deaths_ >= kMostDeaths) throw RunError("workers end before they finish a run: " + cause);
     count_failure(i, cause);
-    if (!is_lost(i)) begin_next(i);
+    begin_next(i);
   }
 
   [[nodiscard]] std::size_t device_of(std::size_t worker) const { return worker % device_failures_.size(); }
