@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "cli/console.h"
@@ -36,8 +35,8 @@ void add_cite_command(CLI::App& app);
 void add_help_command(CLI::App& app);
 
 /// Finishes the output folder of a command, and prints its warning.
-inline void finish(OutputFolder& folder, const Console& console, const std::function<void()>& remove_unfinished = {}) {
-  if (const std::string warning = folder.finish(remove_unfinished); !warning.empty()) console.warn(warning);
+inline void finish(OutputFolder& folder, const Console& console) {
+  if (const std::string warning = folder.finish(); !warning.empty()) console.warn(warning);
 }
 
 /// For CLI11's check(): refuses the name "".

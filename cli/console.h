@@ -88,15 +88,9 @@ void install_stop_handler();
 /// Notes the exit status of a command that has ended, and returns it.
 int end_with(int status);
 
-/// Exit status and message after a signal.
-struct StopOutcome {
-  int status = kInterruptedStatus;
-  std::string message = "interrupted";
-};
-
 /// While what it returns exists, `end` tidies up when the command is ended by force, on another thread, while the
 /// command still works.
-std::shared_ptr<void> on_forced_stop(std::function<StopOutcome()> end);
+std::shared_ptr<void> on_forced_stop(std::function<InterruptedRun()> end);
 
 /// That of a command that writes `file`, which has the ending ".tmp" until it is complete.
 std::shared_ptr<void> removing_unfinished(const std::string& file);
@@ -106,7 +100,7 @@ template <class Folder>
 std::shared_ptr<void> abandoning(Folder& folder) {
   return on_forced_stop([&folder] {
     folder.abandon();
-    return StopOutcome{};
+    return InterruptedRun{};
   });
 }
 

@@ -167,11 +167,6 @@ BoneSettings first_bone(const std::string& path, double voxel_mm, double scale, 
   return parse_bone_settings(name_of(source), path, set);
 }
 
-void crop_round_glenoid(CtSettings& ct, const Vec3& near_mm) {
-  ct.crop_min_mm = Vec3(near_mm - Vec3(120, 90, 160));
-  ct.crop_max_mm = Vec3(near_mm + Vec3(120, 90, 70));
-}
-
 PlungeSettings first_plunge() {
   return {.from = PlungeStart::contact,
           .approach_mm = 2,

@@ -22,9 +22,6 @@ std::string reamer_or_own(const std::string& given);
 BoneSettings first_bone(const std::string& path, double voxel_mm, double scale, double threshold_hu,
                         const std::vector<std::string>& more = {});
 
-/// A box round a scapula, whose medial side is not known yet. LPS.
-void crop_round_glenoid(CtSettings& ct, const Vec3& near_mm);
-
 /// A plunge of 3 mm beyond first contact, along the normal at the centre of the face.
 PlungeSettings first_plunge();
 

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -12,6 +14,7 @@
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/checksum.h"
 #include "sim/base/error.h"
+#include "sim/base/text.h"
 #include "sim/bone/bone.h"
 #include "sim/bone/vdb/bone_vdb.h"
 #include "sim/bone/vdb/grids.h"

@@ -38,6 +38,12 @@ std::string text_of(const FacePlace& place) {
                      c.x(), c.y(), c.z(), place.height_mm, place.width_mm, n.x(), n.y(), n.z(), place.confidence);
 }
 
+/// A box round a scapula, whose medial side is not known yet. LPS.
+void crop_round_glenoid(CtSettings& ct, const Vec3& near_mm) {
+  ct.crop_min_mm = Vec3(near_mm - Vec3(120, 90, 160));
+  ct.crop_max_mm = Vec3(near_mm + Vec3(120, 90, 70));
+}
+
 /// The places next to the heads in a scan.
 std::vector<FacePlace> places_at_heads(const BoneSettings& settings, Diagnostics& report) {
   std::vector<ct::Joint> joints = joints_in_scan(settings, report);

@@ -195,11 +195,4 @@ void RunConsole::progress(std::int64_t done, std::int64_t total) {
   if (done > 0) progress_->update(done, total);
 }
 
-std::shared_ptr<void> RunConsole::on_forced_end(std::function<InterruptedRun()> end) {
-  return on_forced_stop([end = std::move(end)]() -> StopOutcome {
-    const InterruptedRun remains = end();
-    return {remains.saved ? kSuspendedStatus : kInterruptedStatus, remains.message};
-  });
-}
-
 }  // namespace reamsim

@@ -43,7 +43,9 @@ class RunConsole : public RunMonitor {
   void progress(std::int64_t done, std::int64_t total) override;
   [[nodiscard]] bool stop_requested() override { return reamsim::stop_requested(); }
   [[nodiscard]] std::shared_ptr<void> saving() override { return stop_grace(); }
-  [[nodiscard]] std::shared_ptr<void> on_forced_end(std::function<InterruptedRun()> end) override;
+  [[nodiscard]] std::shared_ptr<void> on_forced_end(std::function<InterruptedRun()> end) override {
+    return on_forced_stop(std::move(end));
+  }
 
  private:
   const Console& console_;

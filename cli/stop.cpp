@@ -23,7 +23,7 @@ std::atomic<bool> stopped = false;
 std::atomic<int> graces = 0;
 std::atomic<int> exit_status = -1;
 std::mutex end_mutex;
-std::function<StopOutcome()> end_by_force;  // guarded by end_mutex
+std::function<InterruptedRun()> end_by_force;  // guarded by end_mutex
 
 [[noreturn]] void end_process(int status) {
   stop_reader_server();
@@ -42,13 +42,13 @@ void watch_for_stop(sigset_t signals) {
     std::this_thread::sleep_for(700ms);
   } while (graces > 0);
   if (const int status = exit_status; status >= 0) end_process(status);  // only the libraries' own end takes long
-  StopOutcome outcome;
+  InterruptedRun outcome;
   {
     const std::lock_guard lock(end_mutex);
     if (end_by_force) outcome = end_by_force();
   }
   std::fprintf(stderr, "reamsim: error: %s\n", outcome.message.c_str());
-  end_process(outcome.status);
+  end_process(outcome.saved ? kSuspendedStatus : kInterruptedStatus);
 }
 
 }  // namespace
@@ -80,8 +80,8 @@ int end_with(int status) {
   return status;
 }
 
-std::shared_ptr<void> on_forced_stop(std::function<StopOutcome()> end) {
-  const auto set = [](std::function<StopOutcome()> now) {
+std::shared_ptr<void> on_forced_stop(std::function<InterruptedRun()> end) {
+  const auto set = [](std::function<InterruptedRun()> now) {
     const std::lock_guard lock(end_mutex);
     end_by_force = std::move(now);
   };
@@ -93,7 +93,7 @@ std::shared_ptr<void> removing_unfinished(const std::string& file) {
   return on_forced_stop([unfinished = file + ".tmp"] {
     std::error_code ignored;
     std::filesystem::remove(unfinished, ignored);
-    return StopOutcome{};
+    return InterruptedRun{};
   });
 }
 

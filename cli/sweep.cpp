@@ -70,11 +70,16 @@ SweepRuns load_sweep(const SweepOptions& options) {
   return out;
 }
 
-/// Why scenarios are wrong.
-RunMessages mistakes_of(const SweepRuns& sweep) {
+/// Why scenarios are wrong, and with a folder why runs failed.
+RunMessages failures_of(const SweepRuns& sweep, const StudyFolder* folder = nullptr) {
   RunMessages out;
   for (std::size_t i = 0; i < sweep.runs.size(); ++i) {
-    if (sweep.runs[i].id.empty()) out.add(sweep.plan.runs[i].number, {sweep.runs[i].mistake});
+    const auto& [id, mistake] = sweep.runs[i];
+    if (id.empty()) {
+      out.add(sweep.plan.runs[i].number, {mistake});
+    } else if (folder != nullptr && folder->state(id) == RunState::failed) {
+      out.add(sweep.plan.runs[i].number, {folder->failure(id)});
+    }
   }
   return out;
 }
@@ -84,13 +89,6 @@ void print(const RunMessages& messages, const Console& console) {
 }
 
 // --- plan ---
-
-/// Of all commands that work on the runs; `shard`: of `run` alone.
-struct StudyOptions {
-  SweepOptions sweep;
-  int jobs = 1;
-  std::string shard;
-};
 
 /// Sums of the estimates of runs.
 struct StudyEstimate {
@@ -127,11 +125,11 @@ void print_estimate(const Console& console, const Study& study, const StudyEstim
   console.say("disk: about " + megabytes(bytes) + more);
 }
 
-void plan_command(const StudyOptions& options, const Console& console) {
-  check_devices(options.sweep, console);
-  const SweepRuns sweep = load_sweep(options.sweep);
+void plan_command(const SweepOptions& options, const Console& console) {
+  check_devices(options, console);
+  const SweepRuns sweep = load_sweep(options);
   std::vector<std::size_t> valid;
-  RunMessages mistakes = mistakes_of(sweep);
+  RunMessages mistakes = failures_of(sweep);
   for (std::size_t i = 0; i < sweep.runs.size(); ++i) {
     if (!sweep.runs[i].id.empty()) valid.push_back(i);
   }
@@ -148,33 +146,20 @@ void plan_command(const StudyOptions& options, const Console& console) {
       mistakes.add(sweep.plan.runs[answer.run].number, {answer.text});
     }
   };
-  const bool all = work_on(sweep, valid, options.sweep, "", options.jobs, answered);
+  const bool all = work_on(sweep, valid, options, "", answered);
   progress.finish();
   if (!all) throw Interrupted();
   warn_of_runs(estimate.warnings, fmt::format("{} of {} runs have warnings", estimate.warnings.runs(), valid.size()),
                console);
-  if (!valid.empty()) print_estimate(console, sweep.study, estimate, valid.size(), options.sweep.workers(options.jobs));
+  if (!valid.empty()) print_estimate(console, sweep.study, estimate, valid.size(), options.workers());
   print(mistakes, console);
   if (mistakes.runs() > 0) {
-    refuse_file(options.sweep.file, fmt::format("{} of {} runs are wrong", mistakes.runs(), sweep.runs.size()),
+    refuse_file(options.file, fmt::format("{} of {} runs are wrong", mistakes.runs(), sweep.runs.size()),
                 "correct the study or its scenario; the warnings above name the mistakes");
   }
 }
 
 // --- status, collect ---
-
-/// Why runs failed.
-RunMessages failures_of(const SweepRuns& sweep, const StudyFolder& folder) {
-  RunMessages failures;
-  for (std::size_t i = 0; i < sweep.runs.size(); ++i) {
-    const IdentifiedRun& run = sweep.runs[i];
-    if (run.id.empty()) failures.add(sweep.plan.runs[i].number, {run.mistake});
-    if (!run.id.empty() && folder.state(run.id) == RunState::failed) {
-      failures.add(sweep.plan.runs[i].number, {folder.failure(run.id)});
-    }
-  }
-  return failures;
-}
 
 /// Says where results of another plan explain runs that are missing.
 void warn_of_other_plan(const SweepRuns& sweep, const StudyFolder& folder, const Console& console) {
@@ -183,9 +168,9 @@ void warn_of_other_plan(const SweepRuns& sweep, const StudyFolder& folder, const
   if (!others.empty()) console.warn(others);
 }
 
-void status_command(const StudyOptions& options, const Console& console) {
-  const SweepRuns sweep = load_sweep(options.sweep);
-  const StudyFolder folder = StudyFolder::open(sweep.study, options.sweep.dir(sweep.study));
+void status_command(const SweepOptions& options, const Console& console) {
+  const SweepRuns sweep = load_sweep(options);
+  const StudyFolder folder = StudyFolder::open(sweep.study, options.dir(sweep.study));
   const StudyCounts counts = count_runs(folder, sweep.runs);
   console.say(counts_text(counts));
   const RunMessages warnings = warnings_of_runs(folder, sweep.plan, sweep.runs);
@@ -194,17 +179,17 @@ void status_command(const StudyOptions& options, const Console& console) {
                            "column message of runs.csv",
                            warnings.runs(), counts.done),
                console);
-  print(failures_of(sweep, folder), console);
+  print(failures_of(sweep, &folder), console);
   warn_of_other_plan(sweep, folder, console);
 }
 
-void collect_command(const StudyOptions& options, const Console& console) {
-  const SweepRuns sweep = load_sweep(options.sweep);
-  const std::string dir = options.sweep.dir(sweep.study);
-  keep_results_of_uq(options.sweep, dir);
+void collect_command(const SweepOptions& options, const Console& console) {
+  const SweepRuns sweep = load_sweep(options);
+  const std::string dir = options.dir(sweep.study);
+  keep_results_of_uq(options, dir);
   const StudyFolder folder = StudyFolder::open(sweep.study, dir);
   collect_and_show(sweep, folder, console);
-  print(failures_of(sweep, folder), console);
+  print(failures_of(sweep, &folder), console);
   warn_of_other_plan(sweep, folder, console);
 }
 
@@ -239,31 +224,30 @@ std::vector<std::size_t> runs_to_do(const SweepRuns& sweep, const StudyFolder& f
   return out;
 }
 
-/// Simulates what is missing. Returns whether all is done that could be.
+/// Simulates what is missing.
 class StudyRun {
  public:
-  StudyRun(StudyOptions options, const Console& console)
-      : options_(std::move(options)),
+  StudyRun(const SweepOptions& options, const Console& console)
+      : options_(options),
         console_(console),
         shard_(parse_shard(options_.shard)),
-        sweep_(load_sweep(options_.sweep)),
+        sweep_(load_sweep(options_)),
         folder_(folder_to_run()) {}
 
-  void run() {
+  SweepRuns run() {
     const std::vector<std::size_t> runs = runs_to_do(sweep_, folder_, shard_);
     if (options_.shard.empty()) require_lab();
     console_.say(fmt::format("{}: {} runs in the study, {} to simulate -> {}", sweep_.study.name, sweep_.runs.size(),
                              runs.size(), folder_.path()));
     for (const std::string& line : same_runs(sweep_.runs)) console_.say(line);
-    if (shard_.index == 0) failures_ = mistakes_of(sweep_);
+    if (shard_.index == 0) failures_ = failures_of(sweep_);
     wrong_ = failures_.runs();
     for (const std::size_t i : runs) folder_.forget_failure(sweep_.runs[i].id);
     Progress progress(console_, "sweep", "runs");
-    const bool all =
-        work_on(sweep_, runs, options_.sweep, folder_.path(), options_.jobs, [&](const WorkerAnswer& answer) {
-          note(answer);
-          progress.update(++answered_, static_cast<std::int64_t>(runs.size()));
-        });
+    const bool all = work_on(sweep_, runs, options_, folder_.path(), [&](const WorkerAnswer& answer) {
+      note(answer);
+      progress.update(++answered_, static_cast<std::int64_t>(runs.size()));
+    });
     progress.finish();
     for (const std::string& line : continued_) console_.say(line);
     folder_.sync();
@@ -274,14 +258,14 @@ class StudyRun {
       console_.say("results: " + folder_.path() + "; when all shards are done: reamsim sweep collect");
     }
     report();
+    return std::move(sweep_);
   }
-  [[nodiscard]] const SweepRuns& runs() const { return sweep_; }
 
  private:
   StudyFolder folder_to_run() {
-    check_devices(options_.sweep, console_);
-    const std::string dir = options_.sweep.dir(sweep_.study);
-    keep_results_of_uq(options_.sweep, dir);
+    check_devices(options_, console_);
+    const std::string dir = options_.dir(sweep_.study);
+    keep_results_of_uq(options_, dir);
     return {sweep_.study, dir};
   }
 
@@ -318,7 +302,7 @@ class StudyRun {
     return fmt::format("for {} of them {}; {}", wrong_, correct, repeat);
   }
 
-  StudyOptions options_;
+  const SweepOptions& options_;
   const Console& console_;
   Shard shard_;
   SweepRuns sweep_;
@@ -332,31 +316,29 @@ class StudyRun {
 
 }  // namespace
 
-SweepRuns simulate_study(const SweepOptions& options, int jobs, const Console& console) {
-  StudyRun study({.sweep = options, .jobs = jobs, .shard = ""}, console);
-  study.run();
-  return study.runs();
+SweepRuns simulate_study(const SweepOptions& options, const Console& console) {
+  return StudyRun(options, console).run();
 }
 
 void add_sweep_command(CLI::App& app, Console& console) {
   auto* sweep = app.add_subcommand("sweep", "Simulate a study: many runs of one scenario from one file");
   sweep->require_subcommand(1);
-  const auto add = [&](const char* name, const char* description, void (*call)(const StudyOptions&, const Console&)) {
-    auto options = std::make_shared<StudyOptions>();
+  const auto add = [&](const char* name, const char* description, void (*call)(const SweepOptions&, const Console&)) {
+    auto options = std::make_shared<SweepOptions>();
     auto* command = sweep->add_subcommand(name, description);
-    options->sweep.add_to(*command);
+    options->add_to(*command);
     command->callback([options, call, &console] { call(*options, console); });
     return std::pair(command, options);
   };
   const auto [plan, plan_options] =
       add("plan", "Validate every run and estimate time, memory and disk; write nothing", plan_command);
   add_jobs(*plan, plan_options->jobs);
-  add_devices(*plan, plan_options->sweep.devices);
+  add_devices(*plan, plan_options->devices);
   const auto [run, run_options] =
       add("run", "Simulate the runs that are not done yet, then collect them",
-          [](const StudyOptions& options, const Console& to) { StudyRun(options, to).run(); });
+          [](const SweepOptions& options, const Console& to) { simulate_study(options, to); });
   add_jobs(*run, run_options->jobs);
-  add_devices(*run, run_options->sweep.devices);
+  add_devices(*run, run_options->devices);
   run->add_option("--shard", run_options->shard, "Simulate part i of n only, and collect nothing")->type_name("i/n");
   run->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   add("status", "Count finished, failed and missing runs", status_command);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cli/console.h"
+#include "sim/run/cost_estimate.h"
 #include "sim/study/study_folder.h"
 #include "sim/study/study_plan.h"
 
@@ -20,16 +21,19 @@ class App;
 
 namespace reamsim {
 
-/// The arguments that all commands of `sweep` share.
+/// The arguments of the commands of `sweep`.
 struct SweepOptions {
   std::string file;
   std::string output;
-  std::vector<std::string> overrides;
+  std::vector<std::string> overrides = {};
+  int jobs = 1;
   std::vector<std::string> devices = {};  ///< in place of engine.device, one worker each in turn; none: engine.device
+  std::string shard = {};
 
+  /// Adds those that all commands share.
   void add_to(CLI::App& command);
   /// One for each job, and for each device at least.
-  [[nodiscard]] int workers(int jobs) const { return std::max(jobs, static_cast<int>(devices.size())); }
+  [[nodiscard]] int workers() const { return std::max(jobs, static_cast<int>(devices.size())); }
   /// DIR of -o, else out/NAME of the study.
   [[nodiscard]] std::string dir(const Study& study) const;
 };
@@ -42,7 +46,7 @@ struct SweepRuns {
 };
 
 /// Simulates the runs that are not done, and collects them. Throws RunError where some fail, and Suspended.
-SweepRuns simulate_study(const SweepOptions& options, int jobs, const Console& console);
+SweepRuns simulate_study(const SweepOptions& options, const Console& console);
 
 /// The option --jobs.
 void add_jobs(CLI::App& command, int& jobs);
@@ -53,11 +57,21 @@ void add_sweep_worker(CLI::App& sweep);
 
 // `sweep` and `uq` write files of the same names into the folder of a study, which must not replace one another.
 
+/// Whether a folder holds the runs of an uncertainty analysis.
+bool holds_uq_runs(const std::string& dir);
+
 /// Throws InputError where `dir` holds an analysis of `uq`, unless the study is that of its own runs (runs.yaml).
 void keep_results_of_uq(const SweepOptions& options, const std::string& dir);
 
 /// Throws InputError where `dir` holds runs of a study that is no analysis of `uq`.
 void keep_results_of_sweep(const std::string& dir);
+
+/// Whether holds_uq_runs(), and their forces are those of the base's force law:
+/// sampled constants of the law have no runs.
+bool has_forces_of_base_law(const Study& runs, const std::string& dir);
+
+/// Whether a result of a study's table, such as "forces.peak_force_n", follows from the constants of the force law.
+bool depends_on_law(const std::string& name);
 
 /// Writes runs.csv, effects.* and sweep.html into the folder, and prints counts, a table and the paths. Throws
 /// RunError.
@@ -91,14 +105,6 @@ struct WorkerAnswer {
   }
 };
 
-/// What a run would take.
-struct RunEstimate {
-  double load_s = 0;
-  double simulate_s = 0;
-  std::size_t memory_bytes = 0;  ///< of the process, without pictures
-  std::int64_t frames = 0;
-  std::vector<std::string> warnings;
-};
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunEstimate, load_s, simulate_s, memory_bytes, frames, warnings)
 
 /// Distributes runs (indices in the plan) over SweepOptions::workers() processes of this program, at most one for each
@@ -107,6 +113,6 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunEstimate, load_s, simulate_s, memory_bytes
 /// where one of SweepOptions::devices fails three times in a row, others take its runs. Returns false where
 /// stop_requested() ended the work and the workers. Throws RunError where no worker can be started.
 bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
-             const std::string& dir, int jobs, const std::function<void(const WorkerAnswer&)>& answered);
+             const std::string& dir, const std::function<void(const WorkerAnswer&)>& answered);
 
 }  // namespace reamsim

@@ -17,7 +17,6 @@
 #include "sim/record/citation.h"
 #include "sim/scenario/show.h"
 #include "sim/study/study_folder.h"
-#include "sim/study/uq_design.h"
 
 namespace reamsim {
 

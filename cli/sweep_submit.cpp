@@ -29,7 +29,6 @@ struct SubmitOptions {
   SweepOptions sweep;
   BatchSystem system = BatchSystem::parallel;
   int shards = 0;
-  int jobs = 1;
   std::string time_limit = "01:00:00";
   std::string to;
   bool overwrite = false;
@@ -57,7 +56,7 @@ Submission submission_of(const SubmitOptions& options) {
           .output = fs::absolute(options.sweep.dir(study)).lexically_normal().string(),
           .overrides = options.sweep.overrides,
           .shards = shards_of(options, plan.runs.size()),
-          .jobs = options.jobs,
+          .jobs = options.sweep.jobs,
           .time_limit = options.time_limit};
 }
 
@@ -107,7 +106,7 @@ void add_sweep_submit(CLI::App& sweep, Console& console) {
   system->require_option(1);
   command->add_option("--shards", options->shards, "Parts of the study (default: 10, at most a run each)")
       ->check(CLI::Range(1, 1'000'000));
-  command->add_option("--jobs", options->jobs, "Runs at a time, and processors, of a shard (default: 1)")
+  command->add_option("--jobs", options->sweep.jobs, "Runs at a time, and processors, of a shard (default: 1)")
       ->check(CLI::Range(1, 1024));
   command
       ->add_option("--time-limit", options->time_limit,

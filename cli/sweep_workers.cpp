@@ -15,12 +15,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <deque>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
-#include <tuple>
+#include <span>
 #include <utility>
 
 #include "cli/console.h"
@@ -29,14 +27,9 @@
 #include "cli/sweep.h"
 #include "sim/base/error.h"
 #include "sim/base/process.h"
-#include "sim/base/stopwatch.h"
 #include "sim/base/text.h"
 #include "sim/record/output_folder.h"
-#include "sim/run/cost_estimate.h"
-#include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
-#include "sim/scene/clearance.h"
-#include "sim/scene/contact_forecast.h"
 #include "sim/study/study_folder.h"
 
 namespace reamsim {
@@ -48,14 +41,6 @@ constexpr int kPoll_ms = 100;
 constexpr int kMostDeaths = 20;
 /// How often in a row a device of --devices may fail.
 constexpr int kMostDeviceFailures = 3;
-
-/// How a process ended, in words.
-std::string cause_of(int status) {
-  if (!WIFSIGNALED(status)) return fmt::format("its process ended with status {}", WEXITSTATUS(status));
-  const int signal = WTERMSIG(status);
-  return fmt::format("its process was ended by signal {} ({}){}", signal, strsignal(signal),
-                     signal == SIGKILL ? "; the system may have run out of memory: use fewer --jobs" : "");
-}
 
 /// A process that works on one run at a time.
 class Worker {
@@ -113,9 +98,11 @@ class Worker {
   void end_now() const { kill(pid_, SIGKILL); }
   /// Waits for its end and says why it ended.
   std::string end() {
-    const int status = wait_for(pid_);
-    pid_ = -1;
-    return cause_of(status);
+    const int status = wait_for(std::exchange(pid_, -1));
+    if (!WIFSIGNALED(status)) return fmt::format("its process ended with status {}", WEXITSTATUS(status));
+    const int signal = WTERMSIG(status);
+    return fmt::format("its process was ended by signal {} ({}){}", signal, strsignal(signal),
+                       signal == SIGKILL ? "; the system may have run out of memory: use fewer --jobs" : "");
   }
 
  private:
@@ -129,40 +116,40 @@ class Worker {
 /// has finished its part takes over half of the longest one that is left.
 class Parts {
  public:
-  Parts(const std::vector<std::size_t>& runs, std::size_t workers) : parts_(workers) {
-    for (std::size_t i = 0; i < runs.size(); ++i) parts_[i * workers / runs.size()].push_back(runs[i]);
+  Parts(std::span<const std::size_t> runs, std::size_t workers) {
+    const auto begin = [&](std::size_t part) { return (part * runs.size() + workers - 1) / workers; };
+    for (std::size_t i = 0; i < workers; ++i) parts_.push_back(runs.subspan(begin(i), begin(i + 1) - begin(i)));
   }
 
   std::optional<std::size_t> next(std::size_t worker) {
-    std::deque<std::size_t>& own = parts_[worker];
+    std::span<const std::size_t>& own = parts_[worker];
     if (own.empty()) {
-      auto& longest = *std::ranges::max_element(parts_, {}, &std::deque<std::size_t>::size);
-      for (std::size_t half = (longest.size() + 1) / 2; half > 0; --half) {
-        own.push_front(longest.back());
-        longest.pop_back();
-      }
+      auto& longest = *std::ranges::max_element(parts_, {}, &std::span<const std::size_t>::size);
+      own = longest.subspan(longest.size() / 2);
+      longest = longest.first(longest.size() - own.size());
     }
     if (own.empty()) return std::nullopt;
     const std::size_t run = own.front();
-    own.pop_front();
+    own = own.subspan(1);
     return run;
   }
 
  private:
-  std::vector<std::deque<std::size_t>> parts_;
+  std::vector<std::span<const std::size_t>> parts_;
 };
 
 class Work {
  public:
-  Work(std::vector<std::vector<std::string>> commands, const SweepRuns& sweep, const std::vector<std::size_t>& runs,
-       std::size_t devices, const std::function<void(const WorkerAnswer&)>& answered)
-      : commands_(std::move(commands)),
+  /// `command`: of a worker, without what differs between workers.
+  Work(std::vector<std::string> command, const std::vector<std::string>& devices, const SweepRuns& sweep,
+       std::span<const std::size_t> runs, std::size_t workers, const std::function<void(const WorkerAnswer&)>& answered)
+      : command_(std::move(command)),
+        devices_(devices),
         sweep_(sweep),
-        parts_(runs, commands_.size()),
+        parts_(runs, workers),
         answered_(answered),
-        workers_(commands_.size()),
-        has_devices_(devices > 0),
-        device_failures_(std::max<std::size_t>(1, devices)) {}
+        workers_(workers),
+        device_failures_(std::max<std::size_t>(1, devices.size())) {}
 
   bool run() {
     for (std::size_t i = 0; i < workers_.size(); ++i) begin_next(i);
@@ -184,10 +171,17 @@ class Work {
   using Outcome = WorkerAnswer::Outcome;
 
   void begin_next(std::size_t i) {
-    const auto run = stopping_ ? std::nullopt : parts_.next(i);
+    const auto run = stopping_ || is_lost(i) ? std::nullopt : parts_.next(i);
     if (!run) return workers_[i].reset();
-    if (!workers_[i]) workers_[i] = std::make_unique<Worker>(commands_[i]);
+    if (!workers_[i]) workers_[i] = std::make_unique<Worker>(command_of(i));
     workers_[i]->begin(*run, sweep_.runs[*run].id);
+  }
+
+  [[nodiscard]] std::vector<std::string> command_of(std::size_t i) const {
+    std::vector<std::string> out = command_;
+    out.insert(out.end(), {"--part", std::to_string(i), std::to_string(workers_.size())});
+    if (!devices_.empty()) out.insert(out.end(), {"--devices", devices_[device_of(i)]});
+    return out;
   }
 
   /// Handles what workers say for a moment. Returns false once none is left.
@@ -213,7 +207,7 @@ class Work {
         workers_[i].reset();
         count_failure(i, answer->text);
       }
-      if (!is_lost(i)) begin_next(i);
+      begin_next(i);
     }
   }
 
@@ -227,7 +221,7 @@ class Work {
     answered_({.run = *run, .outcome = asked_to ? Outcome::interrupted : Outcome::failed, .text = cause});
     if (!asked_to && ++deaths_ >= kMostDeaths) throw RunError("workers end before they finish a run: " + cause);
     count_failure(i, cause);
-    if (!is_lost(i)) begin_next(i);
+    begin_next(i);
   }
 
   [[nodiscard]] std::size_t device_of(std::size_t worker) const { return worker % device_failures_.size(); }
@@ -237,15 +231,15 @@ class Work {
   }
   /// Whether the device of --devices fails again and again, so that others take its runs.
   [[nodiscard]] bool is_lost(std::size_t worker) const {
-    return has_devices_ && device_failures_[device_of(worker)] >= kMostDeviceFailures;
+    return !devices_.empty() && device_failures_[device_of(worker)] >= kMostDeviceFailures;
   }
 
-  std::vector<std::vector<std::string>> commands_;
+  std::vector<std::string> command_;
+  const std::vector<std::string>& devices_;  ///< of --devices; none: engine.device
   const SweepRuns& sweep_;
   Parts parts_;
   const std::function<void(const WorkerAnswer&)>& answered_;
   std::vector<std::unique_ptr<Worker>> workers_;
-  bool has_devices_;                  ///< of --devices
   std::vector<int> device_failures_;  ///< in a row, by device: worker i has device i modulo their number
   std::string device_failure_;        ///< the last one
   bool stopping_ = false;
@@ -255,10 +249,9 @@ class Work {
 }  // namespace
 
 bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
-             const std::string& dir, int jobs, const std::function<void(const WorkerAnswer&)>& answered) {
+             const std::string& dir, const std::function<void(const WorkerAnswer&)>& answered) {
   if (runs.empty()) return true;
-  const std::size_t devices = options.devices.size();
-  jobs = std::min(options.workers(jobs), static_cast<int>(runs.size()));
+  const int jobs = std::min(options.workers(), static_cast<int>(runs.size()));
   if (jobs > 1) {
     // Workers share the processors: PoCL of each uses its part only, and does not pin its threads to the first ones.
     const long processors = std::max(1L, sysconf(_SC_NPROCESSORS_ONLN));
@@ -268,57 +261,10 @@ bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const
   std::vector<std::string> command{"/proc/self/exe", "sweep", "worker", options.file};
   if (!dir.empty()) command.insert(command.end(), {"-o", dir});
   for (const std::string& text : options.overrides) command.insert(command.end(), {"--set", text});
-  std::vector<std::vector<std::string>> commands(static_cast<std::size_t>(jobs), command);
-  for (std::size_t i = 0; i < commands.size(); ++i) {
-    commands[i].insert(commands[i].end(), {"--part", std::to_string(i), std::to_string(jobs)});
-    if (devices > 0) commands[i].insert(commands[i].end(), {"--devices", options.devices[i % devices]});
-  }
-  return Work(std::move(commands), sweep, runs, devices, answered).run();
+  return Work(std::move(command), options.devices, sweep, runs, static_cast<std::size_t>(jobs), answered).run();
 }
 
 namespace {
-
-constexpr double kEstimateTiming_s = 0.1;
-
-/// Checks runs and estimates their cost. Of runs with the same bone, tool and force basis, only the first is timed.
-class RunEstimator {
- public:
-  /// `resources` must have a cache of bones. Throws InputError with every mistake of the scenario.
-  RunEstimate estimate(const Scenario& scenario, RunResources& resources) {
-    const Stopwatch watch;
-    Diagnostics report;
-    MistakeList mistakes;
-    SimulationInput scene = load_scene(scenario, report, mistakes, resources.bones);
-    mistakes.throw_if_any();
-    RunEstimate out{.load_s = watch.seconds(), .frames = scene.last_frame(), .warnings = {}};
-    const std::vector<ContactForecast> contacts = forecast_passes(scene);
-    warn_of_contact(scene, contacts, report);
-    if (const auto clearance = find_clearance(scene)) warn_of_clearance(*clearance, scene, report);
-    out.warnings = report.warnings;
-    do {
-      out.memory_bytes = std::max(out.memory_bytes, plan_memory(scene).process_bytes);
-      out.simulate_s += simulate_s(scene, resources);
-    } while (begin_next_pass(scene));
-    return out;
-  }
-
- private:
-  double simulate_s(SimulationInput& scene, RunResources& resources) {
-    const auto frames = static_cast<double>(scene.motion.last_frame() - scene.motion.first_frame + 1);
-    const std::vector<PassSpec> passes = passes_of(scene.scenario);
-    const std::tuple key{resources.bones->loaded(), passes[static_cast<std::size_t>(scene.motion.pass) - 1].tool.mesh,
-                         scene.scenario.output.force_basis};
-    const auto known = s_per_frame_.find(key);
-    if (known != s_per_frame_.end()) return known->second * frames;
-    const auto engine = load_engine(scene, resources.devices);  // also finds what does not fit the device
-    const double seconds = plan_time(scene, *engine, kEstimateTiming_s).simulate_s;
-    s_per_frame_[key] = seconds / std::max(1.0, frames);
-    return seconds;
-  }
-
-  /// By bone (BoneCache::loaded), tool, and whether a force basis is written, which takes longer than the frames.
-  std::map<std::tuple<int, std::string, bool>, double> s_per_frame_;
-};
 
 /// Leaves this process part `index` of `count` of the processors it may use.
 void take_processors(int index, int count) {

@@ -41,13 +41,12 @@ __kernel void published_direct(__global const uint* codes, const uint point_coun
   if (f->count_contacts) add_to_sum(&f->contacts, 1L);
 }
 
-/* The voxels that published_direct would clear, to restore them: (voxel, grade), once per point. */
-__kernel void published_touched(__global const uint* codes, const uint point_count, __global const PublishedFrame* f,
-                                __global const uchar* bone, __global uint2* touched, __global uint* touched_count) {
+/* Puts back the voxels that published_direct has cleared in its last frame. */
+__kernel void published_restore(__global const uint* codes, const uint point_count, __global const PublishedFrame* f,
+                                __global const uchar* whole, __global uchar* bone) {
   const uint point = get_global_id(0);
   if (point >= point_count) return;
   const uint code = codes[point];
   const uint e = published_voxel(f, rs_compact_bits(code), rs_compact_bits(code >> 1), rs_compact_bits(code >> 2));
-  if (e == UINT_MAX || bone[e] == 0) return;
-  touched[atomic_inc(touched_count)] = (uint2)(e, bone[e]);
+  if (e != UINT_MAX) bone[e] = whole[e];
 }

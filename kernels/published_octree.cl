@@ -62,9 +62,9 @@ __kernel void published_reduce(__global const float4* in, const uint count, __gl
   if (item == 0) out[get_group_id(0)] = local_sums[0];
 }
 
-/* The voxels whose flag published_octree would set, to clear it again: (voxel, 0), once per point. */
-__kernel void published_touched(__global const float* points, const uint point_count, __global const PublishedFrame* f,
-                                __global const float* hu, __global uint2* touched, __global uint* touched_count) {
+/* Clears the flags that published_octree has set in its last frame. */
+__kernel void published_restore(__global const float* points, const uint point_count, __global const PublishedFrame* f,
+                                __global uchar* collided) {
   const uint point = get_global_id(0);
   if (point >= point_count) return;
   uint e = 0;
@@ -75,5 +75,5 @@ __kernel void published_touched(__global const float* points, const uint point_c
     if (d < 0 || d >= f->side) return;
     e = e * f->side + (uint)d;
   }
-  if (hu[e] > AIR_HU) touched[atomic_inc(touched_count)] = (uint2)(e, 0);
+  collided[e] = 0;
 }

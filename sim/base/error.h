@@ -76,6 +76,12 @@ class Suspended : public Interrupted {
   using Interrupted::Interrupted;
 };
 
+/// What an interruption leaves of a run or another command.
+struct InterruptedRun {
+  bool saved = false;  ///< a checkpoint, from which it can be continued
+  std::string message = "interrupted";
+};
+
 /// The message of an exception for users, on one line.
 std::string message_of(const std::exception& error);
 

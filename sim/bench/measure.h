@@ -40,8 +40,6 @@ struct BatchSample {
 class Program {
  public:
   virtual ~Program() = default;
-  /// Called before run(frame) on whole bone. A program that cannot list removed voxels determines them here. Not timed.
-  virtual void prepare(const Substep& /*frame*/) {}
   /// Runs substeps as frames, enqueued at once where the program can, and reads their results. `use_voi` false: tests
   /// the whole shell.
   virtual BatchSample run(std::span<const Substep> frames, bool use_voi) = 0;

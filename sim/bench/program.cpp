@@ -21,7 +21,6 @@ namespace reamsim {
 namespace embedded {
 extern const char* const kernel_published_direct;
 extern const char* const kernel_published_octree;
-extern const char* const kernel_restore_voxels;
 }  // namespace embedded
 
 namespace bench {
@@ -57,35 +56,24 @@ PublishedFrame published_frame(const Substep& substep, const std::optional<Aabb>
   return frame;
 }
 
-/// A published program. Before a frame that is prepared it records the voxels that the frame will remove, so that
-/// restore() need not upload the whole bone.
+/// A published program. After a single frame restore() puts back the voxels that this frame removed, and need not
+/// upload the whole bone.
 class PublishedProgram : public Program {
  public:
-  void prepare(const Substep& frame) override {
-    write_frame(frame, std::nullopt, true);
-    touched_count_.clear(device_, 1);
-    const cl::Event done = touched_kernel_.launch(device_, points_, group_of(touched_kernel_));
-    touched_count_.read(device_, &recorded_, 1);
-    prepared_ = true;
-  }
-
   BatchSample run(std::span<const Substep> frames, bool use_voi) override {
     BatchSample sample;
     for (const Substep& frame : frames) run_one(frame, use_voi, sample);
-    if (!std::exchange(prepared_, false)) changed_ = true;
     return sample;
   }
 
   void restore() override {
-    if (changed_) {
+    if (frames_ > 1) {
       restore_all();
-    } else if (recorded_ > 0) {
-      restore_kernel_.set(1, recorded_);
-      const cl::Event done = restore_kernel_.launch(device_, recorded_, group_of(restore_kernel_));
+    } else if (frames_ == 1) {
+      const cl::Event done = restore_.launch(device_, points_, group_of(restore_));
     }
     device_.finish();
-    changed_ = prepared_ = false;
-    recorded_ = 0;
+    frames_ = 0;
   }
 
   [[nodiscard]] const Label& label() const override { return label_; }
@@ -99,20 +87,10 @@ class PublishedProgram : public Program {
         program_(device_.build("published_" + engine + ".cl", source, options)),
         points_(setup.tool->shell.codes.size()),
         frame_(device_, 1, "the frame"),
+        restore_(program_, "published_restore"),
         label_{engine, "published"},
-        has_voi_(has_voi),
-        touched_kernel_(program_, "published_touched"),
-        restore_kernel_(device_.build("restore_voxels.cl", embedded::kernel_restore_voxels), "restore_bytes"),
-        touched_(device_, points_, "the touched voxels"),
-        touched_count_(device_, 1, "their number") {}
+        has_voi_(has_voi) {}
 
-  /// Sets the arguments of the kernels that record and restore: the shell, what they test, and what they restore.
-  template <class Shell, class Bone, class State>
-  void set_restoring(const cl::Buffer<Shell>& shell, const cl::Buffer<Bone>& bone, const cl::Buffer<State>& state) {
-    touched_kernel_.set_from(0, shell, static_cast<cl_uint>(points_), frame_, bone, touched_, touched_count_);
-    restore_kernel_.set(0, touched_);
-    restore_kernel_.set(2, state);
-  }
   /// A power of two.
   std::size_t group_of(const cl::Kernel& kernel) {
     const auto [group, is_new] = groups_.try_emplace(&kernel, kGroup);
@@ -130,14 +108,9 @@ class PublishedProgram : public Program {
   cl::Program program_;
   std::size_t points_;
   cl::Buffer<PublishedFrame> frame_;
+  cl::Kernel restore_;  ///< of the voxels of the last frame
 
  private:
-  void write_frame(const Substep& frame, const std::optional<Aabb>& voi, bool blocking) {
-    host_frame_ = published_frame(frame, voi, *setup_.tool, setup_.voxmap->grid);
-    host_frame_.count_contacts = count_contacts_ ? 1 : 0;
-    frame_.write(device_, &host_frame_, 1, 0, blocking);
-  }
-
   void run_one(const Substep& frame, bool use_voi, BatchSample& sample) {
     const Stopwatch stopwatch;
     const Rigid tool_from_bone = frame.pose.bone_from_tool().inverse();
@@ -147,9 +120,12 @@ class PublishedProgram : public Program {
     std::vector<cl::Event> events;
     if (overlap && (voi || !has_voi_)) {
       const Stopwatch upload;
-      write_frame(frame, use_voi ? voi : std::nullopt, false);
+      host_frame_ = published_frame(frame, use_voi ? voi : std::nullopt, *setup_.tool, setup_.voxmap->grid);
+      host_frame_.count_contacts = count_contacts_ ? 1 : 0;
+      frame_.write(device_, &host_frame_, 1, 0, false);
       sample.upload_s += upload.seconds();
       detect(events, sample);
+      ++frames_;
     }
     sample.total_s += stopwatch.seconds();
     for (const double s : cl::take_seconds(events)) sample.kernel_s += s;
@@ -158,13 +134,8 @@ class PublishedProgram : public Program {
   PublishedFrame host_frame_{};  ///< lives until the non-blocking write is done
   Label label_;
   bool has_voi_;
-  cl::Kernel touched_kernel_, restore_kernel_;
-  cl::Buffer<cl_uint2> touched_;  ///< (voxel, value)
-  cl::Buffer<cl_uint> touched_count_;
   std::map<const cl::Kernel*, std::size_t> groups_;
-  cl_uint recorded_ = 0;
-  bool prepared_ = false;  ///< the changes of the next frame are recorded
-  bool changed_ = false;   ///< by more than what is recorded
+  int frames_ = 0;  ///< that may have removed voxels since the bone was whole
 };
 
 class PublishedDirect final : public PublishedProgram {
@@ -173,6 +144,7 @@ class PublishedDirect final : public PublishedProgram {
       : PublishedProgram("direct", info, setup, embedded::kernel_published_direct, "", true),
         kernel_(program_, "published_direct"),
         codes_(device_, points_, "the point shell"),
+        whole_(cl::upload(device_, dense_remaining_grades(*setup.voxmap), "the whole voxmap")),
         bone_(device_, static_cast<std::size_t>(setup.voxmap->grid.size()), "the voxmap") {
     const PointShell& shell = setup_.tool->shell;
     if (shell.resolution > kNarrowResolution) throw InputError("the published shell has at most 1024 cells an edge");
@@ -181,7 +153,7 @@ class PublishedDirect final : public PublishedProgram {
     codes_.write(device_, codes.data(), codes.size());
     restore_all();
     kernel_.set_from(0, codes_, static_cast<cl_uint>(points_), frame_, bone_);
-    set_restoring(codes_, bone_, bone_);
+    restore_.set_from(0, codes_, static_cast<cl_uint>(points_), frame_, whole_, bone_);
   }
 
   [[nodiscard]] StructureBytes bytes() const override { return {bone_.bytes(), codes_.bytes()}; }
@@ -202,7 +174,7 @@ class PublishedDirect final : public PublishedProgram {
 
   cl::Kernel kernel_;
   cl::Buffer<cl_uint> codes_;
-  cl::Buffer<cl_uchar> bone_;
+  cl::Buffer<cl_uchar> whole_, bone_;
 };
 
 /// Groups of the first pass of the reduction; the second pass is one group.
@@ -240,7 +212,7 @@ class PublishedOctree final : public PublishedProgram {
     detect_.set_from(0, shell_, static_cast<cl_uint>(points_), frame_, hu_, collided_, steps_,
                      static_cast<cl_int>(steps_.count() / 8), forces_);
     reduce_.set_local(3, kGroup * 4 * sizeof(float));
-    set_restoring(shell_, hu_, collided_);
+    restore_.set_from(0, shell_, static_cast<cl_uint>(points_), frame_, collided_);
   }
 
   [[nodiscard]] StructureBytes bytes() const override { return {hu_.bytes() + collided_.bytes(), shell_.bytes()}; }

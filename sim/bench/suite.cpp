@@ -72,7 +72,6 @@ std::vector<std::vector<BatchSample>> run_alternately(const Programs& programs, 
       for (std::size_t i = 0; i < programs.size(); ++i) {
         if (control.stop()) throw Interrupted();
         for (int repetition = -1; repetition < timed; ++repetition) {
-          programs[i]->prepare(frame);
           const BatchSample sample = programs[i]->run({&frame, 1}, use_voi);
           if (repetition >= 0) samples[i].push_back(sample);
           programs[i]->restore();

@@ -16,7 +16,10 @@
 #include "sim/engine/dense/dense_state.h"
 #include "sim/engine/exact/brick_batch_plan.h"
 #include "sim/record/force_log.h"
+#include "sim/scenario/parse.h"
 #include "sim/scenario/picture_frames.h"
+#include "sim/scene/clearance.h"
+#include "sim/scene/contact_forecast.h"
 #include "sim/tool/tool_path.h"
 
 namespace reamsim {
@@ -286,6 +289,35 @@ MemoryPlan plan_memory(const SimulationInput& scene) {
   const double most = std::max(loading, resident + held + std::max(engine, results_bytes(bricks)));
   plan.process_bytes = static_cast<std::size_t>(kProgramBytes + most);
   return plan;
+}
+
+RunEstimate RunEstimator::estimate(const Scenario& scenario, RunResources& resources) {
+  const Stopwatch watch;
+  Diagnostics report;
+  SimulationInput scene = load_scene(scenario, report, resources.bones);
+  RunEstimate out{.load_s = watch.seconds(), .frames = scene.last_frame(), .warnings = {}};
+  warn_of_contact(scene, forecast_passes(scene), report);
+  if (const auto clearance = find_clearance(scene)) warn_of_clearance(*clearance, scene, report);
+  out.warnings = report.warnings;
+  do {
+    out.memory_bytes = std::max(out.memory_bytes, plan_memory(scene).process_bytes);
+    out.simulate_s += simulate_s(scene, resources);
+  } while (begin_next_pass(scene));
+  return out;
+}
+
+double RunEstimator::simulate_s(SimulationInput& scene, RunResources& resources) {
+  constexpr double kTiming_s = 0.1;
+  const auto frames = static_cast<double>(scene.motion.last_frame() - scene.motion.first_frame + 1);
+  const std::vector<PassSpec> passes = passes_of(scene.scenario);
+  const std::tuple key{resources.bones->loaded(), passes[static_cast<std::size_t>(scene.motion.pass) - 1].tool.mesh,
+                       scene.scenario.output.force_basis};
+  const auto known = s_per_frame_.find(key);
+  if (known != s_per_frame_.end()) return known->second * frames;
+  const auto engine = load_engine(scene, resources.devices);  // also finds what does not fit the device
+  const double seconds = plan_time(scene, *engine, kTiming_s).simulate_s;
+  s_per_frame_[key] = seconds / std::max(1.0, frames);
+  return seconds;
 }
 
 }  // namespace reamsim

@@ -5,8 +5,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include "sim/engine/common/engine.h"
+#include "sim/run/run_scenario.h"
 #include "sim/run/simulation.h"
 
 namespace reamsim {
@@ -32,5 +37,27 @@ MemoryPlan plan_memory(const SimulationInput& scene);
 
 /// The bricks that an `exact` run will cut, from the path of the tool at steps of about two voxels. Conservative.
 ExactForecast forecast_exact(const SimulationInput& scene);
+
+/// What a run would take.
+struct RunEstimate {
+  double load_s = 0;
+  double simulate_s = 0;
+  std::size_t memory_bytes = 0;  ///< of the process, without pictures
+  std::int64_t frames = 0;
+  std::vector<std::string> warnings;
+};
+
+/// Checks runs and estimates their cost. Of runs with the same bone, tool and force basis, only the first is timed.
+class RunEstimator {
+ public:
+  /// `resources` must have a cache of bones. Throws InputError with every mistake of the scenario.
+  RunEstimate estimate(const Scenario& scenario, RunResources& resources);
+
+ private:
+  double simulate_s(SimulationInput& scene, RunResources& resources);
+
+  /// By bone (BoneCache::loaded), tool, and whether a force basis is written, which takes longer than the frames.
+  std::map<std::tuple<int, std::string, bool>, double> s_per_frame_;
+};
 
 }  // namespace reamsim

@@ -55,11 +55,6 @@ class PictureSink {
   virtual void make_report() = 0;
 };
 
-struct InterruptedRun {
-  bool saved = false;  ///< a checkpoint, from which it can be continued
-  std::string message = "interrupted";
-};
-
 /// Follows a run, and may interrupt it. This one does neither.
 class RunMonitor {
  public:

@@ -19,155 +19,150 @@ constexpr const char* kMark = "Written by reamsim sweep submit";
 /// Between the signal and the time limit: time to save checkpoints.
 constexpr int kBeforeLimit_s = 60;
 
-/// Variables and functions of the scripts: `run_shard I` and `collect`.
-std::string shell_functions(const Submission& s) {
-  std::string words;
-  for (const std::string& text : s.overrides) words += " --set " + shell_word(text);
-  return fmt::format(
-      "program={}\n"
-      "study={}\n"
-      "output={}\n"
-      "# A job takes one processor, also on a machine with more.\n"
-      "export POCL_MAX_PTHREAD_COUNT=1 POCL_AFFINITY=0\n"
-      "run_shard() {{ exec \"$program\" sweep run \"$study\" -o \"$output\" --shard \"$1/{}\" --jobs {}{}; }}\n"
-      "collect() {{ \"$program\" sweep collect \"$study\" -o \"$output\"{}; }}\n",
-      shell_word(s.program), shell_word(s.study), shell_word(s.output), s.shards, s.jobs, words, words);
-}
+// The scripts. What filled() replaces stands in angle brackets.
 
-std::string slurm_array(const Submission& s) {
-  return fmt::format(
-             "#!/bin/bash\n"
-             "# {}: an array task per shard.\n"
-             "#SBATCH --job-name={}\n"
-             "#SBATCH --array=1-{}\n"
-             "#SBATCH --ntasks=1 --cpus-per-task={}\n"
-             "#SBATCH --time={}\n"
-             "#SBATCH --signal=B:USR1@{}\n"
-             "#SBATCH --requeue --open-mode=append\n\n",
-             kMark, plain_name(s.name), s.shards, s.jobs, s.time_limit, kBeforeLimit_s) +
-         shell_functions(s) +
-         "\n"
-         "shard=  # the signal may come at once; without a trap it would end this script\n"
-         "trap 'signalled=yes; if [ -n \"$shard\" ]; then kill -USR1 \"$shard\"; fi' USR1\n"
-         "run_shard \"$SLURM_ARRAY_TASK_ID\" & shard=$!\n"
-         "signalled=yes\n"
-         "while [ -n \"$signalled\" ]; do  # a signal ends `wait` early\n"
-         "  signalled=\n"
-         "  wait \"$shard\"; status=$?\n"
-         "done\n"
-         "# 75: checkpoints are saved, the same command continues. 138: the signal came before the program was ready.\n"
-         "if [ \"$status\" -eq 75 ] || [ \"$status\" -eq 138 ]; then scontrol requeue "
-         "\"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"; fi\n"
-         "exit \"$status\"\n";
-}
+/// `run_shard I` and `collect`.
+constexpr std::string_view kShellFunctions = R"sh(program=<program>
+study=<study>
+output=<output>
+# A job takes one processor, also on a machine with more.
+export POCL_MAX_PTHREAD_COUNT=1 POCL_AFFINITY=0
+run_shard() { exec "$program" sweep run "$study" -o "$output" --shard "$1/<shards>" --jobs <jobs><settings>; }
+collect() { "$program" sweep collect "$study" -o "$output"<settings>; }
+)sh";
 
-std::string slurm_collect(const Submission& s) {
-  return fmt::format(
-             "#!/bin/bash\n"
-             "# {}: the table of the study, after its shards.\n"
-             "#SBATCH --job-name={}.collect\n"
-             "#SBATCH --ntasks=1 --cpus-per-task=1\n"
-             "#SBATCH --time={}\n\n",
-             kMark, plain_name(s.name), s.time_limit) +
-         shell_functions(s) + "\ncollect\n";
-}
+constexpr std::string_view kSlurmArray = R"sh(#!/bin/bash
+# <mark>: an array task per shard.
+#SBATCH --job-name=<name>
+#SBATCH --array=1-<shards>
+#SBATCH --ntasks=1 --cpus-per-task=<jobs>
+#SBATCH --time=<time limit>
+#SBATCH --signal=B:USR1@<before limit>
+#SBATCH --requeue --open-mode=append
 
-std::string parallel_script(const Submission& s) {
-  return fmt::format(
-             "#!/bin/bash\n"
-             "# {}: as many shards at a time as the machine has processors for. Run it again to continue.\n\n",
-             kMark) +
-         shell_functions(s) +
-         fmt::format(
-             "export program study output SHELL=/bin/bash\n"
-             "export -f run_shard\n"
-             "\n"
-             "at_a_time=$(($(nproc) / {}))\n"
-             "parallel --jobs \"$((at_a_time > 0 ? at_a_time : 1))\" run_shard ::: $(seq {})\n"
-             "status=$?\n"
-             "collect\n"
-             "exit \"$status\"\n",
-             s.jobs, s.shards);
-}
+<functions>
+shard=  # the signal may come at once; without a trap it would end this script
+trap 'signalled=yes; if [ -n "$shard" ]; then kill -USR1 "$shard"; fi' USR1
+run_shard "$SLURM_ARRAY_TASK_ID" & shard=$!
+signalled=yes
+while [ -n "$signalled" ]; do  # a signal ends `wait` early
+  signalled=
+  wait "$shard"; status=$?
+done
+# 75: checkpoints are saved, the same command continues. 138: the signal came before the program was ready.
+if [ "$status" -eq 75 ] || [ "$status" -eq 138 ]; then scontrol requeue "${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID"; fi
+exit "$status"
+)sh";
 
-std::string snakefile(const Submission& s) {
-  std::string settings;
-  for (const std::string& text : s.overrides) settings += ", \"--set\", " + python_literal(text);
-  return fmt::format(
-      "# {}: a job per shard, then the table.\n"
-      "import shlex\n"
-      "\n"
-      "program = {}\n"
-      "study = [{}, \"-o\", {}{}]\n"
-      "shards = {}\n"
-      "\n"
-      "localrules: all, collect\n"
-      "\n"
-      "rule all:\n"
-      "    input: \"collected\"\n"
-      "\n"
-      "rule shard:\n"
-      "    output: touch(\"shards/{{shard}}.done\")\n"
-      "    params: command=shlex.join([program, \"sweep\", \"run\", *study, \"--jobs\", \"{}\"])\n"
-      "    threads: {}\n"
-      "    resources: time=\"{}\"\n"
-      "    # Saves checkpoints before the time limit and ends with 75; Snakemake then repeats it, and it continues.\n"
-      "    shell:\n"
-      "        \"POCL_MAX_PTHREAD_COUNT=1 POCL_AFFINITY=0 timeout --preserve-status -s USR1 {} \"\n"
-      "        \"{{params.command}} --shard {{wildcards.shard}}/{}\"\n"
-      "\n"
-      "rule collect:\n"
-      "    input: expand(\"shards/{{shard}}.done\", shard=range(1, shards + 1))\n"
-      "    output: touch(\"collected\")\n"
-      "    params: command=shlex.join([program, \"sweep\", \"collect\", *study])\n"
-      "    shell: \"{{params.command}}\"\n",
-      kMark, python_literal(s.program), python_literal(s.study), python_literal(s.output), settings, s.shards, s.jobs,
-      s.jobs, s.time_limit, seconds_of_time_limit(s.time_limit) - kBeforeLimit_s, s.shards);
-}
+constexpr std::string_view kSlurmCollect = R"sh(#!/bin/bash
+# <mark>: the table of the study, after its shards.
+#SBATCH --job-name=<name>.collect
+#SBATCH --ntasks=1 --cpus-per-task=1
+#SBATCH --time=<time limit>
 
-std::string snakemake_profile(const Submission& s) {
-  return fmt::format(
-      "# {}: `snakemake --profile profile` submits to Slurm.\n"
-      "cluster: \"sbatch --parsable --job-name={}.{{wildcards}} --ntasks=1 --cpus-per-task={{threads}}"
-      " --time={{resources.time}}\"\n"
-      "cluster-status: \"./profile/status.sh\"\n"
-      "jobs: {}\n"
-      "restart-times: 5\n"
-      "latency-wait: 60\n",
-      kMark, plain_name(s.name), s.shards);
-}
+<functions>
+collect
+)sh";
+
+constexpr std::string_view kParallel = R"sh(#!/bin/bash
+# <mark>: as many shards at a time as the machine has processors for. Run it again to continue.
+
+<functions>export program study output SHELL=/bin/bash
+export -f run_shard
+
+at_a_time=$(($(nproc) / <jobs>))
+parallel --jobs "$((at_a_time > 0 ? at_a_time : 1))" run_shard ::: $(seq <shards>)
+status=$?
+collect
+exit "$status"
+)sh";
+
+constexpr std::string_view kSnakefile = R"py(# <mark>: a job per shard, then the table.
+import shlex
+
+program = <program>
+study = [<study>, "-o", <output><settings>]
+shards = <shards>
+
+localrules: all, collect
+
+rule all:
+    input: "collected"
+
+rule shard:
+    output: touch("shards/{shard}.done")
+    params: command=shlex.join([program, "sweep", "run", *study, "--jobs", "<jobs>"])
+    threads: <jobs>
+    resources: time="<time limit>"
+    # Saves checkpoints before the time limit and ends with 75; Snakemake then repeats it, and it continues.
+    shell:
+        "POCL_MAX_PTHREAD_COUNT=1 POCL_AFFINITY=0 timeout --preserve-status -s USR1 <most seconds> "
+        "{params.command} --shard {wildcards.shard}/<shards>"
+
+rule collect:
+    input: expand("shards/{shard}.done", shard=range(1, shards + 1))
+    output: touch("collected")
+    params: command=shlex.join([program, "sweep", "collect", *study])
+    shell: "{params.command}"
+)py";
+
+constexpr std::string_view kSnakemakeProfile =
+    R"(# <mark>: `snakemake --profile profile` submits to Slurm.
+cluster: "sbatch --parsable --job-name=<name>.{wildcards} --ntasks=1 --cpus-per-task={threads} --time={resources.time}"
+cluster-status: "./profile/status.sh"
+jobs: <shards>
+restart-times: 5
+latency-wait: 60
+)";
 
 /// Without it Snakemake would wait for ever for a job that was killed.
-std::string snakemake_status() {
-  return fmt::format(
-      "#!/bin/sh\n"
-      "# {}: tells Snakemake what became of a Slurm job.\n"
-      "case \"$(scontrol show job \"$1\" 2>/dev/null | sed -n 's/.*JobState=\\([A-Z_]*\\).*/\\1/p')\" in\n"
-      "  PENDING|CONFIGURING|RUNNING|SUSPENDED|COMPLETING|REQUEUED) echo running ;;\n"
-      "  COMPLETED) echo success ;;\n"
-      "  *) echo failed ;;\n"
-      "esac\n",
-      kMark);
+constexpr std::string_view kSnakemakeStatus = R"sh(#!/bin/sh
+# <mark>: tells Snakemake what became of a Slurm job.
+case "$(scontrol show job "$1" 2>/dev/null | sed -n 's/.*JobState=\([A-Z_]*\).*/\1/p')" in
+  PENDING|CONFIGURING|RUNNING|SUSPENDED|COMPLETING|REQUEUED) echo running ;;
+  COMPLETED) echo success ;;
+  *) echo failed ;;
+esac
+)sh";
+
+/// A script of a submission. Names are words of a shell, or of Python.
+std::string filled(std::string_view script, const Submission& s, bool python = false) {
+  const auto word = python ? python_literal : shell_word;
+  std::string settings;
+  for (const std::string& text : s.overrides) settings += (python ? ", \"--set\", " : " --set ") + word(text);
+  return replace_all(replace_all(script, {{"<functions>", kShellFunctions}}),
+                     {{"<mark>", kMark},
+                      {"<name>", plain_name(s.name)},
+                      {"<program>", word(s.program)},
+                      {"<study>", word(s.study)},
+                      {"<output>", word(s.output)},
+                      {"<settings>", settings},
+                      {"<shards>", std::to_string(s.shards)},
+                      {"<jobs>", std::to_string(s.jobs)},
+                      {"<time limit>", s.time_limit},
+                      {"<before limit>", std::to_string(kBeforeLimit_s)},
+                      {"<most seconds>", std::to_string(seconds_of_time_limit(s.time_limit) - kBeforeLimit_s)}});
 }
 
 }  // namespace
 
 SubmissionScripts submission_scripts(BatchSystem system, const Submission& submission) {
   const std::string name = plain_name(submission.name);
+  const auto shell = [&](std::string_view script) { return filled(script, submission); };
   switch (system) {
     case BatchSystem::slurm:
-      return {{{name + ".sbatch", slurm_array(submission)}, {name + ".collect.sbatch", slurm_collect(submission)}},
+      return {{{name + ".sbatch", shell(kSlurmArray)}, {name + ".collect.sbatch", shell(kSlurmCollect)}},
               {"job=$(sbatch --parsable ./" + name + ".sbatch)",
                "sbatch --dependency=afterany:$job ./" + name + ".collect.sbatch"}};
     case BatchSystem::snakemake:
-      return {{{"Snakefile", snakefile(submission)},
-               {"profile/config.yaml", snakemake_profile(submission)},
-               {"profile/status.sh", snakemake_status(), true}},
+      return {{{"Snakefile", filled(kSnakefile, submission, true)},
+               {"profile/config.yaml", shell(kSnakemakeProfile)},
+               {"profile/status.sh", shell(kSnakemakeStatus), true}},
               {"snakemake --profile profile"}};
     case BatchSystem::parallel:
       break;
   }
-  return {{{name + ".parallel.sh", parallel_script(submission), true}}, {"./" + name + ".parallel.sh"}};
+  return {{{name + ".parallel.sh", shell(kParallel), true}}, {"./" + name + ".parallel.sh"}};
 }
 
 bool is_submission_text(const std::string& text) {

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 import pathlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy
@@ -67,7 +67,7 @@ def evaluate(design: Design) -> Uncertainty:
     bands = numpy.zeros((2, len(time_s), independent))
     for run, log in enumerate(logs):
         points[design.run_of == run, len(FORCE_OUTPUTS):] = [design.numbers[run][name] for name in names]
-        mean = _IntervalMeans(log["time_s"], time_s)
+        mean = _interval_means(log["time_s"], time_s)
         for at, axial, torque, energy in _histories(design, run, log):
             points[at, 0] = numpy.maximum(axial.max(axis=0, initial=0), 0)
             points[at, 1] = numpy.abs(torque).max(axis=0, initial=0)
@@ -112,22 +112,17 @@ def _histories(design: Design, run: int, log: numpy.ndarray) -> Any:
                basis.energy_mj(coefficients))
 
 
-class _IntervalMeans:
-    """Means over intervals of time; an interval without a frame has that of the one before, up to the end of the run."""
-
-    def __init__(self, frame_s: numpy.ndarray, ends_s: numpy.ndarray) -> None:
-        place = numpy.ceil(frame_s / ends_s[0] - 1e-6).astype(int) - 1
-        place = numpy.clip(place, 0, len(ends_s) - 1)
-        self.counts = numpy.bincount(place, minlength=len(ends_s))
-        self.sums = scipy.sparse.csr_matrix((numpy.ones(len(place)), (place, numpy.arange(len(place)))),
-                                            (len(ends_s), len(place)))
-        last = place[-1] if len(place) else -1
-        self.source = numpy.maximum.accumulate(numpy.where(self.counts > 0, numpy.arange(len(ends_s)), 0))
-        self.source[last + 1:] = numpy.arange(last + 1, len(ends_s))
-
-    def __call__(self, values: numpy.ndarray) -> numpy.ndarray:
-        """Of values by frame, shape (frames, points): shape (intervals, points)."""
-        return (self.sums @ values / numpy.maximum(self.counts, 1)[:, None])[self.source]
+def _interval_means(frame_s: numpy.ndarray, ends_s: numpy.ndarray) -> Callable[[numpy.ndarray], numpy.ndarray]:
+    """Means over intervals of time of values by frame, shape (frames, points): shape (intervals, points). An interval
+    without a frame has that of the one before, up to the end of the run."""
+    place = numpy.ceil(frame_s / ends_s[0] - 1e-6).astype(int) - 1
+    place = numpy.clip(place, 0, len(ends_s) - 1)
+    counts = numpy.bincount(place, minlength=len(ends_s))
+    sums = scipy.sparse.csr_matrix((numpy.ones(len(place)), (place, numpy.arange(len(place)))), (len(ends_s), len(place)))
+    last = place[-1] if len(place) else -1
+    source = numpy.maximum.accumulate(numpy.where(counts > 0, numpy.arange(len(ends_s)), 0))
+    source[last + 1:] = numpy.arange(last + 1, len(ends_s))
+    return lambda values: (sums @ values / numpy.maximum(counts, 1)[:, None])[source]
 
 
 def _tails(unit: numpy.ndarray, samples: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray]:
