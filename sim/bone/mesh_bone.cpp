@@ -242,7 +242,7 @@ struct GradesByDepth {
   }
 };
 
-bool grade_brick(const MeshDepth& depth, const GradesByDepth& by_depth, const Vec3i& brick_coord,
+void grade_brick(const MeshDepth& depth, const GradesByDepth& by_depth, const Vec3i& brick_coord,
                  GradeBricks::Brick& out) {
   // The interpolated distance changes by at most one for each voxel along each axis.
   constexpr double kFromCentre = 3 * (GradeBricks::kSide - 1) / 2.0;
@@ -250,21 +250,17 @@ bool grade_brick(const MeshDepth& depth, const GradesByDepth& by_depth, const Ve
   const openvdb::Coord corner(first.x(), first.y(), first.z());
   if (depth.near_surface().probeConstLeaf(corner) == nullptr) {
     double all = depth.near_surface().getValue(corner);
-    if (all > 0) return false;
+    if (all > 0) return;
     bool uniform = !depth.interpolated();
     if (!uniform) {
       all = depth.below(first.cast<double>() + Vec3::Constant((GradeBricks::kSide - 1) / 2.0));
       uniform = std::abs(-all - by_depth.cortical_voxels) > kFromCentre;
     }
-    if (uniform) {
-      out.fill(by_depth.grade(all));
-      return true;
-    }
+    if (uniform) return out.fill(by_depth.grade(all));
   }
   MeshDepth::Distances distances;
   depth.of_brick(brick_coord, distances);
   std::ranges::transform(distances, out.begin(), [&](float distance) { return by_depth.grade(distance); });
-  return std::ranges::any_of(out, [](std::uint8_t grade) { return grade != 0; });
 }
 
 /// Sets the fill by the distance of the surface. Grades depend on the depth only: there is no partial volume.
@@ -307,7 +303,7 @@ FilledVoxmap voxmap_of(const MeshDepth& depth, const BoneSettings& settings, con
                        const GradesByDepth& by_depth) {
   FilledVoxmap out(grid);
   out.grade = sample_bricks(grid.dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
-    return grade_brick(depth, by_depth, brick_coord, brick);
+    grade_brick(depth, by_depth, brick_coord, brick);
   });
   if (out.count_bone() == 0) {
     throw InputError({settings.mesh.path, 0, 0}, "bone.voxel_mm", "the mesh contains no voxel centre",

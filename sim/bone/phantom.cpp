@@ -15,17 +15,14 @@ namespace reamsim {
 
 namespace {
 
-bool sample_brick(const VoxelGrid& grid, const DensityField& field, const Vec3i& brick_coord, GradeBricks::Brick& out) {
+void sample_brick(const VoxelGrid& grid, const DensityField& field, const Vec3i& brick_coord, GradeBricks::Brick& out) {
   const Vec3i first = GradeBricks::kSide * brick_coord;
   const Vec3i last = (first + Vec3i::Constant(GradeBricks::kSide)).cwiseMin(grid.dims);
-  bool any = false;
   for_each_voxel(first, last - Vec3i::Ones(), [&](const Vec3i& voxel) {
     const double density = field(grid.center_mm(voxel));
     if (density < 0) return;
     out[static_cast<std::size_t>(BrickLattice::offset_of(voxel))] = DensityMapping::grade_from_density(density);
-    any = true;
   });
-  return any;
 }
 
 // Verification blocks have closed-form surfaces. Lattice planes lie at multiples of the voxel size, so that a top face
@@ -327,7 +324,7 @@ FilledVoxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& densit
   voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) {
     const Vec3 center_mm =
         grid.origin_mm + GradeBricks::kSide * grid.voxel_mm * (coord.cast<double>() + Vec3::Constant(0.5));
-    return !all_air(center_mm, radius_mm) && sample_brick(grid, field, coord, brick);
+    if (!all_air(center_mm, radius_mm)) sample_brick(grid, field, coord, brick);
   });
   if (!partial) return voxmap;
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {

@@ -80,19 +80,17 @@ openvdb::FloatGrid::Ptr smoothed_occupancy(const BoneView& bone) {
   const std::vector<Vec3i> bricks = bricks_near_bone(bone.voxmap.grade);
   auto grid = make_float_grid(0.0F);
   grid->setTransform(index_transform(bone.voxmap.grid));
-  std::vector<SmoothedBrick> smoothed(std::min(kAtOnce, bricks.size()));
-  for (std::size_t first = 0; first < bricks.size(); first += kAtOnce) {
-    const std::size_t count = std::min(kAtOnce, bricks.size() - first);
-    parallel_items(count, [&](std::size_t i) { smoothed[i] = smoothed_brick(bone, bricks[first + i]); });
-    for (std::size_t i = 0; i < count; ++i) {
-      if (smoothed[i].leaf) {
-        grid->tree().addLeaf(smoothed[i].leaf.release());
-      } else if (smoothed[i].all != 0) {
-        // Inactive: only the leaves are searched for the surface.
-        grid->tree().addTile(1, leaf_corner(bricks[first + i]), smoothed[i].all, false);
-      }
-    }
-  }
+  parallel_in_order<SmoothedBrick>(
+      bricks.size(), kAtOnce,
+      [&](std::size_t i, SmoothedBrick& smoothed) { smoothed = smoothed_brick(bone, bricks[i]); },
+      [&](std::size_t i, SmoothedBrick& smoothed) {
+        if (smoothed.leaf) {
+          grid->tree().addLeaf(smoothed.leaf.release());
+        } else if (smoothed.all != 0) {
+          // Inactive: only the leaves are searched for the surface.
+          grid->tree().addTile(1, leaf_corner(bricks[i]), smoothed.all, false);
+        }
+      });
   return grid;
 }
 
@@ -112,15 +110,11 @@ template <class Value>
 openvdb::FloatGrid::Ptr fog(const BoneView& bone, const Value& value) {
   auto grid = make_float_grid(0.0F);
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
-    const FillBricks::Brick* fill = bone.fill.brick(coord);
+  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
     auto leaf = std::make_unique<Leaf>(leaf_corner(coord), 0.0F, false);
-    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
-      const auto at = static_cast<std::size_t>(offset);
-      if (grades[at] == 0) continue;
-      leaf->setValueOn(Leaf::coordToOffset(coord_of(BrickLattice::voxel_at(Vec3i::Zero(), offset))),
-                       value(grades[at], fill == nullptr ? FillBricks::kWhole : (*fill)[at]));
-    }
+    for_each_bone_voxel_in(bone, coord, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
+      leaf->setValueOn(Leaf::coordToOffset(coord_of(voxel)), value(grade, fill));
+    });
     put(std::move(leaf), grid->tree());
   });
   return grid;

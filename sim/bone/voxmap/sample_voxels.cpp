@@ -11,26 +11,6 @@ namespace reamsim {
 
 namespace {
 
-/// Rows of bricks that are sampled before they are stored: enough work for many threads, little memory.
-constexpr int kRowsAtOnce = 256;
-
-/// A brick with bone, and its coordinate along x.
-struct SampledBrick {
-  int x;
-  GradeBricks::Brick grades;
-};
-
-std::vector<SampledBrick> sample_row(const Vec3i& first, int count, const BrickSampler& sample) {
-  std::vector<SampledBrick> out;
-  SampledBrick next{0, {}};
-  for (; next.x < count; ++next.x) {
-    if (!sample({next.x, first.y(), first.z()}, next.grades)) continue;
-    out.push_back(next);
-    next.grades.fill(0);
-  }
-  return out;
-}
-
 struct ChangedVoxel {
   std::uint16_t offset;  ///< in its brick
   std::uint16_t fill;
@@ -110,25 +90,16 @@ std::vector<ChangedBrick> sample_surface(const SurfaceSampler& sample, const Vox
 }  // namespace
 
 GradeBricks sample_bricks(const Vec3i& dims, const BrickSampler& sample) {
+  constexpr std::size_t kAtOnce = 1 << 10;
   GradeBricks out(dims);
-  const Vec3i bricks = out.brick_dims();
-  const auto coord = [&bricks](std::int64_t row) {
-    return Vec3i(0, static_cast<int>(row % bricks.y()), static_cast<int>(row / bricks.y()));
-  };
-  const std::int64_t rows = std::int64_t{bricks.y()} * bricks.z();
-  std::vector<std::vector<SampledBrick>> sampled(kRowsAtOnce);
-  for (std::int64_t first = 0; first < rows; first += kRowsAtOnce) {
-    const std::int64_t count = std::min<std::int64_t>(kRowsAtOnce, rows - first);
-    parallel_items(static_cast<std::size_t>(count), [&](std::size_t i) {
-      sampled[i] = sample_row(coord(first + static_cast<std::int64_t>(i)), bricks.x(), sample);
-    });
-    // One thread stores them in the order of the lattice, so that the slots are the same in every run.
-    for (std::int64_t i = 0; i < count; ++i) {
-      for (const SampledBrick& brick : sampled[static_cast<std::size_t>(i)]) {
-        out.put(coord(first + i) + Vec3i(brick.x, 0, 0), brick.grades);
-      }
-    }
-  }
+  const BrickLattice& bricks = out.lattice();
+  parallel_in_order<GradeBricks::Brick>(
+      bricks.count(), kAtOnce,
+      [&](std::size_t i, GradeBricks::Brick& brick) {
+        brick.fill(0);
+        sample(bricks.coord(i), brick);
+      },
+      [&](std::size_t i, const GradeBricks::Brick& brick) { out.put(bricks.coord(i), brick); });
   return out;
 }
 

@@ -82,14 +82,14 @@ class SparseBricks {
     if (std::as_const(*this).stored(slot)[offset] == value) return false;
     Brick& brick = stored(slot);
     brick[offset] = value;
-    if (value == kAbsent && all_absent(brick)) free_slot(slot);
+    if (value == kAbsent && brick == kAllAbsent) free_slot(slot);
     return true;
   }
 
   /// Replaces a brick; coordinates in bricks. Returns whether it changed.
   bool put(const Vec3i& brick_coord, const Brick& brick) {
     std::int32_t& slot = slot_of_brick_[lattice_.index(brick_coord)];
-    const bool absent = all_absent(brick);
+    const bool absent = brick == kAllAbsent;
     if (slot < 0 ? absent : std::as_const(*this).stored(slot) == brick) return false;
     if (absent) {
       free_slot(slot);
@@ -152,9 +152,11 @@ class SparseBricks {
   static constexpr std::size_t kPageBricks = (std::size_t{1} << 18) / sizeof(Brick);
   using Page = std::vector<Brick>;
 
-  static bool all_absent(const Brick& brick) {
-    return std::all_of(brick.begin(), brick.end(), [](T value) { return value == kAbsent; });
-  }
+  static constexpr Brick kAllAbsent = [] {
+    Brick brick{};
+    brick.fill(kAbsent);
+    return brick;
+  }();
   [[nodiscard]] const Brick& stored(std::int32_t slot) const {
     const auto at = static_cast<std::size_t>(slot);
     return (*pages_[at / kPageBricks])[at % kPageBricks];
