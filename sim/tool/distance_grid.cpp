@@ -159,12 +159,6 @@ bool separates(const Vec3& axis, const Vec3& a, const Vec3& b, const Vec3& c, co
   return std::min({pa, pb, pc}) > reach || std::max({pa, pb, pc}) < -reach;
 }
 
-/// Whether a cross product of `edge` and an axis of the box separates them.
-bool edge_separates(const Vec3& edge, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
-  return separates({0, -edge.z(), edge.y()}, a, b, c, half) || separates({edge.z(), 0, -edge.x()}, a, b, c, half) ||
-         separates({-edge.y(), edge.x(), 0}, a, b, c, half);
-}
-
 }  // namespace
 
 DistanceGrid make_distance_grid(const TriangleMesh& mesh, const Profile& envelope, double voxel_mm) {
@@ -255,13 +249,17 @@ DistanceTable distance_table_around(const Profile& profile, double pitch_mm, dou
 
 bool triangle_touches_box(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& center, const Vec3& half) {
   const Vec3 p = a - center, q = b - center, r = c - center;
+  const std::array<Vec3, 3> edges{q - p, r - q, p - r};
   for (int axis = 0; axis < 3; ++axis) {
-    if (std::min({p[axis], q[axis], r[axis]}) > half[axis]) return false;
-    if (std::max({p[axis], q[axis], r[axis]}) < -half[axis]) return false;
+    if (separates(Vec3::Unit(axis), p, q, r, half)) return false;
   }
-  const Vec3 pq = q - p, qr = r - q, rp = p - r;
-  if (separates(pq.cross(qr), p, q, r, half)) return false;
-  return !edge_separates(pq, p, q, r, half) && !edge_separates(qr, p, q, r, half) && !edge_separates(rp, p, q, r, half);
+  if (separates(edges[0].cross(edges[1]), p, q, r, half)) return false;
+  for (const Vec3& edge : edges) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (separates(Vec3::Unit(axis).cross(edge), p, q, r, half)) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace reamsim
