@@ -9,7 +9,6 @@
 #include <optional>
 #include <vector>
 
-#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/scan.h"
 
@@ -130,21 +129,6 @@ class NegatedField {
   explicit NegatedField(const AlignedImage& image);
 
   double operator()(const Vec3& point_mm) const { return value(places(point_mm)); }
-
-  /// As sample_along_axes(). A step changes one coordinate, so that the places along the other axes are found once.
-  [[nodiscard]] FieldSamples cross(const Vec3& center_mm, double step) const {
-    const Places center = places(center_mm);
-    FieldSamples out;
-    out.center = value(center);
-    for (int axis = 0; axis < 3; ++axis) {
-      Places moved = center;
-      moved[static_cast<std::size_t>(axis)] = place(axis, center_mm[axis] - step);
-      out.before[axis] = value(moved);
-      moved[static_cast<std::size_t>(axis)] = place(axis, center_mm[axis] + step);
-      out.after[axis] = value(moved);
-    }
-    return out;
-  }
 
  private:
   /// A position between two neighbouring values along one axis.
