@@ -183,11 +183,11 @@ MeshContents read_mesh_contents(const std::string& path, double scale, const std
   ChildResult result = read_in_child<read_and_put>({path, ""}, limits_for(file.bytes), path, file.format, scale);
   MeshContents out;
   out.mesh = take_mesh(result.reader());
-  out.warnings = result.reader().texts();
+  out.report.warnings = result.reader().texts();
   out.space = result.reader().text();
   if (out.mesh.triangles.empty()) refuse_file(path, "a mesh of 0 triangles", "expected a surface");
   const std::string welded = weld(out.mesh);
-  if (!welded.empty()) out.notes.push_back(welded);
+  if (!welded.empty()) out.report.note(welded);
   return out;
 }
 

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/error.h"
 #include "sim/mesh/triangle_mesh.h"
 
 namespace reamsim {
@@ -70,10 +71,9 @@ std::vector<std::string> read_ascii_stl(const std::string& path, std::string_vie
 std::string read_vtp(const std::string& path, std::string_view bytes, const StlSink& sink);
 
 struct MeshContents {
-  TriangleMesh mesh;                  ///< in mm; vertices merged, and welded (weld()) where the surface has holes
-  std::string space;                  ///< the frame that the header states: "LPS", "RAS", another; "" without one
-  std::vector<std::string> notes;     ///< what was welded
-  std::vector<std::string> warnings;  ///< numbers of triangles that the header has wrong, and the like
+  TriangleMesh mesh;   ///< in mm; vertices merged, and welded (weld()) where the surface has holes
+  std::string space;   ///< the frame that the header states: "LPS", "RAS", another; "" without one
+  Diagnostics report;  ///< what was welded; warnings of numbers of triangles that the header has wrong, and the like
 };
 
 /// Reads a mesh in a child process, and multiplies by `scale` (file units to mm), whatever its frame.

@@ -8,6 +8,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/implicit.h"
+#include "sim/mesh/winding.h"
 #include "sim/tool/profile.h"
 
 namespace reamsim {
@@ -54,23 +55,11 @@ std::vector<Interval> merge(std::vector<Interval> intervals) {
 class SweptSection {
  public:
   /// The mesh (closed, facing outwards; mm, frame T) must outlive the section.
-  explicit SweptSection(const TriangleMesh& mesh) : mesh_(mesh) {
-    const Aabb box = mesh.bounds();
-    bottom_mm_ = box.min.z();
-    const std::size_t triangles = std::max<std::size_t>(1, mesh.triangles.size());
-    slabs_.resize(std::clamp<std::size_t>(kMaxSlabEntries / triangles, 1, kMaxSlabs));
-    slab_mm_ = (box.max.z() - box.min.z()) / static_cast<double>(slabs_.size());
-    const double top = static_cast<double>(slabs_.size()) - 1;
-    const auto slab = [&](double z) {
-      return static_cast<std::size_t>(std::clamp(std::floor((z - bottom_mm_) / slab_mm_), 0.0, top));
-    };
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const auto z = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][k])].z(); };
-      const std::size_t last = slab(std::max({z(0), z(1), z(2)}));
-      for (std::size_t s = slab(std::min({z(0), z(1), z(2)})); s <= last; ++s)
-        slabs_[s].push_back(static_cast<std::int32_t>(t));
-    }
-  }
+  explicit SweptSection(const TriangleMesh& mesh)
+      : mesh_(mesh),
+        slabs_(
+            mesh, 2,
+            std::clamp<std::size_t>(kMaxSlabEntries / std::max<std::size_t>(1, mesh.triangles.size()), 1, kMaxSlabs)) {}
 
   /// The occupied radii at height `z_mm`: disjoint, ascending.
   [[nodiscard]] std::vector<Interval> at(double z_mm) const {
@@ -105,10 +94,8 @@ class SweptSection {
  private:
   [[nodiscard]] std::vector<Piece> cut(double z_mm) const {
     std::vector<Piece> pieces;
-    const double position = std::floor((z_mm - bottom_mm_) / slab_mm_);
-    if (position < 0 || position > static_cast<double>(slabs_.size())) return pieces;
-    for (const std::int32_t t : slabs_[std::min(static_cast<std::size_t>(position), slabs_.size() - 1)]) {
-      const std::array<Vec3, 3> v = mesh_.corners(mesh_.triangles[static_cast<std::size_t>(t)]);
+    for (const std::uint32_t t : slabs_.at(z_mm)) {
+      const std::array<Vec3, 3> v = mesh_.corners(mesh_.triangles[t]);
       Piece piece{Vec2::Zero(), Vec2::Zero()};
       bool crosses = false;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -126,9 +113,7 @@ class SweptSection {
   }
 
   const TriangleMesh& mesh_;
-  double bottom_mm_ = 0;
-  double slab_mm_ = 1;
-  std::vector<std::vector<std::int32_t>> slabs_;  ///< triangles by height
+  TriangleRows slabs_;  ///< by height
 };
 
 /// Whether `radius_mm` lies in one of the intervals.

@@ -56,8 +56,7 @@ Vec3 centroid(const TriangleMesh& mesh) {
 
 TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Diagnostics& report) {
   MeshContents contents = read_mesh_contents(settings.mesh, settings.scale, "tool.mesh");
-  for (const std::string& warning : contents.warnings) report.warn("tool.mesh: " + warning);
-  for (const std::string& note : contents.notes) report.note("tool.mesh: " + note);
+  report.append(contents.report, "tool.mesh: ");
   if (!contents.space.empty()) {
     report.note("tool.mesh: the header says SPACE=" + contents.space +
                 "; the coordinates of a tool are taken as they stand, in the tool frame");
