@@ -136,16 +136,6 @@ SampledMesh sampled(const TriangleMesh& mesh, const DistanceSampling& sampling) 
   return out;
 }
 
-openvdb::FloatGrid::Ptr to_volume(const SampledMesh& mesh, const openvdb::math::Transform& transform,
-                                  double outer_spacings, double inner_spacings, int flags) {
-  openvdb::initialize();
-  // OpenVDB's library contains the instance for this adapter and interrupter; others take minutes to compile.
-  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(mesh.points, mesh.triangles);
-  openvdb::util::NullInterrupter never;
-  return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter, transform, static_cast<float>(outer_spacings),
-                                                          static_cast<float>(inner_spacings), flags);
-}
-
 /// Sets the sign of the distances in a brick of 8×8×8 samples; those beyond the band become constant.
 void sign_leaf(Leaf& leaf, const InsideTest& inside, float outer, float inner) {
   for (openvdb::Index n = 0; n < Leaf::SIZE; ++n) {
@@ -188,14 +178,19 @@ openvdb::BoolGrid::Ptr make_bool_grid(bool background) {
 }
 
 openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::math::Transform& transform,
-                                      double outer_spacings, double inner_spacings, bool exact) {
-  return to_volume(mesh, transform, outer_spacings, inner_spacings,
-                   exact ? openvdb::tools::DISABLE_RENORMALIZATION : 0);
+                                      double outer_spacings, double inner_spacings, int flags) {
+  openvdb::initialize();
+  // OpenVDB's library contains the instance for this adapter and interrupter; others take minutes to compile.
+  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(mesh.points, mesh.triangles);
+  openvdb::util::NullInterrupter never;
+  return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter, transform, static_cast<float>(outer_spacings),
+                                                          static_cast<float>(inner_spacings), flags);
 }
 
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling) {
   return mesh_distance(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0),
-                       sampling.outer_spacings, sampling.inner_spacings, sampling.exact);
+                       sampling.outer_spacings, sampling.inner_spacings,
+                       sampling.exact ? openvdb::tools::DISABLE_RENORMALIZATION : 0);
 }
 
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling, const Vec3i& dims,
@@ -203,8 +198,8 @@ openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSa
   const auto outer = static_cast<float>(sampling.outer_spacings), inner = static_cast<float>(sampling.inner_spacings);
   const double band = std::max(sampling.outer_spacings, sampling.inner_spacings);
   const openvdb::FloatGrid::Ptr grid =
-      to_volume(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0), band, band,
-                static_cast<int>(openvdb::tools::UNSIGNED_DISTANCE_FIELD));
+      mesh_distance(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0), band, band,
+                    static_cast<int>(openvdb::tools::UNSIGNED_DISTANCE_FIELD));
   Tree& tree = grid->tree();
   tree.root().setBackground(outer, true);  // before the signs: it would change inner distances too
   std::vector<Leaf*> leaves;
