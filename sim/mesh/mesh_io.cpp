@@ -173,14 +173,14 @@ void append_point(std::string& out, const Vec3& p) {
 MeshContents read_mesh_contents(const std::string& path, double scale, const std::string& key) {
   if (!std::isfinite(scale) || scale <= 0)
     refuse_file(path, "a scale of " + std::to_string(scale), "expected more than 0");
-  MeshFile file;
+  MeshFormat format{};
   try {
-    file = check_mesh_file(path);
+    format = check_mesh_file(path);
   } catch (const InputError& error) {
     if (key.empty()) throw;
     throw InputError({}, key, error.what(), "");
   }
-  ChildResult result = read_in_child<read_and_put>({path, ""}, limits_for(file.bytes), path, file.format, scale);
+  ChildResult result = read_in_child<read_and_put>({path, ""}, limits_for(bytes_of_file(path)), path, format, scale);
   MeshContents out;
   out.mesh = take_mesh(result.reader());
   out.report.warnings = result.reader().texts();

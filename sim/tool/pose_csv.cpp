@@ -17,7 +17,6 @@ namespace {
 
 enum Column { kTime, kX, kY, kZ, kQw, kQx, kQy, kQz, kSpin };
 constexpr std::array<std::string_view, kSpin> kNames{"time_s", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz"};
-constexpr std::array<std::string_view, 1> kOptionalNames{"spin_rpm"};
 constexpr const char* kPoseColumns =
     "the header must name time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm; other recordings: "
     "motion.csv.format, separator and columns";
@@ -84,7 +83,7 @@ KeyPose pose_of_row(const CsvMotionSettings& settings, const std::vector<double>
       kMmPerUnit[static_cast<std::size_t>(settings.position_unit)] * Vec3(row[kX], row[kY], row[kZ]);
   for (const Column c : {kX, kY, kZ}) check_range(where, kNames[c], position_mm[c - kX], kFarthest_mm, "mm");
   const double spin_rpm = std::isnan(row[kSpin]) ? settings.spin_rpm : row[kSpin];
-  check_range(where, kOptionalNames[0], spin_rpm, kFastest_rpm, "rpm");
+  check_range(where, "spin_rpm", spin_rpm, kFastest_rpm, "rpm");
   const Quat q(row[kQw], row[kQx], row[kQy], row[kQz]);
   const double time_s = row[kTime] / kUnitsPerSecond[static_cast<std::size_t>(settings.time_unit)];
   KeyPose out{time_s, {position_mm, normalized_or_warn(q, where.text(), report), 0, spin_rpm}};

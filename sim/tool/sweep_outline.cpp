@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_map>
+#include <compare>
+#include <map>
 
 #include "sim/base/error.h"
 #include "sim/bone/implicit.h"
@@ -185,13 +186,10 @@ struct LatticeEdge {
   int j;
   bool along_row;
 
-  [[nodiscard]] std::int64_t key() const { return ((std::int64_t{j} << 16) + i + 1) * 2 + (along_row ? 1 : 0); }
-  static LatticeEdge of(std::int64_t key) {
-    return {static_cast<int>((key >> 1) & 0xffff) - 1, static_cast<int>(key >> 17), (key & 1) != 0};
-  }
+  auto operator<=>(const LatticeEdge&) const = default;
 };
 
-using Successors = std::unordered_map<std::int64_t, std::int64_t>;
+using Successors = std::map<LatticeEdge, LatticeEdge>;
 
 /// Marching squares: for each lattice edge that the outline crosses, the next one, with the inside on the left.
 /// Opposite inside corners of a cell are not connected.
@@ -207,7 +205,7 @@ Successors link_crossings(const Lattice& lattice) {
         // Counter-clockwise round the cell it begins at a change to outside, and ends at the previous change to inside.
         int from = (k + 3) % 4;
         while (in[from]) from = (from + 3) % 4;
-        next[edge[k].key()] = edge[from].key();
+        next[edge[k]] = edge[from];
       }
     }
   }
@@ -217,10 +215,9 @@ Successors link_crossings(const Lattice& lattice) {
 std::vector<Vec2> trace_loop(const Lattice& lattice, Successors& next) {
   std::vector<Vec2> loop;
   for (auto it = next.begin(); it != next.end();) {
-    const LatticeEdge edge = LatticeEdge::of(it->first);
+    const auto [edge, following] = *it;
     loop.push_back(edge.along_row ? lattice.crossing_along_row(edge.i, edge.j)
                                   : lattice.crossing_along_column(edge.i, edge.j));
-    const std::int64_t following = it->second;
     next.erase(it);
     it = next.find(following);
   }
