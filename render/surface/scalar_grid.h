@@ -11,6 +11,7 @@
 
 #include "render/surface/solid_field.h"
 #include "sim/base/parallel.h"
+#include "sim/bone/vdb/grids.h"
 
 // Only for the source files of this folder, because OpenVDB's headers take ten seconds to compile.
 namespace reamsim {
@@ -21,14 +22,6 @@ struct ScalarGrid {
 
 /// The isosurface of `field` at `level`, in the grid's world space; with `where`, only in its active voxels.
 IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvdb::BoolGrid::ConstPtr where = nullptr);
-
-inline openvdb::Coord vdb_coord(const Vec3i& v) {
-  return {v.x(), v.y(), v.z()};
-}
-template <class Point>
-openvdb::Vec3d vdb_point(const Point& p) {
-  return openvdb::Vec3d(p.x(), p.y(), p.z());
-}
 
 inline double sample(const openvdb::FloatGrid::ConstAccessor& accessor, const openvdb::Vec3d& point) {
   return openvdb::tools::BoxSampler::sample(accessor, point);

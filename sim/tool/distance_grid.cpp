@@ -90,7 +90,7 @@ void store_bricks(const openvdb::FloatTree& distance, DistanceGrid& grid) {
   const BrickLattice lattice{grid.bricks};
   for (std::size_t i = 0; i < lattice.count(); ++i) {
     const Vec3i brick = lattice.coord(i);
-    const openvdb::Coord first(kSide * brick.x(), kSide * brick.y(), kSide * brick.z());
+    const openvdb::Coord first = vdb_coord(kSide * brick);
     std::uint32_t slot = distance.getValue(first) < 0 ? DistanceGrid::kInside : DistanceGrid::kOutside;
     if (distance.probeConstLeaf(first) != nullptr && read_samples(distance, grid, brick, samples.data())) {
       slot = static_cast<std::uint32_t>(grid.stored_bricks());

@@ -42,12 +42,8 @@ float smoothed(const Occupancy& occupancy, const Vec3i& voxel) {
   return static_cast<float>(sum) / (64.0F * FillBricks::kWhole);
 }
 
-openvdb::Coord coord_of(const Vec3i& voxel) {
-  return {voxel.x(), voxel.y(), voxel.z()};
-}
-
 openvdb::Coord leaf_corner(const Vec3i& brick) {
-  return coord_of(FillBricks::kSide * brick);
+  return vdb_coord(FillBricks::kSide * brick);
 }
 
 /// The smoothed occupancy of one brick: a leaf, or a constant 0 or 1. No surface lies between a constant brick and its
@@ -62,16 +58,16 @@ SmoothedBrick smoothed_brick(const BoneView& bone, const Vec3i& brick) {
   if (occupancy.most() == 0) return {};
   if (occupancy.least() == FillBricks::kWhole) return {1.0F, nullptr};
   auto leaf = std::make_unique<Leaf>(leaf_corner(brick), 0.0F, true);
-  for_each_voxel(Vec3i::Constant(FillBricks::kSide),
-                 [&](const Vec3i& v) { leaf->setValueOnly(Leaf::coordToOffset(coord_of(v)), smoothed(occupancy, v)); });
+  for_each_voxel(Vec3i::Constant(FillBricks::kSide), [&](const Vec3i& v) {
+    leaf->setValueOnly(Leaf::coordToOffset(vdb_coord(v)), smoothed(occupancy, v));
+  });
   return {0, std::move(leaf)};
 }
 
 /// Isotropic, in mm, index (0,0,0) at the centre of voxel (0,0,0).
 openvdb::math::Transform::Ptr index_transform(const VoxelGrid& grid) {
   auto out = openvdb::math::Transform::createLinearTransform(grid.voxel_mm);
-  const Vec3 first = grid.center_mm({0, 0, 0});
-  out->postTranslate(openvdb::Vec3d(first.x(), first.y(), first.z()));
+  out->postTranslate(vdb_point(grid.center_mm({0, 0, 0})));
   return out;
 }
 
@@ -113,7 +109,7 @@ openvdb::FloatGrid::Ptr fog(const BoneView& bone, const Value& value) {
   bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
     auto leaf = std::make_unique<Leaf>(leaf_corner(coord), 0.0F, false);
     for_each_bone_voxel_in(bone, coord, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
-      leaf->setValueOn(Leaf::coordToOffset(coord_of(voxel)), value(grade, fill));
+      leaf->setValueOn(Leaf::coordToOffset(vdb_coord(voxel)), value(grade, fill));
     });
     put(std::move(leaf), grid->tree());
   });
@@ -124,7 +120,7 @@ openvdb::FloatGrid::Ptr removed_grid(const BoneView& bone, const RemovedFrames& 
   auto grid = make_float_grid(-1.0F);
   auto write = grid->getAccessor();
   for (const auto& [index, frame] : removed) {
-    write.setValueOn(coord_of(bone.voxmap.grid.coord(index)), static_cast<float>(frame));
+    write.setValueOn(vdb_coord(bone.voxmap.grid.coord(index)), static_cast<float>(frame));
   }
   return grid;
 }
@@ -144,12 +140,11 @@ openvdb::MetaMap bone_metadata(const BoneView& bone, const Metadata& extra) {
     out.insertMeta(name, value);
   };
   const VoxelGrid& grid = bone.voxmap.grid;
-  const Vec3& origin = grid.origin_mm;
   set("creator", openvdb::StringMetadata("reamsim " REAMSIM_VERSION));
   set(vdb_keys::kFrame, openvdb::StringMetadata(bone.voxmap.frame));
   set("length_unit", openvdb::StringMetadata("mm"));
   set(vdb_keys::kDims, openvdb::Vec3IMetadata({grid.dims.x(), grid.dims.y(), grid.dims.z()}));
-  set(vdb_keys::kOrigin, openvdb::Vec3DMetadata({origin.x(), origin.y(), origin.z()}));
+  set(vdb_keys::kOrigin, openvdb::Vec3DMetadata(vdb_point(grid.origin_mm)));
   set(vdb_keys::kVoxel, openvdb::DoubleMetadata(grid.voxel_mm));
   set(vdb_keys::kAshSlope, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_slope_g_cm3_per_hu));
   set(vdb_keys::kAshOffset, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_offset_g_cm3));

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "sim/base/parallel.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 
@@ -124,15 +125,11 @@ SampledMesh sampled(const TriangleMesh& mesh, const DistanceSampling& sampling) 
   SampledMesh out;
   out.points.reserve(mesh.vertices.size());
   for (const Vec3& vertex : mesh.vertices) {
-    const Vec3 index = (vertex - sampling.first_mm) / sampling.spacing_mm;
-    out.points.emplace_back(static_cast<float>(index.x()), static_cast<float>(index.y()),
-                            static_cast<float>(index.z()));
+    const Eigen::Vector3f index = ((vertex - sampling.first_mm) / sampling.spacing_mm).cast<float>();
+    out.points.emplace_back(index.data());
   }
   out.triangles.reserve(mesh.triangles.size());
-  for (const auto& [a, b, c] : mesh.triangles) {
-    out.triangles.emplace_back(static_cast<openvdb::Index32>(a), static_cast<openvdb::Index32>(b),
-                               static_cast<openvdb::Index32>(c));
-  }
+  for (const MeshTriangle& triangle : mesh.triangles) out.triangles.emplace_back(triangle.data());
   return out;
 }
 
@@ -205,14 +202,11 @@ openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSa
   std::vector<Leaf*> leaves;
   tree.getNodes(leaves);
   parallel_items(leaves.size(), [&](std::size_t n) { sign_leaf(*leaves[n], inside, outer, inner); });
-  for (int z = 0; z < dims.z(); z += static_cast<int>(Leaf::DIM)) {
-    for (int y = 0; y < dims.y(); y += static_cast<int>(Leaf::DIM)) {
-      for (int x = 0; x < dims.x(); x += static_cast<int>(Leaf::DIM)) {
-        const openvdb::Coord corner(x, y, z);
-        if (tree.probeConstLeaf(corner) == nullptr && inside({x, y, z})) tree.addTile(1, corner, -inner, false);
-      }
-    }
-  }
+  for_each_voxel(BrickLattice::over(dims).dims, [&](const Vec3i& brick) {  // leaves and bricks are the same blocks
+    const Vec3i first = BrickLattice::kSide * brick;
+    const openvdb::Coord corner = vdb_coord(first);
+    if (tree.probeConstLeaf(corner) == nullptr && inside(first)) tree.addTile(1, corner, -inner, false);
+  });
   return grid;
 }
 

@@ -15,6 +15,14 @@
 
 namespace reamsim {
 
+inline openvdb::Coord vdb_coord(const Vec3i& v) {
+  return {v.x(), v.y(), v.z()};
+}
+template <class Point>
+openvdb::Vec3d vdb_point(const Point& p) {
+  return openvdb::Vec3d(p.x(), p.y(), p.z());
+}
+
 // An empty grid with the identity as its transform. Defined in one file, because OpenVDB's create() adds half a minute
 // to the compilation of each file that calls it.
 openvdb::FloatGrid::Ptr make_float_grid(float background);
