@@ -345,7 +345,7 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Diagnostics& report,
   const VoxelGrid grid = lattice_around(bone.path, source.mesh.bounds(), settings.voxel_mm, kMarginVoxels,
                                         {bone_fraction(source, settings.voxel_mm), kMeshBytesPerVoxel});
   begin_stage(stages, BoneStage::distances);
-  const DensityMapping mapping = mapping_from(settings.density);
+  const DensityMapping mapping{settings.density};
   warn_of_density_limit(mapping, "bone.mesh.cortical_hu", bone.cortical_hu, report);
   warn_of_density_limit(mapping, "bone.mesh.trabecular_hu", bone.trabecular_hu, report);
   const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };

@@ -232,11 +232,9 @@ struct Sides {
 /// of the native face are those of the scenario. Trigonum and inferior angle lie beyond the modelled bone.
 LandmarkSettings landmarks_of(const GlenoidFace& face, const Sides& sides, const PhantomSettings& phantom) {
   const double scale = phantom.height_mm / kScapulaHeight_mm;
-  LandmarkSettings marks;
-  marks.glenoid_center_mm = sides.bone_from_anatomy(face.center_mm);
-  marks.trigonum_spinae_mm = sides.bone_from_anatomy(scale * kTrigonum_mm);
-  marks.inferior_angle_mm = sides.bone_from_anatomy(scale * kInferiorAngle_mm);
-  return marks;
+  return {.glenoid_center_mm = sides.bone_from_anatomy(face.center_mm),
+          .trigonum_spinae_mm = sides.bone_from_anatomy(scale * kTrigonum_mm),
+          .inferior_angle_mm = sides.bone_from_anatomy(scale * kInferiorAngle_mm)};
 }
 
 void note_part(Diagnostics& report, const char* part, double radius_mm, const Vec3& normal) {
@@ -311,14 +309,10 @@ FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid)
       });
 }
 
-DensityMapping mapping_from(const DensitySettings& density) {
-  return {density.ash_slope_g_cm3_per_hu, density.ash_offset_g_cm3, density.ash_fraction};
-}
-
 FilledVoxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& density, const DensityField& field,
                             const PartialField& partial, const AirTest& all_air) {
   FilledVoxmap voxmap(grid);
-  voxmap.mapping = mapping_from(density);
+  voxmap.mapping = {density};
   voxmap.frame = "phantom";
   const double radius_mm = 0.5 * GradeBricks::kSide * grid.voxel_mm * std::numbers::sqrt3;
   voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) {

@@ -138,8 +138,6 @@ FilledVoxmap sample_phantom(
     const VoxelGrid& grid, const DensitySettings& density, const DensityField& field, const PartialField& partial = {},
     const AirTest& all_air = [](const Vec3&, double) { return false; });
 
-DensityMapping mapping_from(const DensitySettings& density);
-
 /// Throws the InputError of a length in bone.phantom.
 [[noreturn]] void fail_phantom(const std::string& key, double found_mm, const std::string& expected);
 

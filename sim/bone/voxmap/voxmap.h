@@ -14,6 +14,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/sparse_bricks.h"
+#include "sim/scenario/scenario.h"
 
 namespace reamsim {
 
@@ -100,11 +101,7 @@ VoxelGrid lattice_around(const std::string& what, const Aabb& box_mm, double vox
 
 /// Radiodensity to apparent density to grade (docs/density.md, 1). The defaults are of a femur at 120 kVp (PMC5234499,
 /// Table 1), not a scapular calibration.
-struct DensityMapping {
-  double ash_slope_g_cm3_per_hu = 0.0007;
-  double ash_offset_g_cm3 = -0.009;
-  double ash_fraction = 0.6;
-
+struct DensityMapping : DensitySettings {
   static constexpr double kGradeStep_g_cm3 = 0.008;
   static constexpr double kMaxDensity_g_cm3 = 2.0;
   static constexpr int kMaxGrade = 250;
