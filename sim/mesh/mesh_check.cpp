@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <array>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -200,21 +201,15 @@ std::vector<EdgeSide> sorted_sides(const std::vector<MeshTriangle>& triangles) {
 }
 
 std::vector<std::size_t> components_of(const TriangleMesh& mesh) {
-  std::vector<std::size_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](std::int32_t vertex) {
-    auto v = static_cast<std::size_t>(vertex);
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  boost::disjoint_sets_with_storage<> sets(mesh.vertices.size());
   for (const MeshTriangle& t : mesh.triangles) {
-    for (const std::int32_t v : t) parent[root(v)] = root(t[0]);
+    for (const std::int32_t v : t) sets.union_set(t[0], v);
   }
   std::vector<std::size_t> number(mesh.vertices.size(), SIZE_MAX);
   std::vector<std::size_t> out;
   std::size_t count = 0;
   for (const MeshTriangle& t : mesh.triangles) {
-    std::size_t& component = number[root(t[0])];
+    std::size_t& component = number[sets.find_set(t[0])];
     if (component == SIZE_MAX) component = count++;
     out.push_back(component);
   }
