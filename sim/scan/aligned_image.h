@@ -23,10 +23,7 @@ struct Lattice {
 
   [[nodiscard]] std::int64_t size() const { return std::int64_t{1} * dims.x() * dims.y() * dims.z(); }
   [[nodiscard]] std::size_t index(const Vec3i& v) const { return index_in(dims, v); }
-  [[nodiscard]] Vec3i voxel_at(std::size_t index) const {
-    const auto nx = static_cast<std::size_t>(dims.x()), ny = static_cast<std::size_t>(dims.y());
-    return {static_cast<int>(index % nx), static_cast<int>(index / nx % ny), static_cast<int>(index / nx / ny)};
-  }
+  [[nodiscard]] Vec3i voxel_at(std::size_t index) const { return cell_at(dims, index); }
   [[nodiscard]] Vec3 center_mm(const Vec3i& v) const { return origin_mm + spacing_mm.cwiseProduct(v.cast<double>()); }
   [[nodiscard]] double voxel_mm3() const { return spacing_mm.prod(); }
   /// The lattice of the voxels in `box`.

@@ -36,18 +36,8 @@ struct BrickLattice {
   }
 
   [[nodiscard]] std::size_t count() const { return index({0, 0, dims.z()}); }
-  [[nodiscard]] std::size_t index(const Vec3i& brick) const {
-    const auto nx = static_cast<std::size_t>(dims.x());
-    const auto ny = static_cast<std::size_t>(dims.y());
-    return static_cast<std::size_t>(brick.x()) +
-           nx * (static_cast<std::size_t>(brick.y()) + ny * static_cast<std::size_t>(brick.z()));
-  }
-  [[nodiscard]] Vec3i coord(std::size_t index) const {
-    const auto nx = static_cast<std::size_t>(dims.x());
-    const auto ny = static_cast<std::size_t>(dims.y());
-    const std::size_t row = index / nx;
-    return {static_cast<int>(index % nx), static_cast<int>(row % ny), static_cast<int>(row / ny)};
-  }
+  [[nodiscard]] std::size_t index(const Vec3i& brick) const { return index_in(dims, brick); }
+  [[nodiscard]] Vec3i coord(std::size_t index) const { return cell_at(dims, index); }
   [[nodiscard]] bool contains(const Vec3i& brick) const {
     return (brick.array() >= 0).all() && (brick.array() < dims.array()).all();
   }

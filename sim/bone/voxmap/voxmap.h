@@ -26,13 +26,8 @@ struct VoxelGrid {
   Vec3 origin_mm = Vec3::Zero();
 
   [[nodiscard]] std::int64_t size() const { return std::int64_t{1} * dims.x() * dims.y() * dims.z(); }
-  [[nodiscard]] std::int64_t index(const Vec3i& v) const {
-    return v.x() + std::int64_t{dims.x()} * (v.y() + std::int64_t{dims.y()} * v.z());
-  }
-  [[nodiscard]] Vec3i coord(std::int64_t index) const {
-    const std::int64_t row = index / dims.x();
-    return {static_cast<int>(index % dims.x()), static_cast<int>(row % dims.y()), static_cast<int>(row / dims.y())};
-  }
+  [[nodiscard]] std::int64_t index(const Vec3i& v) const { return static_cast<std::int64_t>(index_in(dims, v)); }
+  [[nodiscard]] Vec3i coord(std::int64_t index) const { return cell_at(dims, static_cast<std::size_t>(index)); }
   [[nodiscard]] Vec3 center_mm(const Vec3i& v) const {
     return origin_mm + voxel_mm * (v.cast<double>() + Vec3::Constant(0.5));
   }
