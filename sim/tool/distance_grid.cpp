@@ -251,7 +251,8 @@ bool triangle_touches_box(const Vec3& a, const Vec3& b, const Vec3& c, const Vec
   const Vec3 p = a - center, q = b - center, r = c - center;
   const std::array<Vec3, 3> edges{q - p, r - q, p - r};
   for (int axis = 0; axis < 3; ++axis) {
-    if (separates(Vec3::Unit(axis), p, q, r, half)) return false;
+    const auto [least, most] = std::minmax({p[axis], q[axis], r[axis]});
+    if (least > half[axis] || most < -half[axis]) return false;
   }
   if (separates(edges[0].cross(edges[1]), p, q, r, half)) return false;
   for (const Vec3& edge : edges) {
