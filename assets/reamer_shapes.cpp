@@ -13,6 +13,36 @@ namespace reamsim::assets {
 
 namespace {
 
+constexpr double kShaftRadiusMm = 4;
+constexpr double kShaftChamferMm = 0.5;
+
+/// Points of a spherical face from the cannula to `rim_radius`; the centre of the sphere is on the axis above the
+/// origin. Equal angles give every chord the same distance to the sphere.
+void add_spherical_face(Profile& profile, double curvature, double rim_radius, int edges) {
+  const double first = std::asin(kCannulaRadiusMm / curvature), last = std::asin(rim_radius / curvature);
+  for (int i = 0; i <= edges; ++i) {
+    const double angle = first + (last - first) * i / edges;
+    profile.points.emplace_back(curvature * std::sin(angle), curvature * (1 - std::cos(angle)));
+  }
+  profile.points.front().x() = kCannulaRadiusMm;
+  profile.points.back().x() = rim_radius;
+}
+
+void add_points(Profile& profile, std::initializer_list<Vec2> points) {
+  profile.points.insert(profile.points.end(), points);
+}
+
+/// Hub and shaft: from the back of the head at the hub's radius up to the end of the shaft, and in to the cannula,
+/// which the closing edge of the polygon bounds.
+void add_hub_and_shaft(Profile& profile, double hub_top, double shaft_top) {
+  constexpr double kHubRadiusMm = 6.5;
+  add_points(profile, {{kHubRadiusMm, hub_top - 1.5},
+                       {kShaftRadiusMm, hub_top},
+                       {kShaftRadiusMm, shaft_top - kShaftChamferMm},
+                       {kShaftRadiusMm - kShaftChamferMm, shaft_top},
+                       {kCannulaRadiusMm, shaft_top}});
+}
+
 constexpr int kCuttingEdges = 6;
 constexpr double kDegree = std::numbers::pi / 180;
 /// Set-back of the face between the cutting edges, and the radii between which it grows to that.
@@ -153,40 +183,6 @@ class CuttingEdgeGrid {
 TriangleMesh convex_with_cutting_edges() {
   return CuttingEdgeGrid().build();
 }
-
-namespace {
-
-constexpr double kShaftRadiusMm = 4;
-constexpr double kShaftChamferMm = 0.5;
-
-/// Points of a spherical face from the cannula to `rim_radius`; the centre of the sphere is on the axis above the
-/// origin. Equal angles give every chord the same distance to the sphere.
-void add_spherical_face(Profile& profile, double curvature, double rim_radius, int edges) {
-  const double first = std::asin(kCannulaRadiusMm / curvature), last = std::asin(rim_radius / curvature);
-  for (int i = 0; i <= edges; ++i) {
-    const double angle = first + (last - first) * i / edges;
-    profile.points.emplace_back(curvature * std::sin(angle), curvature * (1 - std::cos(angle)));
-  }
-  profile.points.front().x() = kCannulaRadiusMm;
-  profile.points.back().x() = rim_radius;
-}
-
-void add_points(Profile& profile, std::initializer_list<Vec2> points) {
-  profile.points.insert(profile.points.end(), points);
-}
-
-/// Hub and shaft: from the back of the head at the hub's radius up to the end of the shaft, and in to the cannula,
-/// which the closing edge of the polygon bounds.
-void add_hub_and_shaft(Profile& profile, double hub_top, double shaft_top) {
-  constexpr double kHubRadiusMm = 6.5;
-  add_points(profile, {{kHubRadiusMm, hub_top - 1.5},
-                       {kShaftRadiusMm, hub_top},
-                       {kShaftRadiusMm, shaft_top - kShaftChamferMm},
-                       {kShaftRadiusMm - kShaftChamferMm, shaft_top},
-                       {kCannulaRadiusMm, shaft_top}});
-}
-
-}  // namespace
 
 Profile hemispherical_profile() {
   Profile profile;

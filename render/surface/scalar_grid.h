@@ -11,6 +11,7 @@
 
 #include "render/surface/solid_field.h"
 #include "sim/base/parallel.h"
+#include "sim/bone/vdb/grids.h"
 
 // Only for the source files of this folder, because OpenVDB's headers take ten seconds to compile.
 namespace reamsim {
@@ -25,16 +26,8 @@ IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvd
 /// A copy of the bricks `first` to `last` of a field; the background elsewhere.
 openvdb::FloatGrid::Ptr bricks_of(const openvdb::FloatGrid& field, const Vec3i& first, const Vec3i& last);
 
-inline openvdb::Coord vdb_coord(const Vec3i& v) {
-  return {v.x(), v.y(), v.z()};
-}
-template <class Point>
-openvdb::Vec3d vdb_point(const Point& p) {
-  return openvdb::Vec3d(p.x(), p.y(), p.z());
-}
-
 /// Trilinear interpolation at a point in index space: the bytes of openvdb::tools::BoxSampler::sample(), but without a
-/// look-up per corner where all eight are in one leaf.
+/// look-up per corner where all eight are in one leaf or tile.
 inline double sample(const openvdb::FloatGrid::ConstAccessor& accessor, const openvdb::Vec3d& point) {
   using openvdb::tools::BoxSampler;
   using Leaf = openvdb::FloatTree::LeafNodeType;
@@ -42,15 +35,16 @@ inline double sample(const openvdb::FloatGrid::ConstAccessor& accessor, const op
   const openvdb::Coord base = openvdb::Coord::floor(point);
   const openvdb::Coord in_leaf = base & kLast;
   float corners[2][2][2];
-  const bool inside = in_leaf.x() < kLast && in_leaf.y() < kLast && in_leaf.z() < kLast;
-  if (const Leaf* leaf = inside ? accessor.probeConstLeaf(base) : nullptr) {
+  if (in_leaf.x() == kLast || in_leaf.y() == kLast || in_leaf.z() == kLast) {
+    BoxSampler::getValues(corners, accessor, base);
+  } else if (const Leaf* leaf = accessor.probeConstLeaf(base)) {
     const float* first = leaf->buffer().data() + Leaf::coordToOffset(base);
     for (int i = 0; i < 8; ++i) {
       const int x = i >> 2, y = i >> 1 & 1, z = i & 1;
       corners[x][y][z] = first[(x * Leaf::DIM + y) * Leaf::DIM + z];
     }
   } else {
-    BoxSampler::getValues(corners, accessor, base);
+    return accessor.getValue(base);
   }
   return BoxSampler::trilinearInterpolation(corners, point - base.asVec3d());
 }

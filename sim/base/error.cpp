@@ -67,10 +67,10 @@ std::string message_of(const std::exception& error) {
   return "internal error: please report it with the scenario";
 }
 
-void Diagnostics::append(const Diagnostics& from) {
-  notes.insert(notes.end(), from.notes.begin(), from.notes.end());
-  warnings.insert(warnings.end(), from.warnings.begin(), from.warnings.end());
-  listings.insert(listings.end(), from.listings.begin(), from.listings.end());
+void Diagnostics::append(const Diagnostics& from, const std::string& before) {
+  for (const std::string& text : from.notes) note(before + text);
+  for (const std::string& text : from.warnings) warn(before + text);
+  for (const std::string& text : from.listings) list(before + text);
 }
 
 bool MistakeList::concerns(std::string_view key) const {

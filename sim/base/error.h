@@ -95,8 +95,8 @@ struct Diagnostics {
   void warn(std::string text) { warnings.push_back(std::move(text)); }
   /// What a warning refers to and the results must not hold, because it may identify a patient.
   void list(std::string text) { listings.push_back(std::move(text)); }
-  /// Adds the messages of another stage.
-  void append(const Diagnostics& from);
+  /// Adds the messages of another stage, with `before` before each.
+  void append(const Diagnostics& from, const std::string& before = "");
 
   static auto fields(auto& self) { return std::tie(self.notes, self.warnings, self.listings); }
 };

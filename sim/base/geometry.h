@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -20,6 +21,16 @@ using Mat3 = Eigen::Matrix3d;
 using Quat = Eigen::Quaterniond;
 /// A rigid transform. Every variable of this type is named `target_from_source`.
 using Rigid = Eigen::Isometry3d;
+
+/// The index of a cell in an array of `dims` cells: i + nx·(j + ny·k).
+inline std::size_t index_in(const Vec3i& dims, const Vec3i& cell) {
+  return static_cast<std::size_t>(cell.x() + std::int64_t{dims.x()} * (cell.y() + std::int64_t{dims.y()} * cell.z()));
+}
+/// The cell of an index.
+inline Vec3i cell_at(const Vec3i& dims, std::size_t index) {
+  const auto nx = static_cast<std::size_t>(dims.x()), ny = static_cast<std::size_t>(dims.y());
+  return {static_cast<int>(index % nx), static_cast<int>(index / nx % ny), static_cast<int>(index / nx / ny)};
+}
 
 /// Axis-aligned box, mm, in the frame that its owner names.
 struct Aabb {

@@ -3,8 +3,10 @@
 
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 namespace reamsim {
 
@@ -22,6 +24,18 @@ void parallel_items(std::size_t count, const ItemBody& body) {
   parallel_ranges(count, 1, [&body](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) body(i);
   });
+}
+
+/// Calls compute(i, result) for every item as parallel_items() does, `at_once` items at a time in bounded memory, and
+/// take(i, result) in order by one thread. A result holds what an earlier item left in it.
+template <class Result, class Compute, class Take>
+void parallel_in_order(std::size_t count, std::size_t at_once, const Compute& compute, const Take& take) {
+  std::vector<Result> results(std::min(at_once, count));
+  for (std::size_t first = 0; first < count; first += at_once) {
+    const std::size_t part = std::min(at_once, count - first);
+    parallel_items(part, [&](std::size_t i) { compute(first + i, results[i]); });
+    for (std::size_t i = 0; i < part; ++i) take(first + i, results[i]);
+  }
 }
 
 }  // namespace reamsim

@@ -51,12 +51,10 @@ class Refinement {
     about_.dims = Vec3i::Constant(GradeBricks::kSide / factor + 2);
   }
 
-  /// False where the brick is all air.
-  bool brick(const Vec3i& coord, GradeBricks::Brick& out) const {
+  void brick(const Vec3i& coord, GradeBricks::Brick& out) const {
     const Vec3i low = place_of(GradeBricks::kSide * coord).array().floor().cast<int>();
     const std::vector<int> grades = grades_from(low);
-    if (std::ranges::count(grades, 0) == std::ssize(grades)) return false;
-    bool any = false;
+    if (std::ranges::count(grades, 0) == std::ssize(grades)) return;
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       const Vec3 place = place_of(BrickLattice::voxel_at(coord, offset)) - low.cast<double>();
       const Vec3i lower = place.array().floor().cast<int>();
@@ -68,9 +66,7 @@ class Refinement {
       });
       if (bone < 0.5) continue;
       out[static_cast<std::size_t>(offset)] = static_cast<std::uint8_t>(sum / bone);
-      any = true;
     }
-    return any;
   }
 
  private:
@@ -95,8 +91,8 @@ class Refinement {
 FilledVoxmap refine(const Voxmap& coarse, int side) {
   FilledVoxmap fine(grid_of(side));
   const Refinement refinement(coarse, side / coarse.grid.dims.x());
-  fine.grade = sample_bricks(
-      fine.grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) { return refinement.brick(coord, brick); });
+  fine.grade = sample_bricks(fine.grid.dims,
+                             [&](const Vec3i& coord, GradeBricks::Brick& brick) { refinement.brick(coord, brick); });
   return fine;
 }
 
@@ -288,10 +284,8 @@ FilledVoxmap block(double voxel_mm) {
   const Vec3 extent = voxel_mm * grid.dims.cast<double>();
   grid.origin_mm = {-extent.x() / 2 + 0.37 * voxel_mm, -extent.y() / 2 + 0.21 * voxel_mm, -extent.z()};
   FilledVoxmap voxmap(grid);
-  voxmap.grade = sample_bricks(grid.dims, [](const Vec3i&, GradeBricks::Brick& out) {
-    out.fill(DensityMapping::grade_from_density(1.8));
-    return true;
-  });
+  voxmap.grade = sample_bricks(
+      grid.dims, [](const Vec3i&, GradeBricks::Brick& out) { out.fill(DensityMapping::grade_from_density(1.8)); });
   voxmap.frame = "phantom";
   return voxmap;
 }

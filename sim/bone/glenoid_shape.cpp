@@ -232,15 +232,16 @@ double GlenoidShape::stumps(const Vec3& point) const {
   return smooth_union(out, body, 4.0);
 }
 
-/// Where the surfaces that lie `rounding_mm(point)` below face and wall meet; the value may vary along the rim.
-std::vector<Vec3> GlenoidShape::rim_where(const std::function<double(const Vec3&)>& rounding_mm) const {
-  constexpr int kPoints = 120, kTurns = 4;
+std::vector<Vec3> GlenoidShape::rim_mm(bool rounded) const {
+  constexpr int kPoints = 120;
+  constexpr double kOffset = 0.25;    // of the blend, where smooth_intersection() has two equal arguments
+  const int turns = rounded ? 4 : 1;  // the blend varies along the rim
   std::vector<Vec3> out;
   for (int k = 0; k < kPoints; ++k) {
     const double angle = 2 * std::numbers::pi * k / kPoints;
     double below_mm = 0;
     std::optional<Vec3> point;
-    for (int turn = 0; turn < kTurns; ++turn) {
+    for (int turn = 0; turn < turns; ++turn) {
       const auto at = [&](double from_axis_mm) {
         return face_.at(from_axis_mm * std::sin(angle), from_axis_mm * std::cos(angle), below_mm);
       };
@@ -250,16 +251,11 @@ std::vector<Vec3> GlenoidShape::rim_where(const std::function<double(const Vec3&
       };
       point = at(implicit::bisect(0, height_mm_, 50, in_wall).inside);
       if (!point) break;
-      below_mm = rounding_mm(*point);
+      below_mm = kOffset * rim_blend_mm(in_face(*point));
     }
     if (point) out.push_back(*point);
   }
   return out;
-}
-
-std::vector<Vec3> GlenoidShape::rounded_rim_mm() const {
-  constexpr double kOffset = 0.25;  // of the blend, where smooth_intersection() has two equal arguments
-  return rim_where([this](const Vec3& point) { return kOffset * rim_blend_mm(in_face(point)); });
 }
 
 double GlenoidShape::solid(const Vec3& point) const {

@@ -132,8 +132,7 @@ template <class Samples>
 double value_between(const Samples& distance, const Vec3i& lower, const Vec3& fraction) {
   double sum = 0;
   for_each_trilinear_weight(fraction, [&](const Vec3i& step, double weight) {
-    const Vec3i at = lower + step;
-    sum += weight * double{distance.getValue({at.x(), at.y(), at.z()})};
+    sum += weight * double{distance.getValue(vdb_coord(lower + step))};
   });
   return sum;
 }
@@ -203,14 +202,14 @@ class MeshDepth {
     using Leaf = openvdb::FloatTree::LeafNodeType;
     static_assert(Leaf::DIM == BrickLattice::kSide);
     const Vec3i first = BrickLattice::kSide * brick;
-    const openvdb::Coord corner(first.x(), first.y(), first.z());
+    const openvdb::Coord corner = vdb_coord(first);
     const Leaf* leaf = near_->tree().probeConstLeaf(corner);
     const float all = leaf == nullptr ? near_->tree().getValue(corner) : 0;
     const openvdb::tree::ValueAccessor<const openvdb::FloatTree, false> deep(deep_->tree());
     for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
       const Vec3i v = BrickLattice::voxel_at(Vec3i::Zero(), offset);
       float& distance = out[static_cast<std::size_t>(offset)];
-      distance = leaf == nullptr ? all : leaf->getValue(Leaf::coordToOffset({v.x(), v.y(), v.z()}));
+      distance = leaf == nullptr ? all : leaf->getValue(Leaf::coordToOffset(vdb_coord(v)));
       if (!interpolated() || distance > -kNearVoxels) continue;
       const Vec3i voxel = first + v, lower = voxel / ratio_;
       const Vec3 fraction = (voxel - ratio_ * lower).cast<double>() / ratio_;
@@ -242,29 +241,25 @@ struct GradesByDepth {
   }
 };
 
-bool grade_brick(const MeshDepth& depth, const GradesByDepth& by_depth, const Vec3i& brick_coord,
+void grade_brick(const MeshDepth& depth, const GradesByDepth& by_depth, const Vec3i& brick_coord,
                  GradeBricks::Brick& out) {
   // The interpolated distance changes by at most one for each voxel along each axis.
   constexpr double kFromCentre = 3 * (GradeBricks::kSide - 1) / 2.0;
   const Vec3i first = GradeBricks::kSide * brick_coord;
-  const openvdb::Coord corner(first.x(), first.y(), first.z());
+  const openvdb::Coord corner = vdb_coord(first);
   if (depth.near_surface().probeConstLeaf(corner) == nullptr) {
     double all = depth.near_surface().getValue(corner);
-    if (all > 0) return false;
+    if (all > 0) return;
     bool uniform = !depth.interpolated();
     if (!uniform) {
       all = depth.below(first.cast<double>() + Vec3::Constant((GradeBricks::kSide - 1) / 2.0));
       uniform = std::abs(-all - by_depth.cortical_voxels) > kFromCentre;
     }
-    if (uniform) {
-      out.fill(by_depth.grade(all));
-      return true;
-    }
+    if (uniform) return out.fill(by_depth.grade(all));
   }
   MeshDepth::Distances distances;
   depth.of_brick(brick_coord, distances);
   std::ranges::transform(distances, out.begin(), [&](float distance) { return by_depth.grade(distance); });
-  return std::ranges::any_of(out, [](std::uint8_t grade) { return grade != 0; });
 }
 
 /// Sets the fill by the distance of the surface. Grades depend on the depth only: there is no partial volume.
@@ -272,7 +267,7 @@ void set_fill_at_surface(const openvdb::FloatTree& distance, const GradesByDepth
   const DistanceBetween between{distance};
   const std::uint8_t outermost = by_depth.grade(-std::numeric_limits<float>::min());
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
-    const double away = double{distance.getValue({voxel.x(), voxel.y(), voxel.z()})};
+    const double away = double{distance.getValue(vdb_coord(voxel))};
     const std::uint8_t bone = grade != 0 ? grade : outermost;
     if (std::abs(away) > RS_CLIP_REACH) return {away < 0 ? 1.0 : 0.0, bone};
     return {fraction_inside(between, voxel.cast<double>(), 1), bone};
@@ -307,7 +302,7 @@ FilledVoxmap voxmap_of(const MeshDepth& depth, const BoneSettings& settings, con
                        const GradesByDepth& by_depth) {
   FilledVoxmap out(grid);
   out.grade = sample_bricks(grid.dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
-    return grade_brick(depth, by_depth, brick_coord, brick);
+    grade_brick(depth, by_depth, brick_coord, brick);
   });
   if (out.count_bone() == 0) {
     throw InputError({settings.mesh.path, 0, 0}, "bone.voxel_mm", "the mesh contains no voxel centre",
@@ -350,7 +345,7 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Diagnostics& report,
   const VoxelGrid grid = lattice_around(bone.path, source.mesh.bounds(), settings.voxel_mm, kMarginVoxels,
                                         {bone_fraction(source, settings.voxel_mm), kMeshBytesPerVoxel});
   begin_stage(stages, BoneStage::distances);
-  const DensityMapping mapping = mapping_from(settings.density);
+  const DensityMapping mapping{settings.density};
   warn_of_density_limit(mapping, "bone.mesh.cortical_hu", bone.cortical_hu, report);
   warn_of_density_limit(mapping, "bone.mesh.trabecular_hu", bone.trabecular_hu, report);
   const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };

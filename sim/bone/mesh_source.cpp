@@ -256,8 +256,7 @@ void require_scale(const std::string& path, double scale, const std::string& wha
 BoneMesh read_bone_mesh(const BoneSettings& settings, Diagnostics& report) {
   const MeshBoneSettings& source = settings.mesh;
   MeshContents contents = read_mesh_contents(source.path, source.scale, "bone.mesh.path");
-  for (const std::string& warning : contents.warnings) report.warn("bone.mesh.path: " + warning);
-  for (const std::string& note : contents.notes) report.note("bone.mesh.path: " + note);
+  report.append(contents.report, "bone.mesh.path: ");
   bring_into_lps(contents, source.frame, source.path, "bone.mesh.frame", report);
   BoneMesh out{.mesh = std::move(contents.mesh)};
   const Aabb box = out.mesh.bounds();

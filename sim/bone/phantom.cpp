@@ -15,17 +15,14 @@ namespace reamsim {
 
 namespace {
 
-bool sample_brick(const VoxelGrid& grid, const DensityField& field, const Vec3i& brick_coord, GradeBricks::Brick& out) {
+void sample_brick(const VoxelGrid& grid, const DensityField& field, const Vec3i& brick_coord, GradeBricks::Brick& out) {
   const Vec3i first = GradeBricks::kSide * brick_coord;
   const Vec3i last = (first + Vec3i::Constant(GradeBricks::kSide)).cwiseMin(grid.dims);
-  bool any = false;
   for_each_voxel(first, last - Vec3i::Ones(), [&](const Vec3i& voxel) {
     const double density = field(grid.center_mm(voxel));
     if (density < 0) return;
     out[static_cast<std::size_t>(BrickLattice::offset_of(voxel))] = DensityMapping::grade_from_density(density);
-    any = true;
   });
-  return any;
 }
 
 // Verification blocks have closed-form surfaces. Lattice planes lie at multiples of the voxel size, so that a top face
@@ -235,11 +232,9 @@ struct Sides {
 /// of the native face are those of the scenario. Trigonum and inferior angle lie beyond the modelled bone.
 LandmarkSettings landmarks_of(const GlenoidFace& face, const Sides& sides, const PhantomSettings& phantom) {
   const double scale = phantom.height_mm / kScapulaHeight_mm;
-  LandmarkSettings marks;
-  marks.glenoid_center_mm = sides.bone_from_anatomy(face.center_mm);
-  marks.trigonum_spinae_mm = sides.bone_from_anatomy(scale * kTrigonum_mm);
-  marks.inferior_angle_mm = sides.bone_from_anatomy(scale * kInferiorAngle_mm);
-  return marks;
+  return {.glenoid_center_mm = sides.bone_from_anatomy(face.center_mm),
+          .trigonum_spinae_mm = sides.bone_from_anatomy(scale * kTrigonum_mm),
+          .inferior_angle_mm = sides.bone_from_anatomy(scale * kInferiorAngle_mm)};
 }
 
 void note_part(Diagnostics& report, const char* part, double radius_mm, const Vec3& normal) {
@@ -314,20 +309,16 @@ FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid)
       });
 }
 
-DensityMapping mapping_from(const DensitySettings& density) {
-  return {density.ash_slope_g_cm3_per_hu, density.ash_offset_g_cm3, density.ash_fraction};
-}
-
 FilledVoxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& density, const DensityField& field,
                             const PartialField& partial, const AirTest& all_air) {
   FilledVoxmap voxmap(grid);
-  voxmap.mapping = mapping_from(density);
+  voxmap.mapping = {density};
   voxmap.frame = "phantom";
   const double radius_mm = 0.5 * GradeBricks::kSide * grid.voxel_mm * std::numbers::sqrt3;
   voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) {
     const Vec3 center_mm =
         grid.origin_mm + GradeBricks::kSide * grid.voxel_mm * (coord.cast<double>() + Vec3::Constant(0.5));
-    return !all_air(center_mm, radius_mm) && sample_brick(grid, field, coord, brick);
+    if (!all_air(center_mm, radius_mm)) sample_brick(grid, field, coord, brick);
   });
   if (!partial) return voxmap;
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {

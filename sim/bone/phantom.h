@@ -68,12 +68,9 @@ class GlenoidShape {
   /// Negative inside the bone, near its surface about the distance from it. The stumps extend beyond medial_end_mm().
   [[nodiscard]] double solid(const Vec3& point) const;
   [[nodiscard]] const GlenoidFace& face() const { return face_; }
-  /// The edge of the face before the rim is rounded, in order, mm.
-  [[nodiscard]] std::vector<Vec3> rim_mm() const {
-    return rim_where([](const Vec3&) { return 0.0; });
-  }
-  /// The middle of the rounded edge, on the surface, in order, mm: face and wall are blended there in equal parts.
-  [[nodiscard]] std::vector<Vec3> rounded_rim_mm() const;
+  /// The edge of the face before the rim is rounded, in order, mm. `rounded`: the middle of the rounded edge, on the
+  /// surface, where face and wall are blended in equal parts.
+  [[nodiscard]] std::vector<Vec3> rim_mm(bool rounded = false) const;
   /// The stumps end at this lateral coordinate, mm.
   [[nodiscard]] double medial_end_mm() const { return medial_end_mm_; }
   /// Bounding box of the solid up to the medial end.
@@ -95,7 +92,6 @@ class GlenoidShape {
   };
 
   void place_stumps(double face_radius_mm);
-  [[nodiscard]] std::vector<Vec3> rim_where(const std::function<double(const Vec3&)>& rounding_mm) const;
   [[nodiscard]] Vec3 in_face(const Vec3& point) const;
   /// q: in the frame of the face.
   [[nodiscard]] double vault(const Vec3& q) const;
@@ -141,8 +137,6 @@ using PartialField = std::function<PartialVoxel(const Vec3& center_mm)>;
 FilledVoxmap sample_phantom(
     const VoxelGrid& grid, const DensitySettings& density, const DensityField& field, const PartialField& partial = {},
     const AirTest& all_air = [](const Vec3&, double) { return false; });
-
-DensityMapping mapping_from(const DensitySettings& density);
 
 /// Throws the InputError of a length in bone.phantom.
 [[noreturn]] void fail_phantom(const std::string& key, double found_mm, const std::string& expected);

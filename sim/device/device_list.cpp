@@ -7,7 +7,6 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -120,11 +119,6 @@ std::vector<cl_device_id> devices_of(cl_platform_id platform) {
   return out;
 }
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 /// "PLATFORM: NAME".
 std::string full_name(const DeviceInfo& device) {
   return device.platform_name + ": " + device.name;
@@ -200,10 +194,10 @@ DeviceInfo choose_device(const std::string& wanted) {
   if (wanted == "auto") return choose_automatically(devices);
   const std::size_t mark = std::min(wanted.rfind('#'), wanted.size());
   const auto number = mark < wanted.size() ? whole_number(wanted.substr(mark + 1)) : std::uint64_t{1};
-  const std::string text = lower(number ? wanted.substr(0, mark) : wanted);
+  const std::string text = lower_case(number ? wanted.substr(0, mark) : wanted);
   std::uint64_t matches = 0;
   for (const auto& device : devices) {
-    if (lower(full_name(device)).find(text) == std::string::npos || ++matches != number.value_or(1)) continue;
+    if (lower_case(full_name(device)).find(text) == std::string::npos || ++matches != number.value_or(1)) continue;
     if (device.missing.empty()) return device;
     throw InputError({}, "engine.device", "\"" + wanted + "\" is " + device.name + ", which lacks " + device.missing,
                      "choose another device or serial");

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <array>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -29,17 +30,11 @@ bool flat(const TriangleMesh& mesh, const MeshTriangle& t) {
 }
 
 /// The midpoint of the edge with the smallest triangle index.
-struct FirstEdge {
-  std::uint32_t triangle = UINT32_MAX;
-  std::optional<Vec3> middle_mm;
-
-  void offer(const TriangleMesh& mesh, const EdgeSide& side) {
-    if (side.triangle >= triangle) return;
-    triangle = side.triangle;
-    const auto [low, high, same] = mesh.corners({side.low, side.high, side.high});
-    middle_mm = 0.5 * (low + high);
-  }
-};
+std::optional<Vec3> first_middle(const TriangleMesh& mesh, const std::vector<EdgeSide>& edges) {
+  if (edges.empty()) return std::nullopt;
+  const EdgeSide& first = *std::ranges::min_element(edges, {}, &EdgeSide::triangle);
+  return 0.5 * (mesh.vertex(first.low) + mesh.vertex(first.high));
+}
 
 std::string at_text(const std::optional<Vec3>& point) {
   if (!point) return "";
@@ -88,9 +83,7 @@ void take_loops(Rims& rims, std::int32_t start, std::vector<std::vector<std::int
 
 MeshHole measured(const TriangleMesh& mesh, std::vector<std::int32_t> rim) {
   MeshHole out{.rim = std::move(rim)};
-  const auto at = [&](std::size_t i) -> const Vec3& {
-    return mesh.vertices[static_cast<std::size_t>(out.rim[i % out.rim.size()])];
-  };
+  const auto at = [&](std::size_t i) -> const Vec3& { return mesh.vertex(out.rim[i % out.rim.size()]); };
   for (std::size_t i = 0; i < out.rim.size(); ++i) out.centre_mm += at(i) / static_cast<double>(out.rim.size());
   Mat3 spread = Mat3::Zero();
   for (std::size_t i = 0; i < out.rim.size(); ++i) {
@@ -208,21 +201,15 @@ std::vector<EdgeSide> sorted_sides(const std::vector<MeshTriangle>& triangles) {
 }
 
 std::vector<std::size_t> components_of(const TriangleMesh& mesh) {
-  std::vector<std::size_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](std::int32_t vertex) {
-    auto v = static_cast<std::size_t>(vertex);
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  boost::disjoint_sets_with_storage<> sets(mesh.vertices.size());
   for (const MeshTriangle& t : mesh.triangles) {
-    for (const std::int32_t v : t) parent[root(v)] = root(t[0]);
+    for (const std::int32_t v : t) sets.union_set(t[0], v);
   }
   std::vector<std::size_t> number(mesh.vertices.size(), SIZE_MAX);
   std::vector<std::size_t> out;
   std::size_t count = 0;
   for (const MeshTriangle& t : mesh.triangles) {
-    std::size_t& component = number[root(t[0])];
+    std::size_t& component = number[sets.find_set(t[0])];
     if (component == SIZE_MAX) component = count++;
     out.push_back(component);
   }
@@ -231,26 +218,21 @@ std::vector<std::size_t> components_of(const TriangleMesh& mesh) {
 
 MeshDiagnosis diagnose(const TriangleMesh& mesh) {
   MeshDiagnosis out;
-  FirstEdge hole;
-  FirstEdge nonmanifold;
+  std::vector<EdgeSide> boundary, nonmanifold;
   for_each_edge(mesh.triangles, [&](std::span<const EdgeSide> sides) {
-    if (sides.size() == 1) {
-      ++out.boundary_edges;
-      hole.offer(mesh, sides[0]);
-    } else if (sides.size() > 2) {
-      ++out.nonmanifold_edges;
-      nonmanifold.offer(mesh, sides[0]);
-    } else if (sides[0].forward == sides[1].forward) {
-      ++out.inconsistent_edges;
-    }
+    if (sides.size() == 1) boundary.push_back(sides[0]);
+    if (sides.size() > 2) nonmanifold.push_back(sides[0]);
+    if (sides.size() == 2 && sides[0].forward == sides[1].forward) ++out.inconsistent_edges;
   });
+  out.boundary_edges = boundary.size();
+  out.nonmanifold_edges = nonmanifold.size();
   out.degenerate_triangles = static_cast<std::size_t>(std::ranges::count_if(
       mesh.triangles, [&mesh](const MeshTriangle& t) { return is_collapsed(t) || flat(mesh, t); }));
   const std::vector<std::size_t> components = components_of(mesh);
   out.components = components.empty() ? 0 : 1 + *std::ranges::max_element(components);
   out.volume_mm3 = mesh.volume_mm3();
-  out.first_hole_mm = hole.middle_mm;
-  out.first_nonmanifold_mm = nonmanifold.middle_mm;
+  out.first_hole_mm = first_middle(mesh, boundary);
+  out.first_nonmanifold_mm = first_middle(mesh, nonmanifold);
   return out;
 }
 

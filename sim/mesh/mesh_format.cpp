@@ -337,13 +337,13 @@ ContentKind content_kind(const std::string& path) {
   return mesh_format(start) ? ContentKind::mesh : ContentKind::unknown;
 }
 
-MeshFile check_mesh_file(const std::string& path) {
+MeshFormat check_mesh_file(const std::string& path) {
   const std::uintmax_t size = checked_size(path);
   const std::string start = read_file_start(path, kMeshHeaderBytes);
   const MeshFormat format = checked_format(path, start, size);
   if (format == MeshFormat::stl_binary) check_stl(path, start, size);
   if (format == MeshFormat::ply) check_ply(path, start, size);
-  return {.format = format, .bytes = size};
+  return format;
 }
 
 }  // namespace reamsim

@@ -12,6 +12,7 @@
 #include <boost/functional/hash.hpp>
 #include <cmath>
 #include <set>
+#include <span>
 #include <unordered_map>
 
 #include "sim/base/error.h"
@@ -58,19 +59,6 @@ class MeshBuilder {
  public:
   MeshBuilder(const std::string& path, double scale) : path_(path), scale_(scale) {}
 
-  void add(const aiMesh& part) {
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3) continue;  // a point or line
-      MeshTriangle triangle{};
-      for (std::size_t c = 0; c < 3; ++c) {
-        const aiVector3D& v = part.mVertices[face.mIndices[c]];
-        triangle[c] = vertex({v.x, v.y, v.z});
-      }
-      mesh_.triangles.push_back(triangle);
-    }
-  }
-
   void add(const std::array<StlCorner, 3>& corners) {
     mesh_.triangles.push_back({vertex(corners[0]), vertex(corners[1]), vertex(corners[2])});
   }
@@ -97,7 +85,7 @@ class MeshBuilder {
 
 /// Reads an OBJ or PLY with assimp. Throws InputError.
 void read_with_assimp(const std::string& path, const std::string& bytes, const std::string& extension,
-                      MeshBuilder& builder) {
+                      const StlSink& sink) {
   Assimp::Importer importer;
   keep_only_reader(importer, extension);
   // Triangulation trusts the faces, so they are checked first; it comes only then.
@@ -107,7 +95,16 @@ void read_with_assimp(const std::string& path, const std::string& bytes, const s
   if (scene == nullptr) {
     refuse_file(path, "not a readable " + extension + " mesh (truncated or damaged)", "expected a surface");
   }
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) builder.add(*scene->mMeshes[i]);
+  for (const aiMesh* part : std::span(scene->mMeshes, scene->mNumMeshes)) {
+    const auto corner = [part](unsigned index) {
+      const aiVector3D& v = part->mVertices[index];
+      return StlCorner{v.x, v.y, v.z};
+    };
+    for (const aiFace& face : std::span(part->mFaces, part->mNumFaces)) {
+      if (face.mNumIndices != 3) continue;  // a point or line
+      sink({corner(face.mIndices[0]), corner(face.mIndices[1]), corner(face.mIndices[2])});
+    }
+  }
 }
 
 using Coordinates = std::array<double, 3>;
@@ -148,7 +145,7 @@ void read_and_put(ResultWriter& out, const std::string& path, MeshFormat format,
   } else if (format == MeshFormat::vtp) {
     bytes = read_vtp(path, bytes, sink);
   } else {
-    read_with_assimp(path, bytes, format == MeshFormat::obj ? "obj" : "ply", builder);
+    read_with_assimp(path, bytes, format == MeshFormat::obj ? "obj" : "ply", sink);
   }
   put_mesh(out, builder.take());
   out.put(warnings);
@@ -173,21 +170,21 @@ void append_point(std::string& out, const Vec3& p) {
 MeshContents read_mesh_contents(const std::string& path, double scale, const std::string& key) {
   if (!std::isfinite(scale) || scale <= 0)
     refuse_file(path, "a scale of " + std::to_string(scale), "expected more than 0");
-  MeshFile file;
+  MeshFormat format{};
   try {
-    file = check_mesh_file(path);
+    format = check_mesh_file(path);
   } catch (const InputError& error) {
     if (key.empty()) throw;
     throw InputError({}, key, error.what(), "");
   }
-  ChildResult result = read_in_child<read_and_put>({path, ""}, limits_for(file.bytes), path, file.format, scale);
+  ChildResult result = read_in_child<read_and_put>({path, ""}, limits_for(bytes_of_file(path)), path, format, scale);
   MeshContents out;
   out.mesh = take_mesh(result.reader());
-  out.warnings = result.reader().texts();
+  out.report.warnings = result.reader().texts();
   out.space = result.reader().text();
   if (out.mesh.triangles.empty()) refuse_file(path, "a mesh of 0 triangles", "expected a surface");
   const std::string welded = weld(out.mesh);
-  if (!welded.empty()) out.notes.push_back(welded);
+  if (!welded.empty()) out.report.note(welded);
   return out;
 }
 

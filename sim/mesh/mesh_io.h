@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/base/error.h"
 #include "sim/mesh/triangle_mesh.h"
 
 namespace reamsim {
@@ -19,19 +20,13 @@ namespace reamsim {
 
 enum class MeshFormat { stl_binary, stl_ascii, obj, ply, vtp };
 
-/// A mesh file before it is read.
-struct MeshFile {
-  MeshFormat format = MeshFormat::stl_binary;
-  std::uintmax_t bytes = 0;
-};
-
 /// What a file is by its first bytes; a mesh also in a format that is not read.
 enum class ContentKind { mesh, image, vdb, unknown };
 ContentKind content_kind(const std::string& path);
 
 /// Checks the size, format and header of a mesh file, whose counts the library that reads it trusts. Throws InputError:
 /// no such file, another format (with its name and what converts it), a header that claims more than the file holds.
-MeshFile check_mesh_file(const std::string& path);
+MeshFormat check_mesh_file(const std::string& path);
 
 /// The value of 3D Slicer's `SPACE=` in the header of a mesh, in capitals ("LPS", "RAS"); several that differ with
 /// " and " between them; "" without one. `start`: the first bytes of the file, or what read_vtp() returned.
@@ -70,10 +65,9 @@ std::vector<std::string> read_ascii_stl(const std::string& path, std::string_vie
 std::string read_vtp(const std::string& path, std::string_view bytes, const StlSink& sink);
 
 struct MeshContents {
-  TriangleMesh mesh;                  ///< in mm; vertices merged, and welded (weld()) where the surface has holes
-  std::string space;                  ///< the frame that the header states: "LPS", "RAS", another; "" without one
-  std::vector<std::string> notes;     ///< what was welded
-  std::vector<std::string> warnings;  ///< numbers of triangles that the header has wrong, and the like
+  TriangleMesh mesh;   ///< in mm; vertices merged, and welded (weld()) where the surface has holes
+  std::string space;   ///< the frame that the header states: "LPS", "RAS", another; "" without one
+  Diagnostics report;  ///< what was welded; warnings of numbers of triangles that the header has wrong, and the like
 };
 
 /// Reads a mesh in a child process, and multiplies by `scale` (file units to mm), whatever its frame.

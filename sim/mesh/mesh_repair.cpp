@@ -166,7 +166,7 @@ class NearVertices {
 
   /// The nearest earlier one, or the vertex itself, which then is one for the later ones.
   std::int32_t take(std::int32_t vertex) {
-    const Vec3& point = at(vertex);
+    const Vec3& point = mesh_.vertex(vertex);
     const Vec3 place = (point / tolerance_mm_).array().floor();
     const Cell cell{std::llround(place.x()), std::llround(place.y()), std::llround(place.z())};
     std::int32_t nearest = vertex;
@@ -175,7 +175,7 @@ class NearVertices {
       const auto found = cells_.find({cell[0] + step % 3 - 1, cell[1] + step / 3 % 3 - 1, cell[2] + step / 9 - 1});
       if (found == cells_.end()) continue;
       for (const std::int32_t other : found->second) {
-        const double apart_mm = (at(other) - point).norm();
+        const double apart_mm = (mesh_.vertex(other) - point).norm();
         if (apart_mm > least_mm) continue;
         least_mm = apart_mm;
         nearest = other;
@@ -187,8 +187,6 @@ class NearVertices {
 
  private:
   using Cell = std::array<std::int64_t, 3>;
-
-  [[nodiscard]] const Vec3& at(std::int32_t vertex) const { return mesh_.vertices[static_cast<std::size_t>(vertex)]; }
 
   const TriangleMesh& mesh_;
   double tolerance_mm_;
@@ -260,9 +258,7 @@ std::string weld(TriangleMesh& mesh) {
     if (to == v) continue;
     target[static_cast<std::size_t>(v)] = to;
     ++corners;
-    const double moved_mm =
-        (mesh.vertices[static_cast<std::size_t>(v)] - mesh.vertices[static_cast<std::size_t>(to)]).norm();
-    farthest_mm = std::max(farthest_mm, moved_mm);
+    farthest_mm = std::max(farthest_mm, (mesh.vertex(v) - mesh.vertex(to)).norm());
   }
   if (corners == 0) return "";
   for (auto& triangle : mesh.triangles) {

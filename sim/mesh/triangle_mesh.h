@@ -22,9 +22,9 @@ struct TriangleMesh {
   std::vector<Vec3> vertices;
   std::vector<MeshTriangle> triangles;
 
-  [[nodiscard]] std::array<Vec3, 3> corners(const MeshTriangle& triangle) const {
-    const auto vertex = [&](std::size_t c) -> const Vec3& { return vertices[static_cast<std::size_t>(triangle[c])]; };
-    return {vertex(0), vertex(1), vertex(2)};
+  [[nodiscard]] const Vec3& vertex(std::int32_t index) const { return vertices[static_cast<std::size_t>(index)]; }
+  [[nodiscard]] std::array<Vec3, 3> corners(const MeshTriangle& t) const {
+    return {vertex(t[0]), vertex(t[1]), vertex(t[2])};
   }
   /// Bounding box of the vertices; empty mesh: min > max.
   [[nodiscard]] Aabb bounds() const {

@@ -9,7 +9,6 @@
 #include <optional>
 #include <vector>
 
-#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/scan.h"
 
@@ -24,10 +23,7 @@ struct Lattice {
 
   [[nodiscard]] std::int64_t size() const { return std::int64_t{1} * dims.x() * dims.y() * dims.z(); }
   [[nodiscard]] std::size_t index(const Vec3i& v) const { return index_in(dims, v); }
-  [[nodiscard]] Vec3i voxel_at(std::size_t index) const {
-    const auto nx = static_cast<std::size_t>(dims.x()), ny = static_cast<std::size_t>(dims.y());
-    return {static_cast<int>(index % nx), static_cast<int>(index / nx % ny), static_cast<int>(index / nx / ny)};
-  }
+  [[nodiscard]] Vec3i voxel_at(std::size_t index) const { return cell_at(dims, index); }
   [[nodiscard]] Vec3 center_mm(const Vec3i& v) const { return origin_mm + spacing_mm.cwiseProduct(v.cast<double>()); }
   [[nodiscard]] double voxel_mm3() const { return spacing_mm.prod(); }
   /// The lattice of the voxels in `box`.
@@ -130,21 +126,6 @@ class NegatedField {
   explicit NegatedField(const AlignedImage& image);
 
   double operator()(const Vec3& point_mm) const { return value(places(point_mm)); }
-
-  /// As sample_along_axes(). A step changes one coordinate, so that the places along the other axes are found once.
-  [[nodiscard]] FieldSamples cross(const Vec3& center_mm, double step) const {
-    const Places center = places(center_mm);
-    FieldSamples out;
-    out.center = value(center);
-    for (int axis = 0; axis < 3; ++axis) {
-      Places moved = center;
-      moved[static_cast<std::size_t>(axis)] = place(axis, center_mm[axis] - step);
-      out.before[axis] = value(moved);
-      moved[static_cast<std::size_t>(axis)] = place(axis, center_mm[axis] + step);
-      out.after[axis] = value(moved);
-    }
-    return out;
-  }
 
  private:
   /// A position between two neighbouring values along one axis.

@@ -22,17 +22,11 @@ void note_image(const ct::ScanSource& source, const std::string& path, Diagnosti
               ct::box_text(source.geometry.bounds_mm()));
 }
 
-bool is_default(const DensitySettings& density) {
-  const DensitySettings usual;
-  return density.ash_slope_g_cm3_per_hu == usual.ash_slope_g_cm3_per_hu &&
-         density.ash_offset_g_cm3 == usual.ash_offset_g_cm3 && density.ash_fraction == usual.ash_fraction;
-}
-
 /// The default relation from HU to density is that of one tube voltage.
 void warn_of_voltage(const ct::ScanSource& source, const BoneSettings& settings, Diagnostics& report) {
   constexpr double kLeast_kv = 110, kMost_kv = 130;
   const double kvp = source.kvp;
-  if (kvp <= 0 || (kvp >= kLeast_kv && kvp <= kMost_kv) || !is_default(settings.density)) return;
+  if (kvp <= 0 || (kvp >= kLeast_kv && kvp <= kMost_kv) || settings.density != DensitySettings()) return;
   report.warn(fmt::format(
       "{}: scanned at {:g} kV, where bone has {} HU than at 120 kV; the relation from HU to density is that of 120 kV: "
       "give the constants of this scanner (bone.density)",

@@ -34,11 +34,6 @@ struct ScanGeometry {
   static auto fields(auto& self) { return std::tie(self.dims, self.step_mm, self.origin_mm); }
 };
 
-/// The index of a voxel in an array of `dims` voxels: i + nx·(j + ny·k).
-inline std::size_t index_in(const Vec3i& dims, const Vec3i& v) {
-  return static_cast<std::size_t>(v.x() + std::int64_t{dims.x()} * (v.y() + std::int64_t{dims.y()} * v.z()));
-}
-
 /// A box of voxels: from `start`, `size` voxels along each axis.
 struct IndexBox {
   Vec3i start = Vec3i::Zero();

@@ -180,8 +180,7 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
                       Diagnostics& report) {
   const VoxelGrid grid = grid_of(hu.lattice, bone, settings);
   FilledVoxmap voxmap(grid);
-  voxmap.mapping = {settings.density.ash_slope_g_cm3_per_hu, settings.density.ash_offset_g_cm3,
-                    settings.density.ash_fraction};
+  voxmap.mapping = {settings.density};
   voxmap.frame = "LPS";
   SliceResampler resampled(hu, grid);
   const InsideTest in_bone(bone.field, grid);

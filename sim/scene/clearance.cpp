@@ -118,14 +118,13 @@ class Surfaces {
 
   TriangleMesh read_envelope(const ClearanceEnvelopeSettings& settings) {
     MeshContents contents = read_mesh_contents(settings.path, settings.scale, "clearance.envelope.path");
-    Diagnostics report = {.notes = contents.notes, .warnings = contents.warnings, .listings = {}};
+    Diagnostics report = contents.report;
     bring_into_lps(contents, MeshFrame::file, settings.path, "", report);
     if (meet_after_half_turn_only(contents.mesh.bounds(), bone_.voxmap.grid.bounds_mm())) {
       report.warn(
           "its box does not meet that of the bone, and would after a half turn about z: it or the bone is in RAS");
     }
-    for (const std::string& note : report.notes) envelope.note("clearance.envelope: " + note);
-    for (const std::string& warning : report.warnings) envelope.warn("clearance.envelope: " + warning);
+    envelope.append(report, "clearance.envelope: ");
     return std::move(contents.mesh);
   }
 
@@ -372,8 +371,7 @@ std::string sentence_of(const HolderClearance& clearance, const SimulationInput&
 }
 
 void warn_of_clearance(const HolderClearance& clearance, const SimulationInput& scene, Diagnostics& report) {
-  for (const std::string& note : clearance.envelope.notes) report.note(note);
-  for (const std::string& warning : clearance.envelope.warnings) report.warn(warning);
+  report.append(clearance.envelope);
   if (!clearance.first_below) return;
   report.warn(fmt::format("{}; less than clearance.least_mm ({:g} mm) between frames {} and {}",
                           sentence_of(clearance, scene), scene.scenario.clearance.least_mm, *clearance.first_below,

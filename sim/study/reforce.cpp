@@ -11,7 +11,6 @@
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/bone/phantom.h"
 #include "sim/engine/common/tables.h"
 #include "sim/record/force_log.h"
 #include "sim/record/recorder.h"
@@ -127,7 +126,7 @@ LawSettings changed_law(const BasisRun& run, const std::vector<std::string>& ove
 
 std::optional<Recalibration> recalibration(const BasisRun& run, const LawSettings& law) {
   if (run.law.density == law.density) return std::nullopt;
-  return Recalibration{mapping_from(run.law.density), mapping_from(law.density)};
+  return Recalibration{DensityMapping{run.law.density}, DensityMapping{law.density}};
 }
 
 ClampedVolume clamped_volume(const BasisRun& run, const std::optional<Recalibration>& recalibration) {

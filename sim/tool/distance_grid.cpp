@@ -90,7 +90,7 @@ void store_bricks(const openvdb::FloatTree& distance, DistanceGrid& grid) {
   const BrickLattice lattice{grid.bricks};
   for (std::size_t i = 0; i < lattice.count(); ++i) {
     const Vec3i brick = lattice.coord(i);
-    const openvdb::Coord first(kSide * brick.x(), kSide * brick.y(), kSide * brick.z());
+    const openvdb::Coord first = vdb_coord(kSide * brick);
     std::uint32_t slot = distance.getValue(first) < 0 ? DistanceGrid::kInside : DistanceGrid::kOutside;
     if (distance.probeConstLeaf(first) != nullptr && read_samples(distance, grid, brick, samples.data())) {
       slot = static_cast<std::uint32_t>(grid.stored_bricks());
@@ -157,12 +157,6 @@ bool separates(const Vec3& axis, const Vec3& a, const Vec3& b, const Vec3& c, co
   const double pa = axis.dot(a), pb = axis.dot(b), pc = axis.dot(c);
   const double reach = half.x() * std::abs(axis.x()) + half.y() * std::abs(axis.y()) + half.z() * std::abs(axis.z());
   return std::min({pa, pb, pc}) > reach || std::max({pa, pb, pc}) < -reach;
-}
-
-/// Whether a cross product of `edge` and an axis of the box separates them.
-bool edge_separates(const Vec3& edge, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
-  return separates({0, -edge.z(), edge.y()}, a, b, c, half) || separates({edge.z(), 0, -edge.x()}, a, b, c, half) ||
-         separates({-edge.y(), edge.x(), 0}, a, b, c, half);
 }
 
 }  // namespace
@@ -255,13 +249,18 @@ DistanceTable distance_table_around(const Profile& profile, double pitch_mm, dou
 
 bool triangle_touches_box(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& center, const Vec3& half) {
   const Vec3 p = a - center, q = b - center, r = c - center;
+  const std::array<Vec3, 3> edges{q - p, r - q, p - r};
   for (int axis = 0; axis < 3; ++axis) {
-    if (std::min({p[axis], q[axis], r[axis]}) > half[axis]) return false;
-    if (std::max({p[axis], q[axis], r[axis]}) < -half[axis]) return false;
+    const auto [least, most] = std::minmax({p[axis], q[axis], r[axis]});
+    if (least > half[axis] || most < -half[axis]) return false;
   }
-  const Vec3 pq = q - p, qr = r - q, rp = p - r;
-  if (separates(pq.cross(qr), p, q, r, half)) return false;
-  return !edge_separates(pq, p, q, r, half) && !edge_separates(qr, p, q, r, half) && !edge_separates(rp, p, q, r, half);
+  if (separates(edges[0].cross(edges[1]), p, q, r, half)) return false;
+  for (const Vec3& edge : edges) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (separates(Vec3::Unit(axis).cross(edge), p, q, r, half)) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace reamsim

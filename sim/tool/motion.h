@@ -26,12 +26,7 @@ struct ToolPose {
   double spin_angle_rad = 0;  ///< accumulated, positive clockwise seen from the drive
   double spin_rpm = 0;
 
-  [[nodiscard]] Rigid bone_from_tool() const {
-    Rigid out = Rigid::Identity();
-    out.linear() = orientation.toRotationMatrix();
-    out.translation() = position_mm;
-    return out;
-  }
+  [[nodiscard]] Rigid bone_from_tool() const { return Eigen::Translation3d(position_mm) * orientation; }
 };
 
 /// The pose at fraction `t` (0…1) between `a` and `b`: orientation spherically, all else linearly.

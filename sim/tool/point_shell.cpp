@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bitset>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <string>
 #include <utility>
 
@@ -20,37 +18,6 @@
 namespace reamsim {
 
 namespace {
-
-/// A set of Morton codes: bits in blocks of 16³ cells, in ascending order.
-class CodeSet {
- public:
-  void insert(std::uint64_t code) {
-    if (last_ == nullptr || code / kBlock != last_place_) {
-      last_place_ = code / kBlock;
-      last_ = &blocks_[last_place_];
-    }
-    last_->set(code % kBlock);
-  }
-
-  [[nodiscard]] std::vector<std::uint64_t> ascending() const {
-    std::size_t count = 0;
-    for (const auto& [place, block] : blocks_) count += block.count();
-    std::vector<std::uint64_t> codes;
-    codes.reserve(count);
-    for (const auto& [place, block] : blocks_) {
-      for (std::size_t bit = block._Find_first(); bit < kBlock; bit = block._Find_next(bit))
-        codes.push_back(place * kBlock + bit);
-    }
-    return codes;
-  }
-
- private:
-  static constexpr std::size_t kBlock = 16 * 16 * 16;
-
-  std::map<std::uint64_t, std::bitset<kBlock>> blocks_;  ///< by the codes' high bits
-  std::bitset<kBlock>* last_ = nullptr;                  ///< successive cells lie in one block
-  std::uint64_t last_place_ = 0;
-};
 
 /// A triangle in units of cells from the grid's corner.
 using GridTriangle = std::array<Vec3, 3>;
@@ -86,9 +53,9 @@ std::pair<double, double> extent_in_slab(const GridTriangle& t, int u, int v, do
   return extent;
 }
 
-/// Marks the cells that `t` touches, column by column along the axis of its normal's largest component: the plane
-/// crosses two or three cells per column, whatever the size of the triangle.
-void mark_triangle(const GridTriangle& t, int resolution, CodeSet& cells) {
+/// Appends the codes of the cells that `t` touches, column by column along the axis of its normal's largest component:
+/// the plane crosses two or three cells per column, whatever the size of the triangle.
+void add_cells(const GridTriangle& t, int resolution, std::vector<std::uint64_t>& codes) {
   const auto& [a, b, c] = t;
   const Vec3 normal = (b - a).cross(c - a);
   int w = 0;
@@ -113,7 +80,7 @@ void mark_triangle(const GridTriangle& t, int resolution, CodeSet& cells) {
       const CellRange ws = cells_touched(bottom, top, resolution);
       for (cell[w] = ws.first; cell[w] <= ws.last; ++cell[w])
         if (triangle_touches_box(a, b, c, cell.cast<double>().array() + 0.5, Vec3::Constant(0.5)))
-          cells.insert(morton_encode(cell.x(), cell.y(), cell.z()));
+          codes.push_back(morton_encode(cell.x(), cell.y(), cell.z()));
     }
   }
 }
@@ -136,12 +103,14 @@ PointShell shell_grid(const Aabb& box, int resolution) {
 
 PointShell voxelize_surface(const TriangleMesh& mesh, int resolution) {
   PointShell shell = shell_grid(mesh.bounds(), resolution);
-  CodeSet cells;
-  const auto grid = [&](std::int32_t vertex) -> Vec3 {
-    return (mesh.vertices[static_cast<std::size_t>(vertex)] - shell.origin_mm) / shell.cell_mm;
-  };
-  for (const auto& t : mesh.triangles) mark_triangle({grid(t[0]), grid(t[1]), grid(t[2])}, resolution, cells);
-  shell.codes = cells.ascending();
+  for (const auto& triangle : mesh.triangles) {
+    GridTriangle corners = mesh.corners(triangle);
+    for (Vec3& corner : corners) corner = (corner - shell.origin_mm) / shell.cell_mm;
+    add_cells(corners, resolution, shell.codes);
+  }
+  std::ranges::sort(shell.codes);  // neighbouring triangles touch the same cells
+  shell.codes.erase(std::ranges::unique(shell.codes).begin(), shell.codes.end());
+  shell.codes.shrink_to_fit();
   return shell;
 }
 

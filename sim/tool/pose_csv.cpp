@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <string_view>
-#include <utility>
 
 #include "sim/base/csv.h"
 #include "sim/base/text.h"
@@ -18,7 +17,6 @@ namespace {
 
 enum Column { kTime, kX, kY, kZ, kQw, kQx, kQy, kQz, kSpin };
 constexpr std::array<std::string_view, kSpin> kNames{"time_s", "x_mm", "y_mm", "z_mm", "qw", "qx", "qy", "qz"};
-constexpr std::array<std::string_view, 1> kOptionalNames{"spin_rpm"};
 constexpr const char* kPoseColumns =
     "the header must name time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz and optionally spin_rpm; other recordings: "
     "motion.csv.format, separator and columns";
@@ -69,67 +67,35 @@ bool is_plain(const CsvMotionSettings& settings) {
          settings.time_column == kNames[kTime] && settings.position_columns.front() == kNames[kX];
 }
 
-/// Recorded poses, row by row (read_pose_csv()).
-class PoseCsv {
- public:
-  PoseCsv(const CsvMotionSettings& settings, Diagnostics& report)
-      : rows(settings.path, layout_of(settings), is_plain(settings) ? kPoseColumns : kDescribedColumns),
-        settings_(settings) {
-    if (settings.bone_from_tracker) bone_from_tracker_ = settings.bone_from_tracker->rigid();
-    if (settings.marker_from_tool) marker_from_tool_ = settings.marker_from_tool->rigid();
-    std::string ignored;
-    for (const std::string& name : rows.skipped()) ignored += (ignored.empty() ? "\"" : ", \"") + printable(name) + '"';
-    if (!ignored.empty()) report.note(rows.where().text() + ": ignored columns: " + ignored.substr(0, 200));
+/// False for a row without a pose. Throws InputError for a part of one, or no time.
+bool has_pose(const std::vector<double>& row, const SourceLocation& where) {
+  const auto missing = std::count_if(row.begin() + kX, row.begin() + kSpin, [](double v) { return std::isnan(v); });
+  if (missing > 0 && missing < kSpin - kX)
+    throw InputError(where, "", "a part of the pose is missing", "give all of it, or leave all of it empty");
+  if (std::isnan(row[kTime])) throw InputError(where, "", "the time is missing", "each row needs one");
+  return missing == 0;
+}
+
+/// `report` gets a warning about a quaternion that is no rotation.
+KeyPose pose_of_row(const CsvMotionSettings& settings, const std::vector<double>& row, const SourceLocation& where,
+                    Diagnostics& report) {
+  const Vec3 position_mm =
+      kMmPerUnit[static_cast<std::size_t>(settings.position_unit)] * Vec3(row[kX], row[kY], row[kZ]);
+  for (const Column c : {kX, kY, kZ}) check_range(where, kNames[c], position_mm[c - kX], kFarthest_mm, "mm");
+  const double spin_rpm = std::isnan(row[kSpin]) ? settings.spin_rpm : row[kSpin];
+  check_range(where, "spin_rpm", spin_rpm, kFastest_rpm, "rpm");
+  const Quat q(row[kQw], row[kQx], row[kQy], row[kQz]);
+  const double time_s = row[kTime] / kUnitsPerSecond[static_cast<std::size_t>(settings.time_unit)];
+  KeyPose out{time_s, {position_mm, normalized_or_warn(q, where.text(), report), 0, spin_rpm}};
+  ToolPose& pose = out.pose;
+  if (settings.marker_from_tool) {
+    const Rigid marker_from_tool = settings.marker_from_tool->rigid();
+    pose.position_mm += pose.orientation * marker_from_tool.translation();
+    pose.orientation = (pose.orientation * Quat(marker_from_tool.linear())).normalized();
   }
-
-  /// Reads the next row; false at the end. `row_report` gets a warning about a quaternion that is no rotation.
-  bool next(KeyPose& pose, Diagnostics& row_report) {
-    while (rows.next(row_)) {
-      if (has_pose()) {
-        pose = pose_of_row(row_report);
-        return true;
-      }
-      ++skipped_rows;
-    }
-    return false;
-  }
-
-  CsvReader rows;
-  std::size_t skipped_rows = 0;  ///< rows without a pose that next() has skipped
-
- private:
-  [[nodiscard]] bool has_pose() const {
-    const auto missing = std::count_if(row_.begin() + kX, row_.begin() + kSpin, [](double v) { return std::isnan(v); });
-    if (missing > 0 && missing < kSpin - kX) {
-      throw InputError(rows.where(), "", "a part of the pose is missing", "give all of it, or leave all of it empty");
-    }
-    if (std::isnan(row_[kTime])) throw InputError(rows.where(), "", "the time is missing", "each row needs one");
-    return missing == 0;
-  }
-
-  [[nodiscard]] KeyPose pose_of_row(Diagnostics& row_report) const {
-    const SourceLocation where = rows.where();
-    const Vec3 position_mm =
-        kMmPerUnit[static_cast<std::size_t>(settings_.position_unit)] * Vec3(row_[kX], row_[kY], row_[kZ]);
-    for (const Column c : {kX, kY, kZ}) check_range(where, kNames[c], position_mm[c - kX], kFarthest_mm, "mm");
-    const double spin_rpm = std::isnan(row_[kSpin]) ? settings_.spin_rpm : row_[kSpin];
-    check_range(where, kOptionalNames[0], spin_rpm, kFastest_rpm, "rpm");
-    const Quat q(row_[kQw], row_[kQx], row_[kQy], row_[kQz]);
-    const double time_s = row_[kTime] / kUnitsPerSecond[static_cast<std::size_t>(settings_.time_unit)];
-    KeyPose out{time_s, {position_mm, normalized_or_warn(q, where.text(), row_report), 0, spin_rpm}};
-    ToolPose& pose = out.pose;
-    if (marker_from_tool_) {
-      pose.position_mm += pose.orientation * marker_from_tool_->translation();
-      pose.orientation = (pose.orientation * Quat(marker_from_tool_->linear())).normalized();
-    }
-    if (bone_from_tracker_) move_pose(*bone_from_tracker_, pose);
-    return out;
-  }
-
-  CsvMotionSettings settings_;
-  std::vector<double> row_;
-  std::optional<Rigid> bone_from_tracker_, marker_from_tool_;
-};
+  if (settings.bone_from_tracker) move_pose(settings.bone_from_tracker->rigid(), pose);
+  return out;
+}
 
 /// Refuses times that do not increase, and gaps of more than `most_s` > 0.
 void check_interval(const SourceLocation& where, double before_s, double time_s, double most_s) {
@@ -148,17 +114,24 @@ void check_interval(const SourceLocation& where, double before_s, double time_s,
 }  // namespace
 
 std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostics& report) {
-  PoseCsv csv(settings, report);
+  CsvReader rows(settings.path, layout_of(settings), is_plain(settings) ? kPoseColumns : kDescribedColumns);
+  std::string ignored;
+  for (const std::string& name : rows.skipped()) ignored += (ignored.empty() ? "\"" : ", \"") + printable(name) + '"';
+  if (!ignored.empty()) report.note(rows.where().text() + ": ignored columns: " + ignored.substr(0, 200));
   std::vector<KeyPose> poses;
-  Diagnostics row_report;
-  std::size_t warnings = 0;
-  for (KeyPose pose; csv.next(pose, row_report); poses.push_back(pose)) {
-    if (poses.size() == kMaxRows)
-      throw InputError(csv.rows.where(), "", "more than ten million rows", "record at a lower rate");
-    if (!poses.empty()) check_interval(csv.rows.where(), poses.back().time_s, pose.time_s, settings.max_gap_s);
-    for (const std::string& warning : std::exchange(row_report.warnings, {})) {
-      if (warnings++ < kMaxRowWarnings) report.warn(warning);
+  std::size_t warnings = 0, skipped_rows = 0;
+  for (std::vector<double> row; rows.next(row);) {
+    const SourceLocation where = rows.where();
+    if (!has_pose(row, where)) {
+      ++skipped_rows;
+      continue;
     }
+    Diagnostics row_report;
+    const KeyPose pose = pose_of_row(settings, row, where, row_report);
+    if (poses.size() == kMaxRows) throw InputError(where, "", "more than ten million rows", "record at a lower rate");
+    if (!poses.empty()) check_interval(where, poses.back().time_s, pose.time_s, settings.max_gap_s);
+    if (!row_report.warnings.empty() && warnings++ < kMaxRowWarnings) report.append(row_report);
+    poses.push_back(pose);
   }
   const std::string& path = settings.path;
   if (poses.size() < 2) {
@@ -167,8 +140,7 @@ std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostic
   }
   if (warnings > kMaxRowWarnings)
     report.warn(path + ": the same of " + std::to_string(warnings - kMaxRowWarnings) + " more rows");
-  if (csv.skipped_rows > 0)
-    report.note(path + ": " + std::to_string(csv.skipped_rows) + " rows without a pose were skipped");
+  if (skipped_rows > 0) report.note(path + ": " + std::to_string(skipped_rows) + " rows without a pose were skipped");
   return poses;
 }
 

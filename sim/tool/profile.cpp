@@ -162,11 +162,10 @@ double Profile::max_radius_mm() const {
 
 Aabb Profile::bounds() const {
   const double radius = max_radius_mm();
-  Aabb box{{-radius, -radius, std::numeric_limits<double>::infinity()},
-           {radius, radius, -std::numeric_limits<double>::infinity()}};
+  Aabb box = Aabb::none();
   for (const Vec2& p : points) {
-    box.min.z() = std::min(box.min.z(), p.y());
-    box.max.z() = std::max(box.max.z(), p.y());
+    box.extend({radius, radius, p.y()});
+    box.extend({-radius, -radius, p.y()});
   }
   return box;
 }

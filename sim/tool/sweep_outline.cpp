@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_map>
+#include <compare>
+#include <map>
 
 #include "sim/base/error.h"
 #include "sim/bone/implicit.h"
+#include "sim/mesh/winding.h"
 #include "sim/tool/profile.h"
 
 namespace reamsim {
@@ -54,23 +56,11 @@ std::vector<Interval> merge(std::vector<Interval> intervals) {
 class SweptSection {
  public:
   /// The mesh (closed, facing outwards; mm, frame T) must outlive the section.
-  explicit SweptSection(const TriangleMesh& mesh) : mesh_(mesh) {
-    const Aabb box = mesh.bounds();
-    bottom_mm_ = box.min.z();
-    const std::size_t triangles = std::max<std::size_t>(1, mesh.triangles.size());
-    slabs_.resize(std::clamp<std::size_t>(kMaxSlabEntries / triangles, 1, kMaxSlabs));
-    slab_mm_ = (box.max.z() - box.min.z()) / static_cast<double>(slabs_.size());
-    const double top = static_cast<double>(slabs_.size()) - 1;
-    const auto slab = [&](double z) {
-      return static_cast<std::size_t>(std::clamp(std::floor((z - bottom_mm_) / slab_mm_), 0.0, top));
-    };
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const auto z = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][k])].z(); };
-      const std::size_t last = slab(std::max({z(0), z(1), z(2)}));
-      for (std::size_t s = slab(std::min({z(0), z(1), z(2)})); s <= last; ++s)
-        slabs_[s].push_back(static_cast<std::int32_t>(t));
-    }
-  }
+  explicit SweptSection(const TriangleMesh& mesh)
+      : mesh_(mesh),
+        slabs_(
+            mesh, 2,
+            std::clamp<std::size_t>(kMaxSlabEntries / std::max<std::size_t>(1, mesh.triangles.size()), 1, kMaxSlabs)) {}
 
   /// The occupied radii at height `z_mm`: disjoint, ascending.
   [[nodiscard]] std::vector<Interval> at(double z_mm) const {
@@ -105,10 +95,8 @@ class SweptSection {
  private:
   [[nodiscard]] std::vector<Piece> cut(double z_mm) const {
     std::vector<Piece> pieces;
-    const double position = std::floor((z_mm - bottom_mm_) / slab_mm_);
-    if (position < 0 || position > static_cast<double>(slabs_.size())) return pieces;
-    for (const std::int32_t t : slabs_[std::min(static_cast<std::size_t>(position), slabs_.size() - 1)]) {
-      const std::array<Vec3, 3> v = mesh_.corners(mesh_.triangles[static_cast<std::size_t>(t)]);
+    for (const std::uint32_t t : slabs_.at(z_mm)) {
+      const std::array<Vec3, 3> v = mesh_.corners(mesh_.triangles[t]);
       Piece piece{Vec2::Zero(), Vec2::Zero()};
       bool crosses = false;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -126,9 +114,7 @@ class SweptSection {
   }
 
   const TriangleMesh& mesh_;
-  double bottom_mm_ = 0;
-  double slab_mm_ = 1;
-  std::vector<std::vector<std::int32_t>> slabs_;  ///< triangles by height
+  TriangleRows slabs_;  ///< by height
 };
 
 /// Whether `radius_mm` lies in one of the intervals.
@@ -200,13 +186,10 @@ struct LatticeEdge {
   int j;
   bool along_row;
 
-  [[nodiscard]] std::int64_t key() const { return ((std::int64_t{j} << 16) + i + 1) * 2 + (along_row ? 1 : 0); }
-  static LatticeEdge of(std::int64_t key) {
-    return {static_cast<int>((key >> 1) & 0xffff) - 1, static_cast<int>(key >> 17), (key & 1) != 0};
-  }
+  auto operator<=>(const LatticeEdge&) const = default;
 };
 
-using Successors = std::unordered_map<std::int64_t, std::int64_t>;
+using Successors = std::map<LatticeEdge, LatticeEdge>;
 
 /// Marching squares: for each lattice edge that the outline crosses, the next one, with the inside on the left.
 /// Opposite inside corners of a cell are not connected.
@@ -222,7 +205,7 @@ Successors link_crossings(const Lattice& lattice) {
         // Counter-clockwise round the cell it begins at a change to outside, and ends at the previous change to inside.
         int from = (k + 3) % 4;
         while (in[from]) from = (from + 3) % 4;
-        next[edge[k].key()] = edge[from].key();
+        next[edge[k]] = edge[from];
       }
     }
   }
@@ -232,10 +215,9 @@ Successors link_crossings(const Lattice& lattice) {
 std::vector<Vec2> trace_loop(const Lattice& lattice, Successors& next) {
   std::vector<Vec2> loop;
   for (auto it = next.begin(); it != next.end();) {
-    const LatticeEdge edge = LatticeEdge::of(it->first);
+    const auto [edge, following] = *it;
     loop.push_back(edge.along_row ? lattice.crossing_along_row(edge.i, edge.j)
                                   : lattice.crossing_along_column(edge.i, edge.j));
-    const std::int64_t following = it->second;
     next.erase(it);
     it = next.find(following);
   }

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <array>
+#include <boost/functional/hash.hpp>
 #include <cmath>
 #include <limits>
 #include <unordered_map>
@@ -56,8 +57,7 @@ Vec3 centroid(const TriangleMesh& mesh) {
 
 TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Diagnostics& report) {
   MeshContents contents = read_mesh_contents(settings.mesh, settings.scale, "tool.mesh");
-  for (const std::string& warning : contents.warnings) report.warn("tool.mesh: " + warning);
-  for (const std::string& note : contents.notes) report.note("tool.mesh: " + note);
+  report.append(contents.report, "tool.mesh: ");
   if (!contents.space.empty()) {
     report.note("tool.mesh: the header says SPACE=" + contents.space +
                 "; the coordinates of a tool are taken as they stand, in the tool frame");
@@ -143,7 +143,7 @@ class TriangleCells {
       each_cell(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c), [&](const Vec3i& cell) {
         const Vec3 center = cell_mm_ * (cell.cast<double>().array() + 0.5).matrix();
         if (!triangle_touches_box(a, b, c, center, Vec3::Constant(0.5 * cell_mm_ * (1 + kSkin)))) return;
-        cells_[key(cell)].push_back(t);
+        cells_[{cell.x(), cell.y(), cell.z()}].push_back(t);
       });
     }
   }
@@ -157,7 +157,7 @@ class TriangleCells {
     Hit hit{length_mm};
     const Vec3 end = from + length_mm * along;
     each_cell(from.cwiseMin(end), from.cwiseMax(end), [&](const Vec3i& cell) {
-      const auto found = cells_.find(key(cell));
+      const auto found = cells_.find({cell.x(), cell.y(), cell.z()});
       if (found == cells_.end()) return;
       for (const std::size_t t : found->second) {
         const double distance = ray_distance(triangles_[t], from, along);
@@ -175,12 +175,6 @@ class TriangleCells {
     for_each_voxel(first, last, body);
   }
 
-  static std::uint64_t key(const Vec3i& cell) {
-    constexpr std::int64_t kMiddle = 1 << 20;
-    const auto at = [&](int i) { return static_cast<std::uint64_t>(cell[i] + kMiddle); };
-    return at(0) | at(1) << 21 | at(2) << 42;
-  }
-
   /// Distance along the ray to the triangle (Möller and Trumbore 1997); infinite without a hit.
   static double ray_distance(const Triangle& t, const Vec3& from, const Vec3& along) {
     constexpr double kNone = std::numeric_limits<double>::infinity();
@@ -194,7 +188,8 @@ class TriangleCells {
 
   const std::vector<Triangle>& triangles_;
   double cell_mm_;
-  std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
+  using Cell = std::array<int, 3>;
+  std::unordered_map<Cell, std::vector<std::size_t>, boost::hash<Cell>> cells_;
 };
 
 Vec3 normal_of(const Triangle& t) {

@@ -162,21 +162,18 @@ TEST(GradeBricks, ACopyKeepsItsValuesWhenTheOriginalChanges) {
 }
 
 TEST(SampleBricks, GivesWhatTheSamplerSays) {
-  // A slanted slab, so that some bricks are air, some full and some mixed, over more rows than are sampled at once.
+  // A slanted slab, so that some bricks are air, some full and some mixed, over more bricks than are sampled at once.
   const Vec3i dims(21, 230, 150);
   const auto grade = [](const Vec3i& v) {
     const int height = v.x() + v.y() - v.z();
     return static_cast<std::uint8_t>(height > 0 && height < 60 ? 1 + height : 0);
   };
   const GradeBricks sampled = sample_bricks(dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) {
-    bool any = false;
     for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
       if ((voxel.array() >= dims.array()).any() || grade(voxel) == 0) continue;
       brick[static_cast<std::size_t>(offset)] = grade(voxel);
-      any = true;
     }
-    return any;
   });
   GradeBricks expected(dims);
   const VoxelGrid grid{dims, 1, Vec3::Zero()};

@@ -43,7 +43,7 @@ inline FaceTruth worn_truth(const GlenoidShape& shape) {
   for (int turn = 0; turn < kTurns; ++turn) {
     const Rigid frame = frame_at(center, (head - center).normalized());
     std::vector<Vec2> rim;
-    for (const Vec3& p : shape.rounded_rim_mm()) rim.push_back((frame.inverse() * left_from_anatomy(p)).head<2>());
+    for (const Vec3& p : shape.rim_mm(true)) rim.push_back((frame.inverse() * left_from_anatomy(p)).head<2>());
     const Vec2 middle = fit_pear(rim)->outline.center_mm;
     const Vec2 from_head = middle - (frame.inverse() * head).head<2>();
     const double depth = ball.radius_mm - std::sqrt(ball.radius_mm * ball.radius_mm - from_head.squaredNorm());

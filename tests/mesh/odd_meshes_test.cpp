@@ -117,7 +117,7 @@ TEST_F(OddMeshes, AsciiStlNumbers) {
   mesh_ = box_mesh({-1.5, -2.25, 0.5}, {1, 2, 3});
   const MeshContents read = contents("comma.stl", with(ascii(), ".", ","));
   EXPECT_NEAR(read.mesh.volume_mm3(), mesh_.volume_mm3(), 1e-6);
-  EXPECT_THAT(read.warnings, Contains(HasSubstr("decimal commas")));
+  EXPECT_THAT(read.report.warnings, Contains(HasSubstr("decimal commas")));
   expect_whole("fortran.stl", with(ascii(), "2.25", "0.225D+01"));
   expect_whole("plus.stl", with(ascii(), " 3\n", " +3.0e0\n"));
 }
@@ -133,7 +133,7 @@ TEST_F(OddMeshes, AsciiStlMistakesHaveTheirLine) {
   const std::string plain = ascii();
   EXPECT_THAT(error_of("cut.stl", plain.substr(0, plain.find("endloop", plain.size() / 2))),
               HasSubstr("a truncated STL: it ends within facet"));
-  EXPECT_THAT(contents("no_end.stl", with(plain, "endsolid bone\n", "")).warnings,
+  EXPECT_THAT(contents("no_end.stl", with(plain, "endsolid bone\n", "")).report.warnings,
               Contains(HasSubstr("may be truncated")));
   const std::string bad = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 x 0\n";
   EXPECT_THAT(error_of("letters.stl", bad), HasSubstr("letters.stl:5"));
@@ -150,14 +150,16 @@ TEST_F(OddMeshes, CountsOfABinaryStlThatAreNone) {
     for (const char* name : {"count.stl", "count.ply", "count"}) {
       const MeshContents read = contents(name, bytes);
       EXPECT_EQ(read.mesh.triangles.size(), mesh_.triangles.size());
-      EXPECT_THAT(read.warnings, Contains(HasSubstr("by its length it has " + std::to_string(mesh_.triangles.size()))));
+      EXPECT_THAT(read.report.warnings,
+                  Contains(HasSubstr("by its length it has " + std::to_string(mesh_.triangles.size()))));
     }
     EXPECT_THAT(error_of("cut.stl", bytes.substr(0, bytes.size() - 7)), HasSubstr("not that of whole triangles"));
   }
   std::string solid = binary();
   solid.replace(0, 6, "solid ");  // as SolidWorks and others write
   expect_whole("solid.stl", solid);
-  EXPECT_THAT(contents("more.stl", binary() + "more").warnings, Contains(HasSubstr("4 bytes after them are not read")));
+  EXPECT_THAT(contents("more.stl", binary() + "more").report.warnings,
+              Contains(HasSubstr("4 bytes after them are not read")));
   std::string swapped = binary();
   std::reverse(swapped.begin() + 80, swapped.begin() + 84);
   EXPECT_THAT(error_of("swapped.stl", swapped), HasSubstr("big-endian"));
@@ -223,8 +225,8 @@ TEST_F(OddMeshes, CornersThatDifferInTheLastDigitsAreWelded) {
   EXPECT_TRUE(diagnose(read.mesh).closed_manifold()) << diagnose(read.mesh).text();
   EXPECT_EQ(read.mesh.triangles.size(), mesh_.triangles.size());
   EXPECT_NEAR(read.mesh.volume_mm3(), mesh_.volume_mm3(), 0.01);
-  EXPECT_THAT(read.notes, Contains(HasSubstr("corners of triangles were welded that differed by up to ")));
-  EXPECT_THAT(contents("clean.stl", ascii()).notes, IsEmpty());
+  EXPECT_THAT(read.report.notes, Contains(HasSubstr("corners of triangles were welded that differed by up to ")));
+  EXPECT_THAT(contents("clean.stl", ascii()).report.notes, IsEmpty());
 }
 
 TEST_F(OddMeshes, CollapsedTrianglesAlongASeamDoNotHinderWelding) {

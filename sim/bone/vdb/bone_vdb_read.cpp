@@ -129,14 +129,10 @@ double read_grades(const std::string& path, const openvdb::FloatGrid& density, c
 void read_fill(const std::string& path, const openvdb::FloatGrid& fill, const openvdb::Coord& first,
                FilledVoxmap& voxmap) {
   auto read = fill.getConstAccessor();
-  voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
-    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
-      if (grades[static_cast<std::size_t>(offset)] == 0) continue;
-      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      const float value = read.getValue(first.offsetBy(voxel.x(), voxel.y(), voxel.z()));
-      if (!(value >= 0 && value <= 1)) refuse_file(path, "a fill outside 0 to 1", "expected the fraction that is bone");
-      voxmap.fill.set(voxel, static_cast<std::uint16_t>(std::lround(double{value} * FillBricks::kWhole)));
-    }
+  for_each_bone_voxel(voxmap, [&](const Vec3i& voxel, std::uint8_t, std::uint16_t) {
+    const float value = read.getValue(first.offsetBy(voxel.x(), voxel.y(), voxel.z()));
+    if (!(value >= 0 && value <= 1)) refuse_file(path, "a fill outside 0 to 1", "expected the fraction that is bone");
+    voxmap.fill.set(voxel, static_cast<std::uint16_t>(std::lround(double{value} * FillBricks::kWhole)));
   });
 }
 

@@ -42,12 +42,8 @@ float smoothed(const Occupancy& occupancy, const Vec3i& voxel) {
   return static_cast<float>(sum) / (64.0F * FillBricks::kWhole);
 }
 
-openvdb::Coord coord_of(const Vec3i& voxel) {
-  return {voxel.x(), voxel.y(), voxel.z()};
-}
-
 openvdb::Coord leaf_corner(const Vec3i& brick) {
-  return coord_of(FillBricks::kSide * brick);
+  return vdb_coord(FillBricks::kSide * brick);
 }
 
 /// The smoothed occupancy of one brick: a leaf, or a constant 0 or 1. No surface lies between a constant brick and its
@@ -62,16 +58,16 @@ SmoothedBrick smoothed_brick(const BoneView& bone, const Vec3i& brick) {
   if (occupancy.most() == 0) return {};
   if (occupancy.least() == FillBricks::kWhole) return {1.0F, nullptr};
   auto leaf = std::make_unique<Leaf>(leaf_corner(brick), 0.0F, true);
-  for_each_voxel(Vec3i::Constant(FillBricks::kSide),
-                 [&](const Vec3i& v) { leaf->setValueOnly(Leaf::coordToOffset(coord_of(v)), smoothed(occupancy, v)); });
+  for_each_voxel(Vec3i::Constant(FillBricks::kSide), [&](const Vec3i& v) {
+    leaf->setValueOnly(Leaf::coordToOffset(vdb_coord(v)), smoothed(occupancy, v));
+  });
   return {0, std::move(leaf)};
 }
 
 /// Isotropic, in mm, index (0,0,0) at the centre of voxel (0,0,0).
 openvdb::math::Transform::Ptr index_transform(const VoxelGrid& grid) {
   auto out = openvdb::math::Transform::createLinearTransform(grid.voxel_mm);
-  const Vec3 first = grid.center_mm({0, 0, 0});
-  out->postTranslate(openvdb::Vec3d(first.x(), first.y(), first.z()));
+  out->postTranslate(vdb_point(grid.center_mm({0, 0, 0})));
   return out;
 }
 
@@ -80,19 +76,17 @@ openvdb::FloatGrid::Ptr smoothed_occupancy(const BoneView& bone) {
   const std::vector<Vec3i> bricks = bricks_near_bone(bone.voxmap.grade);
   auto grid = make_float_grid(0.0F);
   grid->setTransform(index_transform(bone.voxmap.grid));
-  std::vector<SmoothedBrick> smoothed(std::min(kAtOnce, bricks.size()));
-  for (std::size_t first = 0; first < bricks.size(); first += kAtOnce) {
-    const std::size_t count = std::min(kAtOnce, bricks.size() - first);
-    parallel_items(count, [&](std::size_t i) { smoothed[i] = smoothed_brick(bone, bricks[first + i]); });
-    for (std::size_t i = 0; i < count; ++i) {
-      if (smoothed[i].leaf) {
-        grid->tree().addLeaf(smoothed[i].leaf.release());
-      } else if (smoothed[i].all != 0) {
-        // Inactive: only the leaves are searched for the surface.
-        grid->tree().addTile(1, leaf_corner(bricks[first + i]), smoothed[i].all, false);
-      }
-    }
-  }
+  parallel_in_order<SmoothedBrick>(
+      bricks.size(), kAtOnce,
+      [&](std::size_t i, SmoothedBrick& smoothed) { smoothed = smoothed_brick(bone, bricks[i]); },
+      [&](std::size_t i, SmoothedBrick& smoothed) {
+        if (smoothed.leaf) {
+          grid->tree().addLeaf(smoothed.leaf.release());
+        } else if (smoothed.all != 0) {
+          // Inactive: only the leaves are searched for the surface.
+          grid->tree().addTile(1, leaf_corner(bricks[i]), smoothed.all, false);
+        }
+      });
   return grid;
 }
 
@@ -112,15 +106,11 @@ template <class Value>
 openvdb::FloatGrid::Ptr fog(const BoneView& bone, const Value& value) {
   auto grid = make_float_grid(0.0F);
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
-    const FillBricks::Brick* fill = bone.fill.brick(coord);
+  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
     auto leaf = std::make_unique<Leaf>(leaf_corner(coord), 0.0F, false);
-    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
-      const auto at = static_cast<std::size_t>(offset);
-      if (grades[at] == 0) continue;
-      leaf->setValueOn(Leaf::coordToOffset(coord_of(BrickLattice::voxel_at(Vec3i::Zero(), offset))),
-                       value(grades[at], fill == nullptr ? FillBricks::kWhole : (*fill)[at]));
-    }
+    for_each_bone_voxel_in(bone, coord, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
+      leaf->setValueOn(Leaf::coordToOffset(vdb_coord(voxel)), value(grade, fill));
+    });
     put(std::move(leaf), grid->tree());
   });
   return grid;
@@ -130,7 +120,7 @@ openvdb::FloatGrid::Ptr removed_grid(const BoneView& bone, const RemovedFrames& 
   auto grid = make_float_grid(-1.0F);
   auto write = grid->getAccessor();
   for (const auto& [index, frame] : removed) {
-    write.setValueOn(coord_of(bone.voxmap.grid.coord(index)), static_cast<float>(frame));
+    write.setValueOn(vdb_coord(bone.voxmap.grid.coord(index)), static_cast<float>(frame));
   }
   return grid;
 }
@@ -150,12 +140,11 @@ openvdb::MetaMap bone_metadata(const BoneView& bone, const Metadata& extra) {
     out.insertMeta(name, value);
   };
   const VoxelGrid& grid = bone.voxmap.grid;
-  const Vec3& origin = grid.origin_mm;
   set("creator", openvdb::StringMetadata("reamsim " REAMSIM_VERSION));
   set(vdb_keys::kFrame, openvdb::StringMetadata(bone.voxmap.frame));
   set("length_unit", openvdb::StringMetadata("mm"));
   set(vdb_keys::kDims, openvdb::Vec3IMetadata({grid.dims.x(), grid.dims.y(), grid.dims.z()}));
-  set(vdb_keys::kOrigin, openvdb::Vec3DMetadata({origin.x(), origin.y(), origin.z()}));
+  set(vdb_keys::kOrigin, openvdb::Vec3DMetadata(vdb_point(grid.origin_mm)));
   set(vdb_keys::kVoxel, openvdb::DoubleMetadata(grid.voxel_mm));
   set(vdb_keys::kAshSlope, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_slope_g_cm3_per_hu));
   set(vdb_keys::kAshOffset, openvdb::DoubleMetadata(bone.voxmap.mapping.ash_offset_g_cm3));

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "sim/base/parallel.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 
@@ -124,26 +125,12 @@ SampledMesh sampled(const TriangleMesh& mesh, const DistanceSampling& sampling) 
   SampledMesh out;
   out.points.reserve(mesh.vertices.size());
   for (const Vec3& vertex : mesh.vertices) {
-    const Vec3 index = (vertex - sampling.first_mm) / sampling.spacing_mm;
-    out.points.emplace_back(static_cast<float>(index.x()), static_cast<float>(index.y()),
-                            static_cast<float>(index.z()));
+    const Eigen::Vector3f index = ((vertex - sampling.first_mm) / sampling.spacing_mm).cast<float>();
+    out.points.emplace_back(index.data());
   }
   out.triangles.reserve(mesh.triangles.size());
-  for (const auto& [a, b, c] : mesh.triangles) {
-    out.triangles.emplace_back(static_cast<openvdb::Index32>(a), static_cast<openvdb::Index32>(b),
-                               static_cast<openvdb::Index32>(c));
-  }
+  for (const MeshTriangle& triangle : mesh.triangles) out.triangles.emplace_back(triangle.data());
   return out;
-}
-
-openvdb::FloatGrid::Ptr to_volume(const SampledMesh& mesh, const openvdb::math::Transform& transform,
-                                  double outer_spacings, double inner_spacings, int flags) {
-  openvdb::initialize();
-  // OpenVDB's library contains the instance for this adapter and interrupter; others take minutes to compile.
-  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(mesh.points, mesh.triangles);
-  openvdb::util::NullInterrupter never;
-  return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter, transform, static_cast<float>(outer_spacings),
-                                                          static_cast<float>(inner_spacings), flags);
 }
 
 /// Sets the sign of the distances in a brick of 8×8×8 samples; those beyond the band become constant.
@@ -188,14 +175,19 @@ openvdb::BoolGrid::Ptr make_bool_grid(bool background) {
 }
 
 openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::math::Transform& transform,
-                                      double outer_spacings, double inner_spacings, bool exact) {
-  return to_volume(mesh, transform, outer_spacings, inner_spacings,
-                   exact ? openvdb::tools::DISABLE_RENORMALIZATION : 0);
+                                      double outer_spacings, double inner_spacings, int flags) {
+  openvdb::initialize();
+  // OpenVDB's library contains the instance for this adapter and interrupter; others take minutes to compile.
+  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(mesh.points, mesh.triangles);
+  openvdb::util::NullInterrupter never;
+  return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter, transform, static_cast<float>(outer_spacings),
+                                                          static_cast<float>(inner_spacings), flags);
 }
 
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling) {
   return mesh_distance(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0),
-                       sampling.outer_spacings, sampling.inner_spacings, sampling.exact);
+                       sampling.outer_spacings, sampling.inner_spacings,
+                       sampling.exact ? openvdb::tools::DISABLE_RENORMALIZATION : 0);
 }
 
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling, const Vec3i& dims,
@@ -203,21 +195,18 @@ openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSa
   const auto outer = static_cast<float>(sampling.outer_spacings), inner = static_cast<float>(sampling.inner_spacings);
   const double band = std::max(sampling.outer_spacings, sampling.inner_spacings);
   const openvdb::FloatGrid::Ptr grid =
-      to_volume(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0), band, band,
-                static_cast<int>(openvdb::tools::UNSIGNED_DISTANCE_FIELD));
+      mesh_distance(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0), band, band,
+                    static_cast<int>(openvdb::tools::UNSIGNED_DISTANCE_FIELD));
   Tree& tree = grid->tree();
   tree.root().setBackground(outer, true);  // before the signs: it would change inner distances too
   std::vector<Leaf*> leaves;
   tree.getNodes(leaves);
   parallel_items(leaves.size(), [&](std::size_t n) { sign_leaf(*leaves[n], inside, outer, inner); });
-  for (int z = 0; z < dims.z(); z += static_cast<int>(Leaf::DIM)) {
-    for (int y = 0; y < dims.y(); y += static_cast<int>(Leaf::DIM)) {
-      for (int x = 0; x < dims.x(); x += static_cast<int>(Leaf::DIM)) {
-        const openvdb::Coord corner(x, y, z);
-        if (tree.probeConstLeaf(corner) == nullptr && inside({x, y, z})) tree.addTile(1, corner, -inner, false);
-      }
-    }
-  }
+  for_each_voxel(BrickLattice::over(dims).dims, [&](const Vec3i& brick) {  // leaves and bricks are the same blocks
+    const Vec3i first = BrickLattice::kSide * brick;
+    const openvdb::Coord corner = vdb_coord(first);
+    if (tree.probeConstLeaf(corner) == nullptr && inside(first)) tree.addTile(1, corner, -inner, false);
+  });
   return grid;
 }
 

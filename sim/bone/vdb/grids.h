@@ -15,6 +15,14 @@
 
 namespace reamsim {
 
+inline openvdb::Coord vdb_coord(const Vec3i& v) {
+  return {v.x(), v.y(), v.z()};
+}
+template <class Point>
+openvdb::Vec3d vdb_point(const Point& p) {
+  return openvdb::Vec3d(p.x(), p.y(), p.z());
+}
+
 // An empty grid with the identity as its transform. Defined in one file, because OpenVDB's create() adds half a minute
 // to the compilation of each file that calls it.
 openvdb::FloatGrid::Ptr make_float_grid(float background);
@@ -44,9 +52,10 @@ struct SampledMesh {
 };
 
 /// Signed distance of a closed mesh, negative inside, in the unit of `transform`, which takes index space to the world.
-/// `outer_spacings`, `inner_spacings`, `exact`: as in DistanceSampling. Throws std::bad_alloc or openvdb::Exception.
+/// `outer_spacings`, `inner_spacings`: as in DistanceSampling. `flags`: of openvdb::tools::meshToVolume(). Throws
+/// std::bad_alloc or openvdb::Exception.
 openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::math::Transform& transform,
-                                      double outer_spacings, double inner_spacings, bool exact);
+                                      double outer_spacings, double inner_spacings, int flags = 0);
 /// The same in spacings, for a mesh in mm.
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling);
 

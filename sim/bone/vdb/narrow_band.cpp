@@ -362,19 +362,16 @@ openvdb::FloatGrid::Ptr narrow_band(const openvdb::FloatGrid& occupancy) {
     grid->tree().sparseFill(box, -voxel_mm * kHalfBandVoxels, false);
   }
   const std::vector<openvdb::Coord> corners = leaves_in_reach(tree);
-  std::vector<std::unique_ptr<Leaf>> leaves(std::min(kAtOnce, corners.size()));
-  for (std::size_t first = 0; first < corners.size(); first += kAtOnce) {
-    const std::size_t count = std::min(kAtOnce, corners.size() - first);
-    parallel_items(count, [&](std::size_t i) { leaves[i] = band_leaf(tree, corners[first + i], voxel_mm); });
-    for (std::size_t i = 0; i < count; ++i) {
-      const openvdb::Coord& corner = corners[first + i];
-      if (leaves[i]) {
-        grid->tree().addLeaf(leaves[i].release());
-      } else if (inside(tree.getValue(corner))) {
-        grid->tree().addTile(1, corner, -voxel_mm * kHalfBandVoxels, false);
-      }
-    }
-  }
+  parallel_in_order<std::unique_ptr<Leaf>>(
+      corners.size(), kAtOnce,
+      [&](std::size_t i, std::unique_ptr<Leaf>& leaf) { leaf = band_leaf(tree, corners[i], voxel_mm); },
+      [&](std::size_t i, std::unique_ptr<Leaf>& leaf) {
+        if (leaf) {
+          grid->tree().addLeaf(leaf.release());
+        } else if (inside(tree.getValue(corners[i]))) {
+          grid->tree().addTile(1, corners[i], -voxel_mm * kHalfBandVoxels, false);
+        }
+      });
   return grid;
 }
 

@@ -13,29 +13,6 @@ namespace reamsim {
 
 inline constexpr int kMaxSplits = 2;  ///< a surface with an edge halves a voxel at most this often: 64 parts
 
-/// A field at a point, and one step before and after it along each axis.
-struct FieldSamples {
-  double center = 0;
-  Vec3 before = Vec3::Zero();
-  Vec3 after = Vec3::Zero();
-};
-
-/// Evaluates the field seven times, or calls its own `field.cross(center, step)`.
-template <class Field>
-FieldSamples sample_along_axes(const Field& field, const Vec3& center, double step) {
-  if constexpr (requires { field.cross(center, step); }) {
-    return field.cross(center, step);
-  } else {
-    FieldSamples out;
-    out.center = field(center);
-    for (int axis = 0; axis < 3; ++axis) {
-      out.before[axis] = field(center - step * Vec3::Unit(axis));
-      out.after[axis] = field(center + step * Vec3::Unit(axis));
-    }
-    return out;
-  }
-}
-
 /// Derivatives of a field at the centre of a cube. The unit of length is the side of the cube.
 struct FieldStencil {
   double value = 0;
@@ -50,12 +27,11 @@ struct FieldStencil {
 /// Central differences over `step`.
 template <class Field>
 FieldStencil field_stencil(const Field& field, const Vec3& center, double side, double step) {
-  const FieldSamples samples = sample_along_axes(field, center, step);
   FieldStencil out;
-  out.value = samples.center;
+  out.value = field(center);
   const double sides = side / step;
   for (int axis = 0; axis < 3; ++axis) {
-    const double before = samples.before[axis], after = samples.after[axis];
+    const double before = field(center - step * Vec3::Unit(axis)), after = field(center + step * Vec3::Unit(axis));
     const double second = before + after - 2 * out.value;
     out.gradient[axis] = 0.5 * (after - before) * sides;
     out.laplacian += second * sides * sides;

@@ -12,8 +12,8 @@
 
 namespace reamsim {
 
-/// Sets voxels of one brick, all air before; returns whether it set any. Called from several threads at once.
-using BrickSampler = std::function<bool(const Vec3i& brick_coord, GradeBricks::Brick& brick)>;
+/// Sets voxels of one brick, all air before. Called from several threads at once.
+using BrickSampler = std::function<void(const Vec3i& brick_coord, GradeBricks::Brick& brick)>;
 
 /// The grades of a lattice of `dims` voxels, sampled brick by brick. The result does not depend on the threads.
 GradeBricks sample_bricks(const Vec3i& dims, const BrickSampler& sample);

@@ -36,18 +36,8 @@ struct BrickLattice {
   }
 
   [[nodiscard]] std::size_t count() const { return index({0, 0, dims.z()}); }
-  [[nodiscard]] std::size_t index(const Vec3i& brick) const {
-    const auto nx = static_cast<std::size_t>(dims.x());
-    const auto ny = static_cast<std::size_t>(dims.y());
-    return static_cast<std::size_t>(brick.x()) +
-           nx * (static_cast<std::size_t>(brick.y()) + ny * static_cast<std::size_t>(brick.z()));
-  }
-  [[nodiscard]] Vec3i coord(std::size_t index) const {
-    const auto nx = static_cast<std::size_t>(dims.x());
-    const auto ny = static_cast<std::size_t>(dims.y());
-    const std::size_t row = index / nx;
-    return {static_cast<int>(index % nx), static_cast<int>(row % ny), static_cast<int>(row / ny)};
-  }
+  [[nodiscard]] std::size_t index(const Vec3i& brick) const { return index_in(dims, brick); }
+  [[nodiscard]] Vec3i coord(std::size_t index) const { return cell_at(dims, index); }
   [[nodiscard]] bool contains(const Vec3i& brick) const {
     return (brick.array() >= 0).all() && (brick.array() < dims.array()).all();
   }
@@ -82,14 +72,14 @@ class SparseBricks {
     if (std::as_const(*this).stored(slot)[offset] == value) return false;
     Brick& brick = stored(slot);
     brick[offset] = value;
-    if (value == kAbsent && all_absent(brick)) free_slot(slot);
+    if (value == kAbsent && brick == kAllAbsent) free_slot(slot);
     return true;
   }
 
   /// Replaces a brick; coordinates in bricks. Returns whether it changed.
   bool put(const Vec3i& brick_coord, const Brick& brick) {
     std::int32_t& slot = slot_of_brick_[lattice_.index(brick_coord)];
-    const bool absent = all_absent(brick);
+    const bool absent = brick == kAllAbsent;
     if (slot < 0 ? absent : std::as_const(*this).stored(slot) == brick) return false;
     if (absent) {
       free_slot(slot);
@@ -152,9 +142,11 @@ class SparseBricks {
   static constexpr std::size_t kPageBricks = (std::size_t{1} << 18) / sizeof(Brick);
   using Page = std::vector<Brick>;
 
-  static bool all_absent(const Brick& brick) {
-    return std::all_of(brick.begin(), brick.end(), [](T value) { return value == kAbsent; });
-  }
+  static constexpr Brick kAllAbsent = [] {
+    Brick brick{};
+    brick.fill(kAbsent);
+    return brick;
+  }();
   [[nodiscard]] const Brick& stored(std::int32_t slot) const {
     const auto at = static_cast<std::size_t>(slot);
     return (*pages_[at / kPageBricks])[at % kPageBricks];

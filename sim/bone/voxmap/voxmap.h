@@ -14,6 +14,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/sparse_bricks.h"
+#include "sim/scenario/scenario.h"
 
 namespace reamsim {
 
@@ -25,13 +26,8 @@ struct VoxelGrid {
   Vec3 origin_mm = Vec3::Zero();
 
   [[nodiscard]] std::int64_t size() const { return std::int64_t{1} * dims.x() * dims.y() * dims.z(); }
-  [[nodiscard]] std::int64_t index(const Vec3i& v) const {
-    return v.x() + std::int64_t{dims.x()} * (v.y() + std::int64_t{dims.y()} * v.z());
-  }
-  [[nodiscard]] Vec3i coord(std::int64_t index) const {
-    const std::int64_t row = index / dims.x();
-    return {static_cast<int>(index % dims.x()), static_cast<int>(row % dims.y()), static_cast<int>(row / dims.y())};
-  }
+  [[nodiscard]] std::int64_t index(const Vec3i& v) const { return static_cast<std::int64_t>(index_in(dims, v)); }
+  [[nodiscard]] Vec3i coord(std::int64_t index) const { return cell_at(dims, static_cast<std::size_t>(index)); }
   [[nodiscard]] Vec3 center_mm(const Vec3i& v) const {
     return origin_mm + voxel_mm * (v.cast<double>() + Vec3::Constant(0.5));
   }
@@ -100,11 +96,7 @@ VoxelGrid lattice_around(const std::string& what, const Aabb& box_mm, double vox
 
 /// Radiodensity to apparent density to grade (docs/density.md, 1). The defaults are of a femur at 120 kVp (PMC5234499,
 /// Table 1), not a scapular calibration.
-struct DensityMapping {
-  double ash_slope_g_cm3_per_hu = 0.0007;
-  double ash_offset_g_cm3 = -0.009;
-  double ash_fraction = 0.6;
-
+struct DensityMapping : DensitySettings {
   static constexpr double kGradeStep_g_cm3 = 0.008;
   static constexpr double kMaxDensity_g_cm3 = 2.0;
   static constexpr int kMaxGrade = 250;
