@@ -19,8 +19,7 @@
 
 namespace reamsim {
 namespace embedded {
-extern const char* const kernel_published_direct;
-extern const char* const kernel_published_octree;
+extern const char* const kernel_published;
 extern const char* const kernel_restore_voxels;
 }  // namespace embedded
 
@@ -92,16 +91,16 @@ class PublishedProgram : public Program {
 
  protected:
   /// `has_voi`: points outside the VOI are culled, else the boxes alone are tested.
-  PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const BenchSetup& setup, const char* source,
-                   const std::string& options, bool has_voi)
+  PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const BenchSetup& setup, bool has_voi)
       : setup_(setup),
         device_(info),
-        program_(device_.build("published_" + engine + ".cl", source, options)),
+        program_(device_.build("published.cl", embedded::kernel_published,
+                               fmt::format("-DAIR_HU={:.8e}f", static_cast<float>(kScale.of_air)))),
         points_(setup.tool->shell.codes.size()),
         frame_(device_, 1, "the frame"),
         label_{engine, "published"},
         has_voi_(has_voi),
-        touched_kernel_(program_, "published_touched"),
+        touched_kernel_(program_, ("touched_" + engine).c_str()),
         restore_kernel_(device_.build("restore_voxels.cl", embedded::kernel_restore_voxels), "restore_bytes"),
         touched_(device_, points_, "the touched voxels"),
         touched_count_(device_, 1, "their number") {}
@@ -124,6 +123,7 @@ class PublishedProgram : public Program {
   /// Restores the whole bone.
   virtual void restore_all() = 0;
 
+  inline static const HuScale kScale{DensityMapping{}};
   BenchSetup setup_;
   bool count_contacts_ = false;  ///< in PublishedFrame::contacts
   cl::Device device_;
@@ -170,7 +170,7 @@ class PublishedProgram : public Program {
 class PublishedDirect final : public PublishedProgram {
  public:
   PublishedDirect(const cl::DeviceInfo& info, const BenchSetup& setup, bool count)
-      : PublishedProgram("direct", info, setup, embedded::kernel_published_direct, "", true),
+      : PublishedProgram("direct", info, setup, true),
         kernel_(program_, "published_direct"),
         codes_(device_, points_, "the point shell"),
         bone_(device_, static_cast<std::size_t>(setup.voxmap->grid.size()), "the voxmap") {
@@ -223,8 +223,7 @@ std::vector<cl_uint> descent_steps(const VoxelGrid& grid) {
 class PublishedOctree final : public PublishedProgram {
  public:
   PublishedOctree(const cl::DeviceInfo& info, const BenchSetup& setup)
-      : PublishedProgram("octree", info, setup, embedded::kernel_published_octree,
-                         fmt::format("-DAIR_HU={:.8e}f", static_cast<float>(kScale.of_air)), false),
+      : PublishedProgram("octree", info, setup, false),
         detect_(program_, "published_octree"),
         reduce_(program_, "published_reduce"),
         voxels_(static_cast<std::size_t>(setup.voxmap->grid.size())),
@@ -264,7 +263,6 @@ class PublishedOctree final : public PublishedProgram {
     sample.force += Vec3(result[0], result[1], result[2]);
   }
 
-  inline static const HuScale kScale{DensityMapping{}};
   cl::Kernel detect_, reduce_;
   std::size_t voxels_;
   cl::Buffer<float> hu_;
