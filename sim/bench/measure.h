@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/bench/scene.h"
@@ -39,6 +40,7 @@ struct BatchSample {
 /// A program that detects contact and removes bone. Frames change its bone until restore().
 class Program {
  public:
+  Program(Label label, const BenchSetup& setup) : label_(std::move(label)), setup_(setup) {}
   virtual ~Program() = default;
   /// Called before run(frame) on whole bone. A program that cannot list removed voxels determines them here. Not timed.
   virtual void prepare(const Substep& /*frame*/) {}
@@ -48,7 +50,11 @@ class Program {
   /// Restores the bone. Not timed.
   virtual void restore() = 0;
   [[nodiscard]] virtual StructureBytes bytes() const = 0;
-  [[nodiscard]] virtual const Label& label() const = 0;
+  [[nodiscard]] const Label& label() const { return label_; }
+
+ protected:
+  Label label_;
+  BenchSetup setup_;
 };
 
 /// An engine of `erosion: remove`, or the published program of one: that of `direct` counts contacts where `count` says

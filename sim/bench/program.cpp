@@ -20,8 +20,7 @@
 namespace reamsim {
 namespace embedded {
 extern const char* const kernel_published;
-extern const char* const kernel_restore_voxels;
-}  // namespace embedded
+}
 
 namespace bench {
 
@@ -78,39 +77,33 @@ class PublishedProgram : public Program {
   void restore() override {
     if (changed_) {
       restore_all();
-    } else if (recorded_ > 0) {
-      restore_kernel_.set(1, recorded_);
-      const cl::Event done = restore_kernel_.launch(device_, recorded_, group_of(restore_kernel_));
+    } else {
+      restore_values(device_, touched_, recorded_, *state_);
     }
     device_.finish();
     changed_ = prepared_ = false;
     recorded_ = 0;
   }
 
-  [[nodiscard]] const Label& label() const override { return label_; }
-
  protected:
   /// `has_voi`: points outside the VOI are culled, else the boxes alone are tested.
   PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const BenchSetup& setup, bool has_voi)
-      : setup_(setup),
+      : Program({engine, "published"}, setup),
         device_(info),
         program_(device_.build("published.cl", embedded::kernel_published,
                                fmt::format("-DAIR_HU={:.8e}f", static_cast<float>(kScale.of_air)))),
         points_(setup.tool->shell.codes.size()),
         frame_(device_, 1, "the frame"),
-        label_{engine, "published"},
         has_voi_(has_voi),
         touched_kernel_(program_, ("touched_" + engine).c_str()),
-        restore_kernel_(device_.build("restore_voxels.cl", embedded::kernel_restore_voxels), "restore_bytes"),
         touched_(device_, points_, "the touched voxels"),
         touched_count_(device_, 1, "their number") {}
 
-  /// Sets the arguments of the kernels that record and restore: the shell, what they test, and what they restore.
-  template <class Shell, class Bone, class State>
-  void set_restoring(const cl::Buffer<Shell>& shell, const cl::Buffer<Bone>& bone, const cl::Buffer<State>& state) {
+  /// Sets the shell, what the kernel that records tests, and what restore() restores.
+  template <class Shell, class Bone>
+  void set_restoring(const cl::Buffer<Shell>& shell, const cl::Buffer<Bone>& bone, const cl::Buffer<cl_uchar>& state) {
     touched_kernel_.set_from(0, shell, static_cast<cl_uint>(points_), frame_, bone, touched_, touched_count_);
-    restore_kernel_.set(0, touched_);
-    restore_kernel_.set(2, state);
+    state_ = &state;
   }
   /// A power of two.
   std::size_t group_of(const cl::Kernel& kernel) {
@@ -124,7 +117,6 @@ class PublishedProgram : public Program {
   virtual void restore_all() = 0;
 
   inline static const HuScale kScale{DensityMapping{}};
-  BenchSetup setup_;
   bool count_contacts_ = false;  ///< in PublishedFrame::contacts
   cl::Device device_;
   cl::Program program_;
@@ -156,10 +148,10 @@ class PublishedProgram : public Program {
   }
 
   PublishedFrame host_frame_{};  ///< lives until the non-blocking write is done
-  Label label_;
   bool has_voi_;
-  cl::Kernel touched_kernel_, restore_kernel_;
-  cl::Buffer<cl_uint2> touched_;  ///< (voxel, value)
+  cl::Kernel touched_kernel_;
+  const cl::Buffer<cl_uchar>* state_ = nullptr;  ///< see set_restoring()
+  cl::Buffer<cl_uint2> touched_;                 ///< (voxel, value)
   cl::Buffer<cl_uint> touched_count_;
   std::map<const cl::Kernel*, std::size_t> groups_;
   cl_uint recorded_ = 0;
@@ -275,9 +267,7 @@ class PublishedOctree final : public PublishedProgram {
 class EngineProgram final : public Program {
  public:
   EngineProgram(const Label& label, const std::string& device, const BenchSetup& setup)
-      : setup_(setup),
-        label_(label),
-        engine_(make_engine(settings(label.engine, device), *setup.voxmap, *setup.tool)) {}
+      : Program(label, setup), engine_(make_engine(settings(label.engine, device), *setup.voxmap, *setup.tool)) {}
 
   BatchSample run(std::span<const Substep> frames, bool use_voi) override {
     BatchSample sample;
@@ -295,7 +285,6 @@ class EngineProgram final : public Program {
   }
 
   [[nodiscard]] StructureBytes bytes() const override { return engine_->structure_bytes(); }
-  [[nodiscard]] const Label& label() const override { return label_; }
 
  private:
   static Scenario settings(const std::string& engine, const std::string& device) {
@@ -328,7 +317,7 @@ class EngineProgram final : public Program {
     for (const SubstepSums& sums : batch.sums) {
       sample.voxels += sums.contacts;
       sample.removed += static_cast<double>(sums.removed) / RS_WHOLE_FILL;
-      for (int i = 0; i < 3; ++i) sample.force[i] += static_cast<double>(sums.force[i]) / RS_FORCE_SCALE;
+      sample.force += force_of(sums);
     }
   }
 
@@ -337,8 +326,6 @@ class EngineProgram final : public Program {
     removed_.insert(removed_.end(), removed.begin(), removed.end());
   }
 
-  BenchSetup setup_;
-  Label label_;
   std::unique_ptr<Engine> engine_;
   RemovedFrames removed_;  ///< since the bone was whole
 };
