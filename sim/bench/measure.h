@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -119,7 +120,8 @@ void measure_voi(const ProgramSet& set);
 void measure_batches(const ProgramSet& set);
 void measure_plunge(const ProgramSet& set);
 void measure_scatter(const ProgramSet& set);
-void measure_exact_case(const ProgramSet& set, const std::string& contact);
+/// Without contact: the plunge.
+void measure_exact_case(const ProgramSet& set, std::optional<Contact> contact);
 /// Calls `begin` before each sphere.
 void measure_spheres(const Plan& plan, const BenchControl& control,
                      const std::function<void(const std::string&)>& begin, Json& report);

@@ -269,13 +269,13 @@ class Bench {
     measure_batches(set);
     begin("plunge");
     measure_plunge(set);
-    measure_exact_case(set, "plunge");
+    measure_exact_case(set, std::nullopt);
   }
 
   /// `exact` has no shell: the last size is enough.
   static void measure_contact(const ProgramSet& set, Contact contact, bool last) {
     measure_case(set, contact);
-    if (last) measure_exact_case(set, name_of(contact));
+    if (last) measure_exact_case(set, contact);
   }
 
   const Plan& plan_;

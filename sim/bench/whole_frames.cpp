@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
@@ -229,20 +230,17 @@ constexpr int kWindowsOfCase = 3;     // the first of them untimed
 constexpr int kWindowsOfPlunge = 16;  // 1024 frames
 constexpr double kCaseFeedMmS = 1;    // as the other engines' substeps (scene.h)
 
-/// The motions of a case: to the depth of each approach; `plunge`: as measure_plunge().
-std::vector<Motion> motions_of(const std::string& contact, double voxel_mm) {
+/// The motions of a case: to the depth of each approach; without one: as measure_plunge().
+std::vector<Motion> motions_of(std::optional<Contact> contact, double voxel_mm) {
   std::vector<Motion> out;
-  if (contact == "plunge") {
+  if (!contact) {
     const double step_mm = 0.25 * voxel_mm, rate_hz = 1000;
     const double depth_mm = kApproaches[0].depth_mm[1] + step_mm * 64 * kWindowsOfPlunge;
     return {straight_motion(pose_at(kApproaches[0], depth_mm), step_mm * rate_hz, kWindowsOfPlunge)};
   }
-  for (const Contact each : kContacts) {
-    if (contact != name_of(each)) continue;
-    for (const Approach& approach : kApproaches) {
-      const double depth_mm = approach.depth_mm[static_cast<std::size_t>(each)];
-      out.push_back(straight_motion(pose_at(approach, depth_mm), kCaseFeedMmS, kWindowsOfCase));
-    }
+  for (const Approach& approach : kApproaches) {
+    const double depth_mm = approach.depth_mm[static_cast<std::size_t>(*contact)];
+    out.push_back(straight_motion(pose_at(approach, depth_mm), kCaseFeedMmS, kWindowsOfCase));
   }
   return out;
 }
@@ -270,9 +268,9 @@ void measure_spheres(const Plan& plan, const BenchControl& control,
   }
 }
 
-void measure_exact_case(const ProgramSet& set, const std::string& contact) {
+void measure_exact_case(const ProgramSet& set, std::optional<Contact> contact) {
   if (std::ranges::count(set.plan.engines, "exact") == 0) return;
-  const Json at = case_row({"exact", "deterministic"}, set.size, contact);
+  const Json at = case_row({"exact", "deterministic"}, set.size, contact ? name_of(*contact) : "plunge");
   const ExactRuns runs{.bone = set.setup.voxmap,
                        .tool = set.setup.tool,
                        .motions = motions_of(contact, set.setup.voxmap->grid.voxel_mm),
@@ -280,8 +278,7 @@ void measure_exact_case(const ProgramSet& set, const std::string& contact) {
   measure_or_skip(at, set.report, [&] {
     const WholeFrames frames = time_whole_frames(runs, set.control);
     add_result(at, frames.voxels, spread_of(frames.ms), spread_of(frames.kernel_ms).median, set.report);
-    if (contact != name_of(Contact::severe)) return;
-    add_memory("exact", set.size, {frames.bytes.voxmap, 0}, set.report);
+    if (contact == Contact::severe) add_memory("exact", set.size, {frames.bytes.voxmap, 0}, set.report);
   });
 }
 
