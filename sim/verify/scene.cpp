@@ -119,6 +119,18 @@ class Rows final : public FrameSink {
   void frame(const FrameResult& result, const FrameTimes& /*times*/) override { rows.push_back(result); }
 };
 
+constexpr double kPlungeClear_mm = 0.1;
+constexpr double kEdge_mm = 0.1;
+constexpr double kPlungeHead_mm = 8;  // height of a head
+
+FilledVoxmap bone_of(const PlungeRun& run, const Vec3& size_mm) {
+  const double density = run.plunge.density_g_cm3;
+  if (!run.half_toward_deg) return block(size_mm, run.voxel_mm, density);
+  return half_block(
+      size_mm, run.voxel_mm, [=](const Vec3&) { return density; }, entry_mm(run.voxel_mm),
+      toward(*run.half_toward_deg));
+}
+
 }  // namespace
 
 Reamed ream(SimulationInput scene, const Setting& setting) {
@@ -170,22 +182,6 @@ Vec3 toward(double degrees) {
   const double angle = degrees * std::numbers::pi / 180;
   return {std::cos(angle), std::sin(angle), 0};
 }
-
-namespace {
-
-constexpr double kPlungeClear_mm = 0.1;
-constexpr double kEdge_mm = 0.1;
-constexpr double kPlungeHead_mm = 8;  // height of a head
-
-FilledVoxmap bone_of(const PlungeRun& run, const Vec3& size_mm) {
-  const double density = run.plunge.density_g_cm3;
-  if (!run.half_toward_deg) return block(size_mm, run.voxel_mm, density);
-  return half_block(
-      size_mm, run.voxel_mm, [=](const Vec3&) { return density; }, entry_mm(run.voxel_mm),
-      toward(*run.half_toward_deg));
-}
-
-}  // namespace
 
 Profile head_of(const SteadyPlunge& plunge) {
   return plunge.radius_mm ? convex_profile(*plunge.radius_mm, plunge.outer_mm, plunge.bore_mm, kPlungeHead_mm, kEdge_mm)
