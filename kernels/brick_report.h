@@ -59,37 +59,18 @@ LaneSums zero_sums(void) {
 }
 
 #if defined(RS_LANES)
-long add_lanes(const long16 v) {
-  const long8 a = v.lo + v.hi;
-  const long4 b = a.lo + a.hi;
-  return b.x + b.y + b.z + b.w;
-}
 int add_int_lanes(const int16 v) {
   const int8 a = v.lo + v.hi;
   const int4 b = a.lo + a.hi;
   const int2 c = b.lo + b.hi;
   return c.x + c.y;
 }
-#else
-long add_lanes(const long v) {
-  return v;
-}
 #endif
-
-/* Adds the lanes of the law's sums. */
-void add_law(const LaneSums* law, SubstepSums* sums) {
-  for (int c = 0; c < 3; ++c) {
-    sums->force[c] += add_lanes(law->force[c]);
-    sums->torque[c] += add_lanes(law->torque[c]);
-  }
-  sums->floor_energy += add_lanes(law->floor_energy);
-  sums->energy += add_lanes(law->energy);
-}
 
 void add_brick_sums(__global SubstepSums* total, const LaneSums* law, const long energy, const long removed,
                     const long contacts) {
   SubstepSums part = {{0}, {0}, energy, 0, removed, contacts};
-  add_law(law, &part);
+  rs_add_lanes(&part, law);
   add_substep_sums(total, &part);
 }
 

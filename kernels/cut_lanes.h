@@ -81,7 +81,7 @@ RS_INLINE void add_edge_forces(__global const SubstepArgs* args, const SubstepWi
     const int16 outside = rs_window_outside(fit, (float16)from->times[f], RS_WINDOW_PIECES);
     LaneSums edge = zero_sums();
     rs_edge_force(a, &clip, fill, outside, &edge);
-    add_law(&edge, sums + f);
+    rs_add_lanes(sums + f, &edge);
   }
   set_substep(args + window->first, v);
 }
@@ -269,7 +269,7 @@ bool cut_candidates(__global const SubstepArgs* a, const OutlineView* outline, c
   }
   const int contact_count = add_int_lanes(contacts);
   if (contact_count == 0 && !rs_has_edge(a)) return false;
-  add_law(&law, total);
+  rs_add_lanes(total, &law);
   total->removed += add_int_lanes(lost_sum);
   total->contacts += contact_count;
   if (RS_ANY(any_removed)) {

@@ -218,16 +218,17 @@ RS_INLINE void add_substep_sums(__global SubstepSums* total, const SubstepSums* 
 }
 #endif
 
-#if !defined(RS_LANES)
+/* Adds the lanes of the law's sums. */
 RS_INLINE void rs_add_lanes(SubstepSums* sums, const LaneSums* lanes) {
   for (int i = 0; i < 3; ++i) {
-    sums->force[i] += lanes->force[i];
-    sums->torque[i] += lanes->torque[i];
+    sums->force[i] += rs_lane_sum(lanes->force[i]);
+    sums->torque[i] += rs_lane_sum(lanes->torque[i]);
   }
-  sums->energy += lanes->energy;
-  sums->floor_energy += lanes->floor_energy;
+  sums->energy += rs_lane_sum(lanes->energy);
+  sums->floor_energy += rs_lane_sum(lanes->floor_energy);
 }
 
+#if !defined(RS_LANES)
 /* rs_cut_force() for voxel (x, y, z) of the lattice. */
 RS_INLINE void rs_voxel_force(RS_GLOBAL const SubstepArgs* a, const OutlineView* outline, rs_i32 x, rs_i32 y, rs_i32 z,
                               float energy, LaneSums* sums) {

@@ -234,3 +234,17 @@ __kernel void cut_voxels(const uint substep, __global const SubstepArgs* args, _
   rs_add_lanes(&part, &law);
   if (part.contacts != 0) add_substep_sums(&sums[substep], &part);
 }
+
+/* ---- Restoring ---- */
+
+/* Restore removed voxels from a list of (voxel, value), for benchmarks that repeat a frame on the same bone. */
+
+#define RESTORE(name, type)                                                                   \
+  __kernel void name(__global const uint2* voxels, const uint count, __global type* values) { \
+    const uint i = get_global_id(0);                                                          \
+    if (i < count) values[voxels[i].x] = (type)voxels[i].y;                                   \
+  }
+
+RESTORE(restore_bytes, uchar)
+RESTORE(restore_halves, ushort)
+RESTORE(restore_words, uint) /* of any type, floats by their bits */

@@ -23,6 +23,12 @@ typedef long16 rs_sum;
 #define RS_REAL_OF(bits) as_float16(bits)
 #define RS_FMA(a, b, c) fma(a, b, c)
 
+RS_INLINE rs_i64 rs_lane_sum(rs_sum lanes) {
+  const long8 eight = lanes.lo + lanes.hi;
+  const long4 four = eight.lo + eight.hi;
+  return four.x + four.y + four.z + four.w;
+}
+
 /* The lanes in which a condition holds, as bits. PoCL's any() branches on each lane. */
 #if defined(__AVX512DQ__) /* a compiler for such a processor, as PoCL's */
 RS_INLINE rs_u32 rs_lane_bits(rs_int condition) {
@@ -53,6 +59,9 @@ typedef rs_i64 rs_sum;
 #define RS_TO_SUM(value) ((rs_i64)(value))
 #define RS_TO_INT(value) ((rs_i32)(value))
 #define RS_TO_REAL(value) ((float)(value))
+RS_INLINE rs_i64 rs_lane_sum(rs_sum lanes) {
+  return lanes;
+}
 #ifdef __OPENCL_C_VERSION__
 #define RS_BITS_OF(real) as_int(real)
 #define RS_REAL_OF(bits) as_float(bits)

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-/* The published methods of `reamsim bench` (kernels/published_*.cl), which the engines do not use. */
+/* The published methods of `reamsim bench` (kernels/published.cl), which the engines do not use. */
 #ifndef REAMSIM_KERNELS_PUBLISHED_H
 #define REAMSIM_KERNELS_PUBLISHED_H
 

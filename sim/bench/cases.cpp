@@ -50,18 +50,6 @@ void set_ratio(const Json& report, Json& row) {
   if (direct != nullptr && ms > 0) row["ratio_to_direct"] = (*direct)["median_ms"].get<double>() / ms;
 }
 
-}  // namespace
-
-Json& add_result(Json row, const Json& contacts, const Spread& ms, double kernel_ms, Json& report) {
-  row["contacts"] = contacts;
-  row.update(spread_ms(ms));
-  row.update({{"kernel_ms", kernel_ms}, {"ratio_to_direct", nullptr}, {"samples", ms.samples}});
-  set_ratio(report, row);
-  return report["results"].emplace_back(std::move(row));
-}
-
-namespace {
-
 /// Fraction of the tool's box that is VOI at a pose.
 double voi_fraction(const BenchSetup& setup, const ToolPose& pose) {
   const auto voi = broad_phase(setup.tool_box, setup.bone_box, pose.bone_from_tool().inverse());
@@ -112,83 +100,6 @@ void add_scatter(const std::vector<BatchSample>& samples, Json& row) {
               {"force_spread", any ? deviation(magnitude) / force : 0},
               {"component_spread", component_spread}});
 }
-
-}  // namespace
-
-void measure_voi(const ProgramSet& set) {
-  const Programs programs = with_voi(set.programs);
-  for (int tenth = 1; tenth <= 10; ++tenth) {
-    const double fraction = std::min(0.1 * tenth, 0.9999);
-    const Substep frame = substep_at(pose_at(kApproaches[0], depth_of_fraction(set.setup, fraction)));
-    const auto with = run_alternately(programs, {frame}, set.plan.repetitions, true, set.control);
-    const auto without = run_alternately(programs, {frame}, set.plan.repetitions, false, set.control);
-    const auto touching = count_touching(*set.setup.voxmap, *set.setup.tool, frame);
-    for (std::size_t i = 0; i < programs.size(); ++i) {
-      const Spread with_ms = spread_over(with[i], &BatchSample::total_s);
-      const Spread without_ms = spread_over(without[i], &BatchSample::total_s);
-      set.report["voi"].push_back({{"engine", programs[i]->label().engine},
-                                   {"variant", programs[i]->label().variant},
-                                   {"fraction", 0.1 * tenth},
-                                   {"contacts", static_cast<double>(touching)},
-                                   {"with_ms", with_ms.median},
-                                   {"with_min_ms", with_ms.min},
-                                   {"with_max_ms", with_ms.max},
-                                   {"without_ms", without_ms.median},
-                                   {"without_min_ms", without_ms.min},
-                                   {"without_max_ms", without_ms.max}});
-    }
-  }
-}
-
-void measure_batches(const ProgramSet& set) {
-  const auto poses = substeps_of(Contact::none);  // nothing is removed, so that a batch may repeat them
-  for (const int batch : {1, 8, 64}) {
-    std::vector<Substep> frames;
-    for (int k = 0; k < batch; ++k) frames.push_back(poses[static_cast<std::size_t>(k) % poses.size()]);
-    for (const auto& program : set.programs) {
-      if (program->label().variant != "deterministic" || program->label().engine == "implicit") continue;
-      std::vector<double> ms;
-      for (int repetition = -1; repetition < set.plan.repetitions; ++repetition) {
-        if (set.control.stop()) throw Interrupted();
-        const BatchSample sample = program->run(frames, true);
-        if (repetition >= 0) ms.push_back(1e3 * sample.total_s / batch);
-      }
-      program->restore();
-      Json row = set.row(*program, "none");
-      row["batch"] = batch;
-      row.update(spread_ms(spread_of(ms)));
-      set.report["batches"].push_back(row);
-    }
-  }
-}
-
-void measure_scatter(const ProgramSet& set) {
-  constexpr int kRepetitions = 20;
-  const Substep frame = substeps_of(Contact::severe)[1];
-  const auto touching = static_cast<double>(count_touching(*set.setup.voxmap, *set.setup.tool, frame));
-  Json voxels;  // null without such a program
-  Programs racing;
-  if (std::ranges::count(set.plan.engines, "direct") > 0) {
-    racing.push_back(make_program({"direct", "published"}, set.plan.device, set.setup, true));
-  }
-  for (const auto& program : set.programs) {
-    const Label& label = program->label();
-    if (label.variant == "published" && label.engine == "octree") racing.push_back(program);
-    if (label.variant == "deterministic" && label.engine != "implicit" && voxels.is_null()) {
-      voxels = static_cast<double>(program->run({&frame, 1}, true).voxels);
-      program->restore();
-    }
-  }
-  const auto samples = run_alternately(racing, {frame}, kRepetitions, true, set.control);
-  for (std::size_t i = 0; i < racing.size(); ++i) {
-    Json row = set.row(*racing[i], "severe");
-    row.update({{"repetitions", samples[i].size()}, {"points", touching}, {"voxels", voxels}});
-    add_scatter(samples[i], row);
-    set.report["scatter"].push_back(row);
-  }
-}
-
-namespace {
 
 double mean_touching(const ProgramSet& set, const std::vector<Substep>& frames) {
   double sum = 0;
@@ -285,6 +196,87 @@ void add_plunge(const ProgramSet& set, const PlungeRun& run, const std::vector<B
 }
 
 }  // namespace
+
+Json& add_result(Json row, const Json& contacts, const Spread& ms, double kernel_ms, Json& report) {
+  row["contacts"] = contacts;
+  row.update(spread_ms(ms));
+  row.update({{"kernel_ms", kernel_ms}, {"ratio_to_direct", nullptr}, {"samples", ms.samples}});
+  set_ratio(report, row);
+  return report["results"].emplace_back(std::move(row));
+}
+
+void measure_voi(const ProgramSet& set) {
+  const Programs programs = with_voi(set.programs);
+  for (int tenth = 1; tenth <= 10; ++tenth) {
+    const double fraction = std::min(0.1 * tenth, 0.9999);
+    const Substep frame = substep_at(pose_at(kApproaches[0], depth_of_fraction(set.setup, fraction)));
+    const auto with = run_alternately(programs, {frame}, set.plan.repetitions, true, set.control);
+    const auto without = run_alternately(programs, {frame}, set.plan.repetitions, false, set.control);
+    const auto touching = count_touching(*set.setup.voxmap, *set.setup.tool, frame);
+    for (std::size_t i = 0; i < programs.size(); ++i) {
+      const Spread with_ms = spread_over(with[i], &BatchSample::total_s);
+      const Spread without_ms = spread_over(without[i], &BatchSample::total_s);
+      set.report["voi"].push_back({{"engine", programs[i]->label().engine},
+                                   {"variant", programs[i]->label().variant},
+                                   {"fraction", 0.1 * tenth},
+                                   {"contacts", static_cast<double>(touching)},
+                                   {"with_ms", with_ms.median},
+                                   {"with_min_ms", with_ms.min},
+                                   {"with_max_ms", with_ms.max},
+                                   {"without_ms", without_ms.median},
+                                   {"without_min_ms", without_ms.min},
+                                   {"without_max_ms", without_ms.max}});
+    }
+  }
+}
+
+void measure_batches(const ProgramSet& set) {
+  const auto poses = substeps_of(Contact::none);  // nothing is removed, so that a batch may repeat them
+  for (const int batch : {1, 8, 64}) {
+    std::vector<Substep> frames;
+    for (int k = 0; k < batch; ++k) frames.push_back(poses[static_cast<std::size_t>(k) % poses.size()]);
+    for (const auto& program : set.programs) {
+      if (program->label().variant != "deterministic" || program->label().engine == "implicit") continue;
+      std::vector<double> ms;
+      for (int repetition = -1; repetition < set.plan.repetitions; ++repetition) {
+        if (set.control.stop()) throw Interrupted();
+        const BatchSample sample = program->run(frames, true);
+        if (repetition >= 0) ms.push_back(1e3 * sample.total_s / batch);
+      }
+      program->restore();
+      Json row = set.row(*program, "none");
+      row["batch"] = batch;
+      row.update(spread_ms(spread_of(ms)));
+      set.report["batches"].push_back(row);
+    }
+  }
+}
+
+void measure_scatter(const ProgramSet& set) {
+  constexpr int kRepetitions = 20;
+  const Substep frame = substeps_of(Contact::severe)[1];
+  const auto touching = static_cast<double>(count_touching(*set.setup.voxmap, *set.setup.tool, frame));
+  Json voxels;  // null without such a program
+  Programs racing;
+  if (std::ranges::count(set.plan.engines, "direct") > 0) {
+    racing.push_back(make_program({"direct", "published"}, set.plan.device, set.setup, true));
+  }
+  for (const auto& program : set.programs) {
+    const Label& label = program->label();
+    if (label.variant == "published" && label.engine == "octree") racing.push_back(program);
+    if (label.variant == "deterministic" && label.engine != "implicit" && voxels.is_null()) {
+      voxels = static_cast<double>(program->run({&frame, 1}, true).voxels);
+      program->restore();
+    }
+  }
+  const auto samples = run_alternately(racing, {frame}, kRepetitions, true, set.control);
+  for (std::size_t i = 0; i < racing.size(); ++i) {
+    Json row = set.row(*racing[i], "severe");
+    row.update({{"repetitions", samples[i].size()}, {"points", touching}, {"voxels", voxels}});
+    add_scatter(samples[i], row);
+    set.report["scatter"].push_back(row);
+  }
+}
 
 void measure_case(const ProgramSet& set, Contact contact) {
   const auto frames = substeps_of(contact);

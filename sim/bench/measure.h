@@ -5,8 +5,10 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/bench/scene.h"
@@ -39,6 +41,7 @@ struct BatchSample {
 /// A program that detects contact and removes bone. Frames change its bone until restore().
 class Program {
  public:
+  Program(Label label, const BenchSetup& setup) : label_(std::move(label)), setup_(setup) {}
   virtual ~Program() = default;
   /// Runs substeps as frames, enqueued at once where the program can, and reads their results. `use_voi` false: tests
   /// the whole shell.
@@ -46,7 +49,11 @@ class Program {
   /// Restores the bone. Not timed.
   virtual void restore() = 0;
   [[nodiscard]] virtual StructureBytes bytes() const = 0;
-  [[nodiscard]] virtual const Label& label() const = 0;
+  [[nodiscard]] const Label& label() const { return label_; }
+
+ protected:
+  Label label_;
+  BenchSetup setup_;
 };
 
 /// An engine of `erosion: remove`, or the published program of one: that of `direct` counts contacts where `count` says
@@ -111,7 +118,8 @@ void measure_voi(const ProgramSet& set);
 void measure_batches(const ProgramSet& set);
 void measure_plunge(const ProgramSet& set);
 void measure_scatter(const ProgramSet& set);
-void measure_exact_case(const ProgramSet& set, const std::string& contact);
+/// Without contact: the plunge.
+void measure_exact_case(const ProgramSet& set, std::optional<Contact> contact);
 /// Calls `begin` before each sphere.
 void measure_spheres(const Plan& plan, const BenchControl& control,
                      const std::function<void(const std::string&)>& begin, Json& report);

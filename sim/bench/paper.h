@@ -7,8 +7,6 @@
 #include <optional>
 #include <string_view>
 
-#include "sim/record/result_json.h"
-
 namespace reamsim::bench {
 
 // Figures of the paper (Faieghi, Tutunea-Fatan and Eagleson 2020), measured on a GTX 970. Times in ms unless named
@@ -27,12 +25,6 @@ inline constexpr double kPaperOctree[3][5] = {
     {0.33, 0.34, 0.40, 0.68, 1.70}, {0.86, 0.89, 1.03, 1.22, 1.86}, {5.20, 5.14, 5.29, 5.52, 6.70}};
 /// Table 5, Yau et al., by voxmap.
 inline constexpr std::array<double, 4> kPaperImplicit{0.23, 0.5, 2.19, 13.67};
-
-/// Table 2, both 1024³, 103,000 contacts, µs.
-struct PaperPhases {
-  double obb_us = 0.77, voi_us = 0.26, upload_us = 169.9, kernel_us = 568.72, read_us = 71.03, total_us = 810.67;
-};
-REAMSIM_TO_JSON(PaperPhases, obb_us, voi_us, upload_us, kernel_us, read_us, total_us)
 
 /// Table 4: rows as kShells.
 inline constexpr double kPaperShellMb[5][2] = {{0.02, 0.05}, {0.07, 0.22}, {0.30, 0.89}, {1.19, 3.56}, {4.75, 14.26}};

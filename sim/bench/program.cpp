@@ -19,9 +19,8 @@
 
 namespace reamsim {
 namespace embedded {
-extern const char* const kernel_published_direct;
-extern const char* const kernel_published_octree;
-}  // namespace embedded
+extern const char* const kernel_published;
+}
 
 namespace bench {
 
@@ -76,19 +75,16 @@ class PublishedProgram : public Program {
     frames_ = 0;
   }
 
-  [[nodiscard]] const Label& label() const override { return label_; }
-
  protected:
   /// `has_voi`: points outside the VOI are culled, else the boxes alone are tested.
-  PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const BenchSetup& setup, const char* source,
-                   const std::string& options, bool has_voi)
-      : setup_(setup),
+  PublishedProgram(const std::string& engine, const cl::DeviceInfo& info, const BenchSetup& setup, bool has_voi)
+      : Program({engine, "published"}, setup),
         device_(info),
-        program_(device_.build("published_" + engine + ".cl", source, options)),
+        program_(device_.build("published.cl", embedded::kernel_published,
+                               fmt::format("-DAIR_HU={:.8e}f", static_cast<float>(kScale.of_air)))),
         points_(setup.tool->shell.codes.size()),
         frame_(device_, 1, "the frame"),
-        restore_(program_, "published_restore"),
-        label_{engine, "published"},
+        restore_(program_, ("restore_" + engine).c_str()),
         has_voi_(has_voi) {}
 
   /// A power of two.
@@ -102,7 +98,7 @@ class PublishedProgram : public Program {
   /// Restores the whole bone.
   virtual void restore_all() = 0;
 
-  BenchSetup setup_;
+  inline static const HuScale kScale{DensityMapping{}};
   bool count_contacts_ = false;  ///< in PublishedFrame::contacts
   cl::Device device_;
   cl::Program program_;
@@ -132,7 +128,6 @@ class PublishedProgram : public Program {
   }
 
   PublishedFrame host_frame_{};  ///< lives until the non-blocking write is done
-  Label label_;
   bool has_voi_;
   std::map<const cl::Kernel*, std::size_t> groups_;
   int frames_ = 0;  ///< that may have removed voxels since the bone was whole
@@ -141,7 +136,7 @@ class PublishedProgram : public Program {
 class PublishedDirect final : public PublishedProgram {
  public:
   PublishedDirect(const cl::DeviceInfo& info, const BenchSetup& setup, bool count)
-      : PublishedProgram("direct", info, setup, embedded::kernel_published_direct, "", true),
+      : PublishedProgram("direct", info, setup, true),
         kernel_(program_, "published_direct"),
         codes_(device_, points_, "the point shell"),
         whole_(cl::upload(device_, dense_remaining_grades(*setup.voxmap), "the whole voxmap")),
@@ -195,8 +190,7 @@ std::vector<cl_uint> descent_steps(const VoxelGrid& grid) {
 class PublishedOctree final : public PublishedProgram {
  public:
   PublishedOctree(const cl::DeviceInfo& info, const BenchSetup& setup)
-      : PublishedProgram("octree", info, setup, embedded::kernel_published_octree,
-                         fmt::format("-DAIR_HU={:.8e}f", static_cast<float>(kScale.of_air)), false),
+      : PublishedProgram("octree", info, setup, false),
         detect_(program_, "published_octree"),
         reduce_(program_, "published_reduce"),
         voxels_(static_cast<std::size_t>(setup.voxmap->grid.size())),
@@ -236,7 +230,6 @@ class PublishedOctree final : public PublishedProgram {
     sample.force += Vec3(result[0], result[1], result[2]);
   }
 
-  inline static const HuScale kScale{DensityMapping{}};
   cl::Kernel detect_, reduce_;
   std::size_t voxels_;
   cl::Buffer<float> hu_;
@@ -249,9 +242,7 @@ class PublishedOctree final : public PublishedProgram {
 class EngineProgram final : public Program {
  public:
   EngineProgram(const Label& label, const std::string& device, const BenchSetup& setup)
-      : setup_(setup),
-        label_(label),
-        engine_(make_engine(settings(label.engine, device), *setup.voxmap, *setup.tool)) {}
+      : Program(label, setup), engine_(make_engine(settings(label.engine, device), *setup.voxmap, *setup.tool)) {}
 
   BatchSample run(std::span<const Substep> frames, bool use_voi) override {
     BatchSample sample;
@@ -269,7 +260,6 @@ class EngineProgram final : public Program {
   }
 
   [[nodiscard]] StructureBytes bytes() const override { return engine_->structure_bytes(); }
-  [[nodiscard]] const Label& label() const override { return label_; }
 
  private:
   static Scenario settings(const std::string& engine, const std::string& device) {
@@ -302,7 +292,7 @@ class EngineProgram final : public Program {
     for (const SubstepSums& sums : batch.sums) {
       sample.voxels += sums.contacts;
       sample.removed += static_cast<double>(sums.removed) / RS_WHOLE_FILL;
-      for (int i = 0; i < 3; ++i) sample.force[i] += static_cast<double>(sums.force[i]) / RS_FORCE_SCALE;
+      sample.force += force_of(sums);
     }
   }
 
@@ -311,8 +301,6 @@ class EngineProgram final : public Program {
     removed_.insert(removed_.end(), removed.begin(), removed.end());
   }
 
-  BenchSetup setup_;
-  Label label_;
   std::unique_ptr<Engine> engine_;
   RemovedFrames removed_;  ///< since the bone was whole
 };

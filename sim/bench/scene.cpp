@@ -22,6 +22,14 @@ namespace reamsim::bench {
 
 namespace {
 
+constexpr double kFaceRadiusMm = 32;  // of the phantom's glenoid face, a sphere about a point on the x axis
+constexpr double kFrameS = 1e-3;
+constexpr double kFeedMmS = 1;
+constexpr double kSpinRpm = 250;
+
+constexpr double kWidthMm = 30;            // of the sphere's cap
+constexpr double kSpacingVoxels = 0.4721;  // what `reamsim run` chooses
+
 /// The face is oriented towards +x; behind it the cube extends into the neck.
 const Vec3 kBoxCornerMm(-30, -20, -20);
 
@@ -174,9 +182,28 @@ Tool cap_tool(int resolution) {
   return tool;
 }
 
+Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm) {
+  constexpr int kUnusedCells = 8;  // of a shell that exact erosion does not use
+  constexpr int kMostCells = 1024;
+  Tool tool;
+  tool.profile = profile;
+  tool.bounds = profile.bounds();
+  const double radius = tool.bounds.max.x(), low = tool.bounds.min.z(), high = tool.bounds.max.z();
+  if (shell_spacing_mm) {
+    const double longest = std::max(2 * radius, high - low);
+    tool.mesh = revolve(profile, segments_for_sagitta(radius, 0.02 * *shell_spacing_mm));
+    tool.shell =
+        voxelize_surface(tool.mesh, std::min(kMostCells, static_cast<int>(std::ceil(longest / *shell_spacing_mm)) + 1));
+  } else {
+    tool.mesh = revolve({{{0, low}, {radius, low}, {radius, high}, {0, high}}}, 4 * kUnusedCells);
+    tool.shell = voxelize_surface(tool.mesh, kUnusedCells);
+  }
+  for (const Vec2& rz : profile.points) tool.reach_mm = std::max(tool.reach_mm, rz.norm());
+  return tool;
+}
+
 Aabb shell_box(const Tool& tool) {
-  const Vec3 margin = Vec3::Constant(0.5 * tool.shell.cell_mm);
-  return {tool.bounds.min - margin, tool.bounds.max + margin};
+  return tool.bounds.expanded(0.5 * tool.shell.cell_mm);
 }
 
 CuttingSettings bench_cutting() {
@@ -184,15 +211,6 @@ CuttingSettings bench_cutting() {
   cutting.erosion = ErosionMode::remove;
   return cutting;
 }
-
-namespace {
-
-constexpr double kFaceRadiusMm = 32;  // of the phantom's glenoid face, a sphere about a point on the x axis
-constexpr double kFrameS = 1e-3;
-constexpr double kFeedMmS = 1;
-constexpr double kSpinRpm = 250;
-
-}  // namespace
 
 const std::array<Approach, 4> kApproaches{{
     {0, 0, 3, -2, {0.7520, 0.0576, -0.4399}},
@@ -267,17 +285,8 @@ double wanted_points(Contact contact, double points) {
                                      : 0;
 }
 
-namespace sphere {
-
-namespace {
-
-constexpr double kWidthMm = 30;            // of the cap
-constexpr double kSpacingVoxels = 0.4721;  // what `reamsim run` chooses
-
-}  // namespace
-
-FilledVoxmap block(double voxel_mm) {
-  const Vec3 size_mm(kWidthMm + 4, kWidthMm + 4, kDepthMm + 2);
+FilledVoxmap sphere_block(double voxel_mm) {
+  const Vec3 size_mm(kWidthMm + 4, kWidthMm + 4, kSphereDepthMm + 2);
   VoxelGrid grid;
   grid.voxel_mm = voxel_mm;
   for (int i = 0; i < 3; ++i) grid.dims[i] = 8 * static_cast<int>(std::ceil(size_mm[i] / voxel_mm / 8));
@@ -290,20 +299,14 @@ FilledVoxmap block(double voxel_mm) {
   return voxmap;
 }
 
-Tool cap(double voxel_mm) {
-  Tool tool;
-  tool.profile = arc(kRadiusMm, std::asin(kWidthMm / 2 / kRadiusMm), 64);  // exact erosion takes the arc through them
-  tool.profile.points.emplace_back(kWidthMm / 2, 8);
-  tool.profile.points.emplace_back(0, 8);
-  const int resolution = static_cast<int>(std::ceil(kWidthMm / (kSpacingVoxels * voxel_mm))) + 1;
-  tool.mesh = revolve(tool.profile, segments_for_sagitta(kWidthMm / 2, 0.02 * kSpacingVoxels * voxel_mm));
-  tool.shell = voxelize_surface(tool.mesh, std::min(resolution, 1024));
-  tool.bounds = tool.mesh.bounds();
-  tool.reach_mm = std::hypot(kWidthMm / 2, 8.0) + tool.shell.cell_mm;
-  return tool;
+Tool sphere_cap(double voxel_mm) {
+  Profile profile = arc(kSphereRadiusMm, std::asin(kWidthMm / 2 / kSphereRadiusMm), 64);  // exact takes the arc itself
+  profile.points.emplace_back(kWidthMm / 2, 8);
+  profile.points.emplace_back(0, 8);
+  return make_tool(profile, kSpacingVoxels * voxel_mm);
 }
 
-Substep down_to(double depth_mm, std::int64_t number) {
+Substep sphere_frame(double depth_mm, std::int64_t number) {
   ToolPose pose;
   pose.position_mm = {0, 0, -depth_mm};
   pose.spin_rpm = 250;
@@ -313,7 +316,5 @@ Substep down_to(double depth_mm, std::int64_t number) {
   frame.frame = number;
   return frame;
 }
-
-}  // namespace sphere
 
 }  // namespace reamsim::bench

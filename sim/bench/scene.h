@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,10 @@ class BoneSeries {
 /// reamer. The cap spans kCapFraction of its edge, which gives the paper's number of points at every resolution.
 inline constexpr double kCapFraction = 0.6945;
 Tool cap_tool(int resolution);
+
+/// A tool from its profile, with a shell of at most 1024³ cells. Without a spacing it gets a minimal shell, because
+/// exact erosion does not use one.
+Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm = {});
 
 /// Box of the shell points, T, mm: half a cell beyond the surface.
 Aabb shell_box(const Tool& tool);
@@ -80,26 +85,22 @@ std::int64_t count_touching(const Voxmap& voxmap, const Tool& tool, const Subste
 /// Touching points of a case with a shell of `points`.
 double wanted_points(Contact contact, double points);
 
-namespace sphere {
-
 // The plunged sphere: a cap that a spherical tool cuts along z into the flat face of a block. Frame B: face at z = 0,
 // +z out of the bone.
-inline constexpr double kRadiusMm = 29;
-inline constexpr double kDepthMm = 4;  ///< of the whole plunge
+inline constexpr double kSphereRadiusMm = 29;
+inline constexpr double kSphereDepthMm = 4;  ///< of the whole plunge
 inline constexpr double kSphereFeedMmS = 0.2;
 inline constexpr double kSphereFrameS = 1e-3;
 
 /// A block of uniform bone under the sphere, offset from the tool's axis by fractions of a voxel so that nothing is
 /// regular.
-FilledVoxmap block(double voxel_mm);
+FilledVoxmap sphere_block(double voxel_mm);
 
 /// The tool: a cap of the sphere with a cylinder above it, and the shell that `reamsim run` chooses, of at most 1024³
 /// cells.
-Tool cap(double voxel_mm);
+Tool sphere_cap(double voxel_mm);
 
 /// The substep of a frame that ends at `depth_mm`, at the plunge's feed rate and 250 rpm. `number`: of the frame.
-Substep down_to(double depth_mm, std::int64_t number);
-
-}  // namespace sphere
+Substep sphere_frame(double depth_mm, std::int64_t number);
 
 }  // namespace reamsim::bench

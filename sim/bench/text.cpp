@@ -138,8 +138,15 @@ std::string cases_table(const Json& report) {
 std::string phases_table(const Json& report) {
   const Json& phases = report["phases"];
   if (phases.empty()) return "";
-  Json rows = Json::array({Json{{"engine", "the paper"}, {"variant", ""}}});
-  rows.back().update(Json(PaperPhases()));
+  // Table 2, both 1024³, 103,000 contacts, µs.
+  Json rows = Json::array({Json{{"engine", "the paper"},
+                                {"variant", ""},
+                                {"obb_us", 0.77},
+                                {"voi_us", 0.26},
+                                {"upload_us", 169.9},
+                                {"kernel_us", 568.72},
+                                {"read_us", 71.03},
+                                {"total_us", 810.67}}});
   for (const Json& row : phases) {
     if (row["voxmap"] == phases.back()["voxmap"] && row["shell"] == phases.back()["shell"]) rows.push_back(row);
   }

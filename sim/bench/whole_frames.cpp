@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
@@ -139,16 +140,13 @@ Motion straight_motion(const ToolPose& last, double feed_mm_s, int windows) {
   return {kRateHz, std::move(poses)};
 }
 
-using sphere::block, sphere::cap, sphere::down_to, sphere::kDepthMm, sphere::kRadiusMm, sphere::kSphereFeedMmS,
-    sphere::kSphereFrameS;
-
 constexpr int kDepths = 4;            // at which frames are timed at the true feed
 constexpr int kFramesOfDepth = 16;    // with erosion `remove`
 constexpr int kWindowsOfDepth = 5;    // with `exact`, the first of them untimed
 constexpr double kStepVoxels = 0.25;  // between the depths, where the shell's points have to miss no voxel
 
 double cap_mm3(double depth_mm) {
-  return std::numbers::pi * depth_mm * depth_mm * (kRadiusMm - depth_mm / 3);
+  return std::numbers::pi * depth_mm * depth_mm * (kSphereRadiusMm - depth_mm / 3);
 }
 
 /// A row of the report: time per frame of the plunged sphere at 0.2 mm/s and 1 kHz, and the volume's error down to
@@ -176,17 +174,17 @@ Json plunge(Program& program, double voxel_mm, const BenchControl& control) {
   double voxels = 0;
   double depth = 0;
   // implicit: one step gives the same, because the tool at a depth contains all of its straight path.
-  const double step_mm = program.label().engine == "implicit" ? kDepthMm : kStepVoxels * voxel_mm;
+  const double step_mm = program.label().engine == "implicit" ? kSphereDepthMm : kStepVoxels * voxel_mm;
   for (int i = 1; i <= kDepths; ++i) {
-    const double begin = kDepthMm * i / kDepths - kFramesOfDepth * frame_mm;
+    const double begin = kSphereDepthMm * i / kDepths - kFramesOfDepth * frame_mm;
     while (depth < begin) {
       if (control.stop()) throw Interrupted();
       depth = std::min(begin, depth + step_mm);
-      const Substep frame = down_to(depth, 0);
+      const Substep frame = sphere_frame(depth, 0);
       voxels += program.run({&frame, 1}, true).removed;
     }
     std::vector<Substep> frames;
-    for (int k = 1; k <= kFramesOfDepth; ++k) frames.push_back(down_to(begin + k * frame_mm, k));
+    for (int k = 1; k <= kFramesOfDepth; ++k) frames.push_back(sphere_frame(begin + k * frame_mm, k));
     const BatchSample sample = program.run(frames, true);
     ms.push_back(1e3 * sample.total_s / kFramesOfDepth);
     voxels += sample.removed;
@@ -200,7 +198,7 @@ Json plunge(Program& program, double voxel_mm, const BenchControl& control) {
 std::vector<Motion> motions_at_depths() {
   std::vector<Motion> out;
   for (int i = 1; i <= kDepths; ++i) {
-    const ToolPose last = down_to(kDepthMm * i / kDepths - kSphereFeedMmS * kSphereFrameS, 0).pose;
+    const ToolPose last = sphere_frame(kSphereDepthMm * i / kDepths - kSphereFeedMmS * kSphereFrameS, 0).pose;
     out.push_back(straight_motion(last, kSphereFeedMmS, kWindowsOfDepth));
   }
   return out;
@@ -211,8 +209,8 @@ std::vector<Motion> motions_at_depths() {
 Json exact_row(const FilledVoxmap& bone, const Tool& tool, const Plan& plan, const BenchControl& control) {
   ExactRuns runs{.bone = &bone, .tool = &tool, .motions = motions_at_depths(), .device = plan.device};
   const WholeFrames frames = time_whole_frames(runs, control);
-  Json row =
-      sphere_row("exact", ErosionMode::exact, bone.grid.voxel_mm, spread_of(frames.ms), frames.removed_mm3, kDepthMm);
+  Json row = sphere_row("exact", ErosionMode::exact, bone.grid.voxel_mm, spread_of(frames.ms), frames.removed_mm3,
+                        kSphereDepthMm);
   row["kernel_ms"] = spread_of(frames.kernel_ms).median;
   row["voxels"] = frames.voxels;
   const cl::DeviceInfo device = cl::choose_device(plan.device);
@@ -229,20 +227,17 @@ constexpr int kWindowsOfCase = 3;     // the first of them untimed
 constexpr int kWindowsOfPlunge = 16;  // 1024 frames
 constexpr double kCaseFeedMmS = 1;    // as the other engines' substeps (scene.h)
 
-/// The motions of a case: to the depth of each approach; `plunge`: as measure_plunge().
-std::vector<Motion> motions_of(const std::string& contact, double voxel_mm) {
+/// The motions of a case: to the depth of each approach; without one: as measure_plunge().
+std::vector<Motion> motions_of(std::optional<Contact> contact, double voxel_mm) {
   std::vector<Motion> out;
-  if (contact == "plunge") {
+  if (!contact) {
     const double step_mm = 0.25 * voxel_mm, rate_hz = 1000;
     const double depth_mm = kApproaches[0].depth_mm[1] + step_mm * 64 * kWindowsOfPlunge;
     return {straight_motion(pose_at(kApproaches[0], depth_mm), step_mm * rate_hz, kWindowsOfPlunge)};
   }
-  for (const Contact each : kContacts) {
-    if (contact != name_of(each)) continue;
-    for (const Approach& approach : kApproaches) {
-      const double depth_mm = approach.depth_mm[static_cast<std::size_t>(each)];
-      out.push_back(straight_motion(pose_at(approach, depth_mm), kCaseFeedMmS, kWindowsOfCase));
-    }
+  for (const Approach& approach : kApproaches) {
+    const double depth_mm = approach.depth_mm[static_cast<std::size_t>(*contact)];
+    out.push_back(straight_motion(pose_at(approach, depth_mm), kCaseFeedMmS, kWindowsOfCase));
   }
   return out;
 }
@@ -254,8 +249,8 @@ void measure_spheres(const Plan& plan, const BenchControl& control,
   const bool exact = std::ranges::count(plan.engines, "exact") > 0;
   if (exact && !plan.sphere_voxels_mm.empty()) report["peaks"] = measure_peaks(cl::choose_device(plan.device));
   for (const double voxel_mm : plan.sphere_voxels_mm) {
-    const FilledVoxmap bone = block(voxel_mm);
-    const Tool tool = cap(voxel_mm);
+    const FilledVoxmap bone = sphere_block(voxel_mm);
+    const Tool tool = sphere_cap(voxel_mm);
     const BenchSetup setup{&bone, &tool, bone.grid.bounds_mm(), shell_box(tool)};
     for (const std::string& engine : plan.engines) {
       begin("plunged sphere, " + engine + fmt::format(", voxels of {:g} mm", voxel_mm));
@@ -270,9 +265,9 @@ void measure_spheres(const Plan& plan, const BenchControl& control,
   }
 }
 
-void measure_exact_case(const ProgramSet& set, const std::string& contact) {
+void measure_exact_case(const ProgramSet& set, std::optional<Contact> contact) {
   if (std::ranges::count(set.plan.engines, "exact") == 0) return;
-  const Json at = case_row({"exact", "deterministic"}, set.size, contact);
+  const Json at = case_row({"exact", "deterministic"}, set.size, contact ? name_of(*contact) : "plunge");
   const ExactRuns runs{.bone = set.setup.voxmap,
                        .tool = set.setup.tool,
                        .motions = motions_of(contact, set.setup.voxmap->grid.voxel_mm),
@@ -280,8 +275,7 @@ void measure_exact_case(const ProgramSet& set, const std::string& contact) {
   measure_or_skip(at, set.report, [&] {
     const WholeFrames frames = time_whole_frames(runs, set.control);
     add_result(at, frames.voxels, spread_of(frames.ms), spread_of(frames.kernel_ms).median, set.report);
-    if (contact != name_of(Contact::severe)) return;
-    add_memory("exact", set.size, {frames.bytes.voxmap, 0}, set.report);
+    if (contact == Contact::severe) add_memory("exact", set.size, {frames.bytes.voxmap, 0}, set.report);
   });
 }
 

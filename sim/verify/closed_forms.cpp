@@ -51,6 +51,61 @@ double face_integral(const SteadyPlunge& plunge, double r) {
   return 0.5 * (r * std::sqrt(1 - r * r / (radius * radius)) + radius * std::asin(r / radius));
 }
 
+SteadyPlunge with_feed(SteadyPlunge head, double feed_mm_s) {
+  head.feed_mm_s = feed_mm_s;
+  return head;
+}
+
+/// B of A·v + B·v² = F.
+double square_resistance(const SteadyPlunge& head) {
+  const double omega = angular_speed(head.rpm);
+  return 2 * pi * specific_energy(head.density_g_cm3) * std::log(head.outer_mm / head.bore_mm) / (omega * omega);
+}
+
+/// The argument in (0, most) where an increasing function has a value; `most` where it is below that.
+double root(const std::function<double(double)>& f, double value, double most) {
+  if (f(most) <= value) return most;
+  double low = 0, high = most;
+  for (int i = 0; i < 60; ++i) (f((low + high) / 2) < value ? low : high) = (low + high) / 2;
+  return (low + high) / 2;
+}
+
+/// Simpson's rule.
+double integral(const std::function<double(double)>& f, double from, double to, int parts) {
+  const double step = (to - from) / parts;
+  double sum = 0;
+  for (int i = 0; i <= parts; ++i) sum += (i == 0 || i == parts ? 1 : i % 2 == 1 ? 4 : 2) * f(from + i * step);
+  return sum * step / 3;
+}
+
+/// Axial force on the face out to `radius_mm`, with the speed floor.
+double thrust_within(const SteadyPlunge& head, double feed, double radius_mm) {
+  const double u = specific_energy(head.density_g_cm3), omega = angular_speed(head.rpm), face = *head.radius_mm;
+  const auto ring = [&](double r) {
+    const double slope = std::sqrt(1 - r * r / (face * face)), speed = std::hypot(omega * r, feed);
+    const double tangential = u * feed * r / std::max(speed, kSpeedFloor_mm_s), into = feed * slope / speed;
+    return 2 * pi * tangential * (feed / speed + kNormalRatio * (slope - into * feed / speed));
+  };
+  const double floor_mm = std::sqrt(kSpeedFloor_mm_s * kSpeedFloor_mm_s - feed * feed) / omega;
+  constexpr int kParts = 64;
+  const double inner = std::min(floor_mm, radius_mm);
+  return integral(ring, 0, inner, kParts) + (radius_mm > inner ? integral(ring, inner, radius_mm, kParts) : 0);
+}
+
+constexpr double kRatio = 2;  // of one step to the next
+constexpr double kFormalOrder = 2;
+/// Below this observed order the levels are outside the asymptotic range.
+constexpr double kLeastOrder = 0.5;
+constexpr double kSafetyOfThree = 1.25, kSafetyOfTwo = 3;  // Roache
+
+/// Order from three values alone, finest last; none where they do not converge monotonically.
+std::optional<double> order_of_three(double coarse, double middle, double fine) {
+  const double before = middle - coarse, after = fine - middle;
+  if (before * after <= 0 || std::abs(after) >= std::abs(before)) return std::nullopt;
+  const double order = std::log(before / after) / std::log(kRatio);
+  return order < kLeastOrder ? std::nullopt : std::optional(order);
+}
+
 }  // namespace
 
 double SteadyPlunge::torque_nmm() const {
@@ -128,51 +183,6 @@ double SteadyPlunge::full_contact_mm() const {
   return *radius_mm - std::sqrt(*radius_mm * *radius_mm - outer_mm * outer_mm);
 }
 
-namespace {
-
-SteadyPlunge with_feed(SteadyPlunge head, double feed_mm_s) {
-  head.feed_mm_s = feed_mm_s;
-  return head;
-}
-
-/// B of A·v + B·v² = F.
-double square_resistance(const SteadyPlunge& head) {
-  const double omega = angular_speed(head.rpm);
-  return 2 * pi * specific_energy(head.density_g_cm3) * std::log(head.outer_mm / head.bore_mm) / (omega * omega);
-}
-
-/// The argument in (0, most) where an increasing function has a value; `most` where it is below that.
-double root(const std::function<double(double)>& f, double value, double most) {
-  if (f(most) <= value) return most;
-  double low = 0, high = most;
-  for (int i = 0; i < 60; ++i) (f((low + high) / 2) < value ? low : high) = (low + high) / 2;
-  return (low + high) / 2;
-}
-
-/// Simpson's rule.
-double integral(const std::function<double(double)>& f, double from, double to, int parts) {
-  const double step = (to - from) / parts;
-  double sum = 0;
-  for (int i = 0; i <= parts; ++i) sum += (i == 0 || i == parts ? 1 : i % 2 == 1 ? 4 : 2) * f(from + i * step);
-  return sum * step / 3;
-}
-
-/// Axial force on the face out to `radius_mm`, with the speed floor.
-double thrust_within(const SteadyPlunge& head, double feed, double radius_mm) {
-  const double u = specific_energy(head.density_g_cm3), omega = angular_speed(head.rpm), face = *head.radius_mm;
-  const auto ring = [&](double r) {
-    const double slope = std::sqrt(1 - r * r / (face * face)), speed = std::hypot(omega * r, feed);
-    const double tangential = u * feed * r / std::max(speed, kSpeedFloor_mm_s), into = feed * slope / speed;
-    return 2 * pi * tangential * (feed / speed + kNormalRatio * (slope - into * feed / speed));
-  };
-  const double floor_mm = std::sqrt(kSpeedFloor_mm_s * kSpeedFloor_mm_s - feed * feed) / omega;
-  constexpr int kParts = 64;
-  const double inner = std::min(floor_mm, radius_mm);
-  return integral(ring, 0, inner, kParts) + (radius_mm > inner ? integral(ring, inner, radius_mm, kParts) : 0);
-}
-
-}  // namespace
-
 double linear_resistance(const SteadyPlunge& head) {
   // The thrust at a feed is A·v + B·v².
   const double feed = 1;
@@ -210,24 +220,6 @@ double travel_of_mass_mm(const SteadyPlunge& head, double thrust_n, double mass_
   const double rate = b * w / mass, phase = std::atanh(half / w);
   return w / rate * std::log(std::cosh(rate * time_s + phase) / std::cosh(phase)) - half * time_s;
 }
-
-namespace {
-
-constexpr double kRatio = 2;  // of one step to the next
-constexpr double kFormalOrder = 2;
-/// Below this observed order the levels are outside the asymptotic range.
-constexpr double kLeastOrder = 0.5;
-constexpr double kSafetyOfThree = 1.25, kSafetyOfTwo = 3;  // Roache
-
-/// Order from three values alone, finest last; none where they do not converge monotonically.
-std::optional<double> order_of_three(double coarse, double middle, double fine) {
-  const double before = middle - coarse, after = fine - middle;
-  if (before * after <= 0 || std::abs(after) >= std::abs(before)) return std::nullopt;
-  const double order = std::log(before / after) / std::log(kRatio);
-  return order < kLeastOrder ? std::nullopt : std::optional(order);
-}
-
-}  // namespace
 
 std::optional<double> observed_order(const std::vector<Level>& levels) {
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;

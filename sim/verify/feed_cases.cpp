@@ -30,7 +30,7 @@ struct Push {
   double energy_factor = 1;  ///< of the specific energy
 };
 
-SimulationInput scene_of_push(const Push& push) {
+Reamed pushed(const Push& push, const Setting& setting) {
   PushSettings settings = push.settings;
   settings.entry_mm = entry_mm(push.voxel_mm) - Vec3(0, 0, push.begin_mm);
   const Vec3 size(push.width_mm, push.width_mm, push.block_mm);
@@ -41,11 +41,7 @@ SimulationInput scene_of_push(const Push& push) {
   scene.motion.push = std::move(plan);
   scene.scenario.cutting.edge_force = push.edge;
   scene.scenario.cutting.specific_energy_j_mm3 *= push.energy_factor;
-  return scene;
-}
-
-Reamed pushed(const Push& push, const Setting& setting) {
-  return ream(scene_of_push(push), setting);
+  return ream(std::move(scene), setting);
 }
 
 double depth_of(const FrameResult& row) {
@@ -102,15 +98,12 @@ void push_steady_case(const Setting& setting, Report& out) {
   push.settings.max_feed_mm_s = 20;
   push.settings.depth_mm = 2.5;
   const Reamed reamed = pushed(push, setting);
-  const auto feed_in = [&](double density) {
-    SteadyPlunge layer = kFlatExample;
-    layer.density_g_cm3 = density;
-    return balanced_feed_of(layer, kThrust_n);
-  };
-  out.relative("feed in the upper layer, flat head", "mm/s", feed_in(1.8), mean_feed(reamed, 0.6, 1.1), kFeedLimit);
-  out.relative("feed in the lower layer, flat head", "mm/s", feed_in(0.4), mean_feed(reamed, 1.8, 2.3), kFeedLimit);
   SteadyPlunge soft = kFlatExample;
   soft.density_g_cm3 = 0.4;
+  out.relative("feed in the upper layer, flat head", "mm/s", balanced_feed_of(kFlatExample, kThrust_n),
+               mean_feed(reamed, 0.6, 1.1), kFeedLimit);
+  out.relative("feed in the lower layer, flat head", "mm/s", balanced_feed_of(soft, kThrust_n),
+               mean_feed(reamed, 1.8, 2.3), kFeedLimit);
   out.relative("ratio of the linear parts", "", 20.25, linear_resistance(kFlatExample) / linear_resistance(soft), 1e-9,
                "(1.8/0.4)²");
 }
@@ -119,8 +112,7 @@ void push_ball_case(const Setting& setting, Report& out) {
   out.title = "Time to a depth under a constant thrust";
   out.scene = "head without bore (R 29, a 15 mm, 250 rpm) from first contact in ρ 1.8 g/cm³ under 50 N, at most 5 mm/s";
   out.form = "t(d) = ∫dδ/v(δ), where the force on the cap of depth δ at feed v, with the speed floor, is the thrust";
-  SteadyPlunge head = kExample;
-  head.bore_mm = 0;
+  const SteadyPlunge head = example_with(&SteadyPlunge::bore_mm, 0);
   const double deepest = setting.quick ? 1 : 4;
   Push push{.head = convex_profile(29, 15, 0, kPushHead_mm, kPushEdge_mm),
             .voxel_mm = 0.25,
@@ -146,9 +138,8 @@ constexpr double kGraded_g_cm3 = 0.8, kSoft_g_cm3 = 0.1;
 
 /// A heavy hand on soft bone, from rest in full contact. `thrust_n` sets how much of the resistance is not linear.
 Push heavy(double thrust_n, double rate_hz, double time_s) {
-  SteadyPlunge head = kExample;
-  const double begin = head.full_contact_mm() + 0.3;
-  Push push{.head = head_of(head), .voxel_mm = 0.5, .rate_hz = rate_hz, .begin_mm = begin, .block_mm = begin + 6};
+  const double begin = kExample.full_contact_mm() + 0.3;
+  Push push{.head = head_of(kExample), .voxel_mm = 0.5, .rate_hz = rate_hz, .begin_mm = begin, .block_mm = begin + 6};
   push.density = [](const Vec3&) { return kGraded_g_cm3; };
   push.energy_factor = std::pow(kSoft_g_cm3 / kGraded_g_cm3, kDensityExponent);
   push.settings.approach_mm = 0;
@@ -166,8 +157,7 @@ void push_mass_case(const Setting& setting, Report& out) {
   out.title = "Mass of the hand";
   out.scene = "the reamer in full contact in ρ 0.1 g/cm³, pushed from rest with a mass of 10 kg";
   out.form = "M·dv/dt = F − A·v − B·v²; for a small thrust v = F/A·(1 − exp(−t/τ)) with τ = M/A";
-  SteadyPlunge soft = kExample;
-  soft.density_g_cm3 = kSoft_g_cm3;
+  const SteadyPlunge soft = example_with(&SteadyPlunge::density_g_cm3, kSoft_g_cm3);
   constexpr double kSmall_n = 0.2;
   const Reamed slow = pushed(heavy(kSmall_n, 1000, 0.06), setting);
   const double steady = quadratic_feed(soft, kSmall_n);
@@ -252,10 +242,11 @@ Vec3 steady_deflection_mm(PlungeRun run, const ComplianceSettings& springs, cons
 /// The example fed from full contact and no deflection.
 Reamed approach_of(double stiffness_n_mm, double damping_n_s_mm, double time_s, const Setting& setting) {
   constexpr double kVoxel_mm = 0.5, kRate_hz = 1000;
-  const double x = 0.12 * kVoxel_mm, y = 0.21 * kVoxel_mm;
+  const Vec3 entry = entry_mm(kVoxel_mm);
   const double begin = kExample.full_contact_mm() + 0.3, end = begin + kExample.feed_mm_s * time_s;
   const Motion motion =
-      path(kRate_hz, {x, y, -begin}, {{{x, y, -end}, static_cast<int>(std::lround(kRate_hz * time_s)), kExample.rpm}});
+      path(kRate_hz, entry - Vec3(0, 0, begin),
+           {{entry - Vec3(0, 0, end), static_cast<int>(std::lround(kRate_hz * time_s)), kExample.rpm}});
   SimulationInput scene =
       scene_of(block({33, 33, end + 1}, kVoxel_mm, kExample.density_g_cm3), make_tool(head_of(kExample)), motion);
   scene.scenario.motion.compliance = {{kRigid_n_mm, kRigid_n_mm, stiffness_n_mm}, damping_n_s_mm};

@@ -4,14 +4,12 @@
 #include "sim/verify/scene.h"
 
 #include <fmt/core.h>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
 
 #include "sim/bone/voxmap/cube_fraction.h"
-#include "sim/tool/profile.h"
 
 namespace reamsim::verify {
 
@@ -41,24 +39,6 @@ Profile convex_profile(double radius_mm, double outer_mm, double bore_mm, double
 
 Profile flat_profile(double outer_mm, double bore_mm, double height_mm) {
   return {{{bore_mm, 0}, {outer_mm, 0}, {outer_mm, height_mm}, {bore_mm, height_mm}}};
-}
-
-Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm) {
-  constexpr int kUnusedCells = 8;  // of a shell that exact erosion does not use
-  Tool tool;
-  tool.profile = profile;
-  tool.bounds = profile.bounds();
-  const double radius = tool.bounds.max.x(), low = tool.bounds.min.z(), high = tool.bounds.max.z();
-  if (shell_spacing_mm) {
-    const double longest = std::max(2 * radius, high - low);
-    tool.mesh = revolve(profile, segments_for_sagitta(radius, 0.02 * *shell_spacing_mm));
-    tool.shell = voxelize_surface(tool.mesh, static_cast<int>(std::ceil(longest / *shell_spacing_mm)) + 1);
-  } else {
-    tool.mesh = revolve({{{0, low}, {radius, low}, {radius, high}, {0, high}}}, 4 * kUnusedCells);
-    tool.shell = voxelize_surface(tool.mesh, kUnusedCells);
-  }
-  for (const Vec2& rz : profile.points) tool.reach_mm = std::max(tool.reach_mm, rz.norm());
-  return tool;
 }
 
 VoxelGrid block_grid(const Vec3& size_mm, double voxel_mm) {
@@ -139,6 +119,18 @@ class Rows final : public FrameSink {
   void frame(const FrameResult& result, const FrameTimes& /*times*/) override { rows.push_back(result); }
 };
 
+constexpr double kPlungeClear_mm = 0.1;
+constexpr double kEdge_mm = 0.1;
+constexpr double kPlungeHead_mm = 8;  // height of a head
+
+FilledVoxmap bone_of(const PlungeRun& run, const Vec3& size_mm) {
+  const double density = run.plunge.density_g_cm3;
+  if (!run.half_toward_deg) return block(size_mm, run.voxel_mm, density);
+  return half_block(
+      size_mm, run.voxel_mm, [=](const Vec3&) { return density; }, entry_mm(run.voxel_mm),
+      toward(*run.half_toward_deg));
+}
+
 }  // namespace
 
 Reamed ream(SimulationInput scene, const Setting& setting) {
@@ -190,22 +182,6 @@ Vec3 toward(double degrees) {
   const double angle = degrees * std::numbers::pi / 180;
   return {std::cos(angle), std::sin(angle), 0};
 }
-
-namespace {
-
-constexpr double kPlungeClear_mm = 0.1;
-constexpr double kEdge_mm = 0.1;
-constexpr double kPlungeHead_mm = 8;  // height of a head
-
-FilledVoxmap bone_of(const PlungeRun& run, const Vec3& size_mm) {
-  const double density = run.plunge.density_g_cm3;
-  if (!run.half_toward_deg) return block(size_mm, run.voxel_mm, density);
-  return half_block(
-      size_mm, run.voxel_mm, [=](const Vec3&) { return density; }, entry_mm(run.voxel_mm),
-      toward(*run.half_toward_deg));
-}
-
-}  // namespace
 
 Profile head_of(const SteadyPlunge& plunge) {
   return plunge.radius_mm ? convex_profile(*plunge.radius_mm, plunge.outer_mm, plunge.bore_mm, kPlungeHead_mm, kEdge_mm)

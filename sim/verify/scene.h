@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "sim/bench/scene.h"
 #include "sim/bone/phantom.h"
 #include "sim/engine/common/engine.h"
 #include "sim/run/balance.h"
@@ -30,8 +31,7 @@ Profile convex_profile(double radius_mm, double outer_mm, double bore_mm, double
 /// The same with a flat face.
 Profile flat_profile(double outer_mm, double bore_mm, double height_mm);
 
-/// A tool from its profile. Without a shell spacing it gets a minimal shell, because exact erosion does not use one.
-Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm = {});
+using bench::make_tool;
 
 // ---- bones -----------------------------------------------------------------------------------------------------
 

@@ -9,20 +9,6 @@
 
 namespace reamsim::verify {
 
-namespace {
-
-CaseFindings timed(const Case& chosen, const Setting& setting) {
-  if (setting.stop()) throw Interrupted();
-  const Stopwatch watch;
-  Report out;
-  out.id = chosen.id;
-  chosen.run(setting, out);
-  out.seconds = watch.seconds();
-  return out;
-}
-
-}  // namespace
-
 const std::vector<Case>& cases() {
   static const std::vector<Case> all = {
       {"half_space", half_space_case, 1.8},
@@ -62,11 +48,14 @@ const std::vector<Case>& cases() {
   return all;
 }
 
-CaseFindings run_case(const std::string& id, const Setting& setting) {
-  for (const Case& known : cases()) {
-    if (known.id == id) return timed(known, setting);
-  }
-  throw InputError("no verification case \"" + id + "\"");
+CaseFindings Case::findings(const Setting& setting) const {
+  if (setting.stop()) throw Interrupted();
+  const Stopwatch watch;
+  Report out;
+  out.id = id;
+  run(setting, out);
+  out.seconds = watch.seconds();
+  return out;
 }
 
 Findings run_suite(const Setting& setting) {
@@ -81,7 +70,7 @@ Findings run_suite(const Setting& setting) {
   for (const Case& known : cases()) {
     if (!known.belongs_to(setting)) continue;
     setting.part(past / all, known.id);
-    (known.of_device ? out.device_cases : out.cases).push_back(timed(known, setting));
+    (known.of_device ? out.device_cases : out.cases).push_back(known.findings(setting));
     past += known.seconds;
   }
   setting.part(1, "");

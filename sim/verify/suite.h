@@ -23,15 +23,14 @@ struct Case {
   [[nodiscard]] bool belongs_to(const Setting& setting) const {
     return !(of_device && setting.device == "serial") && !(of_full_suite && setting.quick);
   }
+  /// Throws InputError when there is no such device, RunError, Interrupted.
+  [[nodiscard]] CaseFindings findings(const Setting& setting) const;
 };
 
 /// All cases, in the order of the report.
 const std::vector<Case>& cases();
 
-/// Runs one case. Throws InputError when there is no such case or device, RunError, Interrupted.
-CaseFindings run_case(const std::string& id, const Setting& setting);
-
-/// Runs every case that belongs to the setting. Throws as run_case().
+/// Runs every case that belongs to the setting. Throws as Case::findings().
 Findings run_suite(const Setting& setting);
 
 }  // namespace reamsim::verify

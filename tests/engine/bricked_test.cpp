@@ -7,9 +7,9 @@
 #include <set>
 
 #include "sim/base/error.h"
-#include "sim/engine/bricked/shell_cells.h"
 #include "sim/engine/common/device_bricks.h"
 #include "sim/engine/common/engine.h"
+#include "sim/engine/common/tables.h"
 #include "sim/tool/point_shell.h"
 #include "tests/engine/outcome.h"
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,10 @@ inline std::vector<std::string> case_ids() {
   std::vector<std::string> out;
   for (const Case& known : cases()) out.emplace_back(known.id);
   return out;
+}
+
+inline CaseFindings run_case(const std::string& id, const Setting& setting) {
+  return std::ranges::find(cases(), id, &Case::id)->findings(setting);
 }
 
 /// Every figure is within its tolerance, and every text of the report is there.

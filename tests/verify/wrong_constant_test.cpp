@@ -8,6 +8,7 @@
 
 #include "sim/engine/common/engine.h"
 #include "sim/verify/suite.h"
+#include "tests/verify/findings.h"
 
 namespace reamsim::verify {
 namespace {

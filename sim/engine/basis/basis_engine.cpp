@@ -56,18 +56,16 @@ class TouchedBasisEngine final : public BasisEngine {
   /// The basis of each substep. `removed`: voxels, and the places in `args` of the substeps that removed them.
   [[nodiscard]] std::vector<SubstepBasis> basis_of(std::span<const SubstepArgs> args,
                                                    const RemovedFrames& removed) const {
-    RemovedFrames ordered = removed;
-    std::ranges::sort(ordered, {}, [](const auto& voxel) { return std::pair(voxel.second, voxel.first); });
+    std::vector<std::vector<std::int64_t>> voxels(args.size());
+    for (const auto& [voxel, place] : removed) voxels[static_cast<std::size_t>(place)].push_back(voxel);
     std::vector<SubstepBasis> out(args.size());
     parallel_items(args.size(), [&](std::size_t slot) {
-      const auto slot_of = [](const auto& voxel) { return voxel.second; };
-      const auto begin = std::ranges::lower_bound(ordered, static_cast<std::int32_t>(slot), {}, slot_of);
-      const auto end = std::ranges::upper_bound(begin, ordered.end(), static_cast<std::int32_t>(slot), {}, slot_of);
-      if (begin == end) return;
+      if (voxels[slot].empty()) return;
+      std::ranges::sort(voxels[slot]);
       const UnitArgs units(args[slot], 0);
       BrickBasis sums{1};
-      for (auto at = begin; at != end; ++at) {
-        const Vec3i voxel = voxmap_.grid.coord(at->first);
+      for (const std::int64_t index : voxels[slot]) {
+        const Vec3i voxel = voxmap_.grid.coord(index);
         sums.add(0, voxmap_.grade.get(voxel), RS_WHOLE_FILL, response(units, voxel));
       }
       VisitBasis whole(1);

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <optional>
-#include <span>
 #include <utility>
 
 #include "kernels/distance_grid.h"
@@ -73,16 +73,13 @@ class ForceLine {
   BasisValues base_{}, slope_{};
 };
 
-/// The force basis: cuts its own copy of the bone.
-class ExactBasis {
+/// Cuts its own copy of the bone.
+class ExactBasisEngine final : public BasisEngine {
  public:
-  /// `tool` and the voxmap must outlive it.
-  ExactBasis(const Scenario& scenario, const BoneView& bone, const Tool& tool)
-      : tool_(&tool),
-        grades_(&bone.voxmap.grade),
-        fill_before_(bone.fill),
+  ExactBasisEngine(std::unique_ptr<Engine> engine, const Scenario& scenario, const BoneView& bone, const Tool& tool)
+      : BasisEngine(std::move(engine)),
+        tool_(tool),
         lattice_(BrickLattice::over(bone.voxmap.grid.dims)),
-        pages_(lattice_.count()),
         extent_(bone_extent(bone.voxmap)),
         outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)),
         view_(view_of(outline_)),
@@ -90,8 +87,8 @@ class ExactBasis {
         table_(brick_distances(tool.profile, bone.voxmap.grid.voxel_mm, tool.clip_slack_mm() + outline_.bulge_mm)),
         coarse_(coarse_grid(table_)),
         slack_mm_(static_cast<float>(tool.clip_slack_mm() + outline_.bulge_mm)),
-        volume_mm3_(static_cast<float>(bone.voxmap.grid.voxel_mm3())),
-        edges_per_turn_(0) {
+        volume_mm3_(static_cast<float>(bone.voxmap.grid.voxel_mm3())) {
+    set_bone(bone);
     if (tool.teeth) teeth_ = distance_lattice(*tool.teeth);
     const EnergyTable table = make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm);
     std::ranges::transform(table.energy_mj, energy_mj_.begin(), [](double mj) { return static_cast<float>(mj); });
@@ -99,23 +96,21 @@ class ExactBasis {
       edges_per_turn_ = static_cast<float>(edge->cutting_edges / (2 * M_PI));
   }
 
-  /// Cuts through consecutive substeps. Returns the basis of each.
-  std::vector<SubstepBasis> cut(std::span<const SubstepArgs> args, const MotionsOfSlots& motions) {
-    std::vector<SubstepBasis> out;
-    for (int first = 0; first < static_cast<int>(args.size());) {
-      const BrickBatchPlan plan = plan_brick_batch(args, motions, first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
-      Visit visit{plan, args, {}, {}};
-      for (int slot = plan.first; slot < plan.end; ++slot)
-        visit.units.emplace_back(args[static_cast<std::size_t>(slot)], edges_per_turn_);
-      for (const MotionWindow& w : plan.motions)
-        visit.nodes.push_back({UnitArgs(w.first, 0), UnitArgs(w.middle, 0), UnitArgs(w.last, 0)});
-      VisitBasis sums(plan.end - plan.first);
-      const std::vector<Vec3i> bricks = bricks_in_reach(args[static_cast<std::size_t>(first)], plan);
-      parallel_items(bricks.size(), [&](std::size_t i) { cut_brick(visit, bricks[i], sums); });
-      for (SubstepBasis& basis : sums.substeps()) out.push_back(std::move(basis));
-      first = plan.end;
-    }
+  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override {
+    args_.push_back(args);
+    motions_.push_back(window);
+    engine_->enqueue(args, std::move(window));
+  }
+  Batch collect() override {
+    Batch out = engine_->collect();
+    for (int first = 0; first < std::ssize(args_);) first = cut_visit(first, out.basis);
+    args_.clear();
+    motions_.clear();
     return out;
+  }
+  void restore(const BoneView& bone) override {
+    engine_->restore(bone);
+    set_bone(bone);
   }
 
  private:
@@ -124,9 +119,8 @@ class ExactBasis {
   /// What the bricks of a visit share.
   struct Visit {
     const BrickBatchPlan& plan;
-    std::span<const SubstepArgs> args;  ///< by slot
-    std::vector<UnitArgs> units;        ///< by substep of the visit
-    std::vector<NodeUnits> nodes;       ///< of the plan's motions
+    std::vector<UnitArgs> units;   ///< by substep of the visit
+    std::vector<NodeUnits> nodes;  ///< of the plan's motions
 
     [[nodiscard]] std::size_t place(rs_u32 slot) const { return slot - static_cast<rs_u32>(plan.first); }
   };
@@ -140,6 +134,27 @@ class ExactBasis {
     std::vector<BrickMiddle> middles;  ///< by substep of the visit
     PieceList list{};                  ///< pieces of the outline that can be nearest in the current window
   };
+
+  void set_bone(const BoneView& bone) {
+    grades_ = &bone.voxmap.grade;
+    fill_before_ = bone.fill;
+    pages_ = std::vector<std::unique_ptr<Page>>(lattice_.count());
+  }
+
+  /// Cuts through a visit from slot `first` on, and appends the basis of its substeps. Returns the slot after the last.
+  int cut_visit(int first, std::vector<SubstepBasis>& out) {
+    const BrickBatchPlan plan = plan_brick_batch(args_, motions_, first, RS_VISIT_SUBSTEPS, tool_box_, extent_);
+    Visit visit{plan, {}, {}};
+    for (int slot = plan.first; slot < plan.end; ++slot)
+      visit.units.emplace_back(args_[static_cast<std::size_t>(slot)], edges_per_turn_);
+    for (const MotionWindow& w : plan.motions)
+      visit.nodes.push_back({UnitArgs(w.first, 0), UnitArgs(w.middle, 0), UnitArgs(w.last, 0)});
+    VisitBasis sums(plan.end - plan.first);
+    const std::vector<Vec3i> bricks = bricks_in_reach(args_[static_cast<std::size_t>(first)], plan);
+    parallel_items(bricks.size(), [&](std::size_t i) { cut_brick(visit, bricks[i], sums); });
+    std::ranges::move(sums.substeps(), std::back_inserter(out));
+    return plan.end;
+  }
 
   /// As kernels/list_bricks.cl.
   [[nodiscard]] std::vector<Vec3i> bricks_in_reach(const SubstepArgs& args, const BrickBatchPlan& plan) const {
@@ -172,9 +187,9 @@ class ExactBasis {
   void cut_brick(const Visit& visit, const Vec3i& at, VisitBasis& sums) {
     BrickVisit brick{*grades_->brick(at), page_of(at), at, {visit.plan.end - visit.plan.first}, {}, {}};
     for (int slot = visit.plan.first; slot < visit.plan.end; ++slot)
-      brick.middles.push_back(middle_of(visit.args[static_cast<std::size_t>(slot)], at));
+      brick.middles.push_back(middle_of(args_[static_cast<std::size_t>(slot)], at));
     for (const SubstepWindow& window : visit.plan.windows) {
-      const SubstepArgs& args = visit.args[window.first];
+      const SubstepArgs& args = args_[window.first];
       const BrickMiddle& middle = brick.middles[visit.place(window.first)];
       brick.list = rs_pieces_near_brick(&view_, &middle);
       const float shift = window.shift_mm * args.per_voxel_mm;
@@ -210,9 +225,8 @@ class ExactBasis {
   [[nodiscard]] bool in_reach(const SubstepArgs& args, float shift, const BrickVisit& brick, const BrickMiddle& middle,
                               int offset) const {
     const Place at(offset);
-    if (!tool_->teeth)
-      return rs_distance_beyond_reach(&args, &view_, brick.list, &middle, at.x, at.y, at.z, shift) <= 0;
-    const DistanceView teeth{&teeth_, tool_->teeth->slot_of_brick.data(), tool_->teeth->samples.data()};
+    if (!tool_.teeth) return rs_distance_beyond_reach(&args, &view_, brick.list, &middle, at.x, at.y, at.z, shift) <= 0;
+    const DistanceView teeth{&teeth_, tool_.teeth->slot_of_brick.data(), tool_.teeth->samples.data()};
     const float slack = RS_CLIP_REACH + RS_GRID_STEEPEST * shift + RS_POSITION_SLACK * args.per_voxel_mm;
     return rs_clip_grid_distance(&args, &teeth, &middle, at.x, at.y, at.z) * args.per_voxel_mm <= slack;
   }
@@ -221,8 +235,8 @@ class ExactBasis {
   [[nodiscard]] Clip clip(const SubstepArgs& args, const BrickVisit& brick, const BrickMiddle& middle,
                           int offset) const {
     const Place at(offset);
-    if (!tool_->teeth) return rs_clip(&args, &view_, brick.list, &middle, at.x, at.y, at.z);
-    const DistanceView teeth{&teeth_, tool_->teeth->slot_of_brick.data(), tool_->teeth->samples.data()};
+    if (!tool_.teeth) return rs_clip(&args, &view_, brick.list, &middle, at.x, at.y, at.z);
+    const DistanceView teeth{&teeth_, tool_.teeth->slot_of_brick.data(), tool_.teeth->samples.data()};
     return rs_clip_grid(&args, &teeth, &middle, at.x, at.y, at.z);
   }
 
@@ -240,7 +254,7 @@ class ExactBasis {
     std::optional<ForceLine> line;
     rs_i32 fill = brick.fill[i];
     for (rs_u32 slot = window.first; slot < window.end; ++slot) {
-      const SubstepArgs& args = visit.args[slot];
+      const SubstepArgs& args = args_[slot];
       const std::size_t place = visit.place(slot);
       const float time = rs_window_time(&w, args.frame);
       const rs_i32 outside = rs_window_outside(&fit, time, RS_WINDOW_PIECES);
@@ -261,7 +275,7 @@ class ExactBasis {
   void cut_by_frames(const Visit& visit, const SubstepWindow& window, BrickVisit& brick, int offset) const {
     const auto i = static_cast<std::size_t>(offset);
     for (rs_u32 slot = window.first; slot < window.end && brick.fill[i] > 0; ++slot) {
-      const SubstepArgs& args = visit.args[slot];
+      const SubstepArgs& args = args_[slot];
       const std::size_t place = visit.place(slot);
       Clip now = clip(args, brick, brick.middles[place], offset);
       const rs_i32 outside = rs_fill_outside(&now), lost = rs_clip_loss(&args, brick.fill[i], outside);
@@ -270,13 +284,14 @@ class ExactBasis {
       if (rs_has_edge(&args) != 0)
         brick.sums.add(place, kEdge, 1, edge_response(visit.units[place], now, brick.fill[i], outside));
       if (lost == 0) continue;
-      if (tool_->teeth) rs_use_envelope_normal(&view_, brick.list, &now);
+      if (tool_.teeth) rs_use_envelope_normal(&view_, brick.list, &now);
       brick.sums.add(place, brick.grades[i], lost, unit_response(visit.units[place], now, volume_mm3_));
     }
   }
 
-  const Tool* tool_;
-  const GradeBricks* grades_;
+  const Tool& tool_;
+  MotionsOfSlots motions_;  ///< of the batch
+  const GradeBricks* grades_ = nullptr;
   FillBricks fill_before_;
   BrickLattice lattice_;
   std::vector<std::unique_ptr<Page>> pages_;  ///< fill by brick; none: that before the run
@@ -290,39 +305,7 @@ class ExactBasis {
   DistanceLattice teeth_{};
   std::array<float, 256> energy_mj_{};  ///< of a whole voxel, by grade
   float volume_mm3_;
-  float edges_per_turn_;
-};
-
-class ExactBasisEngine final : public BasisEngine {
- public:
-  ExactBasisEngine(std::unique_ptr<Engine> engine, const Scenario& scenario, const BoneView& bone, const Tool& tool)
-      : BasisEngine(std::move(engine)),
-        scenario_(scenario),
-        tool_(&tool),
-        basis_(std::in_place, scenario, bone, tool) {}
-
-  void enqueue(const SubstepArgs& args, std::shared_ptr<const MotionWindow> window) override {
-    args_.push_back(args);
-    motions_.push_back(window);
-    engine_->enqueue(args, std::move(window));
-  }
-  Batch collect() override {
-    Batch out = engine_->collect();
-    out.basis = basis_->cut(args_, motions_);
-    args_.clear();
-    motions_.clear();
-    return out;
-  }
-  void restore(const BoneView& bone) override {
-    engine_->restore(bone);
-    basis_.emplace(scenario_, bone, *tool_);
-  }
-
- private:
-  Scenario scenario_;
-  const Tool* tool_;
-  std::optional<ExactBasis> basis_;  ///< always; its views do not survive a move
-  MotionsOfSlots motions_;
+  float edges_per_turn_ = 0;
 };
 
 }  // namespace

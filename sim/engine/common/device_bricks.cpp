@@ -9,6 +9,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <set>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
@@ -194,14 +195,10 @@ void upload_bone(const cl::Device& device, const BoneView& bone, DeviceBricks& o
 void upload_bricks_of(const cl::Device& device, const BoneView& bone, const RemovedFrames& voxels, DeviceBricks& out) {
   if (voxels.empty()) return;
   const BrickLattice lattice = BrickLattice::over(bone.voxmap.grid.dims);
-  std::vector<std::size_t> touched;
-  touched.reserve(voxels.size());
+  std::set<std::size_t> touched;
   for (const auto& [voxel, frame] : voxels) {
-    touched.push_back(lattice.index(BrickLattice::brick_of(bone.voxmap.grid.coord(voxel))));
+    touched.insert(lattice.index(BrickLattice::brick_of(bone.voxmap.grid.coord(voxel))));
   }
-  std::ranges::sort(touched);
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-
   const std::size_t bytes = out.layout.brick_bytes;
   const BrickLattice superbricks = superbricks_of(lattice.dims);
   std::vector<cl_int> slots(out.slot_of_brick.count());

@@ -4,13 +4,13 @@
 #include "sim/engine/common/tables.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <numeric>
 #include <string>
 
-#include "kernels/bricks.h"
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/voxmap.h"
 
@@ -162,6 +162,53 @@ OutlineTable table_of(const Outline& outline, double voxel_mm) {
   return table;
 }
 
+constexpr int kLargestSide = 1 << RS_CELL_BITS;
+constexpr std::size_t kLanes = 16;
+/// The window less three voxels for the rounding of its corner, one for the voxel of the last point, and a slack for
+/// the rounding of fixed-point steps.
+constexpr double kWindowVoxels = 32 - 4 - 0.01;
+
+ShellCell bounds_of(const std::vector<Vec3i>& points) {
+  Vec3i low = points.front(), high = points.front();
+  for (const Vec3i& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Vec3i span = high - low;
+  return {{low.x(), low.y(), low.z()}, {span.x(), span.y(), span.z()}, 0, 0};
+}
+
+std::uint16_t offset_of(const Vec3i& point, const ShellCell& cell) {
+  return static_cast<std::uint16_t>((point.x() - cell.first[0]) | (point.y() - cell.first[1]) << RS_CELL_BITS |
+                                    (point.z() - cell.first[2]) << (2 * RS_CELL_BITS));
+}
+
+void append_cell(ShellCells& out, const std::vector<Vec3i>& points) {
+  ShellCell cell = bounds_of(points);
+  cell.begin = static_cast<rs_u32>(out.offsets.size());
+  cell.count = static_cast<rs_u32>(points.size());
+  for (const Vec3i& p : points) out.offsets.push_back(offset_of(p, cell));
+  while (out.offsets.size() % kLanes != 0) out.offsets.push_back(out.offsets.back());
+  out.cells.push_back(cell);
+}
+
+/// The bounds of a run are those of its cells' corners.
+void append_runs(ShellCells& out) {
+  for (std::size_t begin = 0; begin < out.cells.size(); begin += kRunCells) {
+    const std::size_t end = std::min(out.cells.size(), begin + kRunCells);
+    std::vector<Vec3i> corners;
+    for (std::size_t c = begin; c < end; ++c) {
+      const Vec3i first(out.cells[c].first);
+      corners.push_back(first);
+      corners.push_back(first + Vec3i(out.cells[c].span));
+    }
+    ShellCell run = bounds_of(corners);
+    run.begin = static_cast<rs_u32>(begin);
+    run.count = static_cast<rs_u32>(end - begin);
+    out.runs.push_back(run);
+  }
+}
+
 double interpolated(const std::vector<SpecificEnergySettings>& table, double density_g_cm3) {
   const auto above = std::ranges::upper_bound(table, density_g_cm3, {}, &SpecificEnergySettings::density_g_cm3);
   if (above == table.begin()) return table.front().energy_j_mm3;
@@ -221,13 +268,34 @@ DeviceTeeth::DeviceTeeth(const cl::Device& device, const DistanceGrid& grid, dou
   samples_ = cl::upload(device, grid.samples, kWhat);
 }
 
+int shell_cell_side(double shell_cell_voxels) {
+  int side = kLargestSide;
+  // The largest extent along an axis is the block's diagonal.
+  while (side > 1 && (side - 1) * shell_cell_voxels * std::sqrt(3.0) > kWindowVoxels) side /= 2;
+  return side;
+}
+
+ShellCells make_shell_cells(const PointShell& shell, int side) {
+  ShellCells out;
+  const int shift = 3 * std::countr_zero(static_cast<unsigned>(side));
+  std::vector<Vec3i> points;
+  for (std::size_t i = 0; i < shell.codes.size(); ++i) {
+    points.push_back(morton_decode(shell.codes[i]));
+    const bool last = i + 1 == shell.codes.size() || shell.codes[i + 1] >> shift != shell.codes[i] >> shift;
+    if (!last) continue;
+    append_cell(out, points);
+    points.clear();
+  }
+  append_runs(out);
+  return out;
+}
+
 double cutting_energy_mj(const CuttingSettings& cutting, double density_g_cm3, double voxel_mm) {
   constexpr double kMillijoulePerJoule = 1000;
-  if (!cutting.specific_energy_table.empty()) {
-    return kMillijoulePerJoule * interpolated(cutting.specific_energy_table, density_g_cm3) * voxel_mm * voxel_mm *
-           voxel_mm;
-  }
-  const double whole = kMillijoulePerJoule * cutting.specific_energy_j_mm3 * voxel_mm * voxel_mm * voxel_mm;
+  const auto& table = cutting.specific_energy_table;
+  const double energy_j_mm3 = table.empty() ? cutting.specific_energy_j_mm3 : interpolated(table, density_g_cm3);
+  const double whole = kMillijoulePerJoule * energy_j_mm3 * voxel_mm * voxel_mm * voxel_mm;
+  if (!table.empty()) return whole;
   return whole * std::pow(density_g_cm3 / cutting.reference_density_g_cm3, cutting.density_exponent);
 }
 

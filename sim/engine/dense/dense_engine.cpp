@@ -14,28 +14,15 @@
 
 namespace reamsim {
 
-namespace embedded {
-extern const char* const kernel_dense;
-extern const char* const kernel_restore_voxels;
-}  // namespace embedded
-
 namespace {
 
-/// Writes value(voxel index) of the removed voxels into an array of 8, 16 or 32 bits per voxel, and waits, so that a
-/// benchmark need not upload the whole bone before each repetition.
+/// Writes value(voxel index) of the removed voxels into an array.
 template <class T, class Value>
-void restore_values(const cl::Device& device, const RemovedFrames& removed, const Value& value,
-                    const cl::Buffer<T>& array) {
-  constexpr const char* kName = sizeof(T) == 1 ? "restore_bytes" : sizeof(T) == 2 ? "restore_halves" : "restore_words";
-  constexpr std::size_t kGroup = 64;
-  if (removed.empty()) return;
+void restore_removed(const cl::Device& device, const RemovedFrames& removed, const Value& value,
+                     const cl::Buffer<T>& array) {
   std::vector<cl_uint2> values;
   for (const auto& [voxel, frame] : removed) values.push_back({{static_cast<cl_uint>(voxel), value(voxel)}});
-  cl::Kernel kernel(device.build("restore_voxels.cl", embedded::kernel_restore_voxels), kName);
-  const auto list = cl::upload(device, values, "the voxels to restore");
-  kernel.set_from(0, list, static_cast<cl_uint>(values.size()), array);
-  const cl::Event done = kernel.launch(device, values.size(), kGroup);
-  device.finish();
+  restore_values(device, cl::upload(device, values, "the voxels to restore"), values.size(), array);
 }
 
 /// The narrow phase: writes the voxels that the tool touches in a substep to the contact list, each once, and changes
@@ -165,11 +152,11 @@ class DenseEngine final : public Engine {
       return std::bit_cast<cl_uint>(state_.scale.hu(static_cast<std::uint8_t>(grade(voxel))));
     };
     if (plan_.has_hu()) {
-      restore_values(device_, removed, hu, state_.hu);
+      restore_removed(device_, removed, hu, state_.hu);
     } else {
-      restore_values(device_, removed, grade, state_.grades);
+      restore_removed(device_, removed, grade, state_.grades);
     }
-    if (state_.has_fill) restore_values(device_, removed, fill, state_.fill);
+    if (state_.has_fill) restore_removed(device_, removed, fill, state_.fill);
   }
 
   [[nodiscard]] std::string device() const override { return device_.info().name; }

@@ -4,6 +4,7 @@
 #include "sim/engine/dense/dense_state.h"
 
 #include <fmt/core.h>
+#include <bit>
 
 #include "sim/base/error.h"
 #include "sim/base/text.h"
@@ -159,9 +160,7 @@ void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView
 }
 
 int octree_levels(const VoxelGrid& grid) {
-  int levels = 0;
-  while ((std::int64_t{1} << levels) < grid.dims.maxCoeff()) ++levels;
-  return levels;
+  return static_cast<int>(std::bit_width(static_cast<unsigned>(grid.dims.maxCoeff() - 1)));
 }
 
 std::vector<cl_uint4> octree_children(const VoxelGrid& grid) {

@@ -20,20 +20,6 @@ struct Workspace {
   ThreadSums sums;
 };
 
-void add_lanes(const rs_sum& lanes, rs_i64& total) {
-  for (int lane = 0; lane < kLanes; ++lane) total += lanes[lane];
-}
-
-/// Adds the sums of a substep over candidates.
-void add_law(const LaneSums& law, SubstepSums& total) {
-  for (int i = 0; i < 3; ++i) {
-    add_lanes(law.force[i], total.force[i]);
-    add_lanes(law.torque[i], total.torque[i]);
-  }
-  add_lanes(law.floor_energy, total.floor_energy);
-  add_lanes(law.energy, total.energy);
-}
-
 /// Lists the voxels in `lanes` (a bit each) of the candidates from `i` on as removed.
 void list_removed_in(rs_u32 substep, rs_u32 brick, const Candidates& c, int i, rs_u32 lanes, WindowWork& work) {
   for (rs_u32 rest = lanes; rest != 0; rest &= rest - 1)
@@ -69,7 +55,7 @@ bool cut_in_substep(const ExactVisit& v, rs_u32 substep, const BrickVisit& b, Ca
   }
   if (contacts == 0) return false;
   work.sums.of[substep].contacts += contacts;
-  add_law(law, work.sums.of[substep]);
+  rs_add_lanes(&work.sums.of[substep], &law);
   return true;
 }
 

@@ -25,6 +25,12 @@ typedef rs_i64 rs_sum __attribute__((vector_size(8 * RS_LANES)));
 #define RS_INT(scalar) ((rs_i32)(scalar)-rs_int{})
 #define RS_SUM(scalar) ((rs_i64)(scalar)-rs_sum{})
 
+RS_INLINE rs_i64 rs_lane_sum(rs_sum lanes) {
+  rs_i64 out = 0;
+  for (int l = 0; l < RS_LANES; ++l) out += lanes[l];
+  return out;
+}
+
 /* rs_lane_bits, rs_bits_less: the lanes in which a comparison holds, a < b holds, as bits. rs_root: correctly rounded.
  * rs_min(a, b) is a < b ? a : b, rs_max(a, b) is a < b ? b : a, also for zeros and NaN. */
 #if RS_LANES == 16 && defined(__AVX512DQ__)

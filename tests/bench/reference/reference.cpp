@@ -8,7 +8,6 @@
 #include <bit>
 
 #include "sim/base/error.h"
-#include "sim/engine/bricked/shell_cells.h"
 #include "sim/engine/common/tables.h"
 #include "tests/bench/reference/bone_memory.h"
 #include "tests/bench/reference/frame.h"

@@ -31,13 +31,13 @@ constexpr int kRuns = 5;         // of each program at each depth
 constexpr int kRunFrames = 256;  // four windows of smooth motion
 constexpr std::int64_t kAligned = 64;
 constexpr double kStepVoxels = 0.25;  // of the way from one depth to the next
-constexpr double kFrameMm = bench::sphere::kSphereFeedMmS * bench::sphere::kSphereFrameS;
+constexpr double kFrameMm = bench::kSphereFeedMmS * bench::kSphereFrameS;
 constexpr const char* kEngine = "exact";
 
 /// The scene of a voxel size, and how a program takes frames through it.
 class SphereScene {
  public:
-  explicit SphereScene(double voxel_mm) : bone_(bench::sphere::block(voxel_mm)), tool_(bench::sphere::cap(voxel_mm)) {
+  explicit SphereScene(double voxel_mm) : bone_(bench::sphere_block(voxel_mm)), tool_(bench::sphere_cap(voxel_mm)) {
     cutting_ = bench::bench_cutting();
     cutting_.erosion = ErosionMode::exact;
   }
@@ -120,16 +120,16 @@ void run_in_turn(const SphereScene& scene, const std::vector<Substep>& frames, b
 void measure_plunge(const SphereScene& scene, std::vector<SphereProgram>& programs) {
   double depth = 0;
   for (int i = 1; i <= kDepths; ++i) {
-    const auto last = std::lround(bench::sphere::kDepthMm * i / kDepths / kFrameMm / kAligned) * kAligned;
+    const auto last = std::lround(bench::kSphereDepthMm * i / kDepths / kFrameMm / kAligned) * kAligned;
     std::int64_t first = last - kRuns * kRunFrames;
     for (const double begin = static_cast<double>(first) * kFrameMm; depth < begin;) {
       depth = std::min(begin, depth + kStepVoxels * scene.voxel_mm());
-      run_in_turn(scene, {bench::sphere::down_to(depth, 0)}, false, programs);
+      run_in_turn(scene, {bench::sphere_frame(depth, 0)}, false, programs);
     }
     for (; first < last; first += kRunFrames) {
       std::vector<Substep> frames;
       for (std::int64_t k = first; k < first + kRunFrames; ++k)
-        frames.push_back(bench::sphere::down_to(static_cast<double>(k) * kFrameMm, k));
+        frames.push_back(bench::sphere_frame(static_cast<double>(k) * kFrameMm, k));
       run_in_turn(scene, frames, true, programs);
     }
     depth = static_cast<double>(last - 1) * kFrameMm;
