@@ -59,13 +59,7 @@ Simulation::State::Parts read_values(std::string_view text) {
   ValueReader reader(values_of(text, kMagic));
   Simulation::State::Parts out;
   visit_values(reader, out.bone, out.progress);
-  bool started = false;
-  reader(started);
-  if (started) {
-    PoseValues pose{};
-    reader(pose);
-    out.progress.pose = pose_of_values(pose);
-  }
+  if (reader.take<bool>()) out.progress.pose = pose_of_values(reader.take<PoseValues>());
   reader(out.fill.emplace<std::vector<PlacedBrick>>());
   return out;
 }
@@ -110,8 +104,7 @@ FillBricks Simulation::State::Parts::fill_on(const FillBricks& start) const {
   if (const auto* copy = std::get_if<FillBricks>(&fill)) return *copy;
   FillBricks out = start;
   for (const auto& [coord, brick] : std::get<std::vector<PlacedBrick>>(fill)) {
-    if ((coord.array() < 0).any() || (coord.array() >= out.brick_dims().array()).any())
-      throw InputError("the state does not fit its bone: it is damaged");
+    if (!out.lattice().contains(coord)) throw InputError("the state does not fit its bone: it is damaged");
     out.put(coord, brick);
   }
   return out;

@@ -59,11 +59,6 @@ std::byte* SharedMemory::result() const {
   return static_cast<std::byte*>(memory_) + kHeadBytes;
 }
 
-void ResultWriter::put(const std::string& text) {
-  put(std::uint64_t{text.size()});
-  std::memcpy(take(text.size(), 1), text.data(), text.size());
-}
-
 void ResultWriter::begin_file(const std::string& path) {
   SharedMemory::Head& head = memory_.head();
   const std::size_t length = std::min(path.size(), SharedMemory::Head::kPathBytes - 1);
@@ -85,13 +80,7 @@ ResultReader::ResultReader(const SharedMemory& memory, ForeignFile file)
       bytes_(std::min(memory.head().bytes.load(), memory.capacity())),
       file_(std::move(file)) {}
 
-std::string ResultReader::text() {
-  const auto length = get<std::uint64_t>();
-  const std::byte* first = take(length, 1);
-  return {reinterpret_cast<const char*>(first), length};
-}
-
-const std::byte* ResultReader::take(std::uint64_t bytes, std::size_t alignment) {
+const void* ResultReader::next(std::uint64_t bytes, std::uint64_t alignment) {
   const std::uint64_t place = aligned(place_, alignment);
   if (place > bytes_ || bytes > bytes_ - place) fail();
   place_ = place + bytes;

@@ -217,11 +217,10 @@ std::vector<std::int64_t> snapshot_frames(const std::string& dir) {
 void apply_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill) {
   const std::string path = snapshot_path(dir, frame);
   const openvdb::FloatGrid::Ptr grid = read_vdb_grid(path, "fill", VdbOrigin::kReamsim);
-  const Vec3i limit = 8 * fill.brick_dims();
   for (auto value = grid->cbeginValueOn(); value; ++value) {
     const openvdb::Coord c = value.getCoord();
     const Vec3i voxel(c.x(), c.y(), c.z());
-    if ((voxel.array() < 0).any() || (voxel.array() >= limit.array()).any()) {
+    if (!fill.lattice().contains(BrickLattice::brick_of(voxel))) {
       throw InputError({path, 0, 0}, "", "holds a brick outside the bone's lattice", "run the scenario again");
     }
     const float units = std::clamp(value.getValue(), 0.0F, 1.0F) * FillBricks::kWhole;

@@ -121,8 +121,8 @@ std::vector<PlacedBrick> reamed_bricks(const FillBricks& before, const FillBrick
 }
 
 void restore_fill(const Checkpoint& checkpoint, FillBricks& fill, const std::string& dir) {
-  const auto checked = [&, dims = fill.brick_dims()](const Vec3i& coord) -> const Vec3i& {
-    if ((coord.array() >= 0).all() && (coord.array() < dims.array()).all()) return coord;
+  const auto checked = [&](const Vec3i& coord) -> const Vec3i& {
+    if (fill.lattice().contains(coord)) return coord;
     throw InputError({dir, 0, 0}, "checkpoint", "does not fit the bone", kStartAgain);
   };
   for (const auto& [coord, brick] : checkpoint.fill) fill.put(checked(coord), brick);

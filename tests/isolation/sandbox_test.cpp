@@ -35,8 +35,8 @@ Attempt in_sandbox(Arguments... arguments) {
   };
   ChildResult result = read_in_child<kAttempt>({"file", "key"}, {}, arguments...);
   Attempt out;
-  out.returned = result.reader().get<long>();
-  out.error = result.reader().get<int>();
+  out.returned = result.reader().take<long>();
+  out.error = result.reader().take<int>();
   return out;
 }
 
