@@ -50,12 +50,9 @@ bool is_missing(std::string_view cell) {
   return word.empty() || word == "nan" || word == "missing";
 }
 
-CsvLayout layout_of(std::span<const std::string_view> names, std::span<const std::string_view> optional) {
+CsvLayout layout_of(std::span<const std::string_view> names) {
   CsvLayout out;
   for (const std::string_view name : names) out.columns.push_back({.name = std::string(name)});
-  for (const std::string_view name : optional) {
-    out.columns.push_back({.name = std::string(name), .number = 0, .may_be_missing = true});
-  }
   return out;
 }
 
@@ -91,9 +88,8 @@ std::vector<std::string_view> csv_cells(std::string_view line, char separator) {
   }
 }
 
-CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
-                     std::span<const std::string_view> optional)
-    : CsvReader(path, layout_of(names, optional), expected) {}
+CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected)
+    : CsvReader(path, layout_of(names), expected) {}
 
 CsvReader::CsvReader(const std::string& path, CsvLayout layout, const std::string& expected)
     : path_(path), layout_(std::move(layout)) {

@@ -35,10 +35,9 @@ struct CsvLayout {
 /// all have numbers, it is one if none of these columns has a number there.
 class CsvReader {
  public:
-  /// `expected` says what file this should be, for messages. `optional`: columns after the others that may be missing.
-  /// Throws InputError: unreadable, larger than 4 GiB, empty, a column missing or given twice.
-  CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
-            std::span<const std::string_view> optional = {});
+  /// `expected` says what file this should be, for messages. Throws InputError: unreadable, larger than 4 GiB, empty, a
+  /// column missing or given twice.
+  CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected);
   /// The same for another layout.
   CsvReader(const std::string& path, CsvLayout layout, const std::string& expected);
 

@@ -35,6 +35,9 @@ struct VoxelGrid {
   [[nodiscard]] Vec3 center_mm(const Vec3i& v) const {
     return origin_mm + voxel_mm * (v.cast<double>() + Vec3::Constant(0.5));
   }
+  [[nodiscard]] Vec3 brick_center_mm(const Vec3i& brick) const {
+    return origin_mm + voxel_mm * BrickLattice::kSide * (brick.cast<double>() + Vec3::Constant(0.5));
+  }
   [[nodiscard]] bool contains(const Vec3i& v) const {
     return (v.array() >= 0).all() && (v.array() < dims.array()).all();
   }
