@@ -300,12 +300,11 @@ std::optional<FirstContact> find_first_contact(const BoneView& bone, const Profi
   return std::nullopt;
 }
 
-FirstContact find_first_contact(const Bone& bone, const Tool& tool, const PlungeSettings& plunge, PoseFrame frame,
-                                const std::string& section) {
-  const std::optional<Rigid> to_bone = bone_from_frame(frame, bone.glenoid);
-  const Rigid bone_from_poses = to_bone ? *to_bone : Rigid::Identity();
-  const std::optional<FirstContact> found = find_first_contact(bone, tool.profile, bone_from_poses * plunge.entry_mm,
-                                                               (bone_from_poses.linear() * plunge.axis).normalized());
+FirstContact find_first_contact(const Bone& bone, const Tool& tool, const Vec3& entry_mm, const Vec3& axis,
+                                PoseFrame frame, const std::string& section) {
+  const Rigid bone_from_poses = bone_from_frame(frame, bone.glenoid).value_or(Rigid::Identity());
+  const std::optional<FirstContact> found = find_first_contact(bone, tool.profile, bone_from_poses * entry_mm,
+                                                               (bone_from_poses.linear() * axis).normalized());
   if (found) return *found;
   throw InputError({}, section + ".entry_mm",
                    "the tool meets no bone on the line of the " + section.substr(section.rfind('.') + 1),
@@ -318,12 +317,6 @@ std::string sentence_of(const FirstContact& contact) {
       "plunge: first contact {:.4f} mm {} entry_mm, at the point ({:.2f}, {:.2f}, {:.2f}) mm of the bone; the depth "
       "counts from there",
       std::abs(contact.travel_mm), contact.travel_mm < 0 ? "before" : "beyond", p.x(), p.y(), p.z());
-}
-
-PlungeSettings counted_from(const FirstContact& contact, PlungeSettings plunge) {
-  plunge.entry_mm += contact.travel_mm * plunge.axis.normalized();
-  plunge.from = PlungeStart::entry;
-  return plunge;
 }
 
 }  // namespace reamsim
