@@ -44,7 +44,7 @@ void visit_values(Visit& visit, Bone& bone, Standing& progress) {
   visit(bone.voxel_mm);
   visit(bone.origin_mm);
   visit(bone.crc);
-  visit_step(visit, progress.step);
+  visit(progress.step);
   visit(progress.time_s);
   visit(progress.removed_mm3);
   visit(progress.uneven);

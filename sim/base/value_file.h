@@ -143,18 +143,6 @@ class ValueReader : public ValueInput<ValueReader> {
   std::string_view rest_;
 };
 
-/// Visits where a simulation stands, in the order of checkpoints and states.
-template <class Visit, class Step>
-void visit_step(Visit& visit, Step& step) {
-  visit(step.frame);
-  visit(step.energy.work_mj);
-  visit(step.energy.floor_mj);
-  visit(step.energy.cut_mj);
-  visit(step.energy.first_contact_mm);
-  visit(step.touched);
-  visit(step.warned_of_no_spin);
-}
-
 /// The content of a file; nullopt where it cannot be read.
 inline std::optional<std::string> read_whole_file(const std::string& path) {
   std::error_code error;

@@ -77,33 +77,11 @@ void require_same_run(const RunIdentity& saved, const RunIdentity& current, cons
 
 constexpr std::string_view kMagic = "reamsim checkpoint 4\n";
 
-/// Calls visit() for every value of a checkpoint, in the order of the file.
-template <class Visit, class State>
-void visit_values(Visit& visit, State& c) {
-  visit(c.identity.program);
-  visit(c.identity.device);
-  visit(c.identity.scenario);
-  visit(c.identity.inputs);
-  visit_step(visit, c.simulation);
-  visit(c.simulation.feed);
-  visit(c.simulation.springs);
-  visit(c.logs.forces_bytes);
-  visit(c.logs.timings_bytes);
-  visit(c.logs.basis_bytes);
-  visit(c.warnings);
-  visit(c.removed);
-  visit(c.fill);
-  visit(c.changed);
-}
-
 std::optional<Checkpoint> read_checkpoint(const std::string& path) {
   const std::optional<std::string> text = read_whole_file(path);
   if (!text) return std::nullopt;
   try {
-    ValueReader reader(values_of(*text, kMagic));
-    Checkpoint out;
-    visit_values(reader, out);
-    return out;
+    return ValueReader(values_of(*text, kMagic)).take<Checkpoint>();
   } catch (const DamagedValues&) {
     return std::nullopt;
   }
@@ -139,7 +117,7 @@ std::optional<Checkpoint> CheckpointFiles::read() {
 
 std::size_t CheckpointFiles::write(const Checkpoint& checkpoint) {
   ValueWriter writer(kMagic);
-  visit_values(writer, checkpoint);
+  writer(checkpoint);
   const std::string& text = writer.finish();
   replace_file(path(next_), text);
   next_ = 1 - next_;
