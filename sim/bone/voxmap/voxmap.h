@@ -48,6 +48,7 @@ struct VoxelGrid {
   [[nodiscard]] Aabb bounds_mm() const { return {origin_mm, origin_mm + voxel_mm * dims.cast<double>()}; }
   [[nodiscard]] double voxel_mm3() const { return voxel_mm * voxel_mm * voxel_mm; }
 
+  bool operator==(const VoxelGrid&) const = default;
   static auto fields(auto& self) { return std::tie(self.dims, self.voxel_mm, self.origin_mm); }
 };
 
