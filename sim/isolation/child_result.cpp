@@ -32,8 +32,7 @@ SharedMemory::SharedMemory(std::uint64_t result_bytes) : capacity_(std::max(resu
   // System V memory: for files in memory the limit of file sizes counts, which this process may have itself.
   for (; memory_ == nullptr; capacity_ /= 2) {
     if (capacity_ < kLeastResult) {
-      const std::string limit = address_space_note();
-      throw RunError("no memory to read files in a child process" + (limit.empty() ? "" : "; " + limit + ": raise it"));
+      throw RunError("no memory to read files in a child process" + address_space_note("; ", ": raise it"));
     }
     id_ = shmget(IPC_PRIVATE, kHeadBytes + capacity_, IPC_CREAT | SHM_NORESERVE | 0600);
     if (id_ < 0) continue;

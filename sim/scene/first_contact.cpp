@@ -130,15 +130,13 @@ constexpr double kLater_voxels = 1;
 /// Lowest z of a closed profile at a radius, the points of its outline included; infinite where it has none.
 double lowest_z(const Profile& profile, double r) {
   double out = kNever;
-  for (std::size_t i = 0; i < profile.points.size(); ++i) {
-    const Vec2& a = profile.points[i];
-    const Vec2& b = profile.points[(i + 1) % profile.points.size()];
-    if (r < std::min(a.x(), b.x()) || r > std::max(a.x(), b.x())) continue;
+  for_each_side(profile.points, [&](const Vec2& a, const Vec2& b) {
+    if (r < std::min(a.x(), b.x()) || r > std::max(a.x(), b.x())) return;
     const double width = b.x() - a.x();
     const double z =
         width == 0 ? std::min(a.y(), b.y()) : a.y() + (b.y() - a.y()) * std::clamp((r - a.x()) / width, 0.0, 1.0);
     out = std::min(out, z);
-  }
+  });
   return out;
 }
 
