@@ -123,13 +123,12 @@ bool CsvReader::is_header(std::string_view comment) const {
 void CsvReader::open(const std::string& expected) {
   std::error_code failed;
   const auto status = std::filesystem::status(path_, failed);
-  const auto fail = [&](const char* found) { throw InputError({path_, 0, 0}, "", found, expected); };
-  if (failed || !std::filesystem::exists(status)) fail("cannot be read: no such file");
-  if (std::filesystem::is_directory(status)) fail("cannot be read: it is a folder");
+  if (failed || !std::filesystem::exists(status)) refuse_file(path_, "cannot be read: no such file", expected);
+  if (std::filesystem::is_directory(status)) refuse_file(path_, "cannot be read: it is a folder", expected);
   if (const auto bytes = std::filesystem::file_size(path_, failed); !failed && bytes > kMostBytes)
-    fail("is larger than 4 GiB");
+    refuse_file(path_, "is larger than 4 GiB", expected);
   in_.open(path_, std::ios::binary);
-  if (!in_) fail("cannot be read");
+  if (!in_) refuse_file(path_, "cannot be read", expected);
 }
 
 void CsvReader::find_columns(std::string_view header, const std::string& expected) {

@@ -220,9 +220,8 @@ void apply_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill
   for (auto value = grid->cbeginValueOn(); value; ++value) {
     const openvdb::Coord c = value.getCoord();
     const Vec3i voxel(c.x(), c.y(), c.z());
-    if (!fill.lattice().contains(BrickLattice::brick_of(voxel))) {
-      throw InputError({path, 0, 0}, "", "holds a brick outside the bone's lattice", "run the scenario again");
-    }
+    if (!fill.lattice().contains(BrickLattice::brick_of(voxel)))
+      refuse_file(path, "holds a brick outside the bone's lattice", "run the scenario again");
     const float units = std::clamp(value.getValue(), 0.0F, 1.0F) * FillBricks::kWhole;
     fill.set(voxel, static_cast<std::uint16_t>(std::lround(units)));
   }
