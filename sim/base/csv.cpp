@@ -225,23 +225,15 @@ std::string quoted_cell(std::string_view text) {
   return "\"" + replace_all(text, {{"\"", "\"\""}}) + "\"";
 }
 
-CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::ios::openmode mode)
-    : path_(path), columns_(1 + static_cast<std::size_t>(std::ranges::count(header, ','))) {
+CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes)
+    : path_(path), columns_(1 + static_cast<std::size_t>(std::ranges::count(header, ','))), whole_bytes_(bytes) {
+  if (bytes > 0) cut_to_checkpoint(path, bytes);
   out_.rdbuf()->pubsetbuf(nullptr, 0);  // rows_ is the buffer
-  out_.open(path, mode | std::ios::binary);
+  out_.open(path, std::ios::binary | (bytes > 0 ? std::ios::app : std::ios::trunc));
   if (!out_) fail_to_write(path);
-}
-
-CsvWriter::CsvWriter(const std::string& path, const std::string& header)
-    : CsvWriter(path, header, std::ios::out | std::ios::trunc) {
+  if (bytes > 0) return;
   rows_ = header + '\n';
   flush();
-}
-
-CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes)
-    : CsvWriter(path, header, std::ios::app) {
-  cut_to_checkpoint(path, bytes);
-  whole_bytes_ = bytes;
 }
 
 CsvWriter::~CsvWriter() {

@@ -92,10 +92,9 @@ std::string quoted_cell(std::string_view text);
 /// that a process that is killed leaves none incomplete.
 class CsvWriter {
  public:
-  /// Throws RunError when the file cannot be created.
-  CsvWriter(const std::string& path, const std::string& header);
-  /// Continues a file of `bytes` bytes, by sync(); what follows is removed. Throws InputError where it is shorter.
-  CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes);
+  /// `bytes`: continues a file of so many bytes, by sync(), and removes what follows; 0: begins a new one. Throws
+  /// RunError when it cannot be created, InputError where it is shorter.
+  CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes = 0);
   ~CsvWriter();
   CsvWriter(const CsvWriter&) = delete;
   CsvWriter& operator=(const CsvWriter&) = delete;
@@ -109,7 +108,6 @@ class CsvWriter {
   void close();
 
  private:
-  CsvWriter(const std::string& path, const std::string& header, std::ios::openmode mode);
   void flush();
   /// Writes rows_; where that fails, the file ends with its last whole row.
   void write_rows();

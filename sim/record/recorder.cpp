@@ -73,15 +73,15 @@ void put_brick(openvdb::FloatGrid& grid, const Vec3i& brick_coord, const FillBri
 
 }  // namespace
 
-ForceBasisWriter::ForceBasisWriter(const std::string& path)
-    : path_(path), file_(path, std::ios::in | std::ios::out | std::ios::binary | std::ios::trunc) {
-  write_header();
-}
-
 ForceBasisWriter::ForceBasisWriter(const std::string& path, std::uintmax_t bytes) : path_(path) {
-  cut_to_checkpoint(path, bytes, kHeaderBytes);
-  count_ = (bytes - kHeaderBytes) / sizeof(BasisRow);
-  file_.open(path, std::ios::in | std::ios::out | std::ios::binary);
+  auto mode = std::ios::in | std::ios::out | std::ios::binary;
+  if (bytes > 0) {
+    cut_to_checkpoint(path, bytes, kHeaderBytes);
+    count_ = (bytes - kHeaderBytes) / sizeof(BasisRow);
+  } else {
+    mode |= std::ios::trunc;
+  }
+  file_.open(path, mode);
   write_header();
 }
 
@@ -127,27 +127,20 @@ std::vector<BasisRow> read_force_basis(const std::string& path) {
   return out;
 }
 
-Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis, PoseFeedback feedback)
-    : dir_(dir),
-      forces_(dir + "/forces.csv", force_columns(feedback)),
-      timings_(dir + "/timings.csv", kTimingColumns),
-      totals_(voxel_mm) {
-  if (force_basis) basis_.emplace(dir + "/" + kForceBasisName);
-}
-
-Recorder::Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs,
-                   RemovedFrames removed, PoseFeedback feedback)
+Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis, PoseFeedback feedback,
+                   const LogLengths& logs, std::int64_t frame, RemovedFrames removed)
     : dir_(dir),
       forces_(dir + "/forces.csv", force_columns(feedback), logs.forces_bytes),
       timings_(dir + "/timings.csv", kTimingColumns, logs.timings_bytes),
       totals_(voxel_mm),
       removed_(std::move(removed)) {
-  if (logs.basis_bytes > 0) basis_.emplace(dir + "/" + kForceBasisName, logs.basis_bytes);
-  remove_snapshots_after(dir, frame);
-  for_each_result(dir + "/forces.csv", feedback, [&](const FrameResult& result) { totals_.add(result); });
+  if (force_basis) basis_.emplace(dir + "/" + kForceBasisName, logs.basis_bytes);
+  if (logs.forces_bytes == 0) return;
+  remove_snapshots_after(dir_, frame);
+  for_each_result(dir_ + "/forces.csv", feedback, [&](const FrameResult& result) { totals_.add(result); });
   const std::vector<std::string_view> columns = csv_cells(kTimingColumns);
   std::vector<double> row;
-  for (CsvReader log(dir + "/timings.csv", columns, "the log of a run"); log.next(row);) {
+  for (CsvReader log(dir_ + "/timings.csv", columns, "the log of a run"); log.next(row);) {
     totals_.times += {row[1] / 1e3, row[2] / 1e3, row[3] / 1e3};
   }
 }

@@ -169,7 +169,13 @@ Recorder RunCheckpoints::open_logs(double voxel_mm, const Scenario& scenario, Di
   // folder would look like that of a finished run.
   std::error_code ignored;
   std::filesystem::remove(dir_ + "/reamed.vdb", ignored);
-  return {dir_, voxel_mm, last_->simulation.frame, last_->logs, std::move(last_->removed), feedback};
+  return {dir_,
+          voxel_mm,
+          scenario.output.force_basis,
+          feedback,
+          last_->logs,
+          last_->simulation.frame,
+          std::move(last_->removed)};
 }
 
 bool RunCheckpoints::save(const SimulationState& state, Recorder& recorder, const FillBricks& fill,
