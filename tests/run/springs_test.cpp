@@ -61,8 +61,7 @@ TEST(Springs, LinearBoneIsImplicitEulerOfItsEquation) {
   const Mat3 rate = (resistance + 3 * Mat3::Identity()) / kFrame_s;
   const Mat3 left = rate + Mat3(b.stiffness_n_mm.asDiagonal());
   for (int i = 0; i < 300; ++i) expected = left.inverse() * (rate * expected - resistance * b.planned_mm / kFrame_s);
-  for (int axis = 0; axis < 3; ++axis)
-    EXPECT_NEAR(state.deflection_mm[axis], expected[axis], 2e-3 * expected.norm());
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(state.deflection_mm[axis], expected[axis], 2e-3 * expected.norm());
   EXPECT_LT(evaluations, 330) << "about one a frame";
 }
 
