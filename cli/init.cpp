@@ -231,11 +231,12 @@ void check_plunge(const LoadedBone& loaded, const PlungeSettings& plunge, const 
   scene.scenario.bone = loaded.settings;
   scene.scenario.tool.mesh = tool;
   scene.tool = load_tool(scene.scenario.tool, loaded.settings.voxel_mm, ShellUse::none, report);
-  const FirstContact contact = find_first_contact(scene.bone, scene.tool, plunge, PoseFrame::glenoid);
+  const FirstContact contact =
+      find_first_contact(scene.bone, scene.tool, plunge.entry_mm, plunge.axis, PoseFrame::glenoid);
   report.note(sentence_of(contact));
   MotionSettings motion;
   motion.frame = PoseFrame::glenoid;
-  motion.plunge = counted_from(contact, plunge);
+  count_from(contact, motion.plunge.emplace(plunge));
   Diagnostics ignored;
   scene.motion = build_motion(motion, scene.bone.glenoid, ignored);
   warn_of_contact(scene, forecast_passes(scene), report);

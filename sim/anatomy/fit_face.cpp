@@ -274,7 +274,7 @@ PearOutline first_outline(const std::vector<Vec2>& points, bool reversed) {
   for (const Vec2& p : points) mean += p / static_cast<double>(points.size());
   Mat2 spread = Mat2::Zero();
   for (const Vec2& p : points) spread += (p - mean) * (p - mean).transpose();
-  const SymmetricEigen2 axes = symmetric_eigen(Mat2(spread / static_cast<double>(points.size())));
+  const SymmetricEigen<2> axes = symmetric_eigen(Mat2(spread / static_cast<double>(points.size())));
   const Vec2 along = axes.vectors.col(1);
   // The variance of points around an ellipse is half of each squared semi-axis.
   const Vec2 half = (2 * axes.values.cwiseMax(1e-6)).cwiseSqrt();

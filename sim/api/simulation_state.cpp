@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // States of a simulation, in memory and in files.
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "sim/api/reamsim/simulation.h"
@@ -21,35 +19,6 @@ constexpr std::string_view kMagic = "reamsim state 1\n";
 /// What the formats of all versions begin with.
 constexpr std::string_view kAnyMagic = "reamsim state ";
 
-using PoseValues = std::array<double, 9>;
-
-PoseValues values_of_pose(const ToolPose& pose) {
-  const Vec3& p = pose.position_mm;
-  const Quat& q = pose.orientation;
-  return {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), pose.spin_angle_rad, pose.spin_rpm};
-}
-
-ToolPose pose_of_values(const PoseValues& v) {
-  if (!std::ranges::all_of(v, [](double value) { return std::isfinite(value); })) throw DamagedValues();
-  return {.position_mm = Vec3(v.data()),
-          .orientation = Quat(v[3], v[4], v[5], v[6]),
-          .spin_angle_rad = v[7],
-          .spin_rpm = v[8]};
-}
-
-/// Calls visit() for the values of a state, in the order of the file, but for pose and fill.
-template <class Visit, class Bone, class Standing>
-void visit_values(Visit& visit, Bone& bone, Standing& progress) {
-  visit(bone.dims);
-  visit(bone.voxel_mm);
-  visit(bone.origin_mm);
-  visit(bone.crc);
-  visit_step(visit, progress.step);
-  visit(progress.time_s);
-  visit(progress.removed_mm3);
-  visit(progress.uneven);
-}
-
 std::vector<PlacedBrick> changed_bricks(const Simulation::State::Parts& parts) {
   if (const auto* bricks = std::get_if<std::vector<PlacedBrick>>(&parts.fill)) return *bricks;
   return reamed_bricks(parts.before, std::get<FillBricks>(parts.fill));
@@ -58,14 +27,8 @@ std::vector<PlacedBrick> changed_bricks(const Simulation::State::Parts& parts) {
 Simulation::State::Parts read_values(std::string_view text) {
   ValueReader reader(values_of(text, kMagic));
   Simulation::State::Parts out;
-  visit_values(reader, out.bone, out.progress);
-  bool started = false;
-  reader(started);
-  if (started) {
-    PoseValues pose{};
-    reader(pose);
-    out.progress.pose = pose_of_values(pose);
-  }
+  reader(out.bone);
+  reader(out.progress);
   reader(out.fill.emplace<std::vector<PlacedBrick>>());
   return out;
 }
@@ -91,9 +54,7 @@ class CallerMonitor final : public RunMonitor {
 }  // namespace
 
 BoneIdentity identity_of(const Bone& bone) {
-  const VoxelGrid& grid = bone.voxmap->grid;
-  BoneIdentity out{.dims = grid.dims, .voxel_mm = grid.voxel_mm, .origin_mm = {}};
-  std::copy(grid.origin_mm.begin(), grid.origin_mm.end(), out.origin_mm.begin());
+  BoneIdentity out{.grid = bone.voxmap->grid};
   const auto add = [&out](const Vec3i& coord, const auto& brick) {
     const auto bytes_of = [](const auto& value) {
       return std::string_view(reinterpret_cast<const char*>(&value), sizeof value);
@@ -110,8 +71,7 @@ FillBricks Simulation::State::Parts::fill_on(const FillBricks& start) const {
   if (const auto* copy = std::get_if<FillBricks>(&fill)) return *copy;
   FillBricks out = start;
   for (const auto& [coord, brick] : std::get<std::vector<PlacedBrick>>(fill)) {
-    if ((coord.array() < 0).any() || (coord.array() >= out.brick_dims().array()).any())
-      throw InputError("the state does not fit its bone: it is damaged");
+    if (!out.lattice().contains(coord)) throw InputError("the state does not fit its bone: it is damaged");
     out.put(coord, brick);
   }
   return out;
@@ -120,10 +80,8 @@ FillBricks Simulation::State::Parts::fill_on(const FillBricks& start) const {
 void Simulation::State::save(const std::string& path) const {
   guarded([&] {
     ValueWriter writer(kMagic);
-    visit_values(writer, parts_->bone, parts_->progress);
-    const std::optional<ToolPose>& pose = parts_->progress.pose;
-    writer.presence_of(pose);
-    if (pose) writer.put(values_of_pose(*pose));
+    writer(parts_->bone);
+    writer(parts_->progress);
     writer.put(changed_bricks(*parts_));
     replace_file(path, writer.finish());
   });

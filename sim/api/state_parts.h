@@ -18,12 +18,11 @@ namespace reamsim {
 
 /// What tells one bone from another, before the first step.
 struct BoneIdentity {
-  Vec3i dims = Vec3i::Zero();
-  double voxel_mm = 0;
-  std::array<double, 3> origin_mm{};
+  VoxelGrid grid;
   std::uint32_t crc = 0;  ///< of densities and fill
 
   bool operator==(const BoneIdentity&) const = default;
+  static auto fields(auto& self) { return std::tie(self.grid, self.crc); }
 };
 
 BoneIdentity identity_of(const Bone& bone);
@@ -31,10 +30,12 @@ BoneIdentity identity_of(const Bone& bone);
 /// Where a simulation stands, besides the fill of its bone.
 struct Progress {
   StepState step;
-  std::optional<ToolPose> pose;  ///< none before the first one
   double time_s = 0;
   double removed_mm3 = 0;
-  bool uneven = false;  ///< steps had a time of their own
+  bool uneven = false;           ///< steps had a time of their own
+  std::optional<ToolPose> pose;  ///< none before the first one
+
+  static auto fields(auto& p) { return std::tie(p.step, p.time_s, p.removed_mm3, p.uneven, p.pose); }
 };
 
 struct Simulation::State::Parts {

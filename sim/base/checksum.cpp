@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <openssl/evp.h>
+#include <zlib.h>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -66,6 +67,10 @@ std::string sha256_of_text(const std::string& text) {
   Sha256 sum;
   sum.add(text.data(), text.size());
   return sum.hex();
+}
+
+std::uint32_t crc_of(std::string_view bytes, std::uint32_t before) {
+  return static_cast<std::uint32_t>(crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace reamsim

@@ -3,7 +3,9 @@
 
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace reamsim {
 
@@ -13,5 +15,8 @@ namespace reamsim {
 std::string sha256_of(const std::string& path, const std::string& before = "");
 
 std::string sha256_of_text(const std::string& text);
+
+/// CRC-32 of bytes that follow those with the sum `before`.
+std::uint32_t crc_of(std::string_view bytes, std::uint32_t before = 0);
 
 }  // namespace reamsim

@@ -50,12 +50,9 @@ bool is_missing(std::string_view cell) {
   return word.empty() || word == "nan" || word == "missing";
 }
 
-CsvLayout layout_of(std::span<const std::string_view> names, std::span<const std::string_view> optional) {
+CsvLayout layout_of(std::span<const std::string_view> names) {
   CsvLayout out;
   for (const std::string_view name : names) out.columns.push_back({.name = std::string(name)});
-  for (const std::string_view name : optional) {
-    out.columns.push_back({.name = std::string(name), .number = 0, .may_be_missing = true});
-  }
   return out;
 }
 
@@ -91,9 +88,8 @@ std::vector<std::string_view> csv_cells(std::string_view line, char separator) {
   }
 }
 
-CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
-                     std::span<const std::string_view> optional)
-    : CsvReader(path, layout_of(names, optional), expected) {}
+CsvReader::CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected)
+    : CsvReader(path, layout_of(names), expected) {}
 
 CsvReader::CsvReader(const std::string& path, CsvLayout layout, const std::string& expected)
     : path_(path), layout_(std::move(layout)) {
@@ -127,13 +123,12 @@ bool CsvReader::is_header(std::string_view comment) const {
 void CsvReader::open(const std::string& expected) {
   std::error_code failed;
   const auto status = std::filesystem::status(path_, failed);
-  const auto fail = [&](const char* found) { throw InputError({path_, 0, 0}, "", found, expected); };
-  if (failed || !std::filesystem::exists(status)) fail("cannot be read: no such file");
-  if (std::filesystem::is_directory(status)) fail("cannot be read: it is a folder");
+  if (failed || !std::filesystem::exists(status)) refuse_file(path_, "cannot be read: no such file", expected);
+  if (std::filesystem::is_directory(status)) refuse_file(path_, "cannot be read: it is a folder", expected);
   if (const auto bytes = std::filesystem::file_size(path_, failed); !failed && bytes > kMostBytes)
-    fail("is larger than 4 GiB");
+    refuse_file(path_, "is larger than 4 GiB", expected);
   in_.open(path_, std::ios::binary);
-  if (!in_) fail("cannot be read");
+  if (!in_) refuse_file(path_, "cannot be read", expected);
 }
 
 void CsvReader::find_columns(std::string_view header, const std::string& expected) {
@@ -230,23 +225,15 @@ std::string quoted_cell(std::string_view text) {
   return "\"" + replace_all(text, {{"\"", "\"\""}}) + "\"";
 }
 
-CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::ios::openmode mode)
-    : path_(path), columns_(1 + static_cast<std::size_t>(std::ranges::count(header, ','))) {
+CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes)
+    : path_(path), columns_(1 + static_cast<std::size_t>(std::ranges::count(header, ','))), whole_bytes_(bytes) {
+  if (bytes > 0) cut_to_checkpoint(path, bytes);
   out_.rdbuf()->pubsetbuf(nullptr, 0);  // rows_ is the buffer
-  out_.open(path, mode | std::ios::binary);
+  out_.open(path, std::ios::binary | (bytes > 0 ? std::ios::app : std::ios::trunc));
   if (!out_) fail_to_write(path);
-}
-
-CsvWriter::CsvWriter(const std::string& path, const std::string& header)
-    : CsvWriter(path, header, std::ios::out | std::ios::trunc) {
+  if (bytes > 0) return;
   rows_ = header + '\n';
   flush();
-}
-
-CsvWriter::CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes)
-    : CsvWriter(path, header, std::ios::app) {
-  cut_to_checkpoint(path, bytes);
-  whole_bytes_ = bytes;
 }
 
 CsvWriter::~CsvWriter() {

@@ -35,10 +35,9 @@ struct CsvLayout {
 /// all have numbers, it is one if none of these columns has a number there.
 class CsvReader {
  public:
-  /// `expected` says what file this should be, for messages. `optional`: columns after the others that may be missing.
-  /// Throws InputError: unreadable, larger than 4 GiB, empty, a column missing or given twice.
-  CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected,
-            std::span<const std::string_view> optional = {});
+  /// `expected` says what file this should be, for messages. Throws InputError: unreadable, larger than 4 GiB, empty, a
+  /// column missing or given twice.
+  CsvReader(const std::string& path, std::span<const std::string_view> names, const std::string& expected);
   /// The same for another layout.
   CsvReader(const std::string& path, CsvLayout layout, const std::string& expected);
 
@@ -93,10 +92,9 @@ std::string quoted_cell(std::string_view text);
 /// that a process that is killed leaves none incomplete.
 class CsvWriter {
  public:
-  /// Throws RunError when the file cannot be created.
-  CsvWriter(const std::string& path, const std::string& header);
-  /// Continues a file of `bytes` bytes, by sync(); what follows is removed. Throws InputError where it is shorter.
-  CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes);
+  /// `bytes`: continues a file of so many bytes, by sync(), and removes what follows; 0: begins a new one. Throws
+  /// RunError when it cannot be created, InputError where it is shorter.
+  CsvWriter(const std::string& path, const std::string& header, std::uintmax_t bytes = 0);
   ~CsvWriter();
   CsvWriter(const CsvWriter&) = delete;
   CsvWriter& operator=(const CsvWriter&) = delete;
@@ -110,7 +108,6 @@ class CsvWriter {
   void close();
 
  private:
-  CsvWriter(const std::string& path, const std::string& header, std::ios::openmode mode);
   void flush();
   /// Writes rows_; where that fails, the file ends with its last whole row.
   void write_rows();

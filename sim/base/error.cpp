@@ -60,8 +60,7 @@ std::string message_of(const std::exception& error) {
                     dynamic_cast<const Interrupted*>(&error) != nullptr;
   if (ours) return error.what();
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) {
-    const std::string limit = address_space_note();
-    return "out of memory; " + (limit.empty() ? "" : limit + ": raise it, or ") +
+    return "out of memory; " + address_space_note("", ": raise it, or ") +
            "use a larger bone.voxel_mm or a smaller crop";
   }
   return "internal error: please report it with the scenario";

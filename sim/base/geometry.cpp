@@ -41,17 +41,17 @@ QrSolution solve_qr(const Mat4& a, const Vec4& b) {
   return {decomposed.solve(b), static_cast<int>(decomposed.rank())};
 }
 
-SymmetricEigen2 symmetric_eigen(const Mat2& matrix) {
+SymmetricEigen<2> symmetric_eigen(const Mat2& matrix) {
   const double mean = 0.5 * (matrix(0, 0) + matrix(1, 1)), half_difference = 0.5 * (matrix(0, 0) - matrix(1, 1));
   const double radius = std::hypot(half_difference, matrix(1, 0));
   const double angle = 0.5 * std::atan2(matrix(1, 0), half_difference);  // of the direction of the greater eigenvalue
   const double c = std::cos(angle), s = std::sin(angle);
-  SymmetricEigen2 out{Vec2(mean - radius, mean + radius), {}};
+  SymmetricEigen<2> out{Vec2(mean - radius, mean + radius), {}};
   out.vectors << -s, c, c, s;
   return out;
 }
 
-SymmetricEigen3 symmetric_eigen(const Mat3& matrix) {
+SymmetricEigen<3> symmetric_eigen(const Mat3& matrix) {
   const Eigen::SelfAdjointEigenSolver<Mat3> found(matrix);
   return {found.eigenvalues(), found.eigenvectors()};
 }

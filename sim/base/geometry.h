@@ -107,22 +107,19 @@ struct QrSolution {
 QrSolution solve_qr(const Mat4& a, const Vec4& b);
 
 /// Ascending eigenvalues of a symmetric matrix, and their eigenvectors of length 1 as columns in the same order.
-struct SymmetricEigen2 {
-  Vec2 values;
-  Mat2 vectors;
-};
-struct SymmetricEigen3 {
-  Vec3 values;
-  Mat3 vectors;
+template <int kSize>
+struct SymmetricEigen {
+  Eigen::Matrix<double, kSize, 1> values;
+  Eigen::Matrix<double, kSize, kSize> vectors;
 };
 /// Closed form: half the angle whose tangent is 2b/(a − c) for ((a, b), (b, c)).
-SymmetricEigen2 symmetric_eigen(const Mat2& matrix);
-SymmetricEigen3 symmetric_eigen(const Mat3& matrix);
+SymmetricEigen<2> symmetric_eigen(const Mat2& matrix);
+SymmetricEigen<3> symmetric_eigen(const Mat3& matrix);
 
 /// The mean of points, and their variances along the main directions.
 struct PointSpread {
   Vec3 mean = Vec3::Zero();
-  SymmetricEigen3 axes;
+  SymmetricEigen<3> axes;
 };
 PointSpread spread_of_points(const std::vector<Vec3>& points);
 

@@ -97,9 +97,9 @@ std::uint64_t address_space_in_use() {
   return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
 }
 
-std::string address_space_note() {
+std::string address_space_note(const std::string& before, const std::string& after) {
   const auto limit = address_space_limit();
-  return limit ? "the address space is limited to " + megabytes(*limit) + " (ulimit -v)" : "";
+  return limit ? before + "the address space is limited to " + megabytes(*limit) + " (ulimit -v)" + after : "";
 }
 
 }  // namespace reamsim

@@ -51,7 +51,7 @@ std::optional<std::uint64_t> address_space_limit();
 /// The address space that this process has reserved, bytes; 0 where the system does not say.
 std::uint64_t address_space_in_use();
 
-/// "the address space is limited to 300 MB (ulimit -v)"; "" where it is not.
-std::string address_space_note();
+/// "the address space is limited to 300 MB (ulimit -v)" between two texts; "" where it is not.
+std::string address_space_note(const std::string& before = "", const std::string& after = "");
 
 }  // namespace reamsim

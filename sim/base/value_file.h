@@ -3,10 +3,8 @@
 
 #pragma once
 
-// Files of values, for checkpoints and states: a line that names the format, numbers as the processor has them, each
-// text and list after its length, a CRC-32 at the end.
-#include <zlib.h>
-
+// Values as bytes: numbers as the processor has them, each text and list after its length. In files of checkpoints and
+// states a line before them names the format, and a CRC-32 ends them.
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -17,59 +15,108 @@
 #include <tuple>
 #include <type_traits>
 
+#include "sim/base/checksum.h"
 #include "sim/base/file.h"
 #include "sim/base/geometry.h"
 
 namespace reamsim {
+
+/// The order of the parts of values, the same where they are written and where they are read. `Bytes` is a ValueOutput
+/// or a ValueInput.
+template <class Bytes>
+class ValueVisitor {
+ public:
+  template <class Value>
+  void operator()(Value& v) {
+    using Plain = std::remove_const_t<Value>;
+    Bytes& bytes = self();
+    if constexpr (requires { Plain::fields(v); }) {
+      std::apply([this](auto&... field) { ((*this)(field), ...); }, Plain::fields(v));
+      bytes.check(v);
+    } else if constexpr (requires { v.reshaped(); }) {  // a matrix
+      for (auto& item : v.reshaped()) (*this)(item);
+    } else if constexpr (requires { v.has_value(); }) {
+      bytes.presence_of(v);
+      if (v) (*this)(*v);
+    } else if constexpr (requires { typename Value::allocator_type; }) {  // a text or a vector
+      bytes.items_of(v);
+    } else if constexpr (std::is_trivially_copyable_v<Plain>) {
+      static_assert(!std::is_pointer_v<Plain>);
+      bytes.copy(&v, sizeof v);
+    } else {
+      (*this)(v.first);  // a pair
+      (*this)(v.second);
+    }
+  }
+
+ protected:
+  Bytes& self() { return static_cast<Bytes&>(*this); }
+};
+
+/// Writes values. `Bytes` has copy(), which takes bytes.
+template <class Bytes>
+class ValueOutput : public ValueVisitor<Bytes> {
+ public:
+  /// A value that has just been made.
+  void put(const auto& value) { (*this)(value); }
+  void items_of(const std::string& text) {
+    put(text.size());
+    this->self().copy(text.data(), text.size());
+  }
+  void items_of(const auto& list) {
+    put(list.size());
+    for (const auto& item : list) put(item);
+  }
+  void presence_of(const auto& value) { put(value.has_value()); }
+  void check(const auto& /*value*/) {}
+};
+
+/// Reads values that may be damaged, in the order in which they were written. `Bytes` has next(), which returns the
+/// next bytes, as many as asked for, or calls fail(), which throws.
+template <class Bytes>
+class ValueInput : public ValueVisitor<Bytes> {
+ public:
+  /// The next value by its type.
+  template <class Value>
+  Value take() {
+    Value out{};
+    (*this)(out);
+    return out;
+  }
+  void copy(void* first, std::size_t count) { std::memcpy(first, this->self().next(count), count); }
+  void copy(bool* value, std::size_t /*count*/) {
+    const auto byte = take<std::uint8_t>();
+    if (byte > 1) this->self().fail();
+    *value = byte == 1;
+  }
+  void items_of(std::string& text) {
+    const auto length = take<std::size_t>();
+    text.assign(static_cast<const char*>(this->self().next(length)), length);
+  }
+  void items_of(auto& list) {
+    for (auto left = take<std::size_t>(); left > 0; --left) (*this)(list.emplace_back());
+  }
+  void presence_of(auto& value) {
+    if (take<bool>()) value.emplace();
+  }
+  /// A struct with is_valid() has to be.
+  void check(const auto& value) {
+    if constexpr (requires { value.is_valid(); }) {
+      if (!value.is_valid()) this->self().fail();
+    }
+  }
+};
 
 /// A file that is cut off, changed or of another format.
 struct DamagedValues : std::runtime_error {
   DamagedValues() : std::runtime_error("damaged") {}
 };
 
-inline std::uint32_t crc_of(std::string_view bytes, std::uint32_t before = 0) {
-  return static_cast<std::uint32_t>(crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
-
-/// The order of the parts of values, the same in ValueWriter and ValueReader, which are `File`.
-template <class File>
-class ValueVisitor {
- public:
-  template <class Value>
-  void operator()(Value& v) {
-    using Plain = std::remove_const_t<Value>;
-    File& file = static_cast<File&>(*this);
-    if constexpr (std::is_same_v<Plain, std::string>) {
-      file.length_of(v);
-      file.bytes(v.data(), v.size());
-    } else if constexpr (requires { Plain::fields(v); }) {
-      std::apply([this](auto&... field) { ((*this)(field), ...); }, Plain::fields(v));
-    } else if constexpr (requires { v.reshaped(); }) {  // a matrix
-      for (auto& item : v.reshaped()) (*this)(item);
-    } else if constexpr (std::is_trivially_copyable_v<Plain>) {
-      file.bytes(&v, sizeof v);
-    } else if constexpr (requires { v.has_value(); }) {
-      file.presence_of(v);
-      if (v) (*this)(*v);
-    } else if constexpr (requires { typename Value::allocator_type; }) {  // a vector
-      file.length_of(v);
-      for (auto& item : v) (*this)(item);
-    } else {
-      (*this)(v.first);  // a pair
-      (*this)(v.second);
-    }
-  }
-};
-
 /// Appends values to the text of a file.
-class ValueWriter : public ValueVisitor<ValueWriter> {
+class ValueWriter : public ValueOutput<ValueWriter> {
  public:
   explicit ValueWriter(std::string_view magic) : text_(magic) {}
-  void bytes(const void* first, std::size_t count) { text_.append(static_cast<const char*>(first), count); }
-  /// A value that has just been made.
-  void put(const auto& value) { (*this)(value); }
-  void length_of(const auto& list) { put(list.size()); }
-  void presence_of(const auto& value) { put(value.has_value()); }
+  void copy(const void* first, std::size_t count) { text_.append(static_cast<const char*>(first), count); }
   /// The text of the file. Called once, after the last value.
   const std::string& finish() {
     put(crc_of(text_));
@@ -80,49 +127,21 @@ class ValueWriter : public ValueVisitor<ValueWriter> {
   std::string text_;
 };
 
-/// Reads them again, in the same order.
-class ValueReader : public ValueVisitor<ValueReader> {
+/// Reads them again. Throws DamagedValues.
+class ValueReader : public ValueInput<ValueReader> {
  public:
   explicit ValueReader(std::string_view rest) : rest_(rest) {}
-  void bytes(void* first, std::size_t count) {
-    if (count > rest_.size()) throw DamagedValues();
-    std::memcpy(first, rest_.data(), count);
+  const void* next(std::size_t count) {
+    if (count > rest_.size()) fail();
+    const char* const first = rest_.data();
     rest_.remove_prefix(count);
+    return first;
   }
-  void bytes(bool* value, std::size_t) {
-    std::uint8_t byte = 0;
-    (*this)(byte);
-    if (byte > 1) throw DamagedValues();
-    *value = byte == 1;
-  }
-  /// Of a text or a list, each of whose items has a byte or more.
-  void length_of(auto& list) {
-    std::size_t length = 0;
-    (*this)(length);
-    if (length > rest_.size()) throw DamagedValues();
-    list.resize(length);
-  }
-  void presence_of(auto& value) {
-    bool has = false;
-    (*this)(has);
-    if (has) value.emplace();
-  }
+  [[noreturn]] static void fail() { throw DamagedValues(); }
 
  private:
   std::string_view rest_;
 };
-
-/// Visits where a simulation stands, in the order of checkpoints and states.
-template <class Visit, class Step>
-void visit_step(Visit& visit, Step& step) {
-  visit(step.frame);
-  visit(step.energy.work_mj);
-  visit(step.energy.floor_mj);
-  visit(step.energy.cut_mj);
-  visit(step.energy.first_contact_mm);
-  visit(step.touched);
-  visit(step.warned_of_no_spin);
-}
 
 /// The content of a file; nullopt where it cannot be read.
 inline std::optional<std::string> read_whole_file(const std::string& path) {

@@ -316,9 +316,7 @@ FilledVoxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& densit
   voxmap.frame = "phantom";
   const double radius_mm = 0.5 * GradeBricks::kSide * grid.voxel_mm * std::numbers::sqrt3;
   voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) {
-    const Vec3 center_mm =
-        grid.origin_mm + GradeBricks::kSide * grid.voxel_mm * (coord.cast<double>() + Vec3::Constant(0.5));
-    if (!all_air(center_mm, radius_mm)) sample_brick(grid, field, coord, brick);
+    if (!all_air(grid.brick_center_mm(coord), radius_mm)) sample_brick(grid, field, coord, brick);
   });
   if (!partial) return voxmap;
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {

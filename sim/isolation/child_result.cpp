@@ -32,8 +32,7 @@ SharedMemory::SharedMemory(std::uint64_t result_bytes) : capacity_(std::max(resu
   // System V memory: for files in memory the limit of file sizes counts, which this process may have itself.
   for (; memory_ == nullptr; capacity_ /= 2) {
     if (capacity_ < kLeastResult) {
-      const std::string limit = address_space_note();
-      throw RunError("no memory to read files in a child process" + (limit.empty() ? "" : "; " + limit + ": raise it"));
+      throw RunError("no memory to read files in a child process" + address_space_note("; ", ": raise it"));
     }
     id_ = shmget(IPC_PRIVATE, kHeadBytes + capacity_, IPC_CREAT | SHM_NORESERVE | 0600);
     if (id_ < 0) continue;
@@ -59,11 +58,6 @@ std::byte* SharedMemory::result() const {
   return static_cast<std::byte*>(memory_) + kHeadBytes;
 }
 
-void ResultWriter::put(const std::string& text) {
-  put(std::uint64_t{text.size()});
-  std::memcpy(take(text.size(), 1), text.data(), text.size());
-}
-
 void ResultWriter::begin_file(const std::string& path) {
   SharedMemory::Head& head = memory_.head();
   const std::size_t length = std::min(path.size(), SharedMemory::Head::kPathBytes - 1);
@@ -85,13 +79,7 @@ ResultReader::ResultReader(const SharedMemory& memory, ForeignFile file)
       bytes_(std::min(memory.head().bytes.load(), memory.capacity())),
       file_(std::move(file)) {}
 
-std::string ResultReader::text() {
-  const auto length = get<std::uint64_t>();
-  const std::byte* first = take(length, 1);
-  return {reinterpret_cast<const char*>(first), length};
-}
-
-const std::byte* ResultReader::take(std::uint64_t bytes, std::size_t alignment) {
+const void* ResultReader::next(std::uint64_t bytes, std::uint64_t alignment) {
   const std::uint64_t place = aligned(place_, alignment);
   if (place > bytes_ || bytes > bytes_ - place) fail();
   place_ = place + bytes;

@@ -47,9 +47,6 @@ void stop_reader_server();
 /// Lower limits of the system remain. Thread-safe. Throws RunError.
 pid_t start_child(const ChildStart& start);
 
-/// Whether the sandbox restricts system calls on this kernel. Forks once.
-bool restricts_system_calls();
-
 struct ReadLimits {
   std::uint64_t memory_bytes = std::uint64_t{768} << 20;  ///< address space for reading
   std::uint64_t result_bytes = std::uint64_t{16} << 20;

@@ -122,7 +122,7 @@ TriangleMesh take_mesh(ResultReader& in) {
     mesh.vertices.emplace_back(c[0], c[1], c[2]);
     if (!mesh.vertices.back().allFinite()) in.fail();
   });
-  mesh.triangles = in.array<MeshTriangle>();
+  mesh.triangles = in.take<std::vector<MeshTriangle>>();
   for (const MeshTriangle& triangle : mesh.triangles) {
     for (const std::int32_t vertex : triangle) {
       if (vertex < 0 || static_cast<std::size_t>(vertex) >= mesh.vertices.size()) in.fail();

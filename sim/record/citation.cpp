@@ -165,9 +165,7 @@ void add_libraries(const Json& summary, Works& out) {
 /// Adds what the run in `dir` used. Throws InputError where a file of it is damaged.
 void add_run(const std::string& dir, Works& out) {
   const Json summary = parse_result_json(read_file(dir + "/summary.json", "the summary of a run"));
-  if (!summary.is_object()) {
-    throw InputError({dir + "/summary.json", 0, 0}, "", "is damaged", "expected the summary of a run");
-  }
+  if (!summary.is_object()) refuse_file(dir + "/summary.json", "is damaged", "expected the summary of a run");
   add(program_work(version_of(summary)), out.program);
   add_method(summary, dir, out);
   add_data(summary, out);
@@ -325,8 +323,8 @@ Citation cite_runs(const std::vector<std::string>& dirs) {
 Citation cite_results(const std::string& dir) {
   if (fs::exists(dir + "/summary.json")) return cite_runs({dir});
   if (fs::exists(dir + "/compare.csv")) {
-    throw InputError({dir, 0, 0}, "", "holds a comparison, which does not know the folders of its runs",
-                     std::string("read its ") + kCitationName + ", or give the folders of its runs, one at a time");
+    refuse_file(dir, "holds a comparison, which does not know the folders of its runs",
+                std::string("read its ") + kCitationName + ", or give the folders of its runs, one at a time");
   }
   Works out = works_of_study(dir);
   if (out.program.empty()) out = works_of_program();

@@ -73,15 +73,15 @@ void put_brick(openvdb::FloatGrid& grid, const Vec3i& brick_coord, const FillBri
 
 }  // namespace
 
-ForceBasisWriter::ForceBasisWriter(const std::string& path)
-    : path_(path), file_(path, std::ios::in | std::ios::out | std::ios::binary | std::ios::trunc) {
-  write_header();
-}
-
 ForceBasisWriter::ForceBasisWriter(const std::string& path, std::uintmax_t bytes) : path_(path) {
-  cut_to_checkpoint(path, bytes, kHeaderBytes);
-  count_ = (bytes - kHeaderBytes) / sizeof(BasisRow);
-  file_.open(path, std::ios::in | std::ios::out | std::ios::binary);
+  auto mode = std::ios::in | std::ios::out | std::ios::binary;
+  if (bytes > 0) {
+    cut_to_checkpoint(path, bytes, kHeaderBytes);
+    count_ = (bytes - kHeaderBytes) / sizeof(BasisRow);
+  } else {
+    mode |= std::ios::trunc;
+  }
+  file_.open(path, mode);
   write_header();
 }
 
@@ -127,27 +127,20 @@ std::vector<BasisRow> read_force_basis(const std::string& path) {
   return out;
 }
 
-Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis, PoseFeedback feedback)
-    : dir_(dir),
-      forces_(dir + "/forces.csv", force_columns(feedback)),
-      timings_(dir + "/timings.csv", kTimingColumns),
-      totals_(voxel_mm) {
-  if (force_basis) basis_.emplace(dir + "/" + kForceBasisName);
-}
-
-Recorder::Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs,
-                   RemovedFrames removed, PoseFeedback feedback)
+Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis, PoseFeedback feedback,
+                   const LogLengths& logs, std::int64_t frame, RemovedFrames removed)
     : dir_(dir),
       forces_(dir + "/forces.csv", force_columns(feedback), logs.forces_bytes),
       timings_(dir + "/timings.csv", kTimingColumns, logs.timings_bytes),
       totals_(voxel_mm),
       removed_(std::move(removed)) {
-  if (logs.basis_bytes > 0) basis_.emplace(dir + "/" + kForceBasisName, logs.basis_bytes);
-  remove_snapshots_after(dir, frame);
-  for_each_result(dir + "/forces.csv", feedback, [&](const FrameResult& result) { totals_.add(result); });
+  if (force_basis) basis_.emplace(dir + "/" + kForceBasisName, logs.basis_bytes);
+  if (logs.forces_bytes == 0) return;
+  remove_snapshots_after(dir_, frame);
+  for_each_result(dir_ + "/forces.csv", feedback, [&](const FrameResult& result) { totals_.add(result); });
   const std::vector<std::string_view> columns = csv_cells(kTimingColumns);
   std::vector<double> row;
-  for (CsvReader log(dir + "/timings.csv", columns, "the log of a run"); log.next(row);) {
+  for (CsvReader log(dir_ + "/timings.csv", columns, "the log of a run"); log.next(row);) {
     totals_.times += {row[1] / 1e3, row[2] / 1e3, row[3] / 1e3};
   }
 }
@@ -217,13 +210,11 @@ std::vector<std::int64_t> snapshot_frames(const std::string& dir) {
 void apply_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill) {
   const std::string path = snapshot_path(dir, frame);
   const openvdb::FloatGrid::Ptr grid = read_vdb_grid(path, "fill", VdbOrigin::kReamsim);
-  const Vec3i limit = 8 * fill.brick_dims();
   for (auto value = grid->cbeginValueOn(); value; ++value) {
     const openvdb::Coord c = value.getCoord();
     const Vec3i voxel(c.x(), c.y(), c.z());
-    if ((voxel.array() < 0).any() || (voxel.array() >= limit.array()).any()) {
-      throw InputError({path, 0, 0}, "", "holds a brick outside the bone's lattice", "run the scenario again");
-    }
+    if (!fill.lattice().contains(BrickLattice::brick_of(voxel)))
+      refuse_file(path, "holds a brick outside the bone's lattice", "run the scenario again");
     const float units = std::clamp(value.getValue(), 0.0F, 1.0F) * FillBricks::kWhole;
     fill.set(voxel, static_cast<std::uint16_t>(std::lround(units)));
   }

@@ -23,10 +23,9 @@ inline constexpr const char* kForceBasisName = "force_basis.npy";
 /// Writes force_basis.npy, an array of BasisRow (docs/columns.md).
 class ForceBasisWriter {
  public:
-  /// Throws RunError when the file cannot be created.
-  explicit ForceBasisWriter(const std::string& path);
-  /// Continues a file of which sync() returned `bytes`. Throws InputError where it is shorter, RunError.
-  ForceBasisWriter(const std::string& path, std::uintmax_t bytes);
+  /// `bytes`: continues a file of which sync() returned so many; 0: begins a new one. Throws InputError where it is
+  /// shorter, RunError.
+  explicit ForceBasisWriter(const std::string& path, std::uintmax_t bytes = 0);
 
   void rows(const std::vector<BasisRow>& rows);
   /// Waits until all rows are on the disk. Returns the length of the file. Throws RunError.
@@ -48,7 +47,7 @@ class ForceBasisWriter {
 /// Reads a force basis, in ascending frames. Throws InputError: no such file, or damaged.
 std::vector<BasisRow> read_force_basis(const std::string& path);
 
-/// Lengths of forces.csv, timings.csv and force_basis.npy after a frame, bytes.
+/// Lengths of forces.csv, timings.csv and force_basis.npy after a frame, bytes; 0 before the first one.
 struct LogLengths {
   std::uintmax_t forces_bytes = 0;
   std::uintmax_t timings_bytes = 0;
@@ -58,11 +57,10 @@ struct LogLengths {
 /// Writes forces.csv, timings.csv, snapshots/ and, where asked for, force_basis.npy frame by frame.
 class Recorder final : public FrameSink {
  public:
-  /// Opens the files in `dir`, with the columns of `feedback`. Throws RunError.
-  Recorder(const std::string& dir, double voxel_mm, bool force_basis = false, PoseFeedback feedback = {});
-  /// Continues the files after `frame`, and adds up the rows again. Throws InputError where they are damaged, RunError.
-  Recorder(const std::string& dir, double voxel_mm, std::int64_t frame, const LogLengths& logs, RemovedFrames removed,
-           PoseFeedback feedback = {});
+  /// Opens the files in `dir`, with the columns of `feedback`. Where they were as long as `logs` says after `frame`,
+  /// continues them, and adds up the rows again. Throws InputError where these are damaged, RunError.
+  Recorder(const std::string& dir, double voxel_mm, bool force_basis = false, PoseFeedback feedback = {},
+           const LogLengths& logs = {}, std::int64_t frame = 0, RemovedFrames removed = {});
 
   void frame(const FrameResult& result, const FrameTimes& times) override;
   void basis(const std::vector<BasisRow>& rows) override {

@@ -3,9 +3,9 @@
 
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
+#include <tuple>
 #include <vector>
 
 #include "sim/base/geometry.h"
@@ -60,12 +60,12 @@ double add_thrust_energies(const ThrustBalance& balance, const FeedRate& feed, d
 
 /// Springs between the planned pose and the tool, after a substep. Vectors in T; energies since the start of the run.
 struct SpringState {
-  std::array<double, 3> deflection_mm{};
-  std::array<double, 3> bone_n{};       ///< force of the bone in the last balance
-  std::array<double, 3> tool_mm_s{};    ///< velocity of the tool's origin in it
-  std::array<double, 9> bone_n_s_mm{};  ///< resistance −∂F/∂v there; zeros: not known
-  double carriage_mj = 0;               ///< work of what moves the planned pose
-  double spindle_work_mj = 0;           ///< work of the drive against the spin torque
+  Vec3 deflection_mm = Vec3::Zero();
+  Vec3 bone_n = Vec3::Zero();       ///< force of the bone in the last balance
+  Vec3 tool_mm_s = Vec3::Zero();    ///< velocity of the tool's origin in it
+  Mat3 bone_n_s_mm = Mat3::Zero();  ///< resistance −∂F/∂v there; zeros: not known
+  double carriage_mj = 0;           ///< work of what moves the planned pose
+  double spindle_work_mj = 0;       ///< work of the drive against the spin torque
   double spring_mj = 0;
   double damping_mj = 0;
   double lost_mj = 0;        ///< ½·k·Δd² of every substep: of the step in time (docs/feeds.md, 11)
@@ -73,6 +73,12 @@ struct SpringState {
   std::int64_t limited_frames = 0;
   std::int64_t unbalanced_frames = 0;
   double unbalanced_n = 0;  ///< the most that a balance misses
+
+  static auto fields(auto& s) {
+    return std::tie(s.deflection_mm, s.bone_n, s.tool_mm_s, s.bone_n_s_mm, s.carriage_mj, s.spindle_work_mj,
+                    s.spring_mj, s.damping_mj, s.lost_mj, s.unbalanced_mj, s.limited_frames, s.unbalanced_frames,
+                    s.unbalanced_n);
+  }
 };
 
 /// What balances the force of the bone in a substep, along each axis of T that is not rigid:

@@ -77,33 +77,11 @@ void require_same_run(const RunIdentity& saved, const RunIdentity& current, cons
 
 constexpr std::string_view kMagic = "reamsim checkpoint 4\n";
 
-/// Calls visit() for every value of a checkpoint, in the order of the file.
-template <class Visit, class State>
-void visit_values(Visit& visit, State& c) {
-  visit(c.identity.program);
-  visit(c.identity.device);
-  visit(c.identity.scenario);
-  visit(c.identity.inputs);
-  visit_step(visit, c.simulation);
-  visit(c.simulation.feed);
-  visit(c.simulation.springs);
-  visit(c.logs.forces_bytes);
-  visit(c.logs.timings_bytes);
-  visit(c.logs.basis_bytes);
-  visit(c.warnings);
-  visit(c.removed);
-  visit(c.fill);
-  visit(c.changed);
-}
-
 std::optional<Checkpoint> read_checkpoint(const std::string& path) {
   const std::optional<std::string> text = read_whole_file(path);
   if (!text) return std::nullopt;
   try {
-    ValueReader reader(values_of(*text, kMagic));
-    Checkpoint out;
-    visit_values(reader, out);
-    return out;
+    return ValueReader(values_of(*text, kMagic)).take<Checkpoint>();
   } catch (const DamagedValues&) {
     return std::nullopt;
   }
@@ -121,8 +99,8 @@ std::vector<PlacedBrick> reamed_bricks(const FillBricks& before, const FillBrick
 }
 
 void restore_fill(const Checkpoint& checkpoint, FillBricks& fill, const std::string& dir) {
-  const auto checked = [&, dims = fill.brick_dims()](const Vec3i& coord) -> const Vec3i& {
-    if ((coord.array() >= 0).all() && (coord.array() < dims.array()).all()) return coord;
+  const auto checked = [&](const Vec3i& coord) -> const Vec3i& {
+    if (fill.lattice().contains(coord)) return coord;
     throw InputError({dir, 0, 0}, "checkpoint", "does not fit the bone", kStartAgain);
   };
   for (const auto& [coord, brick] : checkpoint.fill) fill.put(checked(coord), brick);
@@ -139,7 +117,7 @@ std::optional<Checkpoint> CheckpointFiles::read() {
 
 std::size_t CheckpointFiles::write(const Checkpoint& checkpoint) {
   ValueWriter writer(kMagic);
-  visit_values(writer, checkpoint);
+  writer(checkpoint);
   const std::string& text = writer.finish();
   replace_file(path(next_), text);
   next_ = 1 - next_;
@@ -191,7 +169,13 @@ Recorder RunCheckpoints::open_logs(double voxel_mm, const Scenario& scenario, Di
   // folder would look like that of a finished run.
   std::error_code ignored;
   std::filesystem::remove(dir_ + "/reamed.vdb", ignored);
-  return {dir_, voxel_mm, last_->simulation.frame, last_->logs, std::move(last_->removed), feedback};
+  return {dir_,
+          voxel_mm,
+          scenario.output.force_basis,
+          feedback,
+          last_->logs,
+          last_->simulation.frame,
+          std::move(last_->removed)};
 }
 
 bool RunCheckpoints::save(const SimulationState& state, Recorder& recorder, const FillBricks& fill,

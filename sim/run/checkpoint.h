@@ -21,6 +21,8 @@ struct RunIdentity {
   std::string device;            ///< of OpenCL, or "serial"
   std::string scenario;          ///< resolved, YAML
   std::vector<InputSum> inputs;  ///< without the scenario file
+
+  static auto fields(auto& self) { return std::tie(self.program, self.device, self.scenario, self.inputs); }
 };
 
 /// A brick of fill; coordinates in bricks.
@@ -35,6 +37,10 @@ struct Checkpoint {
   RemovedFrames removed;
   std::vector<PlacedBrick> fill;  ///< those that the run has changed
   std::vector<Vec3i> changed;     ///< bricks that changed since the last snapshot
+
+  static auto fields(auto& c) {
+    return std::tie(c.identity, c.simulation, c.logs, c.warnings, c.removed, c.fill, c.changed);
+  }
 };
 
 /// The bricks of `now` that differ from those before the run.

@@ -61,18 +61,11 @@ constexpr int kSerialBatch = 4;
 class BatchTimes : public FrameSink {
  public:
   void frame(const FrameResult& result, const FrameTimes&) override {
-    frames_ = result.frame;
-    last_s_ = watch_.seconds();
-    if (begins_) ends_.emplace_back(last_s_, 0);
-    ends_.back().second = frames_;
-    begins_ = frames_ == 0;  // frame 0 is a batch of its own
+    last_ = {watch_.seconds(), result.frame};
+    if (result.frame == 0) end_batch();  // it is a batch of its own
   }
-  void end_batch() { begins_ = true; }
-  void snapshot(std::int64_t, FillBricks&) override {
-    read_s_ = std::max(read_s_, watch_.seconds() - last_s_);
-    last_s_ = watch_.seconds();
-  }
-  void removed(const RemovedFrames&) override {}
+  void end_batch() { ends_.push_back(last_); }
+  void snapshot(std::int64_t, FillBricks&) override { read_s_ = std::max(read_s_, watch_.seconds() - last_.first); }
 
   /// That of the fastest batch; the first may include the compilation of kernels.
   [[nodiscard]] double seconds_per_frame() const {
@@ -83,16 +76,15 @@ class BatchTimes : public FrameSink {
     }
     return best;
   }
-  [[nodiscard]] std::int64_t frames() const { return frames_; }
+  [[nodiscard]] std::int64_t frames() const { return last_.second; }
   [[nodiscard]] double read_s() const { return read_s_; }
 
  private:
   Stopwatch watch_;
-  double last_s_ = 0;
   double read_s_ = 0;
-  bool begins_ = true;
-  std::int64_t frames_ = 0;
-  std::vector<std::pair<double, std::int64_t>> ends_;  // per batch: time, last frame
+  using TimedFrame = std::pair<double, std::int64_t>;  // time when it was recorded, frame
+  TimedFrame last_{0, 0};
+  std::vector<TimedFrame> ends_;  // of batches
 };
 
 /// The middle of a window, and its time per frame.

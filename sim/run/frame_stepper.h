@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "sim/base/stopwatch.h"
@@ -53,6 +54,8 @@ struct EnergySums {
   double floor_mj = 0;
   double cut_mj = 0;
   std::optional<Vec3> first_contact_mm = {};  ///< of the tool's origin, B
+
+  static auto fields(auto& self) { return std::tie(self.work_mj, self.floor_mj, self.cut_mj, self.first_contact_mm); }
 };
 
 /// Converts the integer sums of the substeps to the rows of forces.csv, and keeps the energy balance: the work on the
@@ -85,6 +88,8 @@ struct StepState {
   EnergySums energy;
   bool touched = false;  ///< the tool has been in contact
   bool warned_of_no_spin = false;
+
+  static auto fields(auto& self) { return std::tie(self.frame, self.energy, self.touched, self.warned_of_no_spin); }
 };
 
 /// Moves the tool of the present pass frame by frame: broad phase → enqueue for the frames of a batch, collect → record

@@ -218,9 +218,8 @@ class ScenarioRun {
       throw;
     } catch (const std::bad_alloc&) {
       finish();
-      const std::string limit = address_space_note();
       throw RunError(dir_ + ": not enough memory for pictures and meshes; " +
-                     (limit.empty() ? "" : limit + ": raise it, or ") +
+                     address_space_note("", ": raise it, or ") +
                      "use smaller pictures, larger voxels, or output.meshes: false");
     }
     finish();

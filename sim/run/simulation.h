@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <tuple>
 
 #include "sim/base/error.h"
 #include "sim/engine/common/engine.h"
@@ -21,6 +22,8 @@ namespace reamsim {
 struct SimulationState : StepState {
   FeedState feed = {};       ///< under thrust
   SpringState springs = {};  ///< of a tool on springs
+
+  static auto fields(auto& self) { return std::tuple_cat(StepState::fields(self), std::tie(self.feed, self.springs)); }
 };
 
 struct RunControl {

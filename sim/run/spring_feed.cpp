@@ -22,14 +22,6 @@ constexpr int kMostTrials = 40;
 /// Resistance is measured over this part of the tool's displacement.
 constexpr double kDifference = 0.25;
 
-Vec3 vec_of(const std::array<double, 3>& values) {
-  return Vec3(values.data());
-}
-
-std::array<double, 3> array_of(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
 struct Trial {
   Vec3 mm = Vec3::Zero();
   Vec3 bone_n = Vec3::Zero();
@@ -39,10 +31,7 @@ struct Trial {
 class SpringSolver {
  public:
   SpringSolver(const SpringBalance& balance, const BoneForces& bone, const SpringState& before)
-      : b_(balance),
-        bone_(bone),
-        before_mm_(vec_of(before.deflection_mm)),
-        slope_(Eigen::Map<const Mat3>(before.bone_n_s_mm.data()) / balance.duration_s) {
+      : b_(balance), bone_(bone), before_mm_(before.deflection_mm), slope_(before.bone_n_s_mm / balance.duration_s) {
     own_n_mm_ = b_.stiffness_n_mm + Vec3::Constant(b_.damping_n_s_mm / b_.duration_s);
   }
 
@@ -112,8 +101,8 @@ class SpringSolver {
 
   /// The balance if the bone resists as in the substep before: with its force there and the difference of velocities.
   [[nodiscard]] Vec3 first_guess(const SpringState& before) const {
-    const Vec3 same_advance = before_mm_ + vec_of(before.tool_mm_s) * b_.duration_s - b_.planned_mm;
-    Vec3 right = vec_of(before.bone_n) + slope_ * same_advance + b_.damping_n_s_mm / b_.duration_s * before_mm_;
+    const Vec3 same_advance = before_mm_ + before.tool_mm_s * b_.duration_s - b_.planned_mm;
+    Vec3 right = before.bone_n + slope_ * same_advance + b_.damping_n_s_mm / b_.duration_s * before_mm_;
     for (int axis = 0; axis < 3; ++axis) right[axis] *= b_.is_rigid(axis) ? 0 : 1;
     const Vec3 guess = jacobian().partialPivLu().solve(right);
     return bounded(guess.allFinite() ? guess : before_mm_);
@@ -207,8 +196,8 @@ class SpringFeed : public PlannedFeed {
     // The tool of a pass begins without deflection.
     springs_.lost_mj += springs_.spring_mj;
     springs_.spring_mj = 0;
-    springs_.deflection_mm = springs_.bone_n = springs_.tool_mm_s = {};
-    springs_.bone_n_s_mm = {};
+    springs_.deflection_mm = springs_.bone_n = springs_.tool_mm_s = Vec3::Zero();
+    springs_.bone_n_s_mm.setZero();
     const std::int64_t first = scene().motion.first_frame;
     const ToolPose pose = scene().motion.pose_of(first);
     stepper_.start({.frame = first,
@@ -222,7 +211,7 @@ class SpringFeed : public PlannedFeed {
 
   void add(std::int64_t frame) override {
     const ToolPose begin = scene().motion.pose_of(frame - 1), end = scene().motion.pose_of(frame);
-    const double planned_mm = bound_mm(begin, end, vec_of(springs_.deflection_mm).norm());
+    const double planned_mm = bound_mm(begin, end, springs_.deflection_mm.norm());
     const int parts = std::max(1, static_cast<int>(std::ceil(planned_mm / ((1 - kStepOfDeflection) * step_mm_))));
     bool limited = false, balanced = true;
     for (int i = 0; i < parts; ++i) {
@@ -237,7 +226,7 @@ class SpringFeed : public PlannedFeed {
     }
     springs_.limited_frames += limited ? 1 : 0;
     springs_.unbalanced_frames += balanced ? 0 : 1;
-    stepper_.set_deflection(vec_of(springs_.deflection_mm));
+    stepper_.set_deflection(springs_.deflection_mm);
   }
   void warn_at_end() override {
     if (!scene().later_passes.empty()) return;
@@ -276,7 +265,7 @@ class SpringFeed : public PlannedFeed {
 
   Deflection cut_part(const FrameMotion& plan, int i, int parts) {
     const Mat3 tool_from_bone = plan.pose.orientation.toRotationMatrix().transpose();
-    const Vec3 before_mm = vec_of(springs_.deflection_mm);
+    const Vec3 before_mm = springs_.deflection_mm;
     const SpringBalance balance{.stiffness_n_mm = settings_.stiffness_n_mm,
                                 .damping_n_s_mm = settings_.damping_n_s_mm,
                                 .planned_mm = tool_from_bone * (plan.pose.position_mm - plan.before.position_mm),
@@ -349,7 +338,7 @@ Deflection balanced_deflection(const SpringBalance& balance, const BoneForces& b
 }
 
 void add_spring_energies(const SpringBalance& b, const Deflection& now, const PartWork& work, SpringState& state) {
-  const Vec3 change = now.mm - vec_of(state.deflection_mm), advance = b.planned_mm + change;
+  const Vec3 change = now.mm - state.deflection_mm, advance = b.planned_mm + change;
   Vec3 spring_n = -work.bone_n;  // on the tool
   double spring_mj = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -364,10 +353,10 @@ void add_spring_energies(const SpringBalance& b, const Deflection& now, const Pa
   state.carriage_mj += spring_n.dot(b.planned_mm) - (work.torque_nmm + now.mm.cross(work.bone_n)).dot(work.tilt_rad);
   state.spindle_work_mj += work.torque_nmm.z() * work.spin_rad;
   state.unbalanced_mj += (spring_n + work.bone_n).dot(advance);
-  state.deflection_mm = array_of(now.mm);
-  state.bone_n = array_of(now.bone_n);
-  state.tool_mm_s = array_of(advance / b.duration_s);
-  Eigen::Map<Mat3>(state.bone_n_s_mm.data()) = now.bone_n_s_mm;
+  state.deflection_mm = now.mm;
+  state.bone_n = now.bone_n;
+  state.tool_mm_s = advance / b.duration_s;
+  state.bone_n_s_mm = now.bone_n_s_mm;
   state.unbalanced_n = std::max(state.unbalanced_n, now.balanced || now.limited ? 0 : now.missing_n);
 }
 

@@ -320,7 +320,7 @@ std::vector<DicomFile> read_dicom_headers(const std::vector<std::string>& files,
     try {
       ChildResult result = read_in_child<put_headers>(folder, limits_for(files, kHeadersPerFileByte), files, damaged);
       std::vector<DicomFile> out(files.size());
-      for (DicomFile& file : out) result.reader().read(file);
+      for (DicomFile& file : out) result.reader()(file);
       return out;
     } catch (const InputError& error) {
       // A header is at most DicomKind::damaged, so an error names the file on which the child died.

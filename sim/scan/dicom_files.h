@@ -3,8 +3,8 @@
 
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -51,7 +51,7 @@ struct DicomHeader {
   std::optional<Vec3> position_mm;       ///< of the first pixel, LPS
   std::optional<SliceAxes> axes;
   /// What may tell the volumes of a series apart, by keyword: "AcquisitionNumber".
-  std::map<std::string, std::string> tags;
+  std::vector<std::pair<std::string, std::string>> tags;
 
   [[nodiscard]] Vec3 normal() const { return axes->col(0).cross(axes->col(1)); }
   [[nodiscard]] bool is_valid() const {
@@ -60,7 +60,7 @@ struct DicomHeader {
   }
   /// The value of an element that may tell volumes apart; "" without it.
   [[nodiscard]] std::string tag(const std::string& keyword) const {
-    const auto found = tags.find(keyword);
+    const auto found = std::ranges::find(tags, keyword, &std::pair<std::string, std::string>::first);
     return found == tags.end() ? "" : found->second;
   }
 

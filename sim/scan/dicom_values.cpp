@@ -183,10 +183,10 @@ std::span<const SeparatingTag> separating_tags() {
   return kTags;
 }
 
-void add_tags(const DicomValues& values, std::map<std::string, std::string>& tags) {
+void add_tags(const DicomValues& values, std::vector<std::pair<std::string, std::string>>& tags) {
   for (const SeparatingTag& tag : kTags) {
     const std::string value = values.text_of(tag.tag, tag.type);
-    if (!value.empty()) tags[tag.keyword] = value;
+    if (!value.empty()) tags.emplace_back(tag.keyword, value);
   }
 }
 

@@ -6,7 +6,6 @@
 #include <gdcmDataSet.h>
 #include <gdcmSequenceOfItems.h>
 #include <cstdint>
-#include <map>
 #include <span>
 #include <string>
 #include <utility>
@@ -61,7 +60,7 @@ struct SeparatingTag {
 std::span<const SeparatingTag> separating_tags();
 
 /// Adds the values that a data set has, by keyword.
-void add_tags(const DicomValues& values, std::map<std::string, std::string>& tags);
+void add_tags(const DicomValues& values, std::vector<std::pair<std::string, std::string>>& tags);
 
 // Transfer syntaxes: how a DICOM file and its pixels are coded.
 

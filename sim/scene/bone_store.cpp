@@ -45,14 +45,10 @@ void visit_bricks(ValueWriter& visit, const Bricks& bricks) {
 }
 template <class Bricks>
 void visit_bricks(ValueReader& visit, Bricks& bricks) {
-  std::size_t count = 0;
-  for (visit(count); count > 0; --count) {
-    Vec3i coord;
-    typename Bricks::Brick brick;
-    visit(coord);
-    visit(brick);
-    if ((coord.array() < 0).any() || (coord.array() >= bricks.brick_dims().array()).any()) throw DamagedValues();
-    bricks.put(coord, brick);
+  for (auto left = visit.take<std::size_t>(); left > 0; --left) {
+    const auto coord = visit.take<Vec3i>();
+    if (!bricks.lattice().contains(coord)) throw DamagedValues();
+    bricks.put(coord, visit.take<typename Bricks::Brick>());
   }
 }
 
@@ -86,8 +82,7 @@ std::string text_of(const KeptBone& kept) {
 /// Throws DamagedValues.
 KeptBone bone_of(std::string_view text) {
   ValueReader reader(values_of(text, kBoneMagic));
-  VoxelGrid grid;
-  reader(grid);
+  const auto grid = reader.take<VoxelGrid>();
   if ((grid.dims.array() < 0).any()) throw DamagedValues();
   FilledVoxmap voxels(grid);
   visit_bricks(reader, voxels.grade);

@@ -56,8 +56,8 @@ struct Cluster {
   Vec3 middle = Vec3::Zero();
   double radius_mm = 0;
   bool built = false;
-  std::vector<SurfacePatch> patches;  ///< that are there all the time
-  std::vector<PassingVoxel> passing;
+  std::vector<SurfacePatch> patches = {};  ///< that are there all the time
+  std::vector<PassingVoxel> passing = {};
   double bound_mm = -kFar;  ///< lower bound of its distance at `bound_at_mm` of the path
   double bound_at_mm = 0;
 };
@@ -68,13 +68,9 @@ class Surfaces {
   Surfaces(const BoneView& bone, const Tool& tool, const Motion& motion, const ClearanceSettings& settings)
       : bone_(bone), cuts_(bone_.voxmap.grid, tool.profile, motion.poses) {
     const VoxelGrid& grid = bone_.voxmap.grid;
-    const double side_mm = BrickLattice::kSide * grid.voxel_mm;
+    const double radius_mm = 0.5 * std::sqrt(3.0) * (BrickLattice::kSide * grid.voxel_mm);
     bone_.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
-      Cluster cluster;
-      cluster.brick = coord;
-      cluster.middle = grid.origin_mm + side_mm * (coord.cast<double>() + Vec3::Constant(0.5));
-      cluster.radius_mm = 0.5 * std::sqrt(3.0) * side_mm;
-      clusters.push_back(cluster);
+      clusters.push_back({.brick = coord, .middle = grid.brick_center_mm(coord), .radius_mm = radius_mm});
     });
     if (settings.envelope) add_envelope(*settings.envelope, kCellVoxels * grid.voxel_mm);
   }

@@ -49,11 +49,9 @@ class ContactSearch {
   ContactSearch(const Voxmap& voxmap, const FillBricks& fill, const Profile& tool, const ToolPath& path)
       : voxmap_(voxmap), fill_(fill), profile_(tool), voxel_mm_(voxmap_.grid.voxel_mm), path_(path) {
     voxmap_.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick&) {
-      const Vec3 middle =
-          voxmap_.grid.origin_mm + voxel_mm_ * BrickLattice::kSide * (coord.cast<double>() + Vec3::Constant(0.5));
       bool has_bone = fill_.brick(coord) == nullptr;  // an earlier pass may have removed all of it
       if (!has_bone) for_each_bone_voxel(coord, [&](const Vec3&, double) { has_bone = true; });
-      if (has_bone) bricks_.push_back({coord, middle});
+      if (has_bone) bricks_.push_back({coord, voxmap_.grid.brick_center_mm(coord)});
     });
   }
 

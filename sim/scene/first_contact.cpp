@@ -130,15 +130,13 @@ constexpr double kLater_voxels = 1;
 /// Lowest z of a closed profile at a radius, the points of its outline included; infinite where it has none.
 double lowest_z(const Profile& profile, double r) {
   double out = kNever;
-  for (std::size_t i = 0; i < profile.points.size(); ++i) {
-    const Vec2& a = profile.points[i];
-    const Vec2& b = profile.points[(i + 1) % profile.points.size()];
-    if (r < std::min(a.x(), b.x()) || r > std::max(a.x(), b.x())) continue;
+  for_each_side(profile.points, [&](const Vec2& a, const Vec2& b) {
+    if (r < std::min(a.x(), b.x()) || r > std::max(a.x(), b.x())) return;
     const double width = b.x() - a.x();
     const double z =
         width == 0 ? std::min(a.y(), b.y()) : a.y() + (b.y() - a.y()) * std::clamp((r - a.x()) / width, 0.0, 1.0);
     out = std::min(out, z);
-  }
+  });
   return out;
 }
 
@@ -300,12 +298,11 @@ std::optional<FirstContact> find_first_contact(const BoneView& bone, const Profi
   return std::nullopt;
 }
 
-FirstContact find_first_contact(const Bone& bone, const Tool& tool, const PlungeSettings& plunge, PoseFrame frame,
-                                const std::string& section) {
-  const std::optional<Rigid> to_bone = bone_from_frame(frame, bone.glenoid);
-  const Rigid bone_from_poses = to_bone ? *to_bone : Rigid::Identity();
-  const std::optional<FirstContact> found = find_first_contact(bone, tool.profile, bone_from_poses * plunge.entry_mm,
-                                                               (bone_from_poses.linear() * plunge.axis).normalized());
+FirstContact find_first_contact(const Bone& bone, const Tool& tool, const Vec3& entry_mm, const Vec3& axis,
+                                PoseFrame frame, const std::string& section) {
+  const Rigid bone_from_poses = bone_from_frame(frame, bone.glenoid).value_or(Rigid::Identity());
+  const std::optional<FirstContact> found = find_first_contact(bone, tool.profile, bone_from_poses * entry_mm,
+                                                               (bone_from_poses.linear() * axis).normalized());
   if (found) return *found;
   throw InputError({}, section + ".entry_mm",
                    "the tool meets no bone on the line of the " + section.substr(section.rfind('.') + 1),
@@ -318,12 +315,6 @@ std::string sentence_of(const FirstContact& contact) {
       "plunge: first contact {:.4f} mm {} entry_mm, at the point ({:.2f}, {:.2f}, {:.2f}) mm of the bone; the depth "
       "counts from there",
       std::abs(contact.travel_mm), contact.travel_mm < 0 ? "before" : "beyond", p.x(), p.y(), p.z());
-}
-
-PlungeSettings counted_from(const FirstContact& contact, PlungeSettings plunge) {
-  plunge.entry_mm += contact.travel_mm * plunge.axis.normalized();
-  plunge.from = PlungeStart::entry;
-  return plunge;
 }
 
 }  // namespace reamsim

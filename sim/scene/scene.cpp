@@ -32,24 +32,22 @@ Tool load_tool_for(const Scenario& scenario, const ToolSettings& settings, doubl
   return tool;
 }
 
-/// The motion of a pass, with the depth of its plunge counted from entry_mm.
+bool starts_at_contact(const auto& way) {
+  return way && way->from == PlungeStart::contact;
+}
+
+/// The motion of a pass, with the depth of its plunge or push counted from entry_mm.
 MotionSettings counted_motion(SimulationInput& scene, const PassSpec& spec, const Tool& tool, Diagnostics& report) {
   std::optional<FirstContact>& contact = scene.first_contacts.emplace_back();
   MotionSettings motion = spec.motion;
   const auto count = [&](auto& way, const std::string& section) {
-    PlungeSettings line;
-    line.entry_mm = way.entry_mm;
-    line.axis = way.axis;
-    contact = find_first_contact(scene.bone, tool, line, motion.frame, section);
-    way.entry_mm = counted_from(*contact, line).entry_mm;
-    way.from = PlungeStart::entry;
+    if (contact || !starts_at_contact(way)) return;
+    contact = find_first_contact(scene.bone, tool, way->entry_mm, way->axis, motion.frame, section);
+    count_from(*contact, *way);
     report.note(sentence_of(*contact));
   };
-  if (motion.push && motion.push->from == PlungeStart::contact) {
-    count(*motion.push, "motion.push");
-  } else if (motion.plunge && motion.plunge->from == PlungeStart::contact) {
-    count(*motion.plunge, "motion.plunge");
-  }
+  count(motion.push, "motion.push");
+  count(motion.plunge, "motion.plunge");
   return motion;
 }
 
@@ -67,8 +65,7 @@ Pass load_pass(SimulationInput& scene, const PassSpec& spec, bool bone, MistakeL
     });
   };
   const bool tool = attempt([&] { pass.tool = load_tool_for(scene.scenario, spec.tool, voxel_mm, report); });
-  const bool from_contact = (spec.motion.plunge && spec.motion.plunge->from == PlungeStart::contact) ||
-                            (spec.motion.push && spec.motion.push->from == PlungeStart::contact);
+  const bool from_contact = starts_at_contact(spec.motion.plunge) || starts_at_contact(spec.motion.push);
   if (from_contact ? bone && tool : bone || spec.motion.frame != PoseFrame::glenoid) {
     attempt([&] {
       pass.motion = build_motion(counted_motion(scene, spec, pass.tool, report), scene.bone.glenoid, report);

@@ -32,16 +32,19 @@ struct FirstContact {
 std::optional<FirstContact> find_first_contact(const BoneView& bone, const Profile& envelope, const Vec3& through_mm,
                                                const Vec3& direction);
 
-/// First contact of a plunge, of which only entry_mm and axis count; `bone` is as it is before any reaming. Throws
+/// First contact of a plunge or push along `axis` through `entry_mm`; `bone` is as it is before any reaming. Throws
 /// InputError at entry_mm of `section` where the tool meets no bone.
-FirstContact find_first_contact(const Bone& bone, const Tool& tool, const PlungeSettings& plunge, PoseFrame frame,
-                                const std::string& section = "motion.plunge");
+FirstContact find_first_contact(const Bone& bone, const Tool& tool, const Vec3& entry_mm, const Vec3& axis,
+                                PoseFrame frame, const std::string& section = "motion.plunge");
 
 /// For users, one line.
 std::string sentence_of(const FirstContact& contact);
 
-/// The same plunge with the depth counted from entry_mm, which is moved to the first contact.
-PlungeSettings counted_from(const FirstContact& contact, PlungeSettings plunge);
+/// Counts the depth of a plunge or push from entry_mm, which is moved to the first contact.
+void count_from(const FirstContact& contact, auto& way) {
+  way.entry_mm += contact.travel_mm * way.axis.normalized();
+  way.from = PlungeStart::entry;
+}
 
 /// A tool on its path.
 struct Pass {

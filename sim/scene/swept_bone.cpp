@@ -25,10 +25,6 @@ constexpr std::size_t kMostCutPoses = 4000;
 /// Half the diagonal of a voxel, an allowance for the table, and a decrease of the distance that is rounding, voxels.
 constexpr double kHalfDiagonal = 0.8660254, kTableSlack = 0.1, kNoNearer = 1e-3;
 
-Vec3 brick_middle(const VoxelGrid& grid, const Vec3i& brick) {
-  return grid.origin_mm + grid.voxel_mm * BrickLattice::kSide * (brick.cast<double>() + Vec3::Constant(0.5));
-}
-
 /// A tested pose of the tool.
 struct TestedPose {
   Rigid tool_from_bone;
@@ -87,7 +83,7 @@ class SweptBone {
     for (const TestedPose& tested : tested_poses_) {
       path_box = {path_box.min.cwiseMin(tested.box.min), path_box.max.cwiseMax(tested.box.max)};
     }
-    std::erase_if(bricks, [&](const Vec3i& coord) { return !contains(path_box, brick_middle(grid_, coord)); });
+    std::erase_if(bricks, [&](const Vec3i& coord) { return !contains(path_box, grid_.brick_center_mm(coord)); });
     std::vector<std::optional<BrickLoss>> found(bricks.size());
     parallel_items(bricks.size(), [&](std::size_t i) { found[i] = loss_of(bricks[i]); });
     std::vector<BrickLoss> out;
@@ -99,7 +95,7 @@ class SweptBone {
 
  private:
   [[nodiscard]] std::optional<BrickLoss> loss_of(const Vec3i& coord) const {
-    const Vec3 middle = brick_middle(grid_, coord);
+    const Vec3 middle = grid_.brick_center_mm(coord);
     const double radius_mm = RS_BRICK_RADIUS * grid_.voxel_mm;
     std::vector<NearPose> near;
     for (const TestedPose& tested : tested_poses_) {
@@ -216,7 +212,7 @@ VoxelCuts::VoxelCuts(const VoxelGrid& grid, const Profile& tool, const PoseSeque
 
 VoxelCuts::Brick VoxelCuts::of_brick(const Vec3i& brick) const {
   Brick out;
-  const Vec3 middle = brick_middle(grid_, brick);
+  const Vec3 middle = grid_.brick_center_mm(brick);
   std::vector<const Pose*> near;
   for (const Pose& pose : poses_) {
     if (table_.at(rz_of(pose.tool_from_bone * middle)) < (RS_BRICK_RADIUS + 1) * grid_.voxel_mm) near.push_back(&pose);

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
@@ -10,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -25,6 +27,15 @@ struct ToolPose {
   Quat orientation = Quat::Identity();
   double spin_angle_rad = 0;  ///< accumulated, positive clockwise seen from the drive
   double spin_rpm = 0;
+
+  static auto fields(auto& p) {
+    return std::tie(p.position_mm, p.orientation.w(), p.orientation.x(), p.orientation.y(), p.orientation.z(),
+                    p.spin_angle_rad, p.spin_rpm);
+  }
+  [[nodiscard]] bool is_valid() const {
+    return position_mm.allFinite() && orientation.coeffs().allFinite() && std::isfinite(spin_angle_rad) &&
+           std::isfinite(spin_rpm);
+  }
 
   [[nodiscard]] Rigid bone_from_tool() const { return Eigen::Translation3d(position_mm) * orientation; }
 };

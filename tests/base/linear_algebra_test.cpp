@@ -64,7 +64,7 @@ TEST_F(LinearAlgebra, EigenvectorsOfTwoByTwoBelongToAscendingEigenvalues) {
     const double across = i % 7 == 0 ? 0 : any();
     const double first = any();
     matrix << first, across, across, i % 5 == 0 ? first : any();
-    const SymmetricEigen2 found = symmetric_eigen(matrix);
+    const SymmetricEigen<2> found = symmetric_eigen(matrix);
     EXPECT_LE(found.values(0), found.values(1));
     const Mat2 scaled = found.vectors * found.values.asDiagonal();
     EXPECT_NEAR((matrix * found.vectors - scaled).norm(), 0, kRounding);
@@ -75,7 +75,7 @@ TEST_F(LinearAlgebra, EigenvectorsOfTwoByTwoBelongToAscendingEigenvalues) {
 TEST_F(LinearAlgebra, EigenvectorsOfThreeByThreeBelongToAscendingEigenvalues) {
   for (int i = 0; i < kCases; ++i) {
     const Mat3 matrix = definite<Mat3>();
-    const SymmetricEigen3 found = symmetric_eigen(matrix);
+    const SymmetricEigen<3> found = symmetric_eigen(matrix);
     EXPECT_LE(found.values(0), found.values(1));
     EXPECT_LE(found.values(1), found.values(2));
     const Mat3 scaled = found.vectors * found.values.asDiagonal();

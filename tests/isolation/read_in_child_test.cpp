@@ -69,15 +69,15 @@ TEST(ReadInChild, HandsBackNumbersTextsAndArrays) {
     out.put(std::string());
   }>(kFile, limits);
   ResultReader& in = result.reader();
-  EXPECT_EQ(in.get<int>(), 7);
+  EXPECT_EQ(in.take<int>(), 7);
   EXPECT_EQ(in.text(), std::string("text\0 with zero", 15));
-  EXPECT_EQ(in.get<double>(), 2.5);
-  const std::vector<float> values = in.array<float>();
+  EXPECT_EQ(in.take<double>(), 2.5);
+  const std::vector<float> values = in.take<std::vector<float>>();
   ASSERT_EQ(values.size(), kMany);
   for (std::size_t i = 0; i < kMany; i += 999) ASSERT_EQ(values[i], static_cast<float>(i));
-  EXPECT_TRUE(in.array<std::int16_t>().empty());
+  EXPECT_TRUE(in.take<std::vector<std::int16_t>>().empty());
   EXPECT_EQ(in.text(), "");
-  EXPECT_THROW(in.get<char>(), InputError) << "behind the end";
+  EXPECT_THROW(in.take<char>(), InputError) << "behind the end";
 }
 
 TEST(ReadInChild, TakesItsArgumentsByTheirTypes) {
@@ -90,7 +90,7 @@ TEST(ReadInChild, TakesItsArgumentsByTheirTypes) {
   const std::vector<std::string> texts{"", "end"};
   ChildResult result = read_in_child<kRead>(kFile, {}, 7, std::string("text"), values, texts);
   EXPECT_EQ(result.reader().text(), "text7end");
-  EXPECT_EQ(result.reader().array<double>(), values);
+  EXPECT_EQ(result.reader().take<std::vector<double>>(), values);
 }
 
 TEST(ReadInChild, SeveralThreadsReadAtATime) {
@@ -100,7 +100,7 @@ TEST(ReadInChild, SeveralThreadsReadAtATime) {
     threads.emplace_back([&sum, thread] {
       for (int n = 0; n < 20; ++n) {
         constexpr auto kRead = [](ResultWriter& out, int number) { out.put(number); };
-        sum += read_in_child<kRead>(kFile, {}, thread).reader().get<int>();
+        sum += read_in_child<kRead>(kFile, {}, thread).reader().take<int>();
       }
     });
   }
@@ -122,7 +122,7 @@ TEST(ReadInChild, TheThreadThatStartedTheServerMayEnd) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   });
   while (!started) std::this_thread::yield();
-  EXPECT_EQ(read_in_child<kReadSlowly>(kFile, {}, 400).reader().get<int>(), 400);
+  EXPECT_EQ(read_in_child<kReadSlowly>(kFile, {}, 400).reader().take<int>(), 400);
   first.join();
 }
 
@@ -205,7 +205,7 @@ TEST(ReadInChild, TheLimitOfTimeCountsForEachFile) {
     }
     out.put(3);
   };
-  EXPECT_EQ(read_in_child<kRead>(kFile, limits).reader().get<int>(), 3);
+  EXPECT_EQ(read_in_child<kRead>(kFile, limits).reader().take<int>(), 3);
 }
 
 TEST(ReadInChild, MemoryAndResultHaveLimits) {

@@ -3,7 +3,9 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <linux/seccomp.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/ptrace.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -35,8 +37,8 @@ Attempt in_sandbox(Arguments... arguments) {
   };
   ChildResult result = read_in_child<kAttempt>({"file", "key"}, {}, arguments...);
   Attempt out;
-  out.returned = result.reader().get<long>();
-  out.error = result.reader().get<int>();
+  out.returned = result.reader().take<long>();
+  out.error = result.reader().take<int>();
   return out;
 }
 
@@ -50,7 +52,8 @@ void expect_denied(const char* what, Arguments... arguments) {
 class SystemCalls : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!restricts_system_calls()) GTEST_SKIP() << "the kernel has no seccomp";
+    prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, nullptr);  // fails: EFAULT, for there is no filter
+    if (errno == EINVAL) GTEST_SKIP() << "the kernel has no seccomp";
   }
 };
 

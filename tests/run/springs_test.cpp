@@ -26,7 +26,7 @@ SpringBalance fed(const Vec3& stiffness_n_mm, double damping_n_s_mm = 0) {
 
 /// A bone that resists with a matrix, N·s/mm, within contact.
 BoneForces damper(const SpringBalance& b, const SpringState& from, const Mat3& resistance) {
-  const Vec3 before(from.deflection_mm.data());
+  const Vec3 before = from.deflection_mm;
   return [=](const std::vector<Vec3>& tried) {
     std::vector<Vec3> out;
     for (const Vec3& mm : tried) out.emplace_back(-resistance * (b.planned_mm + mm - before) / b.duration_s);
@@ -61,8 +61,7 @@ TEST(Springs, LinearBoneIsImplicitEulerOfItsEquation) {
   const Mat3 rate = (resistance + 3 * Mat3::Identity()) / kFrame_s;
   const Mat3 left = rate + Mat3(b.stiffness_n_mm.asDiagonal());
   for (int i = 0; i < 300; ++i) expected = left.inverse() * (rate * expected - resistance * b.planned_mm / kFrame_s);
-  for (int axis = 0; axis < 3; ++axis)
-    EXPECT_NEAR(state.deflection_mm.at(axis), expected[axis], 2e-3 * expected.norm());
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(state.deflection_mm[axis], expected[axis], 2e-3 * expected.norm());
   EXPECT_LT(evaluations, 330) << "about one a frame";
 }
 
@@ -76,7 +75,7 @@ TEST(Springs, RigidAxesDoNotDeflect) {
 TEST(Springs, BoneThatEndsLeavesThemAndTheyReturn) {
   SpringBalance b = fed({50, 50, 50}, 1);
   SpringState state = after(b, one_sided(), 50);
-  const double contact_mm = Vec3(state.deflection_mm.data()).norm();
+  const double contact_mm = state.deflection_mm.norm();
   const BoneForces air = [](const std::vector<Vec3>& tried) { return std::vector<Vec3>(tried.size(), Vec3::Zero()); };
   const Deflection now = balanced_deflection(b, air, state);
   // c/Δt = 1000 N/mm against k = 50 N/mm.
@@ -109,7 +108,7 @@ TEST(Springs, EnergiesClose) {
   SpringState state;
   double bone_mj = 0;
   for (int i = 0; i < 200; ++i) {
-    const Vec3 before(state.deflection_mm.data());
+    const Vec3 before = state.deflection_mm;
     const Deflection now = balanced_deflection(b, damper(b, state, one_sided()), state);
     bone_mj -= now.bone_n.dot(b.planned_mm + now.mm - before);
     add_spring_energies(b, now, {.bone_n = now.bone_n}, state);

@@ -204,13 +204,15 @@ TEST(ContactTravel, WithoutBoneOnTheLineIsAMistakeAtTheEntry) {
   tool.profile = flat(7);
   PlungeSettings plunge;
   plunge.entry_mm = {27.2, 0, 5};
-  EXPECT_THAT(input_error([&] { find_first_contact(bone, tool, plunge, PoseFrame::bone); }),
+  const auto contact = [&](const Bone& with) {
+    return find_first_contact(with, tool, plunge.entry_mm, plunge.axis, PoseFrame::bone);
+  };
+  EXPECT_THAT(input_error([&] { contact(bone); }),
               testing::StartsWith("motion.plunge.entry_mm: the tool meets no bone on the line of the plunge"));
   plunge.entry_mm.x() = 26.9;
-  EXPECT_NEAR(find_first_contact(bone, tool, plunge, PoseFrame::bone).travel_mm, 5, kTolerance_mm);
-  EXPECT_THAT(
-      input_error([&] { find_first_contact(Bone(FilledVoxmap(bone.voxmap->grid)), tool, plunge, PoseFrame::bone); }),
-      testing::HasSubstr("meets no bone"));
+  EXPECT_NEAR(contact(bone).travel_mm, 5, kTolerance_mm);
+  EXPECT_THAT(input_error([&] { contact(Bone(FilledVoxmap(bone.voxmap->grid))); }),
+              testing::HasSubstr("meets no bone"));
 }
 
 /// The plunge of `tool` counted from contact, as a run logs it; the tool depth of its last frame.
@@ -230,7 +232,7 @@ double logged_depth(const Bone& bone, const Profile& profile, const Vec3& axis, 
   scene.scenario.motion.plunge = plunge;
   scene.scenario.motion.frame_rate_hz = 200;
   MotionSettings counted = scene.scenario.motion;
-  counted.plunge = counted_from(find_first_contact(scene.bone, scene.tool, plunge, PoseFrame::bone), plunge);
+  count_from(find_first_contact(bone, scene.tool, plunge.entry_mm, axis, PoseFrame::bone), *counted.plunge);
   Diagnostics report;
   scene.motion = build_motion(counted, {}, report);
   return run(scene).totals.max_depth_mm;

@@ -212,9 +212,7 @@ void write_bone_vdb(const std::string& path, const BoneView& bone, const Removed
         [&] { return labelled(removed_grid(bone, removed), "removed_frame", "frame index"); }};
     write_vdb_file(path, grids, common);
   } catch (const std::bad_alloc&) {
-    const std::string limit = address_space_note();
-    throw RunError(path + ": cannot be written (not enough memory for its grids" + (limit.empty() ? "" : "; " + limit) +
-                   ")");
+    throw RunError(path + ": cannot be written (not enough memory for its grids" + address_space_note("; ") + ")");
   } catch (const openvdb::Exception&) {
     throw RunError(path + ": cannot be written (OpenVDB refuses its grids or metadata)");
   }

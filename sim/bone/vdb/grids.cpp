@@ -60,12 +60,12 @@ void put_transform(ResultWriter& out, const openvdb::math::Transform& transform)
 
 openvdb::math::Transform::Ptr take_transform(ResultReader& in) {
   using openvdb::math::Transform;
-  if (in.get<unsigned char>() == 0) {
+  if (!in.take<bool>()) {
     return Transform::createFrustumTransform(openvdb::BBoxd({0, 0, 0}, {1, 1, 1}), 0.5, 1);
   }
   openvdb::math::Mat4d matrix;
   for (int i = 0; i < 16; ++i) {
-    matrix.asPointer()[i] = in.get<double>();
+    matrix.asPointer()[i] = in.take<double>();
     if (!std::isfinite(matrix.asPointer()[i])) in.fail();
   }
   try {
@@ -102,7 +102,7 @@ void put_leaves(ResultWriter& out, Tree& tree) {
 }
 
 void add_tiles(ResultReader& in, Tree& tree) {
-  for (const PlainTile& tile : in.array<PlainTile>()) {
+  for (const PlainTile& tile : in.take<std::vector<PlainTile>>()) {
     if (tile.level < 1 || tile.level >= Tree::DEPTH) in.fail();
     tree.addTile(tile.level, {tile.corner[0], tile.corner[1], tile.corner[2]}, tile.value, tile.active != 0);
   }
@@ -160,7 +160,7 @@ openvdb::FloatGrid::Ptr take_grid(ResultReader& in) {
   take_metadata(in, *grid);
   grid->setName(name);
   grid->setTransform(take_transform(in));
-  grid->setTree(std::make_shared<Tree>(in.get<float>()));
+  grid->setTree(std::make_shared<Tree>(in.take<float>()));
   add_tiles(in, grid->tree());
   add_leaves(in, grid->tree());
   return grid;

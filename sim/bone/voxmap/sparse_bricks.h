@@ -199,7 +199,7 @@ class FillBricks : private SparseBricks<std::uint16_t, 65535> {
   using Bricks = SparseBricks<std::uint16_t, 65535>;
   using Bricks::Brick, Bricks::kSide, Bricks::kVoxels;
   using Bricks::bytes, Bricks::for_each_brick;
-  using Bricks::get, Bricks::brick, Bricks::brick_dims, Bricks::stored_bricks;
+  using Bricks::get, Bricks::brick, Bricks::brick_dims, Bricks::lattice, Bricks::stored_bricks;
   static constexpr std::uint16_t kWhole = 65535;
 
   FillBricks() = default;

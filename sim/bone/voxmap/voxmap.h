@@ -31,6 +31,9 @@ struct VoxelGrid {
   [[nodiscard]] Vec3 center_mm(const Vec3i& v) const {
     return origin_mm + voxel_mm * (v.cast<double>() + Vec3::Constant(0.5));
   }
+  [[nodiscard]] Vec3 brick_center_mm(const Vec3i& brick) const {
+    return origin_mm + voxel_mm * BrickLattice::kSide * (brick.cast<double>() + Vec3::Constant(0.5));
+  }
   [[nodiscard]] bool contains(const Vec3i& v) const {
     return (v.array() >= 0).all() && (v.array() < dims.array()).all();
   }
@@ -41,6 +44,7 @@ struct VoxelGrid {
   [[nodiscard]] Aabb bounds_mm() const { return {origin_mm, origin_mm + voxel_mm * dims.cast<double>()}; }
   [[nodiscard]] double voxel_mm3() const { return voxel_mm * voxel_mm * voxel_mm; }
 
+  bool operator==(const VoxelGrid&) const = default;
   static auto fields(auto& self) { return std::tie(self.dims, self.voxel_mm, self.origin_mm); }
 };
 
