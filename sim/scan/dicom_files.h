@@ -120,31 +120,6 @@ std::vector<float> read_slices(const std::vector<SliceSource>& slices, const Ind
 /// The error of pixels that are cut off, or in a coding that GDCM should decode and does not: damaged, or a variant.
 InputError unreadable(const ForeignFile& file);
 
-/// The decoded pixels of a DICOM file, for child processes.
-class DicomFrames {
- public:
-  /// Throws InputError: truncated, damaged, not one integer per pixel.
-  explicit DicomFrames(const ForeignFile& file);
-
-  /// Columns, rows, frames.
-  [[nodiscard]] const Vec3i& dims() const { return dims_; }
-  /// Writes the pixels of a frame in a box (whose third axis is not used), as slope·value + intercept.
-  void copy(int frame, const IndexBox& box, double slope, double intercept, float* out) const;
-
- private:
-  void set_format(const ForeignFile& file, int samples, int bits, int stored, int high_bit, bool is_signed);
-  /// Takes pixels that are not compressed, of any kind of file. False: they are compressed.
-  bool take_plain(const ForeignFile& file);
-  void decode(const ForeignFile& file);
-
-  Vec3i dims_ = Vec3i::Zero();
-  int bytes_per_pixel_ = 2;
-  int shift_ = 0;  ///< of the lowest stored bit
-  std::uint32_t mask_ = 0;
-  std::uint32_t sign_ = 0;  ///< the sign bit after the shift; 0: unsigned
-  std::vector<char> raw_;
-};
-
 /// The regular files in a folder and its subfolders, sorted by path, or the file `path`. Links to folders are not
 /// followed.
 std::vector<std::string> files_below(const std::string& path);
