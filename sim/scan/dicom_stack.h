@@ -26,6 +26,9 @@ struct Slice {
 
 using Stack = std::vector<Slice>;
 
+/// The geometry in the header of a slice, 1 mm thick: the positions of its neighbours say more.
+ScanGeometry geometry_of(const DicomHeader& header);
+
 // Spacing (slice_spacing.cpp). Stacks are sorted by height.
 
 /// Slices closer than this fraction of the spacing have the same position.
@@ -79,6 +82,16 @@ struct SliceBlend {
 /// The evenly spaced slices, from the first height to the last, that interpolate these. Their spacing is the finest
 /// that occurs more than once, or a little less.
 std::vector<SliceBlend> blends_of(const Stack& slices);
+
+/// A mistake in a DICOM segmentation, with what to do about it.
+InputError bad_seg(const ForeignFile& file, const std::string& found);
+
+/// The evenly spaced planes on which the frames of a segmentation lie; SEG leaves empty planes out.
+struct SegPlanes {
+  ScanGeometry geometry;
+  std::vector<int> plane_of_frame;
+};
+SegPlanes seg_planes(const std::vector<DicomHeader>& frames, const ForeignFile& file);
 
 // Volumes: phases, acquisitions, reconstructions (dicom_volumes.cpp).
 
