@@ -12,7 +12,7 @@
 #include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"
 #include "sim/scan/aligned_image.h"
-#include "sim/scan/dicom_stack.h"
+#include "sim/scan/dicom.h"
 #include "sim/scan/dicom_values.h"
 #include "sim/scan/image_io.h"
 

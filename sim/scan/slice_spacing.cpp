@@ -12,7 +12,7 @@
 #include <map>
 
 #include "sim/base/text.h"
-#include "sim/scan/dicom_stack.h"
+#include "sim/scan/dicom.h"
 
 namespace reamsim::ct {
 
