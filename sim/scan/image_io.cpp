@@ -19,7 +19,7 @@
 
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/scan/label_map.h"
+#include "sim/scan/segment.h"
 
 namespace reamsim::ct {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "sim/scan/image_io.h"
-#include "sim/scan/label_map.h"
+#include "sim/scan/segment.h"
 
 namespace reamsim::ct {
 
