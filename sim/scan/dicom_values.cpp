@@ -96,16 +96,14 @@ std::string DicomValues::text(const gdcm::Tag& tag) const {
 }
 
 std::vector<double> DicomValues::numbers(const gdcm::Tag& tag) const {
-  const std::string list = text(tag);
+  std::string list = text(tag);
+  if (list.ends_with('\\')) list.pop_back();
   std::vector<double> out;
-  for (std::size_t at = 0; at < list.size();) {
-    const std::size_t end = std::min(list.find('\\', at), list.size());
-    const std::string item = list.substr(at, end - at);
+  for (const std::string& item : split(list, '\\')) {
     char* rest = nullptr;
     const double number = std::strtod(item.c_str(), &rest);
     if (rest == item.c_str() || !std::isfinite(number)) return {};
     out.push_back(number);
-    at = end + 1;
   }
   return out;
 }

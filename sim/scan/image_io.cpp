@@ -153,9 +153,8 @@ constexpr std::size_t kLongestLine = 200;
 std::string printable_start(const std::string& line) {
   constexpr std::size_t kMost = 60;
   std::string out = line.substr(0, kMost);
-  for (char& c : out) {
-    if (c < 0x20 || c > 0x7e) c = '?';
-  }
+  std::ranges::replace_if(
+      out, [](char c) { return c < 0x20 || c > 0x7e; }, '?');
   return out;
 }
 
