@@ -23,8 +23,8 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/reamsimConfig.cmake ${CMAKE_CURRENT_BI
         DESTINATION ${REAMSIM_CMAKE_DIR} COMPONENT development)
 
 # For pkg-config: the libraries of others by their files; those that they need themselves are found by the linker.
-set(others ${ITK_LIBRARIES} gdcmMSFF gdcmDSED OpenVDB::openvdb TBB::tbb yaml-cpp::yaml-cpp assimp::assimp OpenCL::OpenCL
-  OpenSSL::Crypto ZLIB::ZLIB fmt::fmt)
+set(others ${ITK_LIBRARIES} gdcmMSFF gdcmDSED gdcmDICT OpenVDB::openvdb TBB::tbb yaml-cpp::yaml-cpp assimp::assimp
+  OpenCL::OpenCL OpenSSL::Crypto ZLIB::ZLIB fmt::fmt)
 list(REMOVE_DUPLICATES others)
 set(REAMSIM_OTHERS "")
 foreach(other ${others})

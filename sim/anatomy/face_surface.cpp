@@ -3,6 +3,7 @@
 
 #include "sim/anatomy/face_surface.h"
 
+#include <numeric>
 #include <utility>
 
 #include "sim/base/statistics.h"
@@ -10,12 +11,6 @@
 namespace reamsim {
 
 namespace {
-
-Vec3 mean_of(const std::vector<Vec3>& points) {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec3& p : points) sum += p;
-  return sum / static_cast<double>(points.size());
-}
 
 /// The least-squares solution of an equation for each point: equation(point) returns its row and its right side.
 template <class Equation>
@@ -182,17 +177,15 @@ double hidden_curvature_rad(const FaceSurface& surface, const Vec3& point) {
 /// Adds the neighbours of `place` that have the group's state, and records which other states it touches.
 void visit_neighbours(const ColumnMap& map, ColumnState state, const ColumnPlace& place, ColumnGroup& group,
                       std::vector<std::uint8_t>& seen) {
-  for (int dj = -1; dj <= 1; ++dj) {
-    for (int di = -1; di <= 1; ++di) {
-      const ColumnPlace next = place + ColumnPlace(di, dj);
-      const bool outside = !map.contains(next);
-      const ColumnState there = outside ? ColumnState::air : map.at(next).state;
-      group.reaches_air |= there == ColumnState::air;
-      group.reaches_through |= there == ColumnState::through;
-      if (outside || there != state || std::exchange(seen[map.index(next)], true)) continue;
-      group.columns.push_back(next);
-    }
-  }
+  const bool inner = (place.array() > 0).all() && place.x() + 1 < map.nx && place.y() + 1 < map.ny;
+  group.reaches_air |= !inner;
+  any_nearby(map, place, 1, [&](const ColumnPlace& next) {
+    const ColumnState there = map.at(next).state;
+    group.reaches_air |= there == ColumnState::air;
+    group.reaches_through |= there == ColumnState::through;
+    if (there == state && !std::exchange(seen[map.index(next)], true)) group.columns.push_back(next);
+    return false;  // for all of them
+  });
 }
 
 }  // namespace
@@ -220,7 +213,8 @@ std::optional<PlaneFit> fit_plane(const std::vector<Vec3>& points, const Vec3& o
 
 std::optional<SphereFit> fit_sphere(const std::vector<Vec3>& points) {
   if (points.size() < 4) return std::nullopt;
-  std::optional<SphereFit> sphere = algebraic_fit(points, mean_of(points));
+  const Vec3 sum = std::accumulate(points.begin(), points.end(), Vec3(0, 0, 0));
+  std::optional<SphereFit> sphere = algebraic_fit(points, sum / static_cast<double>(points.size()));
   if (!sphere || sphere->radius_mm > kLargestRadius_mm) return std::nullopt;
   constexpr int kMaxSteps = 30;
   constexpr double kStill_mm = 1e-10;

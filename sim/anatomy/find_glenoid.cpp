@@ -119,8 +119,7 @@ double score_of(const FittedFace& face, const Vec3& near_mm) {
 }
 
 [[noreturn]] void fail(const Vec3& near_mm, const std::string& found, const std::string& expected) {
-  throw InputError({}, "bone.glenoid.near_mm",
-                   fmt::format("({:.1f}, {:.1f}, {:.1f}): ", near_mm.x(), near_mm.y(), near_mm.z()) + found, expected);
+  throw InputError({}, "bone.glenoid.near_mm", point_text(near_mm) + ": " + found, expected);
 }
 
 /// The first `most` faces that are no repetition of one before, settled finely.

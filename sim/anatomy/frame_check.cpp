@@ -39,10 +39,6 @@ std::vector<std::pair<double, Vec3i>> bricks_by_distance(const Voxmap& voxmap, c
   return out;
 }
 
-std::string point_text(const Vec3& p) {
-  return fmt::format("({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
-}
-
 struct FrameKeys {
   std::string center, normal, superior;
 };

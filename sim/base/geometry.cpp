@@ -3,6 +3,7 @@
 
 #include "sim/base/geometry.h"
 
+#include <fmt/core.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
@@ -65,6 +66,10 @@ PointSpread spread_of_points(const std::vector<Vec3>& points) {
   for (const Vec3& p : points) products += (p - out.mean) * (p - out.mean).transpose();
   out.axes = symmetric_eigen(Mat3(products / count));
   return out;
+}
+
+std::string point_text(const Vec3& p) {
+  return fmt::format("({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
 }
 
 double angle_in_plane(const Vec3& point, const PointSpread& spread) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 /// Decompositions of small symmetric matrices, for least-squares fits. Functions of their own because Eigen's templates
@@ -122,6 +123,9 @@ struct PointSpread {
   SymmetricEigen<3> axes;
 };
 PointSpread spread_of_points(const std::vector<Vec3>& points);
+
+/// "(1.0, -2.5, 0.0)".
+std::string point_text(const Vec3& p);
 
 /// The angle of a point about the mean in the plane of the two greater variances, rad.
 double angle_in_plane(const Vec3& point, const PointSpread& spread);

@@ -241,7 +241,7 @@ BoneSettings with_cuts(const ct::AlignedImage& hu, const BoneSettings& settings,
   const auto head = ct::find_humeral_head(hu, settings.ct.threshold_hu, *near);
   if (!head) {
     throw InputError({}, "bone.ct.separate",
-                     fmt::format("no head of a humerus next to the glenoid at {}", ct::point_text(*near)),
+                     fmt::format("no head of a humerus next to the glenoid at {}", point_text(*near)),
                      "check bone.glenoid.near_mm and threshold_hu; or give cut_spheres, or a label map");
   }
   BoneSettings out = settings;
@@ -252,7 +252,7 @@ BoneSettings with_cuts(const ct::AlignedImage& hu, const BoneSettings& settings,
   report.note(
       fmt::format("humeral head: sphere of radius {:.1f} mm about {}, within {:.2f} mm (rms); cut at {:.1f} mm, "
                   "through the joint gap",
-                  head->radius_mm, ct::point_text(head->center_mm), head->rms_mm, head->cut_radius_mm));
+                  head->radius_mm, point_text(head->center_mm), head->rms_mm, head->cut_radius_mm));
   constexpr double kMostTouching = 0.1;
   if (head->touching_fraction > kMostTouching) {
     report.warn(

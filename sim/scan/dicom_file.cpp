@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/dicom_files.h"
+#include "sim/scan/dicom.h"
 
 #include <fmt/core.h>
 #include <gdcmImageReader.h>
@@ -180,6 +180,100 @@ void put_headers(ResultWriter& out, const std::vector<std::string>& files, const
   }
 }
 
+/// The decoded pixels of a DICOM file.
+class DicomFrames {
+ public:
+  /// Throws InputError: truncated, damaged, not one integer per pixel.
+  explicit DicomFrames(const ForeignFile& file) {
+    const QuietLibraries quiet;
+    gdcm::Trace::WarningOn();  // GDCM reports missing pixels in no other way
+    try {
+      if (!take_plain(file)) decode(file);
+      const auto pixels = static_cast<std::size_t>(dims_.cast<std::int64_t>().prod());
+      if (pixels == 0 || raw_.size() < pixels * static_cast<std::size_t>(bytes_per_pixel_)) throw unreadable(file);
+      if (quiet.reports_missing_voxels()) throw unreadable(file);
+    } catch (const InputError&) {
+      throw;
+    } catch (const std::exception&) {
+      throw unreadable(file);
+    }
+  }
+
+  /// Columns, rows, frames.
+  [[nodiscard]] const Vec3i& dims() const { return dims_; }
+
+  /// Writes the pixels of a frame in a box (whose third axis is not used), as slope·value + intercept.
+  void copy(int frame, const IndexBox& box, double slope, double intercept, float* out) const {
+    const auto bytes = static_cast<std::size_t>(bytes_per_pixel_);
+    for (int j = 0; j < box.size.y(); ++j) {
+      const char* at = raw_.data() + bytes * index_in(dims_, {box.start.x(), box.start.y() + j, frame});
+      for (int i = 0; i < box.size.x(); ++i, at += bytes) {
+        std::uint32_t bits = 0;
+        std::memcpy(&bits, at, bytes);  // GDCM decodes to this machine's byte order
+        bits = (bits >> shift_) & mask_;
+        const double value = sign_ == 0 ? double(bits) : static_cast<std::int32_t>((bits ^ sign_) - sign_);
+        *out++ = static_cast<float>(slope * value + intercept);
+      }
+    }
+  }
+
+ private:
+  void set_format(const ForeignFile& file, int samples, int bits, int stored, int high_bit, bool is_signed) {
+    if (samples != 1 || (bits != 8 && bits != 16 && bits != 32)) {
+      throw file.error(fmt::format("pixels of {} values of {} bits", samples, bits),
+                       "expected one integer of 8, 16 or 32 bits; export the original series");
+    }
+    stored = stored >= 1 && stored <= bits ? stored : bits;
+    bytes_per_pixel_ = bits / 8;
+    shift_ = std::clamp(high_bit + 1 - stored, 0, bits - stored);
+    mask_ = stored == 32 ? ~0U : (1U << stored) - 1;
+    sign_ = is_signed ? 1U << (stored - 1) : 0;
+  }
+
+  /// Takes pixels that are not compressed, of any kind of file. False: they are compressed.
+  bool take_plain(const ForeignFile& file) {
+    gdcm::Reader reader;
+    reader.SetFileName(file.path.c_str());
+    if (!reader.Read()) throw unreadable(file);
+    const DicomValues values(reader.GetFile().GetDataSet());
+    const gdcm::ByteValue* value = values.raw({0x7fe0, 0x0010});
+    const gdcm::TransferSyntax syntax = reader.GetFile().GetHeader().GetDataSetTransferSyntax();
+    if (value == nullptr || syntax == gdcm::TransferSyntax::ExplicitVRBigEndian ||
+        syntax == gdcm::TransferSyntax::ImplicitVRBigEndianPrivateGE) {
+      return false;
+    }
+    set_format(file, std::max(1, values.short_integer({0x0028, 0x0002})), values.short_integer({0x0028, 0x0100}),
+               values.short_integer({0x0028, 0x0101}), values.short_integer({0x0028, 0x0102}),
+               values.short_integer({0x0028, 0x0103}) == 1);
+    dims_ = Vec3i(values.short_integer({0x0028, 0x0011}), values.short_integer({0x0028, 0x0010}),
+                  std::clamp(values.integer({0x0028, 0x0008}, 1), 1, 1 << 24));
+    raw_.assign(value->GetPointer(), value->GetPointer() + value->GetLength());
+    return true;
+  }
+
+  void decode(const ForeignFile& file) {
+    gdcm::ImageReader reader;
+    reader.SetFileName(file.path.c_str());
+    if (!reader.Read()) throw unreadable(file);
+    const gdcm::Image& image = reader.GetImage();
+    const gdcm::PixelFormat& format = image.GetPixelFormat();
+    set_format(file, format.GetSamplesPerPixel(), format.GetBitsAllocated(), format.GetBitsStored(),
+               format.GetHighBit(), format.GetPixelRepresentation() == 1);
+    const unsigned* size = image.GetDimensions();
+    dims_ = Vec3i(static_cast<int>(size[0]), static_cast<int>(size[1]),
+                  image.GetNumberOfDimensions() > 2 ? static_cast<int>(size[2]) : 1);
+    raw_.resize(image.GetBufferLength());
+    if (!image.GetBuffer(raw_.data())) throw unreadable(file);
+  }
+
+  Vec3i dims_ = Vec3i::Zero();
+  int bytes_per_pixel_ = 2;
+  int shift_ = 0;  ///< of the lowest stored bit
+  std::uint32_t mask_ = 0;
+  std::uint32_t sign_ = 0;  ///< the sign bit after the shift; 0: unsigned
+  std::vector<char> raw_;
+};
+
 void put_slices(ResultWriter& out, const std::vector<SliceSource>& slices, const IndexBox& in_slice) {
   const auto pixels = static_cast<std::size_t>(in_slice.voxels());
   float* const first = out.array<float>(pixels * slices.size());
@@ -233,84 +327,6 @@ DicomFile read_dicom_header(const std::string& path) {
     return {DicomKind::image, "", frames_of(values, header)};
   } catch (const std::exception&) {
     return {DicomKind::damaged, "", {}};
-  }
-}
-
-DicomFrames::DicomFrames(const ForeignFile& file) {
-  const QuietLibraries quiet;
-  gdcm::Trace::WarningOn();  // GDCM reports missing pixels in no other way
-  try {
-    if (!take_plain(file)) decode(file);
-    const std::size_t pixels =
-        static_cast<std::size_t>(dims_.x()) * static_cast<std::size_t>(dims_.y()) * static_cast<std::size_t>(dims_.z());
-    if (pixels == 0 || raw_.size() < pixels * static_cast<std::size_t>(bytes_per_pixel_)) throw unreadable(file);
-    if (quiet.reports_missing_voxels()) throw unreadable(file);
-  } catch (const InputError&) {
-    throw;
-  } catch (const std::exception&) {
-    throw unreadable(file);
-  }
-}
-
-void DicomFrames::set_format(const ForeignFile& file, int samples, int bits, int stored, int high_bit, bool is_signed) {
-  if (samples != 1 || (bits != 8 && bits != 16 && bits != 32)) {
-    throw file.error(fmt::format("pixels of {} values of {} bits", samples, bits),
-                     "expected one integer of 8, 16 or 32 bits; export the original series");
-  }
-  stored = stored >= 1 && stored <= bits ? stored : bits;
-  bytes_per_pixel_ = bits / 8;
-  shift_ = std::clamp(high_bit + 1 - stored, 0, bits - stored);
-  mask_ = stored == 32 ? ~0U : (1U << stored) - 1;
-  sign_ = is_signed ? 1U << (stored - 1) : 0;
-}
-
-bool DicomFrames::take_plain(const ForeignFile& file) {
-  gdcm::Reader reader;
-  reader.SetFileName(file.path.c_str());
-  if (!reader.Read()) throw unreadable(file);
-  const gdcm::DataSet& data = reader.GetFile().GetDataSet();
-  const DicomValues values(data);
-  const gdcm::ByteValue* value = values.raw({0x7fe0, 0x0010});
-  const gdcm::TransferSyntax syntax = reader.GetFile().GetHeader().GetDataSetTransferSyntax();
-  if (value == nullptr || syntax == gdcm::TransferSyntax::ExplicitVRBigEndian ||
-      syntax == gdcm::TransferSyntax::ImplicitVRBigEndianPrivateGE) {
-    return false;
-  }
-  set_format(file, std::max(1, values.short_integer({0x0028, 0x0002})), values.short_integer({0x0028, 0x0100}),
-             values.short_integer({0x0028, 0x0101}), values.short_integer({0x0028, 0x0102}),
-             values.short_integer({0x0028, 0x0103}) == 1);
-  dims_ = Vec3i(values.short_integer({0x0028, 0x0011}), values.short_integer({0x0028, 0x0010}),
-                std::clamp(values.integer({0x0028, 0x0008}, 1), 1, 1 << 24));
-  raw_.assign(value->GetPointer(), value->GetPointer() + value->GetLength());
-  return true;
-}
-
-void DicomFrames::decode(const ForeignFile& file) {
-  gdcm::ImageReader reader;
-  reader.SetFileName(file.path.c_str());
-  if (!reader.Read()) throw unreadable(file);
-  const gdcm::Image& image = reader.GetImage();
-  const gdcm::PixelFormat& format = image.GetPixelFormat();
-  set_format(file, format.GetSamplesPerPixel(), format.GetBitsAllocated(), format.GetBitsStored(), format.GetHighBit(),
-             format.GetPixelRepresentation() == 1);
-  const unsigned* size = image.GetDimensions();
-  dims_ = Vec3i(static_cast<int>(size[0]), static_cast<int>(size[1]),
-                image.GetNumberOfDimensions() > 2 ? static_cast<int>(size[2]) : 1);
-  raw_.resize(image.GetBufferLength());
-  if (!image.GetBuffer(raw_.data())) throw unreadable(file);
-}
-
-void DicomFrames::copy(int frame, const IndexBox& box, double slope, double intercept, float* out) const {
-  const auto bytes = static_cast<std::size_t>(bytes_per_pixel_);
-  for (int j = 0; j < box.size.y(); ++j) {
-    const char* at = raw_.data() + bytes * index_in(dims_, {box.start.x(), box.start.y() + j, frame});
-    for (int i = 0; i < box.size.x(); ++i, at += bytes) {
-      std::uint32_t bits = 0;
-      std::memcpy(&bits, at, bytes);  // GDCM decodes to this machine's byte order
-      bits = (bits >> shift_) & mask_;
-      const double value = sign_ == 0 ? double(bits) : static_cast<std::int32_t>((bits ^ sign_) - sign_);
-      *out++ = static_cast<float>(slope * value + intercept);
-    }
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/dicom_files.h"
+#include "sim/scan/dicom.h"
 
 #include <fmt/core.h>
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/dicom_stack.h"
+#include "sim/scan/dicom.h"
 
 #include <fmt/core.h>
 
@@ -84,17 +84,6 @@ std::vector<const DicomHeader*> slices_among(const DicomSeries& series, std::vec
 bool belong_together(const ScanGeometry& a, const ScanGeometry& b) {
   const double side = a.step_mm.leftCols<2>().colwise().norm().minCoeff();
   return a.dims == b.dims && (a.step_mm - b.step_mm).leftCols<2>().cwiseAbs().maxCoeff() <= kSameAxes * side;
-}
-
-/// The geometry in the header of a slice, 1 mm thick: the positions of its neighbours say more.
-ScanGeometry geometry_of(const DicomHeader& header) {
-  ScanGeometry out;
-  out.dims = Vec3i(header.columns, header.rows, 1);
-  out.step_mm.col(0) = header.axes->col(0) * header.pixel_spacing_mm->x();
-  out.step_mm.col(1) = header.axes->col(1) * header.pixel_spacing_mm->y();
-  out.step_mm.col(2) = header.normal();
-  out.origin_mm = *header.position_mm;
-  return out;
 }
 
 /// Groups of slices of one size, spacing and orientation, the largest group first.
@@ -353,6 +342,16 @@ Scan read_box(const DicomStack& stack, const IndexBox& box) {
 }
 
 }  // namespace
+
+ScanGeometry geometry_of(const DicomHeader& header) {
+  ScanGeometry out;
+  out.dims = Vec3i(header.columns, header.rows, 1);
+  out.step_mm.col(0) = header.axes->col(0) * header.pixel_spacing_mm->x();
+  out.step_mm.col(1) = header.axes->col(1) * header.pixel_spacing_mm->y();
+  out.step_mm.col(2) = header.normal();
+  out.origin_mm = *header.position_mm;
+  return out;
+}
 
 ScanSource open_dicom(const std::string& path, const DicomChoice& choice, Diagnostics& report) {
   const SeriesChoice chosen = parse_series_choice(choice.series, path);

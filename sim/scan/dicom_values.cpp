@@ -4,6 +4,8 @@
 #include "sim/scan/dicom_values.h"
 
 #include <fmt/core.h>
+#include <gdcmDicts.h>
+#include <gdcmGlobal.h>
 #include <gdcmTransferSyntax.h>
 #include <algorithm>
 #include <cmath>
@@ -32,44 +34,15 @@ std::string plain_text(std::string bytes) {
   return std::string(without_blanks(bytes, " "));
 }
 
-const SeparatingTag kTags[] = {{"AcquisitionNumber", {0x0020, 0x0012}},
-                               {"FrameAcquisitionNumber", {0x0020, 0x9156}, DicomType::us},
-                               {"TemporalPositionIdentifier", {0x0020, 0x0100}},
-                               {"TemporalPositionIndex", {0x0020, 0x9128}, DicomType::ul},
-                               {"NominalPercentageOfCardiacPhase", {0x0020, 0x9241}, DicomType::fd},
-                               {"TriggerTime", {0x0018, 0x1060}},
-                               {"NominalCardiacTriggerDelayTime", {0x0020, 0x9153}, DicomType::fd},
-                               {"TemporalPositionTimeOffset", {0x0020, 0x930d}, DicomType::fd},
-                               {"EchoNumbers", {0x0018, 0x0086}},
-                               {"EchoTime", {0x0018, 0x0081}},
-                               {"EffectiveEchoTime", {0x0018, 0x9082}, DicomType::fd},
-                               {"ConvolutionKernel", {0x0018, 0x1210}},
-                               {"FilterType", {0x0018, 0x1160}},
-                               {"ReconstructionAlgorithm", {0x0018, 0x9315}},
-                               {"ImageType", {0x0008, 0x0008}},
-                               {"FrameType", {0x0008, 0x9007}},
-                               {"KVP", {0x0018, 0x0060}},
-                               {"ReferencedSegmentNumber", {0x0062, 0x000b}, DicomType::us},
-                               {"StackID", {0x0020, 0x9056}},
-                               {"SliceThickness", {0x0018, 0x0050}},
-                               {"ReconstructionDiameter", {0x0018, 0x1100}},
-                               {"ContrastBolusAgent", {0x0018, 0x0010}},
-                               {"SeriesNumber", {0x0020, 0x0011}},
-                               {"SeriesDescription", {0x0008, 0x103e}},
-                               {"StudyInstanceUID", {0x0020, 0x000d}},
-                               {"FrameOfReferenceUID", {0x0020, 0x0052}},
-                               {"IrradiationEventUID", {0x0008, 0x3010}},
-                               {"AcquisitionDateTime", {0x0008, 0x002a}},
-                               {"FrameAcquisitionDateTime", {0x0018, 0x9074}},
-                               {"FrameReferenceDateTime", {0x0018, 0x9151}},
-                               {"AcquisitionTime", {0x0008, 0x0032}},
-                               {"ContentTime", {0x0008, 0x0033}},
-                               {"SeriesTime", {0x0008, 0x0031}},
-                               {"AcquisitionDate", {0x0008, 0x0022}},
-                               {"ContentDate", {0x0008, 0x0023}},
-                               // Of multi-frame files; those of slices all differ.
-                               {"InstanceNumber", {0x0020, 0x0013}},
-                               {"SOPInstanceUID", {0x0008, 0x0018}}};
+/// Of separating_tags(). InstanceNumber and SOPInstanceUID are of multi-frame files; those of slices all differ.
+constexpr std::string_view kKeywords =
+    "AcquisitionNumber FrameAcquisitionNumber TemporalPositionIdentifier TemporalPositionIndex "
+    "NominalPercentageOfCardiacPhase TriggerTime NominalCardiacTriggerDelayTime TemporalPositionTimeOffset "
+    "EchoNumbers EchoTime EffectiveEchoTime ConvolutionKernel FilterType ReconstructionAlgorithm ImageType FrameType "
+    "KVP ReferencedSegmentNumber StackID SliceThickness ReconstructionDiameter ContrastBolusAgent SeriesNumber "
+    "SeriesDescription StudyInstanceUID FrameOfReferenceUID IrradiationEventUID AcquisitionDateTime "
+    "FrameAcquisitionDateTime FrameReferenceDateTime AcquisitionTime ContentTime SeriesTime AcquisitionDate "
+    "ContentDate InstanceNumber SOPInstanceUID";
 
 struct Syntax {
   std::string_view uid;
@@ -123,16 +96,14 @@ std::string DicomValues::text(const gdcm::Tag& tag) const {
 }
 
 std::vector<double> DicomValues::numbers(const gdcm::Tag& tag) const {
-  const std::string list = text(tag);
+  std::string list = text(tag);
+  if (list.ends_with('\\')) list.pop_back();
   std::vector<double> out;
-  for (std::size_t at = 0; at < list.size();) {
-    const std::size_t end = std::min(list.find('\\', at), list.size());
-    const std::string item = list.substr(at, end - at);
+  for (const std::string& item : split(list, '\\')) {
     char* rest = nullptr;
     const double number = std::strtod(item.c_str(), &rest);
     if (rest == item.c_str() || !std::isfinite(number)) return {};
     out.push_back(number);
-    at = end + 1;
   }
   return out;
 }
@@ -154,18 +125,19 @@ int DicomValues::short_integer(const gdcm::Tag& tag) const {
   return out;
 }
 
-std::string DicomValues::text_of(const gdcm::Tag& tag, DicomType type) const {
-  switch (type) {
-    case DicomType::us:
+std::string DicomValues::text_of(const gdcm::Tag& tag, const gdcm::VR& vr) const {
+  switch (vr) {
+    case gdcm::VR::US:
       return binary_text<std::uint16_t>(bytes(tag));
-    case DicomType::ul:
+    case gdcm::VR::UL:
       return binary_text<std::uint32_t>(bytes(tag));
-    case DicomType::fd:
+    case gdcm::VR::FL:
+      return binary_text<float>(bytes(tag));
+    case gdcm::VR::FD:
       return binary_text<double>(bytes(tag));
-    case DicomType::text:
-      break;
+    default:
+      return text(tag);
   }
-  return text(tag);
 }
 
 std::vector<DicomValues> DicomValues::items(const gdcm::Tag& tag) const {
@@ -179,14 +151,25 @@ std::vector<DicomValues> DicomValues::items(const gdcm::Tag& tag) const {
   return out;
 }
 
-std::span<const SeparatingTag> separating_tags() {
+const std::vector<SeparatingTag>& separating_tags() {
+  static const std::vector<SeparatingTag> kTags = [] {  // once, because the dictionary is searched from its begin
+    const gdcm::Dict& dictionary = gdcm::Global::GetInstance().GetDicts().GetPublicDict();
+    std::vector<SeparatingTag> out;
+    for (const std::string& keyword : split(kKeywords, ' ')) {
+      SeparatingTag& tag = out.emplace_back(SeparatingTag{keyword});
+      tag.vr = dictionary.GetDictEntryByKeyword(keyword.c_str(), tag.tag).GetVR();
+    }
+    return out;
+  }();
   return kTags;
 }
 
 void add_tags(const DicomValues& values, std::vector<std::pair<std::string, std::string>>& tags) {
-  for (const SeparatingTag& tag : kTags) {
-    const std::string value = values.text_of(tag.tag, tag.type);
-    if (!value.empty()) tags.emplace_back(tag.keyword, value);
+  for (const SeparatingTag& tag : separating_tags()) {
+    const std::string value = values.text_of(tag.tag, tag.vr);
+    if (value.empty()) continue;
+    const auto found = std::ranges::find(tags, tag.keyword, &std::pair<std::string, std::string>::first);
+    (found == tags.end() ? tags.emplace_back(tag.keyword, "") : *found).second = value;
   }
 }
 

@@ -6,7 +6,6 @@
 #include <gdcmDataSet.h>
 #include <gdcmSequenceOfItems.h>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,9 +13,6 @@
 namespace reamsim::ct {
 
 // Reading with GDCM, for child processes. Private to sim/scan.
-
-/// The binary numbers of DICOM. Text includes the numbers DS and IS.
-enum class DicomType { text, us, ul, fd };
 
 /// The values of a data set. What is missing is empty or 0.
 class DicomValues {
@@ -36,8 +32,8 @@ class DicomValues {
   [[nodiscard]] int integer(const gdcm::Tag& tag, int otherwise) const;
   /// A 16-bit number, in the byte order of this machine.
   [[nodiscard]] int short_integer(const gdcm::Tag& tag) const;
-  /// Any value as a text.
-  [[nodiscard]] std::string text_of(const gdcm::Tag& tag, DicomType type) const;
+  /// Any value as a text; `vr`: its type.
+  [[nodiscard]] std::string text_of(const gdcm::Tag& tag, const gdcm::VR& vr) const;
   /// The data sets of a sequence.
   [[nodiscard]] std::vector<DicomValues> items(const gdcm::Tag& tag) const;
 
@@ -49,17 +45,17 @@ class DicomValues {
   const gdcm::DataSet* data_;
 };
 
-/// An element that may tell volumes of one series apart.
+/// An element that may tell volumes of one series apart. Tag and VR are those of GDCM's dictionary.
 struct SeparatingTag {
-  const char* keyword;
-  gdcm::Tag tag;
-  DicomType type = DicomType::text;
+  std::string keyword;
+  gdcm::Tag tag{};
+  gdcm::VR vr{};
 };
 
 /// Those known, the one that says most about the reason first.
-std::span<const SeparatingTag> separating_tags();
+const std::vector<SeparatingTag>& separating_tags();
 
-/// Adds the values that a data set has, by keyword.
+/// Adds the values that a data set has, by keyword; they replace earlier ones.
 void add_tags(const DicomValues& values, std::vector<std::pair<std::string, std::string>>& tags);
 
 // Transfer syntaxes: how a DICOM file and its pixels are coded.

@@ -12,7 +12,7 @@
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/isolation/read_in_child.h"
-#include "sim/scan/dicom_files.h"
+#include "sim/scan/dicom.h"
 #include "sim/scan/image_io.h"
 
 namespace reamsim::ct {

@@ -3,23 +3,27 @@
 
 #include "sim/scan/image_io.h"
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <iostream>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
 
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/scan/label_map.h"
+#include "sim/scan/segment.h"
 
 namespace reamsim::ct {
 
@@ -149,9 +153,8 @@ constexpr std::size_t kLongestLine = 200;
 std::string printable_start(const std::string& line) {
   constexpr std::size_t kMost = 60;
   std::string out = line.substr(0, kMost);
-  for (char& c : out) {
-    if (c < 0x20 || c > 0x7e) c = '?';
-  }
+  std::ranges::replace_if(
+      out, [](char c) { return c < 0x20 || c > 0x7e; }, '?');
   return out;
 }
 
@@ -331,6 +334,32 @@ void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const For
 
 InputError cut_off(const ForeignFile& file) {
   return file.error("the voxels cannot be read: the file is truncated or damaged", "give a complete file");
+}
+
+QuietLibraries::QuietLibraries()
+    : cerr_(std::cerr.rdbuf(captured_.rdbuf())), cout_(std::cout.rdbuf(captured_.rdbuf())) {
+  std::fflush(stderr);
+  stderr_ = dup(STDERR_FILENO);
+  const int null_device = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (stderr_ >= 0 && null_device >= 0) dup2(null_device, STDERR_FILENO);
+  if (null_device >= 0) close(null_device);
+}
+
+QuietLibraries::~QuietLibraries() {
+  std::fflush(stderr);
+  if (stderr_ >= 0) {
+    dup2(stderr_, STDERR_FILENO);
+    close(stderr_);
+  }
+  std::cout.rdbuf(cout_);
+  std::cerr.rdbuf(cerr_);
+}
+
+bool QuietLibraries::reports_missing_voxels() const {
+  constexpr std::array<const char*, 3> kMessages{"data not read completely", "Uncompress failed",
+                                                 "Incomplete Pixel Data"};
+  const std::string output = captured_.str();
+  return std::ranges::any_of(kMessages, [&](const char* text) { return output.find(text) != std::string::npos; });
 }
 
 }  // namespace reamsim::ct

@@ -59,7 +59,7 @@ void read_voxels(itk::ImageIOBase& io, const IndexBox& box, int layer, const For
 /// The error of a file whose voxels end too early.
 InputError cut_off(const ForeignFile& file);
 
-// What ITK reads otherwise than the format says, by version, and what a header leaves open (image_conventions.cpp).
+// What ITK reads otherwise than the format says, by version, and what a header leaves open (image_placement.cpp).
 
 bool is_nrrd(const itk::ImageIOBase& io);
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/scan/morphology.h"
+#include "sim/scan/segment.h"
 
 #include <itkBinaryBallStructuringElement.h>
 #include <itkBinaryMorphologicalClosingImageFilter.h>
@@ -50,8 +50,8 @@ void apply(Filter& filter, AlignedImage& image) {
   std::copy_n(filter.GetOutput()->GetBufferPointer(), image.value.size(), image.value.begin());
 }
 
-/// Gives every voxel the least (or the greatest) value within `radius` along one axis.
-Mask extreme_along(const Mask& mask, const Lattice& lattice, int axis, int radius, bool greatest) {
+/// Gives every voxel the greatest value within `radius` along one axis.
+Mask dilated_along(const Mask& mask, const Lattice& lattice, int axis, int radius) {
   const int length = lattice.dims[axis];
   const std::size_t stride = axis == 0 ? 1 : lattice.index(Vec3i::Unit(axis));
   Mask out(mask.size());
@@ -59,19 +59,11 @@ Mask extreme_along(const Mask& mask, const Lattice& lattice, int axis, int radiu
     const int here = static_cast<int>(at / stride % static_cast<std::size_t>(length));
     const int first = std::max(here - radius, 0), last = std::min(here + radius, length - 1);
     const std::size_t line = at - stride * static_cast<std::size_t>(here);
-    std::uint8_t value = greatest ? 0 : 1;
-    for (int n = first; n <= last; ++n) {
-      const std::uint8_t other = mask[line + stride * static_cast<std::size_t>(n)];
-      value = greatest ? std::max(value, other) : std::min(value, other);
-    }
+    std::uint8_t value = 0;
+    for (int n = first; n <= last; ++n) value = std::max(value, mask[line + stride * static_cast<std::size_t>(n)]);
     out[at] = value;
   }
   return out;
-}
-
-Mask extreme_in_box(Mask mask, const Lattice& lattice, const Vec3i& radius, bool greatest) {
-  for (int axis = 0; axis < 3; ++axis) mask = extreme_along(mask, lattice, axis, radius[axis], greatest);
-  return mask;
 }
 
 /// Labels of the connected components of the background; of a plane, where one of `dims` is 1.
@@ -121,11 +113,13 @@ Mask complement(const Mask& mask) {
 }
 
 Mask eroded(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
-  return extreme_in_box(mask, lattice, radius, false);
+  return complement(dilated(complement(mask), lattice, radius));
 }
 
 Mask dilated(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
-  return extreme_in_box(mask, lattice, radius, true);
+  Mask out = mask;
+  for (int axis = 0; axis < 3; ++axis) out = dilated_along(out, lattice, axis, radius[axis]);
+  return out;
 }
 
 void median_filter(AlignedImage& image, int radius_voxels) {

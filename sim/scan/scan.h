@@ -101,10 +101,6 @@ ScanSource open_labels(const std::string& path, Diagnostics& report);
 /// Throws InputError when `voxels` voxels of `bytes_per_voxel` are more than half of this machine's memory.
 void check_fits_in_memory(double voxels, double bytes_per_voxel, const ForeignFile& file);
 
-inline std::string point_text(const Vec3& p) {
-  return fmt::format("({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
-}
-
 /// "26x30x24 voxels of 1x1x1.25 mm".
 inline std::string shape_text(const ScanGeometry& g) {
   const Vec3 spacing = g.spacing_mm();

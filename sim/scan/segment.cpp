@@ -80,11 +80,6 @@ SolidPiece solidify(const Pieces& pieces, const Piece& piece, const Lattice& lat
   return out;
 }
 
-/// Whether the bounding box of a piece contains a voxel.
-bool may_contain(const Piece& piece, const Vec3i& voxel) {
-  return (voxel.array() >= piece.min.array()).all() && (voxel.array() <= piece.max.array()).all();
-}
-
 SolidPiece choose_piece(const Pieces& pieces, const AlignedImage& hu, const CtSettings& settings) {
   const Lattice& lattice = hu.lattice;
   if (!settings.seed_mm) return solidify(pieces, pieces.list.front(), lattice, settings);
@@ -95,7 +90,7 @@ SolidPiece choose_piece(const Pieces& pieces, const AlignedImage& hu, const CtSe
                      "expected a point in " + box_text(lattice.bounds_mm()));
   }
   for (const Piece& piece : pieces.list) {  // the largest is first
-    if (!may_contain(piece, seed)) continue;
+    if ((seed.array() < piece.min.array()).any() || (seed.array() > piece.max.array()).any()) continue;
     SolidPiece solid = solidify(pieces, piece, lattice, settings);
     if (solid.contains(seed)) return solid;
   }

@@ -3,12 +3,21 @@
 
 #include "sim/scenario/parse.h"
 
+#include <algorithm>
 #include <array>
+#include <filesystem>
+#include <iterator>
+#include <set>
 #include <utility>
+
+#include "sim/base/text.h"
+#include "sim/scenario/picture_frames.h"
 
 namespace reamsim {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 /// A key that presets set, with its values at the low end, in the middle and at the high end of the specific energies
 /// u0·(density/1.8)^p that the project assumes (docs/physics.md, section 4; no bounds of a result). The higher
@@ -24,6 +33,49 @@ constexpr std::array<PresetKey, 3> kPresetKeys{
     {{"specific_energy_j_mm3", &CuttingSettings::specific_energy_j_mm3, {0.05, 0.15, 0.30}},
      {"reference_density_g_cm3", &CuttingSettings::reference_density_g_cm3, {1.8, 1.8, 1.8}},
      {"density_exponent", &CuttingSettings::density_exponent, {2.5, 2, 1}}}};
+
+/// What a CT is read from: for a DICOMDIR the folder that it indexes.
+std::string ct_input(const std::string& path) {
+  const fs::path file(path);
+  const bool index = lower_case(file.filename().string()) == "dicomdir" && fs::is_regular_file(file);
+  return index ? file.parent_path().string() : path;
+}
+
+/// Frames if the settings give no number, the first and the last included.
+constexpr std::int64_t kStills = 11;
+constexpr std::int64_t kFilmPictures = 150;
+/// Margin around the contact, parts of it: 1/20.
+constexpr std::int64_t kMarginParts = 20;
+
+/// The i-th of the frames of all spans.
+std::int64_t frame_of(const FrameSpans& spans, std::int64_t i) {
+  for (const FrameSpan& span : spans) {
+    const std::int64_t frames = span.last - span.first + 1;
+    if (i < frames) return span.first + i;
+    i -= frames;
+  }
+  return spans.back().last;
+}
+
+/// 0, `last`, and between them as many in contact as make the number of stills.
+std::vector<std::int64_t> spread_over(FrameSpans contact, std::int64_t last) {
+  std::int64_t frames = 0;
+  for (FrameSpan& span : contact) {
+    span.first = std::clamp<std::int64_t>(span.first, 0, last);
+    span.last = std::clamp(span.last, span.first, last);
+    frames += span.last - span.first + 1;
+  }
+  const int ends = (contact.front().first > 0 ? 1 : 0) + (contact.back().last < last ? 1 : 0);
+  const std::int64_t steps = kStills - ends - 1;
+  std::set<std::int64_t> out{0, last};
+  for (std::int64_t i = 0; i <= steps; ++i) out.insert(frame_of(contact, (2 * i * (frames - 1) + steps) / (2 * steps)));
+  return {out.begin(), out.end()};
+}
+
+bool is_near(const FrameSpan& contact, std::int64_t frame) {
+  const std::int64_t margin = 1 + (contact.last - contact.first) / kMarginParts;
+  return frame >= contact.first - margin && frame <= contact.last + margin;
+}
 
 }  // namespace
 
@@ -105,6 +157,72 @@ InputError in_pass(const PassSpec& pass, const InputError& error) {
     if (key.starts_with("motion.plunge")) key.replace(0, 6, pass.motion_key);
   }
   return InputError(std::move(mistakes));
+}
+
+std::vector<std::pair<std::string, std::string>> input_files(const Scenario& scenario) {
+  const BoneSettings& bone = scenario.bone;
+  std::vector<std::pair<std::string, std::string>> files;
+  if (bone.source == BoneSource::ct) {
+    files.emplace_back("bone.ct.path", ct_input(bone.ct.path));
+    if (bone.ct.label_map) files.emplace_back("bone.ct.label_map.path", bone.ct.label_map->path);
+  }
+  if (bone.source == BoneSource::mesh) files.emplace_back("bone.mesh.path", bone.mesh.path);
+  if (bone.source == BoneSource::vdb) files.emplace_back("bone.vdb.path", bone.vdb.path);
+  files.emplace_back("tool.mesh", scenario.tool.mesh);
+  for (const PassSpec& pass : passes_of(scenario)) {
+    if (pass.tool_key != "tool") files.emplace_back(pass.tool_key + ".mesh", pass.tool.mesh);
+  }
+  if (scenario.clearance.envelope) files.emplace_back("clearance.envelope.path", scenario.clearance.envelope->path);
+  if (scenario.motion.csv) files.emplace_back("motion.csv.path", scenario.motion.csv->path);
+  if (scenario.motion.push && !scenario.motion.push->profile.empty())
+    files.emplace_back("motion.push.profile", scenario.motion.push->profile);
+  for (const MarkupsSource& source : scenario.markups) {
+    const auto same = [&](const auto& file) { return file.second == source.path; };
+    if (std::ranges::none_of(files, same)) files.emplace_back(source.key, source.path);
+  }
+  return files;
+}
+
+std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last, const FrameSpans& contact) {
+  const bool film = settings.enabled && settings.film != FilmFormat::none;
+  if (settings.every_frames == 0 && !film && !contact.empty()) return spread_over(contact, last);
+  const std::int64_t pictures = film ? kFilmPictures : kStills - 1;
+  const std::int64_t spread = std::max<std::int64_t>(1, (last + pictures - 1) / pictures);
+  const std::int64_t interval = settings.every_frames > 0 ? settings.every_frames : spread;
+  std::vector<std::int64_t> out;
+  for (std::int64_t frame = 0; frame < last; frame += interval) out.push_back(frame);
+  out.push_back(last);
+  return out;
+}
+
+std::vector<std::int64_t> in_contact(const std::vector<std::int64_t>& frames, const FrameSpans& contact) {
+  if (contact.empty()) return frames;
+  std::vector<std::int64_t> out;
+  std::ranges::copy_if(frames, std::back_inserter(out), [&](std::int64_t frame) {
+    return std::ranges::any_of(contact, [frame](const FrameSpan& span) { return is_near(span, frame); });
+  });
+  return out.size() < 2 ? frames : out;
+}
+
+std::vector<std::int64_t> evenly_among(const std::vector<std::int64_t>& frames, std::size_t most) {
+  const std::size_t count = std::min(frames.size(), most);
+  if (count < 2) return frames;
+  std::vector<std::int64_t> out;
+  for (std::size_t i = 0; i < count; ++i) {
+    out.push_back(frames[(2 * i * (frames.size() - 1) + count - 1) / (2 * (count - 1))]);
+  }
+  return out;
+}
+
+std::vector<std::int64_t> still_frames(const std::vector<std::int64_t>& frames, const RenderSettings& settings,
+                                       const FrameSpans& contact) {
+  if (settings.film == FilmFormat::none || settings.every_frames > 0) return frames;
+  const std::vector<std::int64_t> among = in_contact(frames, contact);
+  const auto ends = std::int64_t{among.front() != frames.front()} + std::int64_t{among.back() != frames.back()};
+  const std::vector<std::int64_t> spread = evenly_among(among, static_cast<std::size_t>(kStills - ends));
+  std::set<std::int64_t> out{frames.front(), frames.back()};
+  out.insert(spread.begin(), spread.end());
+  return {out.begin(), out.end()};
 }
 
 }  // namespace reamsim

@@ -195,12 +195,6 @@ std::vector<std::string_view> names_of_keys(const KeyNode& section) {
   return out;
 }
 
-/// Whether a step is an index that a list may have.
-bool is_index(const std::string& step) {
-  constexpr std::size_t kMostDigits = 6;
-  return step.size() <= kMostDigits && is_whole_number(step);
-}
-
 }  // namespace
 
 const KeyNode* KeyNode::find(std::string_view name) const {
@@ -312,7 +306,9 @@ const KeyNode& find_key(const std::string& path, const SourceLocation& where) {
   for (const std::string& step : split(path, '.')) {
     const std::string name = so_far + (so_far.empty() ? "" : ".") + shown_key(step);
     if (at->info.kind == KeyKind::list && !in_list) {
-      if (!is_index(step)) throw InputError(where, name, "unknown key", "expected an index into the list " + so_far);
+      constexpr std::size_t kMostDigits = 6;  // of an index that a list may have
+      if (step.size() > kMostDigits || !is_whole_number(step))
+        throw InputError(where, name, "unknown key", "expected an index into the list " + so_far);
       in_list = true;
     } else {
       const bool has_keys = at->info.kind == KeyKind::section || in_list;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <new>
 #include <utility>
 
@@ -20,6 +21,206 @@ namespace reamsim {
 
 namespace {
 
+/// A parsed assignment.
+struct Override {
+  YamlMark mark;
+  std::vector<std::string> path;
+  YamlNodePtr value;
+
+  [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
+    throw InputError(mark.in(""), "", found, expected);
+  }
+};
+
+/// A copy that names the assignment as its place, all the way down.
+YamlNodePtr marked(const YamlNode& node, const YamlMark& mark) {
+  auto copy = std::make_shared<YamlNode>(node);
+  copy->mark = mark;
+  for (auto& item : copy->items) item = marked(*item, mark);
+  for (auto& entry : copy->entries) entry = {entry.key, mark, marked(*entry.value, mark)};
+  return copy;
+}
+
+YamlNodePtr parse_value(const std::string& text, const YamlMark& mark) {
+  try {
+    const YamlNodePtr node = parse_yaml(text, *mark.override_text);
+    const bool block_map = node->kind == YamlNode::Kind::map && !text.starts_with('{');
+    const bool nothing = node->kind == YamlNode::Kind::null && text != "null" && text != "~";
+    const bool plain = node->kind == YamlNode::Kind::scalar && !node->quoted;
+    if (!block_map && !nothing && !plain) return marked(*node, mark);
+  } catch (const InputError&) {
+    // Not YAML, so it is meant literally: a device's name may hold ": " or a bracket.
+    if (text.starts_with('[') || text.starts_with('{') || text.starts_with('"')) throw;
+  }
+  const std::string literal(without_blanks(text, " \t\n"));
+  return std::make_shared<YamlNode>(YamlNode{.kind = YamlNode::Kind::scalar, .mark = mark, .text = literal});
+}
+
+Override take_apart(const std::string& assignment) {
+  Override out;
+  const std::string shown_assignment = "--set " + shown_path(assignment);
+  out.mark.override_text = std::make_shared<const std::string>(shown_assignment);
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string::npos) out.fail("found no \"=\"", "expected --set key.path=value");
+  out.path = split(assignment.substr(0, equals), '.');
+  if (std::ranges::find(out.path, "") != out.path.end())
+    out.fail("found an empty key", "expected --set key.path=value");
+  if (out.path.size() > static_cast<std::size_t>(YamlLimits::kMaxDepth)) {
+    out.fail("found " + std::to_string(out.path.size()) + " levels of keys", "expected a key of the scenario");
+  }
+  out.value = parse_value(assignment.substr(equals + 1), out.mark);
+  return out;
+}
+
+YamlNodePtr assign(const YamlNodePtr& node, const Override& change, std::size_t level);
+
+YamlNodePtr assign_item(const YamlNode& list, const Override& change, std::size_t level) {
+  const std::string& step = change.path[level];
+  const std::size_t index = whole_number(step).value_or(list.items.size());
+  if (index >= list.items.size()) {
+    const std::size_t size = list.items.size();
+    change.fail("found " + shown_key(step) + " where an index into a list of " + std::to_string(size) + " should be",
+                size == 0 ? "expected a list with entries" : "expected 0 to " + std::to_string(size - 1));
+  }
+  auto copy = std::make_shared<YamlNode>(list);
+  copy->items[index] = assign(list.items[index], change, level + 1);
+  return copy;
+}
+
+YamlNodePtr assign_key(const YamlNodePtr& section, const Override& change, std::size_t level) {
+  const std::string& step = change.path[level];
+  auto copy = section ? std::make_shared<YamlNode>(*section) : std::make_shared<YamlNode>();
+  if (copy->kind == YamlNode::Kind::null) copy->mark = change.mark;
+  copy->kind = YamlNode::Kind::map;
+  const auto entry = std::ranges::find(copy->entries, step, &YamlEntry::key);
+  const bool last = level + 1 == change.path.size();
+  const bool remove = last && change.value->kind == YamlNode::Kind::null;
+  if (entry == copy->entries.end()) {
+    if (!remove) copy->entries.push_back({step, change.mark, assign(nullptr, change, level + 1)});
+  } else if (remove) {
+    copy->entries.erase(entry);
+  } else {
+    entry->value = assign(entry->value, change, level + 1);
+    if (last) entry->mark = change.mark;
+  }
+  return copy;
+}
+
+/// `node` with the value put below it; nullptr where there was none.
+YamlNodePtr assign(const YamlNodePtr& node, const Override& change, std::size_t level) {
+  if (level == change.path.size()) return change.value;
+  if (node && node->kind == YamlNode::Kind::sequence) return assign_item(*node, change, level);
+  if (node && node->kind == YamlNode::Kind::scalar) {
+    std::string path;
+    for (std::size_t i = 0; i < level; ++i) path += (i > 0 ? "." : "") + shown_key(change.path[i]);
+    change.fail("found keys below " + path + ", which is " + shown(*node), "expected --set " + path + "=value");
+  }
+  return assign_key(node, change, level);
+}
+
+}  // namespace
+
+YamlNodePtr apply_override(const YamlNodePtr& document, const std::string& assignment) {
+  return assign(document, take_apart(assignment), 0);
+}
+
+namespace {
+
+/// A key of version 1 and its name in version 2; "" where it has no effect any more.
+struct KeyChange {
+  std::string_view section;  // "cutting.edge_force"
+  std::string_view old_name;
+  std::string_view new_name;
+};
+constexpr std::array<KeyChange, 7> kChanges{{{"engine", "detector", "type"},
+                                             {"engine", "kernel_shape", ""},
+                                             {"engine", "culling", ""},
+                                             {"engine", "work_group_size", ""},
+                                             {"cutting", "friction_share", "friction_fraction"},
+                                             {"cutting.size_effect", "lips", "cutting_edges"},
+                                             {"cutting.edge_force", "lips", "cutting_edges"}}};
+
+std::shared_ptr<YamlNode> with_text(const YamlNode& node, const std::string& text) {
+  auto copy = std::make_shared<YamlNode>(node);
+  copy->text = text;
+  return copy;
+}
+
+bool is_text(const YamlNode& node, std::string_view text) {
+  return node.kind == YamlNode::Kind::scalar && node.text == text;
+}
+
+void apply(const KeyChange& change, const std::string& file, YamlNode& section, std::vector<std::string>& notes) {
+  const auto entry = std::ranges::find(section.entries, change.old_name, &YamlEntry::key);
+  if (entry == section.entries.end()) return;
+  const std::string path = std::string(change.section) + ".", new_name(change.new_name);
+  const SourceLocation where = entry->mark.in(file);
+  const auto note = [&](const std::string& text) {
+    notes.emplace_back(InputError(where, path + entry->key, text, "").what());
+  };
+  if (new_name.empty()) {
+    note("ignored, because it changes no result: remove it");
+    section.entries.erase(entry);
+    return;
+  }
+  if (section.find(new_name) != nullptr) {
+    throw InputError(where, path + entry->key, "given together with " + new_name, "expected " + new_name + " only");
+  }
+  // Version 1 had no name of its own for the engine of exact erosion.
+  const bool any_sparse = new_name == "type" && is_text(*entry->value, "bricked");
+  note("outdated since format version 2: write " + path + new_name + (any_sparse ? ": auto" : ""));
+  if (any_sparse) entry->value = with_text(*entry->value, "auto");
+  entry->key = new_name;
+}
+
+/// `node`, a section of that path, with its keys changed, and those below it.
+YamlNodePtr changed_section(const YamlNodePtr& node, const std::string& path, const std::string& file,
+                            std::vector<std::string>& notes) {
+  if (node->kind != YamlNode::Kind::map) return node;
+  auto copy = std::make_shared<YamlNode>(*node);
+  for (const KeyChange& change : kChanges) {
+    if (change.section == path) apply(change, file, *copy, notes);
+  }
+  for (YamlEntry& entry : copy->entries) {
+    const std::string below = path.empty() ? entry.key : path + "." + entry.key;
+    const bool concerned =
+        std::ranges::any_of(kChanges, [&](const KeyChange& change) { return change.section.starts_with(below); });
+    if (concerned) entry.value = changed_section(entry.value, below, file, notes);
+  }
+  return copy;
+}
+
+/// Brings a scenario with keys of format version 1 to version 2: renames keys and drops those that have no effect any
+/// more. Adds a note for each ("FILE:LINE:COLUMN: KEY: ..."). Throws InputError where a key is given under both names.
+YamlNodePtr migrate(const YamlNodePtr& document, const std::string& file, std::vector<std::string>& notes) {
+  const YamlNodePtr changed = changed_section(document, "", file, notes);
+  const YamlEntry* version = changed->find("version");
+  if (version == nullptr || !is_text(*version->value, "1")) return changed;
+  auto copy = std::make_shared<YamlNode>(*changed);
+  std::ranges::find(copy->entries, "version", &YamlEntry::key)->value =
+      with_text(*version->value, std::to_string(kScenarioVersion));
+  return copy;
+}
+
+/// The file's document, with overrides, in the present version of the format; `notes` gets a line for each key of an
+/// older one. Throws InputError.
+YamlNodePtr read_document(const std::string& path, const std::vector<std::string>& overrides,
+                          std::vector<std::string>& notes) {
+  const std::string file = shown_path(path);
+  YamlNodePtr document = parse_yaml(read_scenario_text(path, YamlLimits::kMaxBytes), file);
+  if (document->kind == YamlNode::Kind::null)
+    refuse_file(file, "is empty", "expected a scenario with the keys version, bone, tool and motion");
+  if (document->kind != YamlNode::Kind::map) {
+    throw InputError(document->mark.in(file), "", "found " + shown(*document), "expected \"key: value\" lines");
+  }
+  MistakeList mistakes;
+  for (const auto& assignment : overrides) {
+    mistakes.attempt([&] { document = apply_override(document, assignment); });
+  }
+  mistakes.throw_if_any();
+  return migrate(document, file, notes);
+}
+
 namespace fs = std::filesystem;
 
 /// "bone: {SOURCE: {path: PATH}}".
@@ -30,13 +231,6 @@ YamlNodePtr document_of_bone(const std::string& source, const std::string& path)
     node = std::make_shared<YamlNode>(YamlNode{.kind = Kind::map, .entries = {{key, {}, node}}});
   }
   return node;
-}
-
-/// What a CT is read from: for a DICOMDIR the folder that it indexes.
-std::string ct_input(const std::string& path) {
-  const fs::path file(path);
-  const bool index = lower_case(file.filename().string()) == "dicomdir" && fs::is_regular_file(file);
-  return index ? file.parent_path().string() : path;
 }
 
 }  // namespace
@@ -102,30 +296,6 @@ BoneSettings parse_bone_settings(const std::string& source, const std::string& p
   check_rules(scenario, scenario.keys, mistakes);
   mistakes.throw_if_any();
   return scenario.bone;
-}
-
-std::vector<std::pair<std::string, std::string>> input_files(const Scenario& scenario) {
-  const BoneSettings& bone = scenario.bone;
-  std::vector<std::pair<std::string, std::string>> files;
-  if (bone.source == BoneSource::ct) {
-    files.emplace_back("bone.ct.path", ct_input(bone.ct.path));
-    if (bone.ct.label_map) files.emplace_back("bone.ct.label_map.path", bone.ct.label_map->path);
-  }
-  if (bone.source == BoneSource::mesh) files.emplace_back("bone.mesh.path", bone.mesh.path);
-  if (bone.source == BoneSource::vdb) files.emplace_back("bone.vdb.path", bone.vdb.path);
-  files.emplace_back("tool.mesh", scenario.tool.mesh);
-  for (const PassSpec& pass : passes_of(scenario)) {
-    if (pass.tool_key != "tool") files.emplace_back(pass.tool_key + ".mesh", pass.tool.mesh);
-  }
-  if (scenario.clearance.envelope) files.emplace_back("clearance.envelope.path", scenario.clearance.envelope->path);
-  if (scenario.motion.csv) files.emplace_back("motion.csv.path", scenario.motion.csv->path);
-  if (scenario.motion.push && !scenario.motion.push->profile.empty())
-    files.emplace_back("motion.push.profile", scenario.motion.push->profile);
-  for (const MarkupsSource& source : scenario.markups) {
-    const auto same = [&](const auto& file) { return file.second == source.path; };
-    if (std::ranges::none_of(files, same)) files.emplace_back(source.key, source.path);
-  }
-  return files;
 }
 
 namespace {

@@ -15,11 +15,6 @@ namespace reamsim {
 
 // The steps of parse_scenario() before and after read_keys().
 
-/// The file's document, with overrides, in the present version of the format; `notes` gets a line for each key of an
-/// older one. Throws InputError.
-YamlNodePtr read_document(const std::string& path, const std::vector<std::string>& overrides,
-                          std::vector<std::string>& notes);
-
 /// Applies one `--set key.path=value` to a document and returns the changed one. Creates missing sections;
 /// "motion.keyframes.0.time_s" is an element of a list; the value null removes the key. The value is read as YAML
 /// ("[0, 0, 5]" is a list), or as plain text where it is not YAML or is a section.

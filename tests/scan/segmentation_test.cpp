@@ -9,7 +9,7 @@
 
 #include "sim/base/error.h"
 #include "sim/scan/ct_import.h"
-#include "sim/scan/morphology.h"
+#include "sim/scan/segment.h"
 #include "test_images.h"
 
 namespace reamsim::test {
