@@ -94,6 +94,44 @@ int flush_standard_output(int status) {
   return 1;
 }
 
+namespace {
+
+constexpr const char* kTuningVariable = "REAMSIM_ENGINE_TUNING";
+
+/// Sets one member from "name=value"; false where the text is none of them.
+bool set_tuning(EngineTuning& tuning, const std::string& text) {
+  const std::string name = text.substr(0, text.find('='));
+  const std::string value = name.size() < text.size() ? text.substr(name.size() + 1) : "";
+  if (name == "kernel_shape" && from_name<KernelShape>(value)) {
+    tuning.kernel_shape = *from_name<KernelShape>(value);
+    return true;
+  }
+  for (const auto& [flag, member] : {std::pair{"culling", &tuning.culling}, std::pair{"windows", &tuning.windows}}) {
+    if (name != flag || (value != "true" && value != "false")) continue;
+    *member = value == "true";
+    return true;
+  }
+  if (name != "work_group_size" || !is_whole_number(value)) return false;
+  tuning.work_group_size = static_cast<int>(whole_number(value).value_or(0));
+  return true;
+}
+
+}  // namespace
+
+EngineTuning tuning_of_environment() {
+  EngineTuning tuning;
+  const char* const given = std::getenv(kTuningVariable);
+  std::istringstream words(given == nullptr ? "" : given);
+  for (std::string word; words >> word;) {
+    if (!set_tuning(tuning, word)) {
+      throw InputError(
+          {}, kTuningVariable, "found " + word,
+          "expected kernel_shape=auto|cpu|gpu, culling=true|false, windows=true|false or work_group_size=N");
+    }
+  }
+  return tuning;
+}
+
 std::unique_ptr<cl::KernelCache> prepare_opencl(const std::string& device, const Console& console) {
   if (device == "serial") return nullptr;
   auto cache = std::make_unique<cl::KernelCache>();

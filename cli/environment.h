@@ -11,6 +11,7 @@
 namespace reamsim {
 
 class Console;
+struct EngineTuning;
 
 // What a shell or a batch system may have set up in a way that libraries do not expect.
 
@@ -25,6 +26,9 @@ int flush_standard_output(int status);
 
 /// The folder for compiled kernels of a command that uses `device`; none for "serial". Said where it is unusual.
 std::unique_ptr<cl::KernelCache> prepare_opencl(const std::string& device, const Console& console);
+
+/// The tuning of engines that tests set in REAMSIM_ENGINE_TUNING. Throws InputError.
+EngineTuning tuning_of_environment();
 
 /// What --version prints: program, commit, build, libraries, OpenCL devices of this machine, licence.
 std::string version_text();

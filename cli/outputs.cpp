@@ -8,7 +8,6 @@
 
 #include "render/pictures/figures.h"
 #include "render/plots/plots.h"
-#include "render/viewer/page.h"
 #include "sim/base/error.h"
 #include "sim/record/recorder.h"
 #include "sim/run/checkpoint.h"
@@ -170,13 +169,17 @@ void Outputs::make(Diagnostics& report) {
   if (options_.render) make_pictures(report);
   figures.get();
   report.warnings.insert(report.warnings.end(), of_figures.warnings.begin(), of_figures.warnings.end());
+  if (options_.report && options_.finished) report_ = report_parts(*run_, report_settings());
+}
+
+RenderSettings Outputs::report_settings() const {
+  RenderSettings settings = options_.pictures.settings;
+  if (!options_.report_cameras.empty()) settings.cameras = options_.report_cameras;
+  return settings;
 }
 
 void Outputs::make_report() {
-  if (!options_.report || !options_.finished) return;
-  PictureOptions pictures = options_.pictures;
-  if (!options_.report_cameras.empty()) pictures.settings.cameras = options_.report_cameras;
-  write_report(*run_, pictures);
+  if (report_) write_report(*run_, report_settings(), *report_);
 }
 
 void RunConsole::say(const std::string& line) {

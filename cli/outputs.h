@@ -7,6 +7,7 @@
 
 #include "cli/console.h"
 #include "render/render.h"
+#include "render/viewer/page.h"
 #include "sim/run/run_scenario.h"
 
 namespace reamsim {
@@ -76,11 +77,13 @@ class Outputs : public PictureSink {
  private:
   void make_figures(Diagnostics& report) const;
   void make_pictures(Diagnostics& report);
+  [[nodiscard]] RenderSettings report_settings() const;
 
   const Console& console_;
   OutputOptions options_;
   std::optional<RunData> run_;
   std::string render_context_;
+  std::optional<ReportParts> report_;
   std::unique_ptr<RenderThread> render_thread_;  ///< during a simulation with pictures
 };
 

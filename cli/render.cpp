@@ -60,7 +60,9 @@ ResultSettings settings_of(const RenderOptions& options, const std::string& own_
     overrides.push_back("render." + key + "=" + value);
   };
   if (options.width_px) set("width_px", std::to_string(*options.width_px));
-  if (options.height_px) set("height_px", std::to_string(*options.height_px));
+  if (options.height_px) {
+    for (const char* key : {"height_px", "frame_height_px"}) set(key, std::to_string(*options.height_px));
+  }
   if (!options.context.empty()) set("context", options.context);
   if (!options.film.empty()) set("film", options.film);
   if (options.film_rate_hz) set("film_rate_hz", std::to_string(*options.film_rate_hz));

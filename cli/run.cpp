@@ -6,9 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdlib>
 #include <memory>
-#include <sstream>
 #include <tuple>
 
 #include "cli/command_line.h"
@@ -32,46 +30,13 @@ namespace reamsim {
 
 namespace {
 
-constexpr const char* kTuningVariable = "REAMSIM_ENGINE_TUNING";
-
-/// Sets one member from "name=value"; false where the text is none of them.
-bool set_tuning(EngineTuning& tuning, const std::string& text) {
-  const std::string name = text.substr(0, text.find('='));
-  const std::string value = name.size() < text.size() ? text.substr(name.size() + 1) : "";
-  if (name == "kernel_shape" && from_name<KernelShape>(value)) {
-    tuning.kernel_shape = *from_name<KernelShape>(value);
-    return true;
-  }
-  for (const auto& [flag, member] : {std::pair{"culling", &tuning.culling}, std::pair{"windows", &tuning.windows}}) {
-    if (name != flag || (value != "true" && value != "false")) continue;
-    *member = value == "true";
-    return true;
-  }
-  if (name != "work_group_size" || !is_whole_number(value)) return false;
-  tuning.work_group_size = static_cast<int>(whole_number(value).value_or(0));
-  return true;
-}
-
-EngineTuning tuning_of_environment() {
-  EngineTuning tuning;
-  const char* const given = std::getenv(kTuningVariable);
-  std::istringstream words(given == nullptr ? "" : given);
-  for (std::string word; words >> word;) {
-    if (!set_tuning(tuning, word)) {
-      throw InputError(
-          {}, kTuningVariable, "found " + word,
-          "expected kernel_shape=auto|cpu|gpu, culling=true|false, windows=true|false or work_group_size=N");
-    }
-  }
-  return tuning;
-}
-
 /// The arguments that `run` and `check` share.
 struct ScenarioOptions {
   std::string file;
   std::vector<std::string> overrides;
   std::string device;
   std::string engine;
+  bool draft = false;
 
   void add_to(CLI::App& command) {
     take_shipped_names(
@@ -97,6 +62,10 @@ struct ScenarioOptions {
     }
     if (!device.empty()) all.push_back("engine.device=" + device);
     if (!engine.empty()) all.push_back("engine.type=" + engine);
+    if (draft) {
+      const std::vector<std::string> coarse = draft_overrides(parse_scenario(file, all));
+      all.insert(all.begin(), coarse.begin(), coarse.end());  // those of the user count
+    }
     Scenario scenario = parse_scenario(file, all);
     scenario.engine.tuning = tuning_of_environment();
     return scenario;
@@ -116,6 +85,12 @@ void run_command(const RunOptions& options, const Console& console) {
   request.dir = options.output.empty() ? results_dir(request.scenario) : options.output;
   request.overwrite = options.overwrite;
   request.resume = options.resume;
+  if (options.scenario.draft) {
+    request.warnings.push_back(fmt::format(
+        "a draft, with voxels of {:g} mm: forces and volumes differ from those of the run without --draft, and there "
+        "are few pictures, no report, meshes or reamed.vti",
+        request.scenario.bone.voxel_mm));
+  }
   require_film_program(request.scenario.render);
   const auto kernels = prepare_opencl(request.scenario.engine.device, console);
   RunResources resources;
@@ -174,7 +149,11 @@ std::string picture_time(const SimulationInput& scene, double load_s, Json& figu
   const std::vector<std::int64_t> frames = picture_frames(render, scene.last_frame(), scene.contact);
   const int pictures = render.enabled ? count_pictures({render}, frames, scene.contact) : 0;
   const double pixels = double(render.width_px) * render.height_px * render.supersampling * render.supersampling;
-  const double pictures_s = pictures * kPicture_s * pixels / (1920 * 1080);
+  const double frame_height = std::min(1.0, double(render.frame_height_px) / render.height_px);
+  const auto cameras = static_cast<int>(render.cameras.size() + render.user_cameras.size());
+  const int stills = render.enabled ? cameras * int(still_frames(frames, render, scene.contact).size()) : 0;
+  const double full_pictures = pictures - stills * (1 - frame_height * frame_height);
+  const double pictures_s = full_pictures * kPicture_s * pixels / (1920 * 1080);
   figures["pictures"] = pictures;
   figures["pictures_s"] = pictures_s;
   figures["load_s"] = load_s;
@@ -368,6 +347,9 @@ void add_run_command(CLI::App& app, Console& console) {
   command->add_flag("--overwrite", options->overwrite, "Replace an existing results folder once the run succeeds");
   command->add_flag("--resume", options->resume,
                     "Continue an interrupted run from its last checkpoint; without one, start at the first frame");
+  command->add_flag("--draft", options->scenario.draft,
+                    "A quick look: voxels twice as large, the first camera at the start and the end only, no report, "
+                    "meshes or reamed.vti; --set takes precedence. Default folder: out/NAME-draft");
   auto* quiet = command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->add_flag("--verbose", console.verbose, "Print what each stage did")->excludes(quiet);
   command->callback([options, &console] { run_command(*options, console); });

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /* The engines over a dense array of voxels (docs/engines.md): each has its own narrow phase, which lists the touched
- * voxels, and all have the same cut. Compiled with the options of the plan (VoxelLayout of sim/engine/dense). */
+ * voxels, and all have the same cut. Compiled with the options of the plan (VoxelLayout of sim/engine/dense), which the
+ * kernels that restore voxels do not need. */
 #include "cut_law.h"
 
 /* ---- direct ---- */

@@ -102,7 +102,10 @@ void RenderThread::render(const RunView& view, const std::vector<Shot>& shots) {
     const bool along_run = shot.kind == Kind::frame || shot.kind == Kind::sheet || shot.kind == Kind::film;
     if (along_run) tool = view.tool_at(shot.frame);
     // By samples in small and final pictures, and where the user asks for the smoothest edges.
-    const bool filtered = shot.kind == Kind::film || (shot.kind == Kind::frame && view.settings().supersampling == 1);
+    // The filter finds edges by brightness, which transparent pixels lack.
+    const RenderSettings& settings = view.settings();
+    const bool fast = settings.supersampling == 1 && settings.background != Background::transparent;
+    const bool filtered = shot.kind == Kind::film || (shot.kind == Kind::frame && fast);
     out.image = renderer.render(shot.camera, tool, filtered);
     const bool numbered = shot.kind != Kind::sheet && !(tool && shot.camera.shows_tool);
     if (numbered) out.contours = renderer.contours(shot.camera);

@@ -1,4 +1,5 @@
 #include "means.gp"
+stats csv using "depth_mm" nooutput name "depth_mm"
 
 # Frames with at least 1 % of the greatest force only: drawn back, the tool says nothing, though a tooth may graze bone.
 touching(y) = abs(column("axial_force_n")) > 0.01 * axial_force_n_max ? y : NaN

@@ -1,4 +1,5 @@
 #include "run.gp"
+do for [c in "axial_force_n spin_torque_nmm"] { stats csv using c nooutput name c }
 stats $mean using 2 nooutput name "A"
 stats $mean using 3 nooutput name "B"
 

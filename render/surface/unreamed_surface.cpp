@@ -11,6 +11,7 @@
 #include "render/surface/scalar_grid.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/grids.h"
+#include "sim/mesh/mesh_check.h"
 
 namespace reamsim {
 
@@ -116,23 +117,45 @@ void dilate(std::vector<std::uint8_t>& marked, const Neighbours& neighbours, int
   }
 }
 
-/// The surface of the unreamed bone wherever it may affect a depth: the offset surface above removed bone, widened over
-/// the mouths of holes. Beyond, it is closed.
-IsoSurface surface_near_changes(const SolidField& field, const FillBricks& before, const FillBricks& after,
-                                double voxel_mm) {
-  constexpr double kReach_mm = 8 * kClosing_mm;
+/// Has the bone a closed cavity, whose surface encloses a negative volume?
+bool has_cavity(const IsoSurface& surface) {
+  TriangleMesh mesh;
+  for (const Eigen::Vector3f& p : surface.points) mesh.vertices.emplace_back(p.cast<double>());
+  for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
+    const auto corner = [&](std::size_t k) { return static_cast<std::int32_t>(surface.indices[i + k]); };
+    mesh.triangles.push_back({corner(0), corner(1), corner(2)});
+  }
+  const std::vector<std::size_t> components = components_of(mesh);
+  std::vector<double> volumes(mesh.triangles.size());  // six times, by component
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto [a, b, c] = mesh.corners(mesh.triangles[i]);
+    volumes[components[i]] += a.dot(b.cross(c));
+  }
+  return std::ranges::any_of(volumes, [](double volume) { return volume < 0; });
+}
+
+/// The surface of the unreamed bone wherever it may affect a depth: below the offset surface above removed bone, with
+/// the mouths of holes that the marks are dilated over. Flat faces close it beyond. None where that saves little, or
+/// where the part might open a cavity, from whose walls no depth is measured.
+std::optional<IsoSurface> surface_near_changes(const UnreamedSurface& unreamed, const Voxmap& voxmap,
+                                               const FillBricks& after, double cell_mm) {
+  const double reach_mm = 8 * kClosing_mm + 6 * cell_mm;
   Eigen::AlignedBox3i changed;
   after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
-    if (reamed(fill, before.brick(coord))) changed.extend(coord);
+    if (reamed(fill, unreamed.before.brick(coord))) changed.extend(coord);
   });
-  const Vec3i reach = Vec3i::Constant(1 + static_cast<int>(std::ceil(kReach_mm / (FillBricks::kSide * voxel_mm))));
-  const Vec3i first = changed.min() - reach, last = changed.max() + reach;
-  const openvdb::FloatGrid::Ptr part = bricks_of(*field.grid().vdb, first, last);
+  const double brick_mm = FillBricks::kSide * voxmap.grid.voxel_mm;
+  const Vec3i reach = Vec3i::Constant(1 + static_cast<int>(std::ceil(reach_mm / brick_mm)));
+  const Vec3i first = (changed.min() - reach).cwiseMax(-1);
+  const Vec3i last = (changed.max() + reach).cwiseMin(after.brick_dims());
+  const double fraction = (last - first).cast<double>().prod() / after.brick_dims().cast<double>().prod();
+  if (fraction > 0.5 || has_cavity(unreamed.surface)) return std::nullopt;
+  const openvdb::FloatGrid::Ptr part = bricks_of(*unreamed.field.grid().vdb, first, last);
   // OpenVDB finds no surface between two constant bricks.
   for_each_voxel(first, last, [&](const Vec3i& brick) {
-    if (((brick - first).array() == 0).any() || ((last - brick).array() == 0).any()) {
-      part->tree().touchLeaf(vdb_coord(FillBricks::kSide * brick))->setValuesOn();
-    }
+    const bool outer = ((brick - first).array() == 0).any() || ((last - brick).array() == 0).any();
+    const openvdb::Coord origin = vdb_coord(FillBricks::kSide * brick);
+    if (outer && part->tree().getValue(origin) < 0) part->tree().touchLeaf(origin)->setValuesOn();
   });
   return extract_surface(*part, 0);
 }
@@ -153,15 +176,14 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBrick
   return grid;
 }
 
-openvdb::FloatGrid::Ptr depth_grid(const SolidField& field, const Voxmap& voxmap, const FillBricks& before,
-                                   const FillBricks& after) {
+openvdb::FloatGrid::Ptr depth_grid(const UnreamedSurface& unreamed, const Voxmap& voxmap, const FillBricks& after) {
   const double bone_mm3 = static_cast<double>(voxmap.grade.count()) * voxmap.grid.voxel_mm3();
   const double cell_mm = std::max(voxmap.grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
-  auto depth = cells_of_changed_bricks(voxmap.grid.voxel_mm, after, before, cell_mm);
+  auto depth = cells_of_changed_bricks(voxmap.grid.voxel_mm, after, unreamed.before, cell_mm);
   if (depth->empty()) return depth;
-  const IsoSurface surface = surface_near_changes(field, before, after, voxmap.grid.voxel_mm);
-  const OffsetSurface offset = offset_outwards(surface, voxmap.grid.voxel_mm, cell_mm);
-  std::vector<std::uint8_t> marked = above_removed_bone(offset, voxmap, before, after);
+  const std::optional<IsoSurface> part = surface_near_changes(unreamed, voxmap, after, cell_mm);
+  const OffsetSurface offset = offset_outwards(part ? *part : unreamed.surface, voxmap.grid.voxel_mm, cell_mm);
+  std::vector<std::uint8_t> marked = above_removed_bone(offset, voxmap, unreamed.before, after);
   dilate(marked, {offset.surface.points.size(), offset.surface.indices},
          static_cast<int>(std::ceil(2 * kClosing_mm / cell_mm)));
   std::vector<Vec3> sources;
@@ -218,7 +240,7 @@ UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks fill_before, c
     : before(std::move(fill_before)),
       field(Occupancy(voxmap, before)),
       surface(extract_surface(*field.grid().vdb, 0)),
-      depth(new ScalarGrid{depth_grid(field, voxmap, before, after)}),
+      depth(new ScalarGrid{depth_grid(*this, voxmap, after)}),
       deepest_mm(max_depth_mm(*depth->vdb, voxmap, after, before)) {}
 
 LayerBoundary::LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unreamed, const Vec3& a, const Vec3& b,

@@ -64,10 +64,20 @@ std::string self_contained_page(const char* page, const std::string& title, cons
 /// `page` with each {{name}} replaced, not recursively. Throws std::logic_error when a name has no text.
 std::string fill_template(std::string_view page, const PageTexts& texts);
 
-/// Writes DIR/report.html, a self-contained page of a run, from its results, and where present from reamed*.png,
-/// frames/, depth_map.png, segmentation.png, forces.png and verification.json. Deterministic. `options`: those of the
-/// pictures. Throws InputError (a result missing or damaged), RunError (the page cannot be written).
-void write_report(const RunData& run, const PictureOptions& options);
+/// What takes time in the report of a run, and needs no summary.
+struct ReportParts {
+  PageTexts figures;                      ///< the final pictures
+  nlohmann::ordered_json pictures, bone;  ///< pictures along the run; bone_data()
+};
+
+/// From the run, and where present from frames/, reamed*.png, depth_map.png and segmentation.png in DIR. Throws
+/// InputError for a result that is missing or damaged.
+ReportParts report_parts(const RunData& run, const RenderSettings& settings);
+
+/// Writes DIR/report.html, a self-contained page of a run, from its parts and results, and where present from
+/// forces.png and verification.json. Deterministic. Throws InputError (a result missing or damaged), RunError (the page
+/// cannot be written).
+void write_report(const RunData& run, const RenderSettings& settings, const ReportParts& parts);
 
 // Its parts: data of its scripts, and pictures.
 
@@ -86,7 +96,7 @@ nlohmann::ordered_json bone_data(const RunData& run, const RenderSettings& setti
 /// The reamers in the 3D view: `passes`, each with its `mesh` in T as of mesh_json() over `box_mm`, simplified, and its
 /// first `row` of shown_rows(); `shown` and `look` as the settings say; `poses`, one for each of shown_rows(): x, y, z
 /// over their `box_mm` in B, the quaternion's x, y, z, w over −1…1, and the spin angle (about −z of T) over a turn, as
-/// of append_numbers16(). null for a tool without triangles.
+/// of append_numbers16() in scene_data.cpp. null for a tool without triangles.
 nlohmann::ordered_json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log,
                                  const RenderSettings& settings);
 

@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <memory>
 #include <new>
 #include <set>
@@ -252,7 +253,7 @@ std::string printed_plot_html(const std::string& dir) {
 
 // --- the page
 
-std::string page_html(const RunData& run, const PictureOptions& options) {
+std::string page_html(const RunData& run, const RenderSettings& settings, const ReportParts& parts) {
   const std::string& dir = run.dir();
   const std::string summary_path = dir + "/summary.json", verification_path = dir + "/verification.json";
   const Json summary = read_json(summary_path, "the summary.json of a run");
@@ -265,13 +266,12 @@ std::string page_html(const RunData& run, const PictureOptions& options) {
                   {"plain", plain_html(tables)},
                   {"printed_plot", printed_plot_html(dir)},
                   {"scenario", escape_html(read_file(dir + "/scenario.yaml", "the scenario.yaml of a run"))}};
-  // The slow parts come last, after the checks of the others.
-  add_figures(dir, name_of(options.settings.cameras.front()), texts);
+  texts.insert(parts.figures.begin(), parts.figures.end());
   const ForceLog& log = run.log();
   const Json data{{"plot", plot_data(log, log.mean_travel_mm)},
-                  {"pictures", frames_json(run, names_of(options.settings.cameras))},
-                  {"bone", bone_data(run, options.settings)},
-                  {"tool", tool_data(run.inputs().passes, log, options.settings)},
+                  {"pictures", parts.pictures},
+                  {"bone", parts.bone},
+                  {"tool", tool_data(run.inputs().passes, log, settings)},
                   {"summary", tables}};
   return self_contained_page(embedded::report_page, title, program, data, std::move(texts));
 }
@@ -331,11 +331,20 @@ nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm) {
   return json;
 }
 
-void write_report(const RunData& run, const PictureOptions& options) {
-  if (options.settings.cameras.empty()) {
+ReportParts report_parts(const RunData& run, const RenderSettings& settings) {
+  if (settings.cameras.empty()) {
     throw InputError({}, "render.cameras", "found none", "expected at least one camera");
   }
-  write_file(run.dir() + "/report.html", page_html(run, options));
+  ReportParts out;
+  auto bone = std::async(std::launch::async, [run, &settings, &out] { out.bone = bone_data(run, settings); });
+  add_figures(run.dir(), name_of(settings.cameras.front()), out.figures);
+  out.pictures = frames_json(run, names_of(settings.cameras));
+  bone.get();
+  return out;
+}
+
+void write_report(const RunData& run, const RenderSettings& settings, const ReportParts& parts) {
+  write_file(run.dir() + "/report.html", page_html(run, settings, parts));
 }
 
 }  // namespace reamsim

@@ -365,6 +365,7 @@ Json bone_data(const RunData& run, const RenderSettings& settings) {
   return {{"look", view_json(run.target())},
           {"box_mm", box_json(box.min(), box.max())},
           {"grade_per_g_cm3", DensityMapping::kMaxGrade / DensityMapping::kMaxDensity_g_cm3},
+          {"deepest_mm", short_number(after.deepest_mm)},
           {"depth_colors", colors_json(depth_colors(), depth)},
           {"density_colors", colors_json(density_colors(), scale_up_to(DensityMapping::kMaxDensity_g_cm3))},
           {"before", mesh_json(before, box, depth.max)},

@@ -94,7 +94,12 @@ class ValueInput : public ValueVisitor<Bytes> {
     text.assign(static_cast<const char*>(this->self().next(length)), length);
   }
   void items_of(auto& list) {
-    for (auto left = take<std::size_t>(); left > 0; --left) (*this)(list.emplace_back());
+    const auto length = take<std::size_t>();
+    list.clear();
+    if constexpr (requires { list.reserve(length); }) {
+      list.reserve(std::min(length, this->self().bytes_left() / sizeof(list.front())));
+    }
+    for (std::size_t i = 0; i < length; ++i) (*this)(list.emplace_back());
   }
   void presence_of(auto& value) {
     if (take<bool>()) value.emplace();
@@ -131,6 +136,7 @@ class ValueWriter : public ValueOutput<ValueWriter> {
 class ValueReader : public ValueInput<ValueReader> {
  public:
   explicit ValueReader(std::string_view rest) : rest_(rest) {}
+  [[nodiscard]] std::size_t bytes_left() const { return rest_.size(); }
   const void* next(std::size_t count) {
     if (count > rest_.size()) fail();
     const char* const first = rest_.data();

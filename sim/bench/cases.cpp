@@ -259,7 +259,9 @@ void measure_scatter(const ProgramSet& set) {
   Json voxels;  // null without such a program
   Programs racing;
   if (std::ranges::count(set.plan.engines, "direct") > 0) {
-    racing.push_back(make_program({"direct", "published"}, set.plan.device, set.setup, true));
+    const Label counting{"direct", "published"};
+    measure_or_skip(case_row(counting, set.size, "scatter"), set.report,
+                    [&] { racing.push_back(make_program(counting, set.plan.device, set.setup, true)); });
   }
   for (const auto& program : set.programs) {
     const Label& label = program->label();

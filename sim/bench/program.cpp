@@ -154,10 +154,7 @@ class PublishedDirect final : public PublishedProgram {
   [[nodiscard]] StructureBytes bytes() const override { return {bone_.bytes(), codes_.bytes()}; }
 
  private:
-  void restore_all() override {
-    const auto grades = dense_remaining_grades(*setup_.voxmap);
-    bone_.write(device_, grades.data(), grades.size());
-  }
+  void restore_all() override { bone_.copy(device_, whole_, bone_.count()); }
 
   void detect(std::vector<cl::Event>& events, BatchSample& sample) override {
     events.push_back(kernel_.launch(device_, points_, group_of(kernel_)));

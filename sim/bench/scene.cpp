@@ -184,7 +184,6 @@ Tool cap_tool(int resolution) {
 
 Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm) {
   constexpr int kUnusedCells = 8;  // of a shell that exact erosion does not use
-  constexpr int kMostCells = 1024;
   Tool tool;
   tool.profile = profile;
   tool.bounds = profile.bounds();
@@ -192,8 +191,7 @@ Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm) {
   if (shell_spacing_mm) {
     const double longest = std::max(2 * radius, high - low);
     tool.mesh = revolve(profile, segments_for_sagitta(radius, 0.02 * *shell_spacing_mm));
-    tool.shell =
-        voxelize_surface(tool.mesh, std::min(kMostCells, static_cast<int>(std::ceil(longest / *shell_spacing_mm)) + 1));
+    tool.shell = voxelize_surface(tool.mesh, static_cast<int>(std::ceil(longest / *shell_spacing_mm)) + 1);
   } else {
     tool.mesh = revolve({{{0, low}, {radius, low}, {radius, high}, {0, high}}}, 4 * kUnusedCells);
     tool.shell = voxelize_surface(tool.mesh, kUnusedCells);
@@ -303,7 +301,8 @@ Tool sphere_cap(double voxel_mm) {
   Profile profile = arc(kSphereRadiusMm, std::asin(kWidthMm / 2 / kSphereRadiusMm), 64);  // exact takes the arc itself
   profile.points.emplace_back(kWidthMm / 2, 8);
   profile.points.emplace_back(0, 8);
-  return make_tool(profile, kSpacingVoxels * voxel_mm);
+  constexpr double kMostCells = 1022.5;  // along the cap: 1024 with those at its ends
+  return make_tool(profile, std::max(kSpacingVoxels * voxel_mm, kWidthMm / kMostCells));
 }
 
 Substep sphere_frame(double depth_mm, std::int64_t number) {

@@ -7,11 +7,33 @@
 #include <utility>
 
 #include "sim/bone/voxmap/cube_fraction.h"
+#include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 
 namespace {
+
+/// Whether any of the 8×8×8 voxels from `first` on lies in a stored brick.
+bool any_stored(const GradeBricks& from, const Vec3i& first) {
+  const BrickLattice bricks{from.brick_dims()};
+  const Vec3i last = first + Vec3i::Constant(GradeBricks::kSide - 1);
+  bool any = false;
+  for_each_voxel(BrickLattice::brick_of(first), BrickLattice::brick_of(last),
+                 [&](const Vec3i& brick) { any = any || (bricks.contains(brick) && from.brick(brick) != nullptr); });
+  return any;
+}
+
+/// Copies to a brick of the shifted lattice. Its voxel (0,0,0) is voxel `shift` of `from`.
+void copy_brick(const Voxmap& from, const Vec3i& shift, const Vec3i& brick_coord, GradeBricks::Brick& out) {
+  const Vec3i first = GradeBricks::kSide * brick_coord + shift;
+  if (!any_stored(from.grade, first)) return;
+  for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+    const Vec3i voxel = BrickLattice::voxel_at(brick_coord, offset) + shift;
+    if (!from.grid.contains(voxel)) continue;
+    out[static_cast<std::size_t>(offset)] = from.grade.get(voxel);
+  }
+}
 
 /// A drilled cylinder in the frame B.
 struct Hole {
@@ -122,10 +144,17 @@ FilledVoxmap fit_to_bone(const BoneView& bone, int margin_voxels) {
   check_lattice("bone", size, voxmap.grid.voxel_mm, {.bone_fraction = most_voxels / size.prod()});
 
   const VoxelGrid& from = voxmap.grid;
-  FilledVoxmap out({dims, from.voxel_mm, from.origin_mm + from.voxel_mm * shift.cast<double>()});
-  for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
-    out.grade.set(voxel - shift, grade);
-    out.fill.set(voxel - shift, fill);
+  FilledVoxmap out;
+  out.grid = {dims, from.voxel_mm, from.origin_mm + from.voxel_mm * shift.cast<double>()};
+  out.grade = sample_bricks(dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
+    copy_brick(voxmap, shift, brick_coord, brick);
+  });
+  out.fill = FillBricks(dims);
+  bone.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
+    for (int offset = 0; offset < FillBricks::kVoxels; ++offset) {
+      const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
+      if (extent.contains(voxel)) out.fill.set(voxel - shift, fill[static_cast<std::size_t>(offset)]);
+    }
   });
   out.mapping = voxmap.mapping;
   out.layers = voxmap.layers;

@@ -120,6 +120,7 @@ class ResultReader : public ValueInput<ResultReader> {
   explicit ResultReader(const std::vector<std::byte>& bytes) : result_(bytes.data()), bytes_(bytes.size()) {}
 
   const void* next(std::uint64_t bytes, std::uint64_t alignment = 1);
+  [[nodiscard]] std::size_t bytes_left() const { return bytes_; }  ///< at most
   std::string text() { return take<std::string>(); }
   std::vector<std::string> texts() { return take<std::vector<std::string>>(); }
   /// Calls `use` with the first and the end of each block of an array. Its pages return to the system, so that the
@@ -139,6 +140,7 @@ class ResultReader : public ValueInput<ResultReader> {
   template <PlainValue T>
   void items_of(std::vector<T>& out) {
     const auto count = take<std::uint64_t>();
+    out.clear();
     out.reserve(std::min(count, bytes_ / sizeof(T)));
     for_each_block<T>(count, [&](const T* first, const T* last) { out.insert(out.end(), first, last); });
   }

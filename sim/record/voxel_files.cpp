@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <memory>
 #include <new>
-#include <span>
 #include <vector>
 
 #include "sim/base/file.h"
@@ -43,27 +42,36 @@ _)",
       extent, shortest_text(first.x()), shortest_text(first.y()), shortest_text(first.z()), step);
 }
 
-/// The voxels of a layer of bricks, x fastest: value_of(voxel, grade, fill) where there is or was bone, else 0.
-template <class T, class ValueOf>
-std::vector<T> values_in_layer(const BoneView& bone, int layer, const ValueOf& value_of) {
-  const VoxelGrid& grid = bone.voxmap.grid;
-  const int first = layer * GradeBricks::kSide, planes = std::min(GradeBricks::kSide, grid.dims.z() - first);
-  std::vector<T> out(static_cast<std::size_t>(grid.index({0, 0, planes})));
-  const Vec3i last = bone.fill.brick_dims() - Vec3i::Ones();
-  for_each_voxel({0, 0, layer}, {last.x(), last.y(), layer}, [&](const Vec3i& brick) {
-    if (bone.voxmap.grade.brick(brick) == nullptr) return;
-    for_each_bone_voxel_in(bone, brick, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
-      out[static_cast<std::size_t>(grid.index(voxel - Vec3i(0, 0, first)))] = value_of(voxel, grade, fill);
-    });
-  });
+/// Density × fill of `count` voxels along x that lie in one brick; leaves air as it is.
+void put_row(const BoneView& bone, const Vec3i& voxel, std::size_t count, float* out) {
+  const Vec3i brick = BrickLattice::brick_of(voxel);
+  const GradeBricks::Brick* grades = bone.voxmap.grade.brick(brick);
+  if (grades == nullptr) return;
+  const FillBricks::Brick* fills = bone.fill.brick(brick);
+  const auto first = static_cast<std::size_t>(BrickLattice::offset_of(voxel));
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint8_t grade = (*grades)[first + i];
+    if (grade == 0) continue;
+    const double fill = (fills == nullptr ? FillBricks::kWhole : (*fills)[first + i]) / double{FillBricks::kWhole};
+    out[i] = static_cast<float>(fill * DensityMapping::density_from_grade(grade));
+  }
+}
+
+std::vector<float> density_block(const BoneView& bone, std::size_t begin, std::size_t end) {
+  std::vector<float> out(end - begin, 0.0F);
+  const int nx = bone.voxmap.grid.dims.x();
+  for (std::size_t e = begin; e < end;) {
+    const Vec3i voxel = bone.voxmap.grid.coord(static_cast<std::int64_t>(e));
+    // The voxels from here on that lie in the same row of the same brick.
+    const int row_end = std::min(nx, (voxel.x() | (GradeBricks::kSide - 1)) + 1);
+    const std::size_t count = std::min(static_cast<std::size_t>(row_end - voxel.x()), end - e);
+    put_row(bone, voxel, count, out.data() + (e - begin));
+    e += count;
+  }
   return out;
 }
 
-float density_of(const Vec3i& /*voxel*/, std::uint8_t grade, std::uint16_t fill) {
-  return static_cast<float>(fill / double{FillBricks::kWhole} * DensityMapping::density_from_grade(grade));
-}
-
-std::vector<unsigned char> deflated(std::span<const float> values) {
+std::vector<unsigned char> deflated(const std::vector<float>& values) {
   const auto bytes = static_cast<uLong>(values.size() * sizeof(float));
   std::vector<unsigned char> out(compressBound(bytes));
   uLongf size = out.size();
@@ -91,20 +99,12 @@ void write_vti(const std::string& path, const BoneView& bone) {
   out << vti_header(bone.voxmap.grid);
   const auto table = out.tellp();
   put(sizes);
-  std::size_t written = 0;    // blocks
-  std::vector<float> values;  // that are not written yet
-  for (int layer = 0, layers = bone.fill.brick_dims().z(); layer < layers; ++layer) {
-    const auto more = values_in_layer<float>(bone, layer, density_of);
-    values.insert(values.end(), more.begin(), more.end());
-    std::span<const float> left(values);
-    while (left.size() >= kBlockVoxels || (layer + 1 == layers && !left.empty())) {
-      const auto block = left.first(std::min(left.size(), kBlockVoxels));
-      const auto bytes = std::ranges::equal(block, air) ? deflated_air : deflated(block);
-      sizes[3 + written++] = bytes.size();
-      put(bytes);
-      left = left.subspan(block.size());
-    }
-    values.erase(values.begin(), values.end() - std::ssize(left));
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const auto values = density_block(bone, b * kBlockVoxels, std::min(voxels, (b + 1) * kBlockVoxels));
+    const bool all_air = values.size() == kBlockVoxels && values == air;
+    const auto block = all_air ? deflated_air : deflated(values);
+    sizes[3 + b] = block.size();
+    put(block);
   }
   out << "\n</AppendedData>\n</VTKFile>\n";
   out.seekp(table);
@@ -133,18 +133,31 @@ std::string nrrd_header(const VoxelGrid& grid) {
   return out + "\n";
 }
 
+/// The labels of the voxels of a layer of bricks, x fastest.
+std::vector<std::uint8_t> labels_in_layer(const BoneView& bone, const FillBricks& fill_before, int layer) {
+  const VoxelGrid& grid = bone.voxmap.grid;
+  const int first = layer * GradeBricks::kSide, planes = std::min(GradeBricks::kSide, grid.dims.z() - first);
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(grid.index({0, 0, planes})));
+  const Vec3i last = bone.fill.brick_dims() - Vec3i::Ones();
+  constexpr int kHalf = FillBricks::kWhole / 2;
+  for_each_voxel({0, 0, layer}, {last.x(), last.y(), layer}, [&](const Vec3i& brick) {
+    if (bone.voxmap.grade.brick(brick) == nullptr) return;
+    for_each_bone_voxel_in(bone, brick, [&](const Vec3i& voxel, int, int fill) {
+      const std::uint8_t label = fill > kHalf ? 1 : fill_before.get(voxel) > kHalf ? 2 : 0;
+      out[static_cast<std::size_t>(grid.index(voxel - Vec3i(0, 0, first)))] = label;
+    });
+  });
+  return out;
+}
+
 }  // namespace
 
 void write_segmentation(const std::string& path, const BoneView& bone, const FillBricks& fill_before) {
   write_file(path, nrrd_header(bone.voxmap.grid));
   std::unique_ptr<gzFile_s, decltype(&gzclose)> out(gzopen(path.c_str(), "ab"), &gzclose);
   bool written = out != nullptr;
-  const auto label_of = [&](const Vec3i& voxel, std::uint8_t, std::uint16_t fill) -> std::uint8_t {
-    constexpr int kHalf = FillBricks::kWhole / 2;
-    return fill > kHalf ? 1 : fill_before.get(voxel) > kHalf ? 2 : 0;
-  };
   for (int layer = 0; written && layer < bone.fill.brick_dims().z(); ++layer) {
-    const auto labels = values_in_layer<std::uint8_t>(bone, layer, label_of);
+    const std::vector<std::uint8_t> labels = labels_in_layer(bone, fill_before, layer);
     written = gzfwrite(labels.data(), 1, labels.size(), out.get()) == labels.size();
   }
   if (!written || gzclose(out.release()) != Z_OK) fail_to_write(path);

@@ -77,7 +77,9 @@ class ScenarioRun {
         resources_(resources),
         checkpoints_(checkpoints),
         monitor_(monitor),
-        pictures_(pictures) {}
+        pictures_(pictures) {
+    report_.warnings = request.warnings;
+  }
 
   void load() {
     const Stopwatch watch;
@@ -150,6 +152,12 @@ class ScenarioRun {
       finish_summary(recorder.totals());
     }
     remove_logs();
+    report_.note(
+        fmt::format("time: load {:.2f} s, simulate {:.2f} s, measure {:.2f} s, write {:.2f} s, render {:.2f} s; "
+                    "total {:.2f} s",
+                    facts_.load_s, facts_.simulate_s, facts_.measure_s, facts_.write_s, facts_.render_s,
+                    facts_.since_start.seconds()));
+    tell_report();
     say_summary(monitor_, recorder.totals(), facts_, scenario_.cutting.erosion != ErosionMode::exact);
   }
 

@@ -24,7 +24,8 @@ struct RunRequest {
   bool overwrite = false;  ///< an older run in the folder is replaced once this one succeeds
   bool resume = false;     ///< an interrupted run is continued from its last checkpoint
   KeptFiles keep{};
-  bool durable = true;  ///< the results are on the disk on return
+  bool durable = true;                  ///< the results are on the disk on return
+  std::vector<std::string> warnings{};  ///< of the request, for summary.json
 };
 
 /// What runs that follow one another in a process share.
@@ -47,7 +48,8 @@ class PictureSink {
   [[nodiscard]] virtual const FillBricks& fill_before() const = 0;
   /// The run has ended, and all its results are on disk. Called without begin() where the poses were not known.
   virtual void end(const SimulationInput& scene, const std::string& dir) = 0;
-  /// Makes everything but the report. `report` gets the warnings. Throws RunError and Interrupted.
+  /// Makes everything but the report, of which it makes what takes time. `report` gets the warnings. Throws RunError
+  /// and Interrupted.
   virtual void make(Diagnostics& report) = 0;
   /// After make(): what rendered the pictures, empty where there are none.
   [[nodiscard]] virtual std::string render_context() const = 0;

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <stdexcept>
 #include <string_view>
 
 #include "sim/base/file.h"
@@ -131,8 +132,8 @@ std::string DicomValues::text_of(const gdcm::Tag& tag, const gdcm::VR& vr) const
       return binary_text<std::uint16_t>(bytes(tag));
     case gdcm::VR::UL:
       return binary_text<std::uint32_t>(bytes(tag));
-    case gdcm::VR::FL:
-      return binary_text<float>(bytes(tag));
+    case gdcm::VR::FL:  // some writers take FD for NominalPercentageOfCardiacPhase
+      return bytes(tag).size() == sizeof(double) ? binary_text<double>(bytes(tag)) : binary_text<float>(bytes(tag));
     case gdcm::VR::FD:
       return binary_text<double>(bytes(tag));
     default:
@@ -158,6 +159,7 @@ const std::vector<SeparatingTag>& separating_tags() {
     for (const std::string& keyword : split(kKeywords, ' ')) {
       SeparatingTag& tag = out.emplace_back(SeparatingTag{keyword});
       tag.vr = dictionary.GetDictEntryByKeyword(keyword.c_str(), tag.tag).GetVR();
+      if (tag.tag == gdcm::Tag(0xffff, 0xffff)) throw std::logic_error(keyword + " is not in GDCM's dictionary");
     }
     return out;
   }();

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
-#include <ranges>
 #include <set>
 
 #include "sim/base/text.h"
@@ -89,8 +88,8 @@ bool has_single_places(const DicomVolume& volume) {
 std::string range_of(const Stack& slices) {
   const bool frames = slices.front().header->frame >= 0;
   const auto number = [&](const Slice& s) { return frames ? s.header->frame + 1 : *s.header->instance_number; };
-  const auto [least, most] = std::ranges::minmax(slices | std::views::transform(number));
-  return fmt::format("{} {} to {}", frames ? "frames" : "InstanceNumber", least, most);
+  const auto [least, most] = std::ranges::minmax(slices, {}, number);
+  return fmt::format("{} {} to {}", frames ? "frames" : "InstanceNumber", number(least), number(most));
 }
 
 /// The first slices of all positions, the second ones, and so on, by instance number or frame.

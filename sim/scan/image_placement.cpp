@@ -11,7 +11,10 @@
 #include <cstdlib>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include "sim/base/file.h"
 #include "sim/base/text.h"

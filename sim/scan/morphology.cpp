@@ -116,10 +116,9 @@ Mask eroded(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
   return complement(dilated(complement(mask), lattice, radius));
 }
 
-Mask dilated(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
-  Mask out = mask;
-  for (int axis = 0; axis < 3; ++axis) out = dilated_along(out, lattice, axis, radius[axis]);
-  return out;
+Mask dilated(Mask mask, const Lattice& lattice, const Vec3i& radius) {
+  for (int axis = 0; axis < 3; ++axis) mask = dilated_along(mask, lattice, axis, radius[axis]);
+  return mask;
 }
 
 void median_filter(AlignedImage& image, int radius_voxels) {

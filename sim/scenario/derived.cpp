@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <iterator>
 #include <set>
@@ -181,6 +182,21 @@ std::vector<std::pair<std::string, std::string>> input_files(const Scenario& sce
     if (std::ranges::none_of(files, same)) files.emplace_back(source.key, source.path);
   }
   return files;
+}
+
+std::vector<std::string> draft_overrides(const Scenario& scenario) {
+  std::vector<std::string> out{"name=" + scenario.name + "-draft", "output.vti=false", "output.meshes=false"};
+  if (scenario.bone.source != BoneSource::vdb) {
+    out.push_back("bone.voxel_mm=" + shortest_text(std::min(2 * scenario.bone.voxel_mm, BoneSettings::kMostVoxel_mm)));
+  }
+  const std::string cameras = scenario.render.cameras.empty() ? "" : name_of(scenario.render.cameras.front());
+  for (const std::string& key :
+       {std::string("every_frames=1000000000"), "cameras=[" + cameras + "]", std::string("before_after=false"),
+        std::string("contact_sheet=false"), std::string("turntable_pictures=0"), std::string("film=none"),
+        std::string("report=false")}) {
+    out.push_back("render." + key);
+  }
+  return out;
 }
 
 std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last, const FrameSpans& contact) {

@@ -21,7 +21,6 @@
 #include "sim/scenario/show.h"
 
 namespace reamsim {
-
 namespace {
 
 /// In small letters, with one space between words.
@@ -167,9 +166,15 @@ class FcsvParser {
 
 using MarkupsJson = nlohmann::json;
 
+/// A value of an object, or null where there is none.
+const MarkupsJson& value_in(const MarkupsJson& json, const char* key) {
+  static const MarkupsJson kNull;
+  return json.contains(key) ? json.at(key) : kNull;
+}
+
 /// A text of an object, or "" where there is none.
 std::string text_in(const MarkupsJson& json, const char* key, const Markups& file) {
-  const MarkupsJson text = json.value(key, MarkupsJson());
+  const MarkupsJson& text = value_in(json, key);
   if (!text.is_null() && !text.is_string()) file.fail(std::string(key) + " is no text", kExpectedMarkups);
   return text.is_null() ? "" : text.get<std::string>();
 }
@@ -190,7 +195,7 @@ bool is_lps(const MarkupsJson& markup, Markups& file) {
 double unit_mm_of(const MarkupsJson& markup, const Markups& file) {
   constexpr std::array<std::pair<std::string_view, double>, 6> kUnitsInMm{
       {{"mm", 1}, {"um", 1e-3}, {"µm", 1e-3}, {"cm", 10}, {"m", 1000}, {"[in_i]", 25.4}}};
-  const MarkupsJson units = markup.value("coordinateUnits", MarkupsJson());
+  const MarkupsJson& units = value_in(markup, "coordinateUnits");
   if (units.is_null()) return 1;
   // A code of UCUM, or the code with its scheme and its meaning.
   const MarkupsJson& code = units.is_array() && !units.empty() ? units[0] : units;
@@ -206,7 +211,7 @@ MarkupsPoint point_of(const MarkupsJson& json, bool lps, double unit_mm, const M
   MarkupsPoint point;
   point.label = text_in(json, "label", file);
   const std::string status = text_in(json, "positionStatus", file);
-  const MarkupsJson position = json.value("position", MarkupsJson());
+  const MarkupsJson& position = value_in(json, "position");
   point.placed = !position.is_null() && (status.empty() || status == "defined");
   if (!point.placed) return point;
   const std::string name = "the position of the point " + shown_text(point.label);
@@ -226,7 +231,7 @@ Markup markup_of(const MarkupsJson& json, Markups& file) {
   Markup markup{.name = text_in(json, "name", file), .points = {}};
   const bool lps = is_lps(json, file);
   const double unit_mm = unit_mm_of(json, file);
-  const MarkupsJson points = json.value("controlPoints", MarkupsJson());
+  const MarkupsJson& points = value_in(json, "controlPoints");
   if (!points.is_null() && !points.is_array()) file.fail("controlPoints is no list", kExpectedMarkups);
   for (const MarkupsJson& point : points) markup.points.push_back(point_of(point, lps, unit_mm, file));
   return markup;

@@ -19,6 +19,10 @@ namespace reamsim {
 /// Throws InputError naming file, line, column, key, what was found and what would be right.
 Scenario parse_scenario(const std::string& path, const std::vector<std::string>& overrides);
 
+/// The overrides that make a quick look of a scenario: its name with "-draft", voxels twice as large (but of a VDB),
+/// pictures of its first camera at the start and the end only, and no report, meshes or reamed.vti.
+std::vector<std::string> draft_overrides(const Scenario& scenario);
+
 /// The settings of a run's scenario.yaml that pictures, plots and reports need.
 struct ResultSettings {
   RenderSettings render;

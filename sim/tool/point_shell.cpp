@@ -85,6 +85,12 @@ void add_cells(const GridTriangle& t, int resolution, std::vector<std::uint64_t>
   }
 }
 
+/// Sorts codes, and removes duplicates: neighbouring triangles touch the same cells.
+void make_unique(std::vector<std::uint64_t>& codes) {
+  std::ranges::sort(codes);
+  codes.erase(std::ranges::unique(codes).begin(), codes.end());
+}
+
 }  // namespace
 
 PointShell shell_grid(const Aabb& box, int resolution) {
@@ -103,13 +109,16 @@ PointShell shell_grid(const Aabb& box, int resolution) {
 
 PointShell voxelize_surface(const TriangleMesh& mesh, int resolution) {
   PointShell shell = shell_grid(mesh.bounds(), resolution);
+  std::size_t enough = std::size_t{1} << 20;  // codes, so that duplicates take little memory
   for (const auto& triangle : mesh.triangles) {
     GridTriangle corners = mesh.corners(triangle);
     for (Vec3& corner : corners) corner = (corner - shell.origin_mm) / shell.cell_mm;
     add_cells(corners, resolution, shell.codes);
+    if (shell.codes.size() < enough) continue;
+    make_unique(shell.codes);
+    enough = std::max(enough, 2 * shell.codes.size());
   }
-  std::ranges::sort(shell.codes);  // neighbouring triangles touch the same cells
-  shell.codes.erase(std::ranges::unique(shell.codes).begin(), shell.codes.end());
+  make_unique(shell.codes);
   shell.codes.shrink_to_fit();
   return shell;
 }

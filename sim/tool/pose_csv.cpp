@@ -76,9 +76,14 @@ bool has_pose(const std::vector<double>& row, const SourceLocation& where) {
   return missing == 0;
 }
 
+/// Transforms of every row.
+struct Registration {
+  std::optional<Rigid> bone_from_tracker, marker_from_tool;
+};
+
 /// `report` gets a warning about a quaternion that is no rotation.
-KeyPose pose_of_row(const CsvMotionSettings& settings, const std::vector<double>& row, const SourceLocation& where,
-                    Diagnostics& report) {
+KeyPose pose_of_row(const CsvMotionSettings& settings, const Registration& registration, const std::vector<double>& row,
+                    const SourceLocation& where, Diagnostics& report) {
   const Vec3 position_mm =
       kMmPerUnit[static_cast<std::size_t>(settings.position_unit)] * Vec3(row[kX], row[kY], row[kZ]);
   for (const Column c : {kX, kY, kZ}) check_range(where, kNames[c], position_mm[c - kX], kFarthest_mm, "mm");
@@ -88,12 +93,11 @@ KeyPose pose_of_row(const CsvMotionSettings& settings, const std::vector<double>
   const double time_s = row[kTime] / kUnitsPerSecond[static_cast<std::size_t>(settings.time_unit)];
   KeyPose out{time_s, {position_mm, normalized_or_warn(q, where.text(), report), 0, spin_rpm}};
   ToolPose& pose = out.pose;
-  if (settings.marker_from_tool) {
-    const Rigid marker_from_tool = settings.marker_from_tool->rigid();
-    pose.position_mm += pose.orientation * marker_from_tool.translation();
-    pose.orientation = (pose.orientation * Quat(marker_from_tool.linear())).normalized();
+  if (const auto& marker_from_tool = registration.marker_from_tool) {
+    pose.position_mm += pose.orientation * marker_from_tool->translation();
+    pose.orientation = (pose.orientation * Quat(marker_from_tool->linear())).normalized();
   }
-  if (settings.bone_from_tracker) move_pose(settings.bone_from_tracker->rigid(), pose);
+  if (registration.bone_from_tracker) move_pose(*registration.bone_from_tracker, pose);
   return out;
 }
 
@@ -118,6 +122,9 @@ std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostic
   std::string ignored;
   for (const std::string& name : rows.skipped()) ignored += (ignored.empty() ? "\"" : ", \"") + printable(name) + '"';
   if (!ignored.empty()) report.note(rows.where().text() + ": ignored columns: " + ignored.substr(0, 200));
+  Registration registration;
+  if (settings.bone_from_tracker) registration.bone_from_tracker = settings.bone_from_tracker->rigid();
+  if (settings.marker_from_tool) registration.marker_from_tool = settings.marker_from_tool->rigid();
   std::vector<KeyPose> poses;
   std::size_t warnings = 0, skipped_rows = 0;
   for (std::vector<double> row; rows.next(row);) {
@@ -127,7 +134,7 @@ std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostic
       continue;
     }
     Diagnostics row_report;
-    const KeyPose pose = pose_of_row(settings, row, where, row_report);
+    const KeyPose pose = pose_of_row(settings, registration, row, where, row_report);
     if (poses.size() == kMaxRows) throw InputError(where, "", "more than ten million rows", "record at a lower rate");
     if (!poses.empty()) check_interval(where, poses.back().time_s, pose.time_s, settings.max_gap_s);
     if (!row_report.warnings.empty() && warnings++ < kMaxRowWarnings) report.append(row_report);

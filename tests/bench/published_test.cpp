@@ -71,9 +71,12 @@ TEST_F(Published, RestoringPutsTheBoneBack) {
     const auto program = make_program({engine, "published"}, "auto", setup_, true);
     const auto first = program->run({&frame, 1}, true).contacts;
     EXPECT_LT(program->run({&frame, 1}, true).contacts, first / 100) << "the bone is gone there";
-    program->restore();
-    EXPECT_NEAR(static_cast<double>(program->run({&frame, 1}, true).contacts), static_cast<double>(first),
-                0.05 * static_cast<double>(first));
+    for (const char* after : {"two frames", "one"}) {
+      program->restore();
+      EXPECT_NEAR(static_cast<double>(program->run({&frame, 1}, true).contacts), static_cast<double>(first),
+                  0.05 * static_cast<double>(first))
+          << after;
+    }
   }
 }
 

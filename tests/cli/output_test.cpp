@@ -38,6 +38,25 @@ TEST_F(Output, IsComplete) {
   EXPECT_GT(std::count(forces.begin(), forces.end(), '\n'), 35);
 }
 
+TEST_F(Output, OfADraftIsCoarseAndSaysSo) {
+  write("s.yaml", with(kSmall, "  enabled: false\n", "  width_px: 160\n  height_px: 120\n"));
+  const auto draft = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"run", "s.yaml", "--draft", "--overwrite"});
+    return reamsim({.arguments = std::move(more), .environment = {}, .folder = "", .interrupt_when = {}});
+  };
+  const ProgramResult result = draft({});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("a draft, with voxels of 1 mm"));
+  EXPECT_THAT(read("out/s-draft/summary.json"), HasSubstr("a draft, with voxels of 1 mm"));
+  EXPECT_TRUE(exists("out/s-draft/reamed.png"));
+  for (const char* file : {"report.html", "reamed.vti", "reamed.stl", "reamed_section.png", "contact_sheet.png"}) {
+    EXPECT_FALSE(exists(std::string("out/s-draft/") + file)) << file;
+  }
+  EXPECT_EQ(draft({"--set", "bone.voxel_mm=0.7", "--set", "output.vti=true"}).status, 0);
+  EXPECT_THAT(read("out/s-draft/scenario.yaml"), HasSubstr("voxel_mm: 0.7"));
+  EXPECT_TRUE(exists("out/s-draft/reamed.vti"));
+}
+
 #ifndef __SANITIZE_ADDRESS__  // whose own memory would be measured
 TEST_F(Output, CheckForetellsTheMemoryThatARunTakes) {
   const std::string sphere =

@@ -53,7 +53,7 @@ class SystemCalls : public ::testing::Test {
  protected:
   void SetUp() override {
     prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, nullptr);  // fails: EFAULT, for there is no filter
-    if (errno == EINVAL) GTEST_SKIP() << "the kernel has no seccomp";
+    if (errno != EFAULT) GTEST_SKIP() << "no seccomp here";
   }
 };
 

@@ -90,13 +90,14 @@ class ReportPage : public ::testing::Test {
   }
 
   [[nodiscard]] std::string dir() const { return copy_.path(); }
+  void write_page(const RunData& run) { write_report(run, settings_, report_parts(run, settings_)); }
   std::string page() {
-    write_report(dir(), {settings_});
+    write_page(dir());
     return read(dir() + "/report.html");
   }
   void expect_refused(const std::string& part) {
     try {
-      write_report(dir(), {settings_});
+      write_page(dir());
       ADD_FAILURE() << "no error";
     } catch (const InputError& error) {
       EXPECT_THAT(error.what(), HasSubstr(part));
@@ -156,7 +157,7 @@ TEST_F(ReportPage, IsTheSameAfterPicturesOfTheSameRun) {
     Renderer renderer(view);
     renderer.advance_to(view.frames().at(1));
   }
-  write_report(run, {settings_});
+  write_page(run);
   EXPECT_TRUE(read(dir() + "/report.html") == alone);
 }
 

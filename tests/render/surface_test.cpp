@@ -121,6 +121,27 @@ TEST(BoneSurfaceTest, TheFarSideOfAThinPlateDoesNotCount) {
   EXPECT_GT(on_the_floor, 50);
 }
 
+/// A beam of 192 x 40 x 30 mm, hollow inside or not, into whose upper face a ball of 12 mm radius was cut 8 mm deep.
+double depth_of_cut_beam_mm(bool hollow) {
+  VoxelGrid grid;
+  grid.voxel_mm = 1;
+  grid.dims = Vec3i(200, 48, 40);
+  FilledVoxmap beam(grid);
+  const Vec3i first(4, 4, 4), last(195, 43, 33), wall(4, 8, 6);
+  for_each_voxel(first, last, [&](const Vec3i& v) {
+    const bool inside = ((v - first - wall).array() >= 0).all() && ((last - wall - v).array() >= 0).all();
+    if (hollow && inside) return;
+    beam.grade.set(v, 150);
+    if ((grid.center_mm(v) - Vec3(100, 24, 38)).norm() < 12) beam.fill.set(v, 0);
+  });
+  return UnreamedSurface(beam, FillBricks(grid.dims), beam.fill).deepest_mm;
+}
+
+TEST(BoneSurfaceTest, DepthIsMeasuredFromTheOuterSurfaceAlsoWhereACavityIsOpened) {
+  EXPECT_NEAR(depth_of_cut_beam_mm(false), 8, 0.3);
+  EXPECT_NEAR(depth_of_cut_beam_mm(true), 6, 0.6) << "the edge of the opening, and not from the cavity's walls";
+}
+
 TEST(BoneSurfaceTest, FollowingChangesGivesTheSameSurfaceAsStartingAfresh) {
   FilledVoxmap last = ball();
   plane_off(last.grid, 6.3, last.fill);

@@ -4,7 +4,7 @@
 """bone_store.py REAMSIM ROOT KILLS: a store of bones that is killed while it writes, or that two processes share, never gives a wrong bone.
 
 Imports a phantom, whose grids name what was read, in a cache of its own: KILLS times killed after a random time, then twice at once, then
-whole. Every import that ends must have the bytes of one without a store. Bytes of a scan that change are another bone."""
+whole, on a full disk and in a home that cannot be written. Every import that ends must have the bytes of one without a store. Bytes of a scan that change are another bone."""
 
 import os
 import pathlib
@@ -55,6 +55,13 @@ def main():
         assert len(kept) == 1, f"{kept}\n{said}"
         subprocess.run(command(program, root, folder, "a.vdb"), env=stored, check=True)
         assert (folder / "a.vdb").read_bytes() == reference, "a bone of the store differs"
+        full = folder / "full"
+        full.mkdir()
+        for options in ("size=64k", "ro"):  # a full disk, a home that cannot be written
+            script = f'mount -t tmpfs -o {options} none "$0" && XDG_CACHE_HOME="$0" exec "$@"'
+            subprocess.run(["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", script, str(full),
+                            *command(program, root, folder, "a.vdb")], env=stored, check=True)
+            assert (folder / "a.vdb").read_bytes() == reference, f"another bone with {options}"
         print(f"{kills} kills, of which {finished} came too late; {said.strip()}")
 
 

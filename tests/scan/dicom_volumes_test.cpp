@@ -154,6 +154,7 @@ TEST_F(DicomVolumes, VolumesAreToldApartByTheElementThatSeparatesThem) {
       {0x00200100, "IS", "TemporalPositionIdentifier", "9", "10"},
       {0x00181060, "DS", "TriggerTime", "75.5", "250"},
       {0x00180086, "IS", "EchoNumbers", "1", "2"},
+      {0x00209241, "FL", "NominalPercentageOfCardiacPhase", "30", "70.5"},
       {0x00181210, "SH", "ConvolutionKernel", "B30f", "B60s"},
       {0x00080008, "CS", "ImageType", "ORIGINAL\\PRIMARY\\AXIAL", "ORIGINAL\\PRIMARY\\AXIAL\\MPR"},
       {0x00180060, "DS", "KVP", "100", "140"},
@@ -162,7 +163,9 @@ TEST_F(DicomVolumes, VolumesAreToldApartByTheElementThatSeparatesThem) {
   for (const Separation& s : separations) {
     SCOPED_TRACE(s.keyword);
     const auto more = [&](const std::string& value) {
-      return DicomElements{{s.tag, element(s.tag >> 16, s.tag & 0xffff, s.vr, value)}};
+      const float number = s.vr == "FL" ? std::stof(value) : 0;
+      const std::string bytes(reinterpret_cast<const char*>(&number), sizeof number);
+      return DicomElements{{s.tag, element(s.tag >> 16, s.tag & 0xffff, s.vr, s.vr == "FL" ? bytes : value)}};
     };
     const std::string name = s.keyword;
     write_slices(egg_, folder_.file(name), {.more = more(s.first)});

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/error.h"
 #include "sim/verify/suite.h"
 
 namespace reamsim::verify {
@@ -21,7 +22,9 @@ inline std::vector<std::string> case_ids() {
 }
 
 inline CaseFindings run_case(const std::string& id, const Setting& setting) {
-  return std::ranges::find(cases(), id, &Case::id)->findings(setting);
+  const auto found = std::ranges::find(cases(), id, &Case::id);
+  if (found == cases().end()) throw InputError("no verification case " + id);
+  return found->findings(setting);
 }
 
 /// Every figure is within its tolerance, and every text of the report is there.

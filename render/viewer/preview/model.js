@@ -195,6 +195,7 @@ export class Model {
   }
 
   fitNormal() {
+    if (this.values.center === null) return;
     const normal = this.normalAt(this.values.center);
     if (normal !== null) this.set({ normal });
   }

@@ -8,8 +8,7 @@ import { BufferAttribute, BufferGeometry, unpacked } from "../shared/scene.js";
 export const add = (a, b, scale = 1) => [a[0] + scale * b[0], a[1] + scale * b[1], a[2] + scale * b[2]];
 export const minus = (a, b) => add(a, b, -1);
 export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-const squared = (a) => dot(a, a);
-export const length = (a) => Math.sqrt(squared(a));
+export const length = (a) => Math.sqrt(dot(a, a));
 export const scaled = (a, factor) => [factor * a[0], factor * a[1], factor * a[2]];
 export const unit = (a) => scaled(a, 1 / (length(a) || 1));
 export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -44,15 +43,6 @@ class Lattice {
   clamped(point) { return point.map((p, axis) => Math.min(this.high(axis), Math.max(this.low(axis), p))); }
   contains(point) { return point.every((p, axis) => p >= this.low(axis) && p <= this.high(axis)); }
   at(i, j, k) { return i + this.steps[1] * j + this.steps[2] * k; }
-
-  // Calls visit(place) for the face neighbours of a voxel.
-  forNeighbours(at, visit) {
-    for (let axis = 0; axis < 3; ++axis) {
-      const step = this.steps[axis], index = Math.floor(at / step) % this.dims[axis];
-      if (index > 0) visit(at - step);
-      if (index + 1 < this.dims[axis]) visit(at + step);
-    }
-  }
 }
 
 function forEachVoxel({ dims }, visit) {
@@ -187,17 +177,27 @@ export const positionsOf = (surface) => surface?.getAttribute("position").array 
 // piece with the seed, closing, holes filled
 
 function isCutAway(ct, p) {
-  return ct.cut_spheres.some(({ center_mm, radius_mm }) => squared(minus(p, center_mm)) < radius_mm ** 2)
-    || ct.cut_planes.some(({ point_mm, normal }) => dot(minus(p, point_mm), normal) > 0);
+  for (const { center_mm: c, radius_mm } of ct.cut_spheres) {
+    if ((p[0] - c[0]) ** 2 + (p[1] - c[1]) ** 2 + (p[2] - c[2]) ** 2 < radius_mm ** 2) return true;
+  }
+  return ct.cut_planes.some(({ point_mm: q, normal: n }) => (p[0] - q[0]) * n[0] + (p[1] - q[1]) * n[1] + (p[2] - q[2]) * n[2] > 0);
 }
 
 // Fills `label` from `start` over face neighbours where `open(at)`; calls it once per voxel, which must then be closed.
 function flood(lattice, start, stack, open) {
+  const [nx, ny, nz] = lattice.dims, layer = nx * ny;
   let top = 0, count = 0;
   stack[top++] = start;
   while (top > 0) {
+    const at = stack[--top];
     ++count;
-    lattice.forNeighbours(stack[--top], (next) => { if (open(next)) stack[top++] = next; });
+    const i = at % nx, j = Math.floor(at / nx) % ny, k = Math.floor(at / layer);
+    if (i > 0 && open(at - 1)) stack[top++] = at - 1;
+    if (i + 1 < nx && open(at + 1)) stack[top++] = at + 1;
+    if (j > 0 && open(at - nx)) stack[top++] = at - nx;
+    if (j + 1 < ny && open(at + nx)) stack[top++] = at + nx;
+    if (k > 0 && open(at - layer)) stack[top++] = at - layer;
+    if (k + 1 < nz && open(at + layer)) stack[top++] = at + layer;
   }
   return count;
 }
@@ -240,11 +240,18 @@ function pieceAround(lattice, label, seed) {
 
 // The voxels with a neighbour in the mask, or, inverted, without one outside it.
 function spread(lattice, mask, value) {
-  return mask.map((own, at) => {
-    let out = own;
-    if (own !== value) lattice.forNeighbours(at, (next) => { if (mask[next] === value) out = value; });
-    return out;
+  const out = mask.slice(), { dims, steps } = lattice;
+  forEachVoxel(lattice, (at, i, j, k) => {
+    if (mask[at] === value) return;
+    const place = [i, j, k];
+    for (let axis = 0; axis < 3; ++axis) {
+      if ((place[axis] > 0 && mask[at - steps[axis]] === value) || (place[axis] + 1 < dims[axis] && mask[at + steps[axis]] === value)) {
+        out[at] = value;
+        return;
+      }
+    }
   });
+  return out;
 }
 
 function fillHoles(lattice, mask, stack) {

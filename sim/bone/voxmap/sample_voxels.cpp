@@ -13,9 +13,15 @@ namespace {
 
 constexpr std::size_t kBricksAtOnce = 1 << 10;
 
-struct SurfaceBrick {
-  GradeBricks::Brick grades;
-  FillBricks::Brick fill;
+struct ChangedVoxel {
+  std::uint16_t offset;  ///< in its brick
+  std::uint16_t fill;
+  std::uint8_t grade;
+};
+
+struct ChangedBrick {
+  Vec3i coord;
+  std::vector<ChangedVoxel> voxels;
 };
 
 /// Which voxels of a brick lie at the surface: the 3×3×3 voxels around them are neither all bone nor all air.
@@ -53,26 +59,34 @@ class SurfaceOfBrick {
   Padded::Values any_, all_;
 };
 
-/// Sets a brick whose grades are `before`. Air is whole everywhere.
-void sample_surface_of(const SurfaceSampler& sample, const VoxelGrid& grid, const GradeBricks& before,
-                       const Vec3i& coord, SurfaceBrick& out) {
-  const GradeBricks::Brick* stored = before.brick(coord);
-  out.grades = stored == nullptr ? GradeBricks::Brick{} : *stored;
-  out.fill.fill(FillBricks::kWhole);
-  const SurfaceOfBrick surface(before, coord);
-  if (!surface.mixed()) return;
+ChangedBrick sample_surface_of(const SurfaceSampler& sample, const Voxmap& voxmap, const Vec3i& coord) {
+  ChangedBrick out{coord, {}};
+  const SurfaceOfBrick surface(voxmap.grade, coord);
+  if (!surface.mixed()) return out;
   for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
+    if (!surface.contains(BrickLattice::voxel_at(Vec3i::Zero(), offset))) continue;
     const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-    if (!surface.contains(BrickLattice::voxel_at(Vec3i::Zero(), offset)) || !grid.contains(voxel)) continue;
-    const auto at = static_cast<std::size_t>(offset);
-    std::uint8_t& grade = out.grades[at];
+    if (!voxmap.grid.contains(voxel)) continue;
+    const std::uint8_t grade = voxmap.grade.get(voxel);
     const SurfaceVoxel found = sample(voxel, grade);
     const double fraction = std::clamp(found.fraction, 0.0, 1.0);
     const auto fill = static_cast<std::uint16_t>(std::lround(fraction * FillBricks::kWhole));
     if (fill == (grade == 0 ? 0 : FillBricks::kWhole)) continue;
-    grade = fill == 0 ? 0 : found.grade;
-    if (fill != 0) out.fill[at] = fill;
+    out.voxels.push_back({static_cast<std::uint16_t>(offset), fill, found.grade});
   }
+  return out;
+}
+
+/// The bricks whose fill changes.
+std::vector<ChangedBrick> sample_surface(const SurfaceSampler& sample, const Voxmap& voxmap) {
+  const BrickLattice lattice{voxmap.grade.brick_dims()};
+  std::vector<ChangedBrick> out;
+  for (const Vec3i& coord : bricks_near_bone(voxmap.grade)) {
+    if (lattice.contains(coord)) out.push_back({coord, {}});
+  }
+  parallel_items(out.size(), [&](std::size_t i) { out[i] = sample_surface_of(sample, voxmap, out[i].coord); });
+  std::erase_if(out, [](const ChangedBrick& brick) { return brick.voxels.empty(); });
+  return out;
 }
 
 }  // namespace
@@ -91,16 +105,15 @@ GradeBricks sample_bricks(const Vec3i& dims, const BrickSampler& sample) {
 }
 
 void set_partial_fill(const SurfaceSampler& sample, FilledVoxmap& voxmap) {
-  const GradeBricks before = voxmap.grade;  // the surface is that before any voxel changes
-  std::vector<Vec3i> bricks = bricks_near_bone(before);
-  std::erase_if(bricks, [&](const Vec3i& coord) { return !before.lattice().contains(coord); });
-  parallel_in_order<SurfaceBrick>(
-      bricks.size(), kBricksAtOnce,
-      [&](std::size_t i, SurfaceBrick& brick) { sample_surface_of(sample, voxmap.grid, before, bricks[i], brick); },
-      [&](std::size_t i, const SurfaceBrick& brick) {
-        voxmap.grade.put(bricks[i], brick.grades);
-        voxmap.fill.put(bricks[i], brick.fill);
-      });
+  for (const ChangedBrick& brick : sample_surface(sample, voxmap)) {
+    FillBricks::Brick fill;
+    fill.fill(FillBricks::kWhole);
+    for (const ChangedVoxel& changed : brick.voxels) {
+      if (changed.fill != 0) fill[changed.offset] = changed.fill;  // air is whole everywhere
+      voxmap.grade.set(BrickLattice::voxel_at(brick.coord, changed.offset), changed.fill == 0 ? 0 : changed.grade);
+    }
+    voxmap.fill.put(brick.coord, fill);
+  }
 }
 
 }  // namespace reamsim

@@ -36,6 +36,20 @@ constexpr double kMetal_hu = 3000;
 constexpr double kLeast_mm3 = 1;
 constexpr double kLeastFraction = 1e-3;  // the same, as a fraction of the bone
 
+template <class Value>
+std::int64_t sum_over_bone(const BoneView& bone, const Value& value) {
+  std::int64_t sum = 0;
+  bone.voxmap.grade.for_each_brick([&](const Vec3i& coord, const GradeBricks::Brick& grades) {
+    const FillBricks::Brick* fill = bone.fill.brick(coord);
+    if (fill == nullptr) {
+      sum += value(FillBricks::kWhole) * (GradeBricks::kVoxels - std::ranges::count(grades, 0));
+      return;
+    }
+    for (std::size_t i = 0; i < grades.size(); ++i) sum += grades[i] != 0 ? value((*fill)[i]) : 0;
+  });
+  return sum;
+}
+
 }  // namespace
 
 double machine_memory_bytes() {
@@ -107,14 +121,12 @@ void warn_of_density_limit(const DensityMapping& mapping, const std::string& key
 }
 
 std::int64_t BoneView::count_bone() const {
-  std::int64_t sum = 0;
-  for_each_bone_voxel(*this, [&sum](const Vec3i&, std::uint8_t, std::uint16_t value) { sum += value != 0 ? 1 : 0; });
-  return sum;
+  return sum_over_bone(*this, [](std::uint16_t value) { return std::int64_t{value != 0 ? 1 : 0}; });
 }
 
 double BoneView::bone_mm3() const {
-  std::int64_t sum = 0;  // in 1/65535 of a voxel: integers, so that the order of summation does not matter
-  for_each_bone_voxel(*this, [&sum](const Vec3i&, std::uint8_t, std::uint16_t value) { sum += value; });
+  // In 1/65535 of a voxel: integers, so that the order of summation does not matter.
+  const std::int64_t sum = sum_over_bone(*this, [](std::uint16_t value) { return std::int64_t{value}; });
   return static_cast<double>(sum) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
 }
 

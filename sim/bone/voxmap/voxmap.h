@@ -98,8 +98,8 @@ void check_lattice(const std::string& what, const Eigen::Array3d& dims, double v
 VoxelGrid lattice_around(const std::string& what, const Aabb& box_mm, double voxel_mm, int margin_voxels,
                          const LatticeLoad& load = {});
 
-/// Radiodensity to apparent density to grade (docs/density.md, 1). The defaults are of a femur at 120 kVp (PMC5234499,
-/// Table 1), not a scapular calibration.
+/// Radiodensity to apparent density to grade (docs/density.md, 1). The defaults of DensitySettings are of a femur at
+/// 120 kVp (PMC5234499, Table 1), not a scapular calibration.
 struct DensityMapping : DensitySettings {
   static constexpr double kGradeStep_g_cm3 = 0.008;
   static constexpr double kMaxDensity_g_cm3 = 2.0;

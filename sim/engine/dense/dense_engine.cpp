@@ -14,15 +14,26 @@
 
 namespace reamsim {
 
+namespace embedded {
+extern const char* const kernel_dense;
+}
+
 namespace {
 
-/// Writes value(voxel index) of the removed voxels into an array.
+/// Writes value(voxel index) of the removed voxels into an array of 8, 16 or 32 bits per voxel.
 template <class T, class Value>
 void restore_removed(const cl::Device& device, const RemovedFrames& removed, const Value& value,
                      const cl::Buffer<T>& array) {
+  constexpr const char* kName = sizeof(T) == 1 ? "restore_bytes" : sizeof(T) == 2 ? "restore_halves" : "restore_words";
+  constexpr std::size_t kGroup = 64;
+  if (removed.empty()) return;
   std::vector<cl_uint2> values;
   for (const auto& [voxel, frame] : removed) values.push_back({{static_cast<cl_uint>(voxel), value(voxel)}});
-  restore_values(device, cl::upload(device, values, "the voxels to restore"), values.size(), array);
+  const auto list = cl::upload(device, values, "the voxels to restore");
+  cl::Kernel kernel(device.build("dense.cl", embedded::kernel_dense), kName);
+  kernel.set_from(0, list, static_cast<cl_uint>(values.size()), array);
+  const cl::Event done = kernel.launch(device, values.size(), kGroup);
+  device.finish();
 }
 
 /// The narrow phase: writes the voxels that the tool touches in a substep to the contact list, each once, and changes

@@ -17,10 +17,6 @@
 
 namespace reamsim {
 
-namespace embedded {
-extern const char* const kernel_dense;
-}
-
 /// Layout of the voxels of a dense engine; the published ones.
 enum class VoxelLayout {
   claimed_grade,  ///< direct: an 8-bit grade (the paper), and a claim bit
@@ -119,20 +115,6 @@ std::vector<cl_float> cell_numbers(const PointShell& shell);
 
 /// Uploads the bone again. Throws RunError where it is not the bone that `plan` was made for.
 void upload_bone(const cl::Device& device, const DensePlan& plan, const BoneView& bone, DenseState& state);
-
-/// Writes a list of (voxel, value) into an array of 8, 16 or 32 bits per voxel, and waits, so that a benchmark need not
-/// upload the whole bone before each repetition.
-template <class T>
-void restore_values(const cl::Device& device, const cl::Buffer<cl_uint2>& list, std::size_t count,
-                    const cl::Buffer<T>& array) {
-  constexpr const char* kName = sizeof(T) == 1 ? "restore_bytes" : sizeof(T) == 2 ? "restore_halves" : "restore_words";
-  constexpr std::size_t kGroup = 64;
-  if (count == 0) return;
-  cl::Kernel kernel(device.build("dense.cl", embedded::kernel_dense), kName);
-  kernel.set_from(0, list, static_cast<cl_uint>(count), array);
-  const cl::Event done = kernel.launch(device, count, kGroup);
-  device.finish();
-}
 
 /// Levels of the octree descent: the cube around the lattice has 2^levels voxels along a side.
 int octree_levels(const VoxelGrid& grid);
