@@ -139,7 +139,8 @@ double depth_of_cut_beam_mm(bool hollow) {
 
 TEST(BoneSurfaceTest, DepthIsMeasuredFromTheOuterSurfaceAlsoWhereACavityIsOpened) {
   EXPECT_NEAR(depth_of_cut_beam_mm(false), 8, 0.3);
-  EXPECT_NEAR(depth_of_cut_beam_mm(true), 6, 0.6) << "the edge of the opening, and not from the cavity's walls";
+  // At the edge of the opening, 6 mm deep, less a voxel; from the walls of the cavity it would be half of that.
+  EXPECT_NEAR(depth_of_cut_beam_mm(true), 5, 0.5);
 }
 
 TEST(BoneSurfaceTest, FollowingChangesGivesTheSameSurfaceAsStartingAfresh) {
