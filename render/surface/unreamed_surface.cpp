@@ -69,7 +69,7 @@ OffsetSurface offset_outwards(const IsoSurface& surface, double voxel_mm, double
   for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
     in_cells.triangles.emplace_back(surface.indices.data() + i);
   }
-  out.distance_mm = mesh_distance(in_cells, *transform, outside_cells, 3);
+  out.distance_mm = mesh_distance(in_cells, *transform, outside_cells, 1);  // only the outside is used
   out.surface = extract_surface(*out.distance_mm, kClosing_mm);
   return out;
 }

@@ -231,6 +231,7 @@ void describe_bone(KeyVisitor& v, BoneSettings& bone) {
         "VDB");
   v.key("voxel_mm", bone.voxel_mm, "Voxel edge length; a VDB keeps its own",
         between(BoneSettings::kLeastVoxel_mm, BoneSettings::kMostVoxel_mm));
+  v.key("cache", bone.cache, "Keep the loaded bone on disk, encrypted, for the next command");
   v.key("surface_voxels", bone.surface_voxels,
         "Fill of surface voxels. partial: the fraction that is bone; whole: bone or air, by the voxel centre; auto: "
         "partial for `cutting.erosion: exact`, else whole. A VDB keeps its own");

@@ -157,6 +157,7 @@ struct BoneSettings {
   BodySide side = BodySide::unknown;  ///< left | right; required where a glenoid frame is, unless a VDB knows it
   static constexpr double kLeastVoxel_mm = 0.01, kMostVoxel_mm = 5;
   double voxel_mm = 0.25;
+  bool cache = true;  ///< keep the loaded bone on disk for the next command (sim/scene/bone_store.h)
   SurfaceVoxels surface_voxels = SurfaceVoxels::automatic;  ///< see with_surface_voxels()
   DensitySettings density;
   GlenoidSettings glenoid;

@@ -222,7 +222,7 @@ fs::path BoneStore::usual_folder(bool even_if_off) {
 
 Bone BoneStore::find_or_load(const BoneSettings& settings, Diagnostics& report,
                              const std::function<Bone(Diagnostics& report)>& load) const {
-  if (folder_.empty() || settings.source == BoneSource::vdb) return load(report);
+  if (folder_.empty() || !settings.cache || settings.source == BoneSource::vdb) return load(report);
   std::string key;
   try {
     key = sha256_of_text(origin_of(settings));

@@ -169,6 +169,12 @@ TEST_F(BoneStoreTest, WhereNothingCanBeWrittenBonesAreLoaded) {
   }
 }
 
+TEST_F(BoneStoreTest, AScenarioMayTurnItOff) {
+  settings_.cache = false;
+  EXPECT_TRUE(loads(store_));
+  EXPECT_EQ(store_.size().first, 0);
+}
+
 TEST_F(BoneStoreTest, AnErrorKeepsWhatWasSaidBefore) {
   Diagnostics report;
   const auto load = [](Diagnostics& said) -> Bone {
