@@ -86,10 +86,13 @@ void run_command(const RunOptions& options, const Console& console) {
   request.overwrite = options.overwrite;
   request.resume = options.resume;
   if (options.scenario.draft) {
-    request.warnings.push_back(fmt::format(
-        "a draft, with voxels of {:g} mm: forces and volumes differ from those of the run without --draft, and there "
-        "are few pictures, no report, meshes or reamed.vti",
-        request.scenario.bone.voxel_mm));
+    const BoneSettings& bone = request.scenario.bone;
+    request.warnings.push_back(
+        "a draft with few pictures, without report, meshes and reamed.vti" +
+        (bone.source == BoneSource::vdb
+             ? ""
+             : fmt::format("; with voxels of {:g} mm, forces and volumes differ from those of the run without --draft",
+                           bone.voxel_mm)));
   }
   require_film_program(request.scenario.render);
   const auto kernels = prepare_opencl(request.scenario.engine.device, console);

@@ -4,14 +4,16 @@
 #include "render/surface/solid_field.h"
 
 #include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <unsupported/Eigen/BVH>
 #include <utility>
 
 #include "render/surface/scalar_grid.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/grids.h"
-#include "sim/mesh/mesh_check.h"
 
 namespace reamsim {
 
@@ -119,17 +121,16 @@ void dilate(std::vector<std::uint8_t>& marked, const Neighbours& neighbours, int
 
 /// Has the bone a closed cavity, whose surface encloses a negative volume?
 bool has_cavity(const IsoSurface& surface) {
-  TriangleMesh mesh;
-  for (const Eigen::Vector3f& p : surface.points) mesh.vertices.emplace_back(p.cast<double>());
-  for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
-    const auto corner = [&](std::size_t k) { return static_cast<std::int32_t>(surface.indices[i + k]); };
-    mesh.triangles.push_back({corner(0), corner(1), corner(2)});
+  std::vector<std::uint32_t> rank(surface.points.size()), parent(surface.points.size());
+  boost::disjoint_sets components(rank.data(), parent.data());
+  for (std::uint32_t i = 0; i < parent.size(); ++i) components.make_set(i);
+  for (std::size_t i = 0; i < surface.indices.size(); ++i) {
+    components.union_set(surface.indices[i - i % 3], surface.indices[i]);
   }
-  const std::vector<std::size_t> components = components_of(mesh);
-  std::vector<double> volumes(mesh.triangles.size());  // six times, by component
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const auto [a, b, c] = mesh.corners(mesh.triangles[i]);
-    volumes[components[i]] += a.dot(b.cross(c));
+  std::vector<double> volumes(surface.points.size());  // six times, by the component's first point
+  for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
+    const auto at = [&](std::size_t k) -> Vec3 { return surface.points[surface.indices[i + k]].cast<double>(); };
+    volumes[components.find_set(surface.indices[i])] += at(0).dot(at(1).cross(at(2)));
   }
   return std::ranges::any_of(volumes, [](double volume) { return volume < 0; });
 }

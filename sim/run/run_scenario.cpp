@@ -224,6 +224,9 @@ class ScenarioRun {
     } catch (const RunError&) {
       finish();
       throw;
+    } catch (const InputError&) {  // a picture that the report cannot read again
+      finish();
+      throw;
     } catch (const std::bad_alloc&) {
       finish();
       throw RunError(dir_ + ": not enough memory for pictures and meshes; " +

@@ -13,6 +13,7 @@
 
 #include "sim/base/text.h"
 #include "sim/scenario/picture_frames.h"
+#include "sim/scenario/show.h"
 
 namespace reamsim {
 
@@ -185,15 +186,16 @@ std::vector<std::pair<std::string, std::string>> input_files(const Scenario& sce
 }
 
 std::vector<std::string> draft_overrides(const Scenario& scenario) {
-  std::vector<std::string> out{"name=" + scenario.name + "-draft", "output.vti=false", "output.meshes=false"};
+  std::vector<std::string> out{"name=" + json_string(scenario.name + "-draft"), "output.vti=false",
+                               "output.meshes=false"};
   if (scenario.bone.source != BoneSource::vdb) {
     out.push_back("bone.voxel_mm=" + shortest_text(std::min(2 * scenario.bone.voxel_mm, BoneSettings::kMostVoxel_mm)));
   }
   const std::string cameras = scenario.render.cameras.empty() ? "" : name_of(scenario.render.cameras.front());
   for (const std::string& key :
        {std::string("every_frames=1000000000"), "cameras=[" + cameras + "]", std::string("before_after=false"),
-        std::string("contact_sheet=false"), std::string("turntable_pictures=0"), std::string("film=none"),
-        std::string("report=false")}) {
+        std::string("contact_sheet=false"), std::string("user_cameras=[]"), std::string("turntable_pictures=0"),
+        std::string("film=none"), std::string("report=false")}) {
     out.push_back("render." + key);
   }
   return out;

@@ -19,7 +19,8 @@ namespace reamsim {
 /// Throws InputError naming file, line, column, key, what was found and what would be right.
 Scenario parse_scenario(const std::string& path, const std::vector<std::string>& overrides);
 
-/// The overrides that make a quick look of a scenario: its name with "-draft", voxels twice as large (but of a VDB),
+/// The overrides that make a quick look of a scenario: its name with "-draft", voxels twice as large (a VDB
+/// keeps its own),
 /// pictures of its first camera at the start and the end only, and no report, meshes or reamed.vti.
 std::vector<std::string> draft_overrides(const Scenario& scenario);
 

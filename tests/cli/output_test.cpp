@@ -46,8 +46,8 @@ TEST_F(Output, OfADraftIsCoarseAndSaysSo) {
   };
   const ProgramResult result = draft({});
   EXPECT_EQ(result.status, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("a draft, with voxels of 1 mm"));
-  EXPECT_THAT(read("out/s-draft/summary.json"), HasSubstr("a draft, with voxels of 1 mm"));
+  EXPECT_THAT(result.err, HasSubstr("with voxels of 1 mm, forces and volumes differ"));
+  EXPECT_THAT(read("out/s-draft/summary.json"), HasSubstr("a draft with few pictures"));
   EXPECT_TRUE(exists("out/s-draft/reamed.png"));
   for (const char* file : {"report.html", "reamed.vti", "reamed.stl", "reamed_section.png", "contact_sheet.png"}) {
     EXPECT_FALSE(exists(std::string("out/s-draft/") + file)) << file;
