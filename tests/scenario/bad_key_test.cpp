@@ -54,9 +54,9 @@ TEST_F(BadKey, WrongUnitSuffix) {
 
 TEST_F(BadKey, UnknownKeyWithControlCharactersStaysOnOneLine) {
   EXPECT_EQ(changed("voxel_mm:", "\"vox\\nel\\e[2J\":"),
-            "s.yaml:4:3: bone.\"vox\\x0ael\\x1b[2J\": unknown key; expected one of source, side, voxel_mm, "
-            "surface_voxels, density, "
-            "glenoid, phantom, ct, mesh, vdb or pilot_hole");
+            "s.yaml:4:3: bone.\"vox\\x0ael\\x1b[2J\": unknown key; expected one of source, side, voxel_mm, cache, "
+            "surface_voxels, density, glenoid, "
+            "phantom, ct, mesh, vdb or pilot_hole");
 }
 
 TEST_F(BadKey, Missing) {
