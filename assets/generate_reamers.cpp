@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
     write_stl(dir / "reamer_convex.stl", revolve(assets::convex_profile(), assets::kRingSegments));
     write_stl(dir / "reamer_flat.stl", revolve(assets::flat_profile(), assets::kRingSegments));
     write_stl(dir / "reamer_convex_edges.stl", assets::convex_with_cutting_edges());
+    write_stl(dir / "drill_3_2mm.stl", revolve(assets::drill_profile(), assets::kRingSegments));
   } catch (const std::exception& error) {
     std::cerr << "generate_reamers: " << error.what() << '\n';
     return 1;

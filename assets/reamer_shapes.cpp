@@ -207,4 +207,10 @@ Profile flat_profile() {
   return profile;
 }
 
+Profile drill_profile() {
+  constexpr double kRadiusMm = 1.6, kLengthMm = 20;
+  const double point_mm = kRadiusMm / std::tan(59 * kDegree);
+  return {{{0, 0}, {kRadiusMm, point_mm}, {kRadiusMm, kLengthMm}, {0, kLengthMm}}};
+}
+
 }  // namespace reamsim::assets

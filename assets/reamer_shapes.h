@@ -27,6 +27,9 @@ Profile hemispherical_profile();
 Profile convex_profile();
 Profile flat_profile();
 
+/// The closed envelope of a twist drill of 3.2 mm with a point of 118°; its tip is the origin.
+Profile drill_profile();
+
 /// The convex reamer with six spiral cutting edges and a chip slot through the head before each. The cutting edges lie
 /// on the face of convex_profile(); between them the face is set back by up to 0.9 mm.
 TriangleMesh convex_with_cutting_edges();

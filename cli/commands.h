@@ -29,6 +29,7 @@ void add_verify_command(CLI::App& app, Console& console);
 void add_devices_command(CLI::App& app, Console& console);
 void add_sweep_command(CLI::App& app, Console& console);
 void add_uq_command(CLI::App& app, Console& console);
+void add_validate_command(CLI::App& app, Console& console);
 void add_cache_command(CLI::App& app, Console& console);
 void add_cite_command(CLI::App& app);
 /// It prints what the other commands of `app` say of themselves.

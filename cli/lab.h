@@ -12,7 +12,7 @@
 
 namespace reamsim {
 
-// The statistics of `fit`, `uq` and `sweep` are those of the Python package (python/src/reamsim/lab), in a process of
+// The statistics of `fit`, `uq`, `validate` and `sweep` are those of the Python package (python/src/reamsim/lab), in a process of
 // the interpreter that REAMSIM_PYTHON names, otherwise of that of the system.
 
 /// Throws RunError where Python or one of its packages is missing: before a command simulates what needs them.

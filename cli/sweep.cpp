@@ -253,7 +253,9 @@ class StudyRun {
     folder_.sync();
     if (!all) throw Suspended("interrupted; the same command continues");
     if (options_.shard.empty()) {
-      collect_and_show(sweep_, folder_, console_);
+      Console console = console_;
+      console.quiet = console.quiet || !options_.shows_table;
+      collect_and_show(sweep_, folder_, console);
     } else {
       console_.say("results: " + folder_.path() + "; when all shards are done: reamsim sweep collect");
     }

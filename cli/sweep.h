@@ -29,6 +29,7 @@ struct SweepOptions {
   int jobs = 1;
   std::vector<std::string> devices = {};  ///< in place of engine.device, one worker each in turn; none: engine.device
   std::string shard = {};
+  bool shows_table = true;  ///< prints main effects and paths
 
   /// Adds those that all commands share.
   void add_to(CLI::App& command);

@@ -215,7 +215,8 @@ const char* text_of(ShippedKind kind) {
 /// The file of this name, or "".
 std::string file_of(const std::string& name, ShippedKind kind) {
   const std::vector<std::string> names = shipped_names(kind);
-  return std::ranges::find(names, name) == names.end() ? "" : folder_of(kind) + "/" + name + ".yaml";
+  if (std::ranges::find(names, name) == names.end()) return "";
+  return (name.find('/') == std::string::npos ? folder_of(kind) : shipped_folder("trajectories")) + "/" + name + ".yaml";
 }
 
 /// Where a text stands that may be a name.
@@ -243,7 +244,7 @@ struct Place {
 std::string file_meant(const std::string& text, ShippedKind kind, const Place& place, bool may_be_other) {
   const fs::path path(text);
   std::error_code ignored;
-  const bool is_word = !text.empty() && text.find('/') == std::string::npos &&
+  const bool is_word = !text.empty() && (text.find('/') == std::string::npos || !file_of(text, kind).empty()) &&
                        fs::symlink_status(place.folder / path, ignored).type() == fs::file_type::not_found;
   if (!is_word) return text;
   if (!is_scenario_name(text)) {
@@ -273,10 +274,17 @@ std::string shipped_folder(const std::string& name) {
 
 std::vector<std::string> shipped_names(ShippedKind kind) {
   std::vector<std::string> names;
-  std::error_code error;  // a folder that cannot be read has no names
-  for (fs::directory_iterator entry(folder_of(kind), error), end; !error && entry != end; entry.increment(error)) {
-    if (entry->path().extension() == ".yaml") names.push_back(entry->path().stem().string());
-  }
+  const auto add = [&](const std::string& folder, const std::string& prefix, const char* beside) {
+    std::error_code error;  // a folder that cannot be read has no names
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+      fs::path file = entry->path();
+      if (file.extension() != ".yaml" || !fs::exists(file.replace_extension(beside), error)) continue;
+      names.push_back(prefix + file.stem().string());
+    }
+  };
+  add(folder_of(kind), "", ".yaml");
+  // The base scenarios of validations have no published numbers.
+  if (kind == ShippedKind::study) add(shipped_folder("trajectories/validation"), "validation/", ".csv");
   std::ranges::sort(names);
   return names;
 }

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""Statistics of runs and studies: `reamsim fit`, `reamsim uq` and the main effects of `reamsim sweep` are computed here.
+"""Statistics of runs and studies: `reamsim fit`, `uq`, `validate` and the main effects of `reamsim sweep` are computed here.
 
 ======================  =========================================================================================
 `lab.force_model`       forces of a finished run for other constants of the force law, from its force basis
@@ -9,7 +9,8 @@
 `lab.sensitivity`       Sobol indices with their errors
 `lab.uncertainty`       bands and indices of a sample of inputs
 `lab.effects`           main effects of the parameters of a study
-`lab.uq_figure`, `lab.effects_figure`  their figures
+`lab.validation`        published numbers against the runs of a study
+`lab.*_figure`          their figures
 ======================  =========================================================================================
 
 The modules need numpy and scipy, the figures matplotlib (Debian: python3-scipy, python3-matplotlib). Lengths are in mm,

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""__main__.py COMMAND [PATH...]: what the program calls for `reamsim fit`, `uq` and `sweep` (cli/lab.cpp). The job is JSON on
+"""__main__.py COMMAND [PATH...]: what the program calls for `reamsim fit`, `uq`, `validate` and `sweep` (cli/lab.cpp). The job is JSON on
 standard input, the answer JSON on standard output: ``say`` and ``warn``, lines for the terminal, or ``error``, with exit
 status 2 where the input is wrong. COMMAND ``check`` says whether the packages are installed, and needs none."""
 
