@@ -117,7 +117,7 @@ Json limits() {
     keys[name] = {{"key", key}, {"min", range.min}, {"max", range.max}, {"text", range_text(range)}};
   }
   CuttingSettings low;
-  low.preset = EnergyPreset::literature_low;
+  low.preset = EnergyPreset::assumed_low;
   apply_preset({}, low);
   return {{"keys", keys},
           {"least_energy",

@@ -49,7 +49,7 @@ enum class EngineKind { automatic, exact, bricked, direct, octree, implicit };
 enum class KernelShape { automatic, cpu, gpu };
 enum class CuttingLaw { energy, per_point };
 enum class ErosionMode { exact, remove, wear };
-enum class EnergyPreset { none, literature_low, literature_mid, literature_high };
+enum class EnergyPreset { none, assumed_low, assumed_mid, assumed_high, drill_human_femur, drill_artificial_femur };
 enum class CameraView { oblique, glenoid, section, overview };
 enum class Projection { perspective, orthographic };
 enum class RenderContext { automatic, osmesa, egl };
@@ -90,7 +90,7 @@ struct ChoiceNames {
   static constexpr auto of(CuttingLaw) { return name_list("energy", "per_point"); }
   static constexpr auto of(ErosionMode) { return name_list("exact", "remove", "wear"); }
   static constexpr auto of(EnergyPreset) {
-    return name_list("", "literature-low", "literature-mid", "literature-high");
+    return name_list("", "assumed-low", "assumed-mid", "assumed-high", "drill-human-femur", "drill-artificial-femur");
   }
   static constexpr auto of(CameraView) { return name_list("oblique", "glenoid", "section", "overview"); }
   static constexpr auto of(Projection) { return name_list("perspective", "orthographic"); }

@@ -21,20 +21,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A key that presets set, with its values at the low end, in the middle and at the high end of the specific energies
-/// u0·(density/1.8)^p that the project assumes (docs/physics.md, section 4; no bounds of a result). The higher
-/// the exponent, the lower the specific energy of bone of low density: the lowest energies have the highest exponent.
+/// A key that presets set, with its values by preset: at the low end, in the middle and at the high end of the specific
+/// energies u0·(density/1.8)^p that the project assumes (docs/physics.md, section 4; no bounds of a result), then
+/// those fitted to the forces of a drill in human and artificial femurs (MacAvelia et al. 2012,
+/// doi:10.1115/1.4007953; docs/validation.md), whose exponent is assumed. The higher the exponent, the lower the
+/// specific energy of bone of low density: the lowest energies have the highest exponent.
 struct PresetKey {
   std::string_view name;
   double CuttingSettings::*member;
-  std::array<double, 3> values;
+  std::array<double, 5> values;
 
   [[nodiscard]] double value(EnergyPreset preset) const { return values[static_cast<std::size_t>(preset) - 1]; }
 };
-constexpr std::array<PresetKey, 3> kPresetKeys{
-    {{"specific_energy_j_mm3", &CuttingSettings::specific_energy_j_mm3, {0.05, 0.15, 0.30}},
-     {"reference_density_g_cm3", &CuttingSettings::reference_density_g_cm3, {1.8, 1.8, 1.8}},
-     {"density_exponent", &CuttingSettings::density_exponent, {2.5, 2, 1}}}};
+constexpr std::array<PresetKey, 4> kPresetKeys{
+    {{"specific_energy_j_mm3", &CuttingSettings::specific_energy_j_mm3, {0.05, 0.15, 0.30, 0.9361, 0.2806}},
+     {"reference_density_g_cm3", &CuttingSettings::reference_density_g_cm3, {1.8, 1.8, 1.8, 1.8, 1.8}},
+     {"density_exponent", &CuttingSettings::density_exponent, {2.5, 2, 1, 2, 2}},
+     {"normal_ratio", &CuttingSettings::normal_ratio, {0.5, 0.5, 0.5, 0.3829, 0.6836}}}};
+
+/// Of the same drill, which has two cutting edges.
+std::optional<EdgeForceSettings> preset_edge_force(EnergyPreset preset) {
+  if (preset == EnergyPreset::drill_human_femur) return EdgeForceSettings{15.48, 41.57, 2};
+  if (preset == EnergyPreset::drill_artificial_femur) return EdgeForceSettings{8.831, 17.09, 2};
+  return std::nullopt;
+}
 
 /// What a CT is read from: for a DICOMDIR the folder that it indexes.
 std::string ct_input(const std::string& path) {
@@ -86,6 +96,7 @@ void apply_preset(const KeyLocations& locations, CuttingSettings& cutting) {
   for (const PresetKey& key : kPresetKeys) {
     if (!locations.given("cutting." + std::string(key.name))) cutting.*key.member = key.value(cutting.preset);
   }
+  if (!cutting.edge_force) cutting.edge_force = preset_edge_force(cutting.preset);
 }
 
 std::vector<std::string_view> changed_from_preset(const CuttingSettings& cutting) {
@@ -94,6 +105,8 @@ std::vector<std::string_view> changed_from_preset(const CuttingSettings& cutting
   for (const PresetKey& key : kPresetKeys) {
     if (cutting.*key.member != key.value(cutting.preset)) out.push_back(key.name);
   }
+  const auto edge = preset_edge_force(cutting.preset);
+  if (edge && cutting.edge_force != edge) out.push_back("edge_force");
   return out;
 }
 

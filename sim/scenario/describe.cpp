@@ -43,8 +43,8 @@ void describe_specific_energies(KeyVisitor& v, CuttingSettings& cutting) {
          "Specific cutting energy by density, replaces the power law: two or more points in ascending density, "
          "interpolated linearly, constant beyond the ends");
   v.key("preset", cutting.preset,
-        "Sets specific_energy_j_mm3, reference_density_g_cm3 and density_exponent to the low end, middle or high end "
-        "of assumed ranges, which do not bound the result. Given keys take precedence",
+        "Sets the power law and normal_ratio. assumed: low end, middle or high end of assumed ranges, which do not "
+        "bound the result; drill: fitted to a drill's forces, with its edge_force. Given keys take precedence",
         {.unless = kTable});
   v.key("specific_energy_j_mm3", cutting.specific_energy_j_mm3,
         "Specific cutting energy u0 at the reference density. Uncalibrated; assumed 0.05 to 0.30, more for thin chips",

@@ -186,6 +186,11 @@ YamlNodePtr changed_section(const YamlNodePtr& node, const std::string& path, co
     const bool concerned =
         std::ranges::any_of(kChanges, [&](const KeyChange& change) { return change.section.starts_with(below); });
     if (concerned) entry.value = changed_section(entry.value, below, file, notes);
+    constexpr std::string_view kOld = "literature-";  // until 1.0.0, though no publication has these energies
+    if (below != "cutting.preset" || !entry.value->text.starts_with(kOld)) continue;
+    const std::string name = "assumed-" + entry.value->text.substr(kOld.size());
+    notes.emplace_back(InputError(entry.mark.in(file), below, "outdated: write " + name, "").what());
+    entry.value = with_text(*entry.value, name);
   }
   return copy;
 }
@@ -321,6 +326,10 @@ std::vector<std::string> replacing_law(const std::vector<std::string>& overrides
         overrides, [&](const std::string& text) { return text.starts_with(key + "=") || text.starts_with(key + "."); });
   };
   const bool preset = any_sets("cutting.preset"), table = any_sets("cutting.specific_energy_table");
+  const auto is_drill = [](const std::string& text) { return text.starts_with("cutting.preset=drill"); };
+  if (std::ranges::any_of(overrides, is_drill)) {  // such a preset sets these as well
+    out = {"cutting.normal_ratio=null", "cutting.edge_force=null", "cutting.size_effect=null"};
+  }
   if (preset || table) {
     for (const char* key : kPowerLawKeys) out.push_back(std::string("cutting.") + key + "=null");
     out.push_back(table ? "cutting.preset=null" : "cutting.specific_energy_table=null");

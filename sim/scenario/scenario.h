@@ -209,6 +209,8 @@ struct EdgeForceSettings {
   double tangential_n_mm = 1;
   double normal_n_mm = 0;
   int cutting_edges = 1;
+
+  friend bool operator==(const EdgeForceSettings&, const EdgeForceSettings&) = default;
 };
 
 struct CuttingSettings {

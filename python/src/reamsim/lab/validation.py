@@ -178,7 +178,7 @@ def figure_data(found: Comparison, name: str) -> dict[str, Any]:
     out = []
     for (result, unit, *others), places in panels.items():
         rows = [found.rows[r] for r in places]
-        out.append({"title": ", ".join(others), "y": f"{result} ({unit})" if unit else result, "x_title": axis,
+        out.append({"title": ", ".join(others), "y": re.sub(_OF_FORCES, r"\1 of \2", result) + f" ({unit})" * bool(unit), "x_title": axis,
                     "x": [_number(row.place[axis]) if axis else float(i) for i, row in enumerate(rows)],
                     "names": None if axis else [", ".join(row.place.values()) for row in rows],
                     **{key: known(getattr(row, key) for row in rows) for key in _NUMBERS},

@@ -20,14 +20,15 @@ def draw(data, folder):
     panels = data["panels"]
     wide = min(len(panels), 2)
     tall = -(-len(panels) // wide)
+    legend = 5 * -(-(len(panels[0]["models"]) + 1) // (wide + 1))  # mm
     with style():
-        figure = new_figure(90 * wide, 22 + 58 * tall)
-        grid = figure.subplots(tall + 1, wide, squeeze=False, height_ratios=[1] * tall + [0.2]).ravel()
+        figure = new_figure(90 * wide, 6 + 58 * tall + legend)
+        grid = figure.subplots(tall + 1, wide, squeeze=False, height_ratios=[44] * tall + [legend]).ravel()
         for axes, panel in zip(grid, panels):
             draw_panel(axes, panel)
         for axes in grid[len(panels):]:
             axes.set_axis_off()
-        figure.legend(*grid[0].get_legend_handles_labels(), loc="lower center", ncols=min(wide + 1, 3), frameon=False, fontsize=7.5)
+        figure.legend(*grid[0].get_legend_handles_labels(), loc="lower center", ncols=wide + 1, frameon=False, fontsize=7.5)
         figure.suptitle(data["title"], fontsize=8)
         save(figure, folder, data["name"])
 
@@ -49,7 +50,7 @@ def draw_panel(axes, panel):
                       marker="none" if value is None else "s", markersize=3.5, zorder=5, label=None if i else "published")
     axes.set_title(panel["title"], fontsize=8)
     axes.set_ylabel(panel["y"])
-    axes.set_xlabel(panel["x_title"] or "")
+    axes.set_xlabel((panel["x_title"] or "").rsplit(".", 1)[-1])
     axes.set_xticks(panel["x"], panel["names"] or [f"{x:g}" for x in panel["x"]])
     axes.margins(x=0.1)
     few_tics(axes.yaxis, 6)
