@@ -15,6 +15,7 @@
 #include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/process.h"
+#include "sim/base/text.h"
 #include "sim/record/force_log.h"
 #include "sim/scenario/paths.h"
 
@@ -91,7 +92,12 @@ Json call_lab(const std::string& command, const std::vector<std::string>& paths,
   if (!answer.is_object()) throw RunError("the statistics failed: " + python() + ": " + last_line(err.contents()));
   if (succeeded(status)) return answer;
   const std::string message = answer.value("error", "no message");
-  if (WIFEXITED(status) && WEXITSTATUS(status) == kWrongInput) throw InputError(message);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kWrongInput) {
+    std::vector<Mistake> mistakes;
+    for (const std::string& line : split(message, '\n'))
+      mistakes.push_back({.where = {}, .key = "", .found = line, .expected = ""});
+    throw InputError(std::move(mistakes));
+  }
   throw RunError(message);
 }
 

@@ -12,8 +12,8 @@
 
 namespace reamsim {
 
-// The statistics of `fit`, `uq`, `validate` and `sweep` are those of the Python package (python/src/reamsim/lab), in a process of
-// the interpreter that REAMSIM_PYTHON names, otherwise of that of the system.
+// The statistics of `fit`, `uq`, `validate` and `sweep` are those of the Python package (python/src/reamsim/lab), in a
+// process of the interpreter that REAMSIM_PYTHON names, otherwise of that of the system.
 
 /// Throws RunError where Python or one of its packages is missing: before a command simulates what needs them.
 void require_lab();

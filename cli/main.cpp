@@ -41,10 +41,10 @@ void add_commands(CLI::App& app, reamsim::Console& console) {
   app.require_subcommand(1);
   reamsim::set_help(app);
   app.set_version_flag("-V,--version", reamsim::version_text, "Print version, commit, build and libraries");
-  for (const auto add :
-       {reamsim::add_run_command, reamsim::add_check_command, reamsim::add_render_command, reamsim::add_compare_command,
-        reamsim::add_reforce_command, reamsim::add_fit_command, reamsim::add_sweep_command, reamsim::add_uq_command,
-        reamsim::add_validate_command, reamsim::add_import_command, reamsim::add_init_command, reamsim::add_preview_command}) {
+  for (const auto add : {reamsim::add_run_command, reamsim::add_check_command, reamsim::add_render_command,
+                         reamsim::add_compare_command, reamsim::add_reforce_command, reamsim::add_fit_command,
+                         reamsim::add_sweep_command, reamsim::add_uq_command, reamsim::add_validate_command,
+                         reamsim::add_import_command, reamsim::add_init_command, reamsim::add_preview_command}) {
     add(app, console);
   }
 #ifdef REAMSIM_VERIFICATION

@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// reamsim validate: studies whose results others have measured.
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
@@ -17,32 +15,24 @@ namespace reamsim {
 
 namespace {
 
-struct ValidateOptions {
-  std::vector<std::string> studies;  ///< none: all that are shipped
-  std::string output = "out/validation";
-  int jobs = 1;
-};
+constexpr const char* kFolder = "validation/";
 
 std::vector<std::string> shipped_validations() {
   std::vector<std::string> names = shipped_names(ShippedKind::study);
-  std::erase_if(names, [](const std::string& name) { return !name.starts_with("validation/"); });
+  std::erase_if(names, [](const std::string& name) { return !name.starts_with(kFolder); });
   return names;
 }
 
-/// "drilling" may stand for "validation/drilling".
-std::string file_of_validation(const std::string& name) {
-  const std::vector<std::string> shipped = shipped_validations();
-  const bool is_short = std::ranges::find(shipped, "validation/" + name) != shipped.end();
-  return shipped_or_path(is_short ? "validation/" + name : name, ShippedKind::study);
-}
-
-void validate(const std::string& file, const ValidateOptions& options, const Console& console) {
+/// `options`: of the command; its output is the folder of the studies' folders.
+void validate(const std::string& file, SweepOptions options, const Console& console) {
   const std::string published = std::filesystem::path(file).replace_extension(".csv").string();
   const Study study = read_study(file);
   const nlohmann::ordered_json job{{"name", study.name}, {"parameters", make_plan(study).columns}};
-  call_lab("published", {published}, job);  // its mistakes before minutes of simulation
+  call_lab("validate", {published}, job);  // mistakes before minutes of simulation
   const std::string dir = options.output + "/" + study.name;
-  simulate_study({.file = file, .output = dir, .jobs = options.jobs, .shows_table = false}, console);
+  options.file = file;
+  options.output = dir;
+  simulate_study(options, console);
   say_answer(call_lab("validate", {published, dir}, job), console);
   console.say("comparison: " + dir + "/" + study.name + ".csv, .png, .svg, .pdf, .py");
 }
@@ -51,18 +41,23 @@ void validate(const std::string& file, const ValidateOptions& options, const Con
 
 void add_validate_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("validate", "Compare simulations with published measurements");
-  auto options = std::make_shared<ValidateOptions>();
-  command->add_option("STUDY", options->studies,
-                      "Studies with published numbers in a CSV beside them, or names of shipped ones (default: all of "
-                      "these)");
+  auto studies = std::make_shared<std::vector<std::string>>();
+  auto options = std::make_shared<SweepOptions>();
+  options->output = "out/validation";
+  options->shows_table = false;
+  command->add_option("STUDY", *studies,
+                      "Studies with a CSV of published numbers, or names of shipped ones (default: all)");
   add_output(*command, options->output, "Folder of the studies' folders (default: out/validation)");
   add_jobs(*command, options->jobs);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  command->callback([options, &console] {
-    std::vector<std::string> files;
-    for (const std::string& name : options->studies.empty() ? shipped_validations() : options->studies)
-      files.push_back(file_of_validation(name));
-    for (const std::string& file : files) validate(file, *options, console);
+  command->callback([studies, options, &console] {
+    const std::vector<std::string> shipped = shipped_validations();
+    if (studies->empty()) *studies = shipped;
+    for (std::string& name : *studies) {  // "drilling" may stand for "validation/drilling"
+      if (std::ranges::count(shipped, kFolder + name) > 0) name.insert(0, kFolder);
+      name = shipped_or_path(name, ShippedKind::study);
+    }
+    for (const std::string& file : *studies) validate(file, *options, console);
   });
 }
 

@@ -21,11 +21,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A key that presets set, with its values by preset: at the low end, in the middle and at the high end of the specific
-/// energies u0·(density/1.8)^p that the project assumes (docs/physics.md, section 4; no bounds of a result), then
-/// those fitted to the forces of a drill in human and artificial femurs (MacAvelia et al. 2012,
-/// doi:10.1115/1.4007953; docs/validation.md), whose exponent is assumed. The higher the exponent, the lower the
-/// specific energy of bone of low density: the lowest energies have the highest exponent.
+/// A key that presets set, with its values: low end, middle and high end of the specific energies u0·(density/1.8)^p
+/// that the project assumes (docs/physics.md, 4; no bounds of a result; the lowest have the highest exponent, so that
+/// bone of low density has the least), then those fitted to the forces of a drill in human and artificial femurs
+/// (MacAvelia et al. 2012, doi:10.1115/1.4007953; docs/validation.md), whose exponent is assumed.
 struct PresetKey {
   std::string_view name;
   double CuttingSettings::*member;

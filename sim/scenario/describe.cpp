@@ -43,8 +43,8 @@ void describe_specific_energies(KeyVisitor& v, CuttingSettings& cutting) {
          "Specific cutting energy by density, replaces the power law: two or more points in ascending density, "
          "interpolated linearly, constant beyond the ends");
   v.key("preset", cutting.preset,
-        "Sets the power law and normal_ratio. assumed: low end, middle or high end of assumed ranges, which do not "
-        "bound the result; drill: fitted to a drill's forces, with its edge_force. Given keys take precedence",
+        "Constants of the law: assumed ones, which do not bound the result, or those fitted to the forces of a drill, "
+        "with its edge_force. Given keys take precedence",
         {.unless = kTable});
   v.key("specific_energy_j_mm3", cutting.specific_energy_j_mm3,
         "Specific cutting energy u0 at the reference density. Uncalibrated; assumed 0.05 to 0.30, more for thin chips",

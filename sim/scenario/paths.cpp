@@ -216,7 +216,8 @@ const char* text_of(ShippedKind kind) {
 std::string file_of(const std::string& name, ShippedKind kind) {
   const std::vector<std::string> names = shipped_names(kind);
   if (std::ranges::find(names, name) == names.end()) return "";
-  return (name.find('/') == std::string::npos ? folder_of(kind) : shipped_folder("trajectories")) + "/" + name + ".yaml";
+  return (name.find('/') == std::string::npos ? folder_of(kind) : shipped_folder("trajectories")) + "/" + name +
+         ".yaml";
 }
 
 /// Where a text stands that may be a name.

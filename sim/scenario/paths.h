@@ -39,17 +39,17 @@ std::string shipped_folder(const std::string& name);
 
 enum class ShippedKind { scenario, study };
 
-/// Names of the shipped scenarios or studies, in order: file names without ".yaml", those of validations, which have a CSV
-/// of published numbers beside them, after "validation/".
+/// Names of the shipped scenarios or studies, in order: file names without ".yaml"; "validation/NAME" of a study with
+/// published numbers, NAME.csv, beside it.
 std::vector<std::string> shipped_names(ShippedKind kind);
 
 /// Whether a path ends as that of a scenario: .yaml or .yml.
 bool is_scenario_name(const std::string& path);
 
-/// The file that an argument means. A word without ".yaml" that is no existing file or folder is the name of a shipped
-/// scenario or study; anything else, and what has a slash and is no such name, is a path and returned as it is, and so is
-/// such a word without shipped files. Throws InputError for an unknown name, with the names there are, and for "default.yaml" where only
-/// the name without ending is known.
+/// The file that an argument means. A word without slash and without ".yaml" that is no existing file or folder is the
+/// name of a shipped scenario or study, and so is "validation/NAME" of one; anything else is a path and returned as it
+/// is, and so is such a word without shipped files. Throws InputError for an unknown name, with the names there are,
+/// and for "default.yaml" where only the name without ending is known.
 std::string shipped_or_path(const std::string& argument, ShippedKind kind);
 
 /// The same for an argument that may also be a bone: an unknown name is a path.

@@ -220,7 +220,6 @@ void check_edge_force(const Scenario& s, const KeyLocations& at) {
   if (cutting.edge_force && cutting.law != CuttingLaw::energy) {
     at.fail("cutting.law", "found " + name_of(cutting.law), "energy, because cutting.edge_force is given");
   }
-  // That of a preset has no key of its own.
   if (cutting.edge_force && (cutting.size_effect || cutting.erosion != ErosionMode::exact)) {
     at.fail("cutting.preset", "found " + name_of(cutting.preset) + ", which has an edge force",
             "erosion exact and no size_effect, or another preset");

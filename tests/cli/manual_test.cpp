@@ -19,6 +19,8 @@ using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
 /// Help, man page and completion, which are made of the same texts.
+const std::string kScenarios = REAMSIM_ROOT "/trajectories", kStudies = kScenarios + "/studies";
+
 class Manual : public CliTest {
  protected:
   std::string out_of(const std::vector<std::string>& arguments) const {
@@ -40,6 +42,13 @@ class Manual : public CliTest {
   /// Names of shipped files, from the folder itself.
   static std::vector<std::string> stems_of(const std::string& folder) {
     std::vector<std::string> out;
+    if (folder == kStudies) {
+      for (const auto& entry : std::filesystem::directory_iterator(kScenarios + "/validation")) {
+        std::filesystem::path file = entry.path();
+        if (file.extension() == ".yaml" && std::filesystem::exists(file.replace_extension(".csv")))
+          out.push_back("validation/" + file.stem().string());
+      }
+    }
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       if (entry.path().extension() == ".yaml") out.push_back(entry.path().stem());
     }
@@ -155,8 +164,6 @@ TEST_F(Manual, BashCompletesFiles) {
   EXPECT_THAT(completed("check --picture m"), Contains("my.yaml"));
 }
 
-const std::string kScenarios = REAMSIM_ROOT "/trajectories", kStudies = kScenarios + "/studies";
-
 TEST_F(Manual, ListsShippedNames) {
   const auto lines_of = [](const std::vector<std::string>& names) {
     std::string out;
@@ -173,7 +180,7 @@ TEST_F(Manual, BashCompletesShippedNames) {
   for (const char* command : {"run ''", "check ''", "bench --latency ''"}) {
     EXPECT_EQ(completed(command), scenarios) << command;
   }
-  for (const char* command : {"sweep plan ''", "sweep run ''", "sweep submit ''", "uq ''"}) {
+  for (const char* command : {"sweep plan ''", "sweep run ''", "sweep submit ''", "uq ''", "validate ''"}) {
     EXPECT_EQ(completed(command), studies) << command;
   }
   write("default_of_mine.nrrd", "");

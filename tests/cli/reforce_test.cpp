@@ -77,8 +77,8 @@ TEST_F(Reforce, GivesTheForcesOfTheRunAndOfReruns) {
   const std::vector<std::vector<std::string>> cases{
       {},
       {"--set", "cutting.specific_energy_j_mm3=0.2"},
-      {"--set", "cutting.preset=literature-low"},
-      {"--set", "cutting.preset=literature-high", "--set", "cutting.normal_ratio=0.9"},
+      {"--set", "cutting.preset=assumed-low"},
+      {"--set", "cutting.preset=assumed-high", "--set", "cutting.normal_ratio=0.9"},
       {"--set",
        "cutting.specific_energy_table=[{density_g_cm3: 0.5, energy_j_mm3: 0.01}, {density_g_cm3: 1.9, "
        "energy_j_mm3: 0.3}]"}};

@@ -43,8 +43,9 @@ TEST_F(Shipped, UnknownNameListsTheNamesThereAre) {
        {std::vector<std::string>{"sweep", "plan"}, {"sweep", "run"}, {"uq"}}) {
     std::vector<std::string> arguments = command;
     arguments.emplace_back("nonsense");
-    expect_refused(call(arguments), 2,
-                   {"no shipped study of this name", "breakthrough, reamers, resolution, shoulder_errors"});
+    expect_refused(
+        call(arguments), 2,
+        {"no shipped study of this name", "breakthrough, reamers, resolution, shoulder_errors", "validation/drilling"});
   }
 }
 
@@ -89,6 +90,8 @@ TEST_F(Shipped, StudyByName) {
   const ProgramResult status = call({"sweep", "submit", "reamers", "--parallel", "--to", "scripts"});
   EXPECT_EQ(status.status, 0) << status.err;
   EXPECT_THAT(read("scripts/reamers.parallel.sh"), HasSubstr("/trajectories/studies/reamers.yaml"));
+  EXPECT_EQ(call({"sweep", "submit", "validation/drilling", "--parallel", "--to", "more"}).status, 0);
+  EXPECT_THAT(read("more/drilling.parallel.sh"), HasSubstr("/trajectories/validation/drilling.yaml"));
 }
 
 /// `sweep plan` of a study in the folder `part`.

@@ -29,7 +29,7 @@ WITHOUT_PICTURES = "render: {enabled: false}\n"
 WITH_PICTURES = "render: {width_px: 64, height_px: 64, cameras: [overview], report: false}\n"
 # Each has results that others lack.
 RUNS = {
-    "plunge": f"{GLENOID}{IMPLANT}tool: {{mesh: reamer.stl, {HOLDER}}}\ncutting: {{preset: literature-low}}\n"
+    "plunge": f"{GLENOID}{IMPLANT}tool: {{mesh: reamer.stl, {HOLDER}}}\ncutting: {{preset: assumed-low}}\n"
               "motion: {frame: glenoid, frame_rate_hz: 50, plunge: {from: contact, depth_mm: 1.5, retract_mm: 12}}\n",
     "flat": f"{GLENOID}tool: {{mesh: flat.stl}}\nmotion: {{frame: glenoid, frame_rate_hz: 50, plunge: {{from: contact, depth_mm: 4}}}}\n",
     "resolved": f"{BLOCK}tool: {{mesh: edges.stl, spin: resolved, scale: 0.2}}\ncutting: {{erosion: exact}}\n"

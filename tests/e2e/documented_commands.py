@@ -50,6 +50,7 @@ EXAMPLES = {
     "reamsim preview BONE": "reamsim preview {scan} -o bone.html --tool assets/reamer_convex.stl",
     "reamsim init": "",  # docs/guide/ct.md, with and without a point
     "reamsim uq": "reamsim uq uq.yaml -o out/uq",
+    "reamsim validate": "",  # docs/validation.md has one
     "reamsim sweep": "reamsim sweep run reamers",
     "reamsim sweep run STUDY.yaml --shard": "reamsim sweep run trajectories/studies/reamers.yaml -o out/swept --shard 2/8",
     "reamsim sweep collect": "reamsim sweep collect reamers",

@@ -2,15 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The section `cutting`: presets, the table of specific energy, and the options of the force law.
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 
+#include "sim/base/file.h"
+#include "sim/base/text.h"
 #include "sim/scenario/parse.h"
 #include "tests/scenario/scenario_fixture.h"
 
 namespace reamsim::test {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -48,8 +53,8 @@ TEST_F(Cutting, OptionsAreOffByDefault) {
 }
 
 TEST_F(Cutting, Presets) {
-  const CuttingSettings low = cutting("preset: literature-low"), mid = cutting("preset: literature-mid"),
-                        high = cutting("preset: literature-high");
+  const CuttingSettings low = cutting("preset: assumed-low"), mid = cutting("preset: assumed-mid"),
+                        high = cutting("preset: assumed-high");
   EXPECT_EQ(low.specific_energy_j_mm3, 0.05);
   EXPECT_EQ(low.density_exponent, 2.5);
   EXPECT_EQ(high.specific_energy_j_mm3, 0.30);
@@ -63,21 +68,52 @@ TEST_F(Cutting, Presets) {
 }
 
 TEST_F(Cutting, WhatIsGivenWinsOverThePreset) {
-  const CuttingSettings own = cutting("density_exponent: 1.5, preset: literature-high");
+  const CuttingSettings own = cutting("density_exponent: 1.5, preset: assumed-high");
   EXPECT_EQ(own.specific_energy_j_mm3, 0.30);
   EXPECT_EQ(own.density_exponent, 1.5);
   EXPECT_THAT(changed_from_preset(own), ElementsAre("density_exponent"));
-  EXPECT_EQ(cutting("preset: literature-high", {"cutting.specific_energy_j_mm3=0.2"}).specific_energy_j_mm3, 0.2);
-  EXPECT_EQ(cutting("density_exponent: 1.5", {"cutting.preset=literature-low"}).specific_energy_j_mm3, 0.05);
-  const std::string yaml = resolved("density_exponent: 1.5, preset: literature-high");
-  EXPECT_THAT(yaml, HasSubstr("  preset: literature-high\n  specific_energy_j_mm3: 0.3\n"));
+  EXPECT_EQ(cutting("preset: assumed-high", {"cutting.specific_energy_j_mm3=0.2"}).specific_energy_j_mm3, 0.2);
+  EXPECT_EQ(cutting("density_exponent: 1.5", {"cutting.preset=assumed-low"}).specific_energy_j_mm3, 0.05);
+  const std::string yaml = resolved("density_exponent: 1.5, preset: assumed-high");
+  EXPECT_THAT(yaml, HasSubstr("  preset: assumed-high\n  specific_energy_j_mm3: 0.3\n"));
   EXPECT_THAT(yaml, HasSubstr("  density_exponent: 1.5\n"));
+}
+
+TEST_F(Cutting, OldNamesOfPresets) {
+  const Scenario old = parse(yaml("preset: literature-high"));
+  EXPECT_EQ(old.cutting.preset, EnergyPreset::assumed_high);
+  EXPECT_THAT(old.notes, ElementsAre(EndsWith("s.yaml:17:4: cutting.preset: outdated: write assumed-high")));
+  EXPECT_EQ(to_yaml(old), resolved("preset: assumed-high"));
+}
+
+TEST_F(Cutting, PresetsOfADrillAreTheFittedConstants) {
+  const std::vector<std::string> lines =
+      split(read_file(REAMSIM_ROOT "/trajectories/validation/drilling_models.csv", "the fitted constants"), '\n');
+  for (const std::string material : {"human", "artificial"}) {
+    const CuttingSettings preset = cutting("preset: drill-" + material + "-femur");
+    const EdgeForceSettings edge = preset.edge_force.value();
+    const std::string row =
+        fmt::format("edge force,{},1000,{},{},,,,{},{},{}", material, preset.specific_energy_j_mm3, preset.normal_ratio,
+                    edge.tangential_n_mm, edge.normal_n_mm, edge.cutting_edges);
+    EXPECT_THAT(lines, Contains(row));
+    EXPECT_THAT(changed_from_preset(preset), IsEmpty());
+    resolved("preset: drill-" + material + "-femur");
+  }
+  const CuttingSettings own = cutting("preset: drill-human-femur, normal_ratio: 0.5, " + kEdge);
+  EXPECT_EQ(own.edge_force->cutting_edges, 6) << "what is given wins";
+  EXPECT_THAT(changed_from_preset(own), ElementsAre("normal_ratio", "edge_force"));
+  for (const std::string& with : {kSize, std::string("erosion: remove")}) {
+    EXPECT_EQ(
+        bad("preset: drill-human-femur, " + with),
+        "s.yaml:17:4: cutting.preset: found drill-human-femur, which has an edge force; expected erosion exact and "
+        "no size_effect, or another preset");
+  }
 }
 
 TEST_F(Cutting, UnknownPreset) {
   EXPECT_EQ(bad("preset: literature"),
-            "s.yaml:17:12: cutting.preset: found the text \"literature\"; expected literature-low, literature-mid or "
-            "literature-high");
+            "s.yaml:17:12: cutting.preset: found the text \"literature\"; expected assumed-low, assumed-mid, "
+            "assumed-high, drill-human-femur or drill-artificial-femur");
 }
 
 TEST_F(Cutting, TableReplacesThePowerLaw) {
@@ -85,8 +121,8 @@ TEST_F(Cutting, TableReplacesThePowerLaw) {
   EXPECT_THAT(yaml, HasSubstr("  specific_energy_table:\n    - density_g_cm3: 0\n      energy_j_mm3: 0\n"));
   EXPECT_THAT(yaml, Not(HasSubstr("specific_energy_j_mm3")));
   EXPECT_THAT(yaml, HasSubstr("  size_effect:\n    exponent: 0.3\n"));
-  for (const std::string key : {"preset: literature-mid", "specific_energy_j_mm3: 0.1", "density_exponent: 2",
-                                "reference_density_g_cm3: 1.8"}) {
+  for (const std::string key :
+       {"preset: assumed-mid", "specific_energy_j_mm3: 0.1", "density_exponent: 2", "reference_density_g_cm3: 1.8"}) {
     EXPECT_THAT(bad(kTable + ", " + key),
                 HasSubstr("does not apply: specific_energy_table is given; expected one or the other"));
   }

@@ -119,7 +119,7 @@ TEST_F(SchemaTest, AgreesWithTheParser) {
            "  source: ct\n  ct: {path: tool.stl, label_map: {path: tool.stl, label: [3, scapula]}, series: 1.2.8}\n"),
       with(kValid, "axis: [0, 0, 1]", "quaternion: [1, 0, 0, 0]"),
       kValid +
-          "cutting: {preset: literature-low, erosion: exact, edge_force: {tangential_n_mm: 1, normal_n_mm: 0, "
+          "cutting: {preset: assumed-low, erosion: exact, edge_force: {tangential_n_mm: 1, normal_n_mm: 0, "
           "cutting_edges: 6}}\n",
       to_yaml(parse(kValid)),
   };

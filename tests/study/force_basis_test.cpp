@@ -46,9 +46,9 @@ void expect_forces_of_reruns(const SimulationInput& scene, const std::string& of
   const CuttingSettings& own = scene.scenario.cutting;
   const std::vector<std::pair<std::string, CuttingSettings>> cases{
       {"own", own},
-      {"literature-low", preset(own, EnergyPreset::literature_low)},
-      {"literature-mid", preset(own, EnergyPreset::literature_mid)},
-      {"literature-high", preset(own, EnergyPreset::literature_high)},
+      {"assumed-low", preset(own, EnergyPreset::assumed_low)},
+      {"assumed-mid", preset(own, EnergyPreset::assumed_mid)},
+      {"assumed-high", preset(own, EnergyPreset::assumed_high)},
       {"table", table(own)},
       {"k_n 0", normal_ratio(own, 0)},
       {"k_n 1.3", normal_ratio(table(own), 1.3)}};

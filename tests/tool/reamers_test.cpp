@@ -157,14 +157,23 @@ TEST(ReamerLips, HaveSixLipsAndLessVolumeThanTheConvexOne) {
   EXPECT_EQ((2 - euler) / 2, 7);
 }
 
+TEST(Drill, IsTheEnvelopeOfItsDocumentedSize) {
+  const TriangleMesh mesh = read_mesh(REAMSIM_ASSETS "/drill_3_2mm.stl", 1);
+  EXPECT_TRUE(diagnose(mesh).closed_manifold());
+  const double point = 1.6 / std::tan(59 * std::numbers::pi / 180);
+  EXPECT_NEAR(mesh.volume_mm3(), std::numbers::pi * 1.6 * 1.6 * (20 - point + point / 3), 0.1) << "faceted";
+}
+
 TEST(ReamerGenerator, MakesTheCommittedBytes) {
   const TempDir dir;
   const std::string command = std::string("\"") + REAMSIM_GENERATE_REAMERS + "\" \"" + dir.path() + "\"";
   ASSERT_EQ(std::system(command.c_str()), 0);
-  for (const char* name : {"convex", "convex_edges", "flat", "hemispherical"}) {
-    const std::string made = file_bytes(dir.path() + "/reamer_" + name + ".stl");
+  for (const std::string name :
+       {"reamer_convex", "reamer_convex_edges", "reamer_flat", "reamer_hemispherical", "drill_3_2mm"}) {
+    const std::string made = file_bytes(dir.path() + "/" + name + ".stl");
     EXPECT_FALSE(made.empty()) << name;
-    EXPECT_TRUE(made == file_bytes(reamer_path(name))) << name << ": run generate_reamers on assets/ and commit";
+    EXPECT_TRUE(made == file_bytes(REAMSIM_ASSETS "/" + name + ".stl"))
+        << name << ": run generate_reamers on assets/ and commit";
   }
 }
 

@@ -143,35 +143,30 @@ def effects(job: Job, folder: str) -> Job:
     return {"table": table, "effects": more}
 
 
-def published(job: Job, file: str) -> Job:
-    """The mistakes of published numbers, before the runs of `reamsim validate`."""
-    from .validation import read_published
-
-    read_published(file, job["parameters"])
-    return {}
-
-
-def validate(job: Job, file: str, folder: str) -> Job:
-    """`reamsim validate`, after its runs are collected."""
+def validate(job: Job, file: str, folder: str = "") -> Job:
+    """`reamsim validate`, after its runs are collected; without a folder, before them, the mistakes of the published numbers."""
     from . import validation_figure
-    from .validation import compare, figure_data
+    from .validation import compare, figure_data, read_published
 
+    if not folder:
+        read_published(file, job["parameters"])
+        return {}
     found, name = compare(file, folder, job["parameters"]), job["name"]
-    verdicts = [(found.verdicts(m), found.verdict(m)) for m in range(len(found.models))]
-    table = [[*row.place.values(), row.result, row.unit, row.value, row.low, row.high, model, found.simulated[r, m], of_rows[r], whole]
-             for m, (model, (of_rows, whole)) in enumerate(zip(found.models, verdicts)) for r, row in enumerate(found.rows)]
     header = [*found.rows[0].place, "result", "unit", "value", "low", "high", "model", "simulated", "verdict", "verdict_of_model"]
-    write_csv(f"{folder}/{name}.csv", header, [["" if isinstance(cell, float) and math.isinf(cell) else cell for cell in row]
-                                               for row in table])
-    draw_with_script(validation_figure, figure_data(found, name), folder, name)
-    signs = {"agrees": " ", "contradicts": "!", "cannot tell": "?"}
+    table, say = [], []
     lines = [["published", "", *(f"({m + 1})" for m in range(len(found.models)))]]
-    for r, row in enumerate(found.rows):
-        simulated = [f"{found.simulated[r, m]:.4g} {signs[of_rows[r]]}" for m, (of_rows, _) in enumerate(verdicts)]
-        lines.append([" ".join([*row.place.values(), row.result]), f"{row.low:.4g} to {row.high:.4g} {row.unit}", *simulated])
-    say = [found.title, *aligned(lines), "! outside the interval by more than half of its width; ? outside by less, or null"]
-    return {"say": say + [f"({m + 1}) {found.models[m]}: {whole} ({of_rows.count('agrees')} of {len(of_rows)} values in their interval)"
-                          for m, (of_rows, whole) in enumerate(verdicts)]}
+    lines += [[" ".join([*row.place.values(), row.result]), f"{row.low:.4g} to {row.high:.4g} {row.unit}"] for row in found.rows]
+    for m, model in enumerate(found.models):
+        verdicts, whole = found.verdicts(m)
+        for r, row in enumerate(found.rows):
+            ends = ["" if math.isinf(end) else end for end in (row.low, row.high)]
+            value = found.simulated[r, m]
+            table.append([*row.place.values(), row.result, row.unit, row.value, *ends, model, value, verdicts[r], whole])
+            lines[r + 1].append(f"{value:.4g} {dict(agrees=' ', contradicts='!').get(verdicts[r], '?')}")
+        say.append(f"({m + 1}) {model}: {whole} ({verdicts.count('agrees')} of {len(verdicts)} values in their interval)")
+    write_csv(f"{folder}/{name}.csv", header, table)
+    draw_with_script(validation_figure, figure_data(found, name), folder, name)
+    return {"say": [found.title, *aligned(lines), "! outside the interval by more than half of its width; ? by less, or null", *say]}
 
 
-COMMANDS = {"fit": fit, "uq": uq, "effects": effects, "published": published, "validate": validate}
+COMMANDS = {"fit": fit, "uq": uq, "effects": effects, "validate": validate}

@@ -53,13 +53,10 @@ class Comparison:
     models: list[str]
     simulated: numpy.ndarray
 
-    def verdicts(self, model: int) -> list[str]:
-        return [row.verdict(value) for row, value in zip(self.rows, self.simulated[:, model])]
-
-    def verdict(self, model: int) -> str:
-        """A model agrees if all its values do, and contradicts if one does."""
-        found = set(self.verdicts(model))
-        return CONTRADICTS if CONTRADICTS in found else AGREES if found == {AGREES} else UNKNOWN
+    def verdicts(self, model: int) -> tuple[list[str], str]:
+        """By row, and of the model: it agrees if all its values do, and contradicts if one does."""
+        found = [row.verdict(value) for row, value in zip(self.rows, self.simulated[:, model])]
+        return found, CONTRADICTS if CONTRADICTS in found else AGREES if set(found) == {AGREES} else UNKNOWN
 
 
 def _fail(place: str, found: str, expected: str) -> InputError:
@@ -121,29 +118,23 @@ def compare(path: str, folder: str, parameters: Sequence[str]) -> Comparison:
     two for it, or the runs have no such result."""
     title, rows = read_published(path, parameters)
     runs = mixed_columns(pathlib.Path(folder, "runs.csv"), {"id", "message", *parameters})
-    free = [name for name in parameters if name not in rows[0].place and len(set(runs[name])) > 1]
-    free = ["label"] if "label" in free else free
-    of_run = [", ".join(_model_part(name, runs[name][i]) for name in free) or "simulation" for i in range(len(runs["run"]))]
+    free = [name for name in parameters if name not in rows[0].place]
+    free = ["label"] if "label" in free else [name for name in free if len(set(runs[name])) > 1]
+    of_run = [", ".join(runs[name][i] if name == "label" else f"{name.rsplit('.', 1)[-1]} {runs[name][i].rsplit('/', 1)[-1]}"
+                        for name in free) or "simulation" for i in range(len(runs["run"]))]
     models = list(dict.fromkeys(of_run))
     simulated = numpy.full((len(rows), len(models)), numpy.nan)
     for r, row in enumerate(rows):
         where = f"{path}:{row.line}"
-        cells = [(runs[name], cell) for name, cell in row.place.items() if name in parameters]
-        found = [i for i in range(len(of_run)) if all(_same(values[i], cell) for values, cell in cells)]
+        pairs = [(runs[name], cell) for name, cell in row.place.items() if name in parameters]
+        found = [i for i in range(len(of_run)) if all(values[i] == cell or math.isclose(_number(values[i]), _number(cell), rel_tol=1e-9)
+                                                      for values, cell in pairs)]
         if not found or len({of_run[i] for i in found}) < len(found):
             raise _fail(where, f"{len(found)} runs for this row", "one run of each model; see the parameters in its runs.csv")
         for i in found:
             value = _value(row.result, runs, i, pathlib.Path(folder, "runs", runs["id"][i], "forces.csv"), f"{where}: result")
             simulated[r, models.index(of_run[i])] = value
     return Comparison(title, rows, models, simulated)
-
-
-def _model_part(name: str, cell: str) -> str:
-    return cell if name == "label" else f"{name.rsplit('.', 1)[-1]} {pathlib.PurePath(cell).stem if '/' in cell else cell}"
-
-
-def _same(one: str, other: str) -> bool:
-    return one == other or math.isclose(_number(one), _number(other), rel_tol=1e-9)
 
 
 def _value(result: str, runs: Mapping[str, numpy.ndarray], i: int, forces: pathlib.Path, where: str) -> float:
