@@ -29,7 +29,7 @@ struct Status {
 };
 /// Of any command, unless a later entry is of the command itself.
 constexpr std::string_view kAnyCommand = "*";
-constexpr std::array<Status, 12> kStatuses{
+constexpr std::array<Status, 13> kStatuses{
     {{kAnyCommand, {"0", "done"}},
      {kAnyCommand, {"1", "the command failed"}},
      {"", {"1", "the command failed; of verify: a figure exceeds its tolerance; of sweep run: a run failed"}},
@@ -39,10 +39,12 @@ constexpr std::array<Status, 12> kStatuses{
      {kAnyCommand, {"2", "the input is wrong; the message says what, where, and what to do"}},
      {"",
       {"75",
-       "of run, sweep run and uq: interrupted, with a checkpoint; the same command continues, of run with --resume"}},
+       "of run, sweep run, uq and validate: interrupted, with a checkpoint; the same command continues, of run with "
+       "--resume"}},
      {"run", {"75", "interrupted, with a checkpoint: the same command with --resume continues"}},
      {"sweep run", {"75", "interrupted; the same command continues"}},
      {"uq", {"75", "interrupted; the same command continues"}},
+     {"validate", {"75", "interrupted; the same command continues"}},
      {kAnyCommand, {"130", "interrupted"}}}};
 
 /// Visits `app` and the groups of options that belong to it, which CLI11 keeps as nameless commands.

@@ -81,9 +81,10 @@ TEST_F(Manual, HelpOfACommand) {
 TEST_F(Manual, Status75OnlyWhereACommandCanEndSo) {
   const std::string line = "\n  75 ", resumed = "the same command with --resume continues";
   EXPECT_THAT(out_of({"help"}),
-              HasSubstr(line + "                         of run, sweep run and uq: interrupted, with"));
+              HasSubstr(line + "                         of run, sweep run, uq and validate: interrupted, with"));
   EXPECT_THAT(out_of({"help", "run"}), AllOf(HasSubstr(line), HasSubstr(resumed)));
-  for (const std::vector<std::string>& command : {std::vector<std::string>{"help", "sweep", "run"}, {"help", "uq"}}) {
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"help", "sweep", "run"}, {"help", "uq"}, {"help", "validate"}}) {
     EXPECT_THAT(out_of(command), AllOf(HasSubstr(line), Not(HasSubstr(resumed))));
   }
   for (const char* command : {"check", "render", "compare", "reforce", "fit", "import", "init", "preview", "bench",
@@ -130,7 +131,7 @@ TEST_F(Manual, TheManPageIsCleanAndHasEveryCommandAndOption) {
   const std::string page = shell("/bin/bash", "MANWIDTH=200 man -l ./reamsim.1 | col -b");
   for (const char* text : {"reamsim sweep submit [OPTIONS] STUDY", "--time-limit HH:MM:SS", "--parallel",
                            "-V, --version", "--picture FILE.png", "auto|exact|bricked|direct|octree|implicit",
-                           "EXIT STATUS", "of run, sweep run and uq: interrupted", "NO_COLOR"}) {
+                           "EXIT STATUS", "of run, sweep run, uq and validate: interrupted", "NO_COLOR"}) {
     EXPECT_THAT(page, HasSubstr(text));
   }
   EXPECT_THAT(page, Not(HasSubstr("worker"))) << "which only reamsim starts";

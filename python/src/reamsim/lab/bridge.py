@@ -158,9 +158,8 @@ def validate(job: Job, file: str, folder: str = "") -> Job:
     lines += [[" ".join([*row.place.values(), row.result]), f"{row.low:.4g} to {row.high:.4g} {row.unit}"] for row in found.rows]
     for m, model in enumerate(found.models):
         verdicts, whole = found.verdicts(m)
-        for r, row in enumerate(found.rows):
+        for r, (row, value) in enumerate(zip(found.rows, found.simulated[:, m])):
             ends = ["" if math.isinf(end) else end for end in (row.low, row.high)]
-            value = found.simulated[r, m]
             table.append([*row.place.values(), row.result, row.unit, row.value, *ends, model, value, verdicts[r], whole])
             lines[r + 1].append(f"{value:.4g} {dict(agrees=' ', contradicts='!').get(verdicts[r], '?')}")
         say.append(f"({m + 1}) {model}: {whole} ({verdicts.count('agrees')} of {len(verdicts)} values in their interval)")

@@ -82,9 +82,8 @@ def read_published(path: str, parameters: Sequence[str]) -> tuple[str, list[Publ
     where, header = table[0] if table else (path, [])
     if not set(_COLUMNS) <= set(header) or len(set(header)) < len(header) or len(table) < 2:
         raise _fail(where, ",".join(header) or "nothing", f"a header with parameters and {', '.join(_COLUMNS)}, and rows")
-    unknown = [name for name in header if name not in (*_COLUMNS, "label", *parameters)]
-    if unknown:
-        raise _fail(f"{where}: {unknown[0]}", "no such parameter", f"{', '.join(_COLUMNS)}, label or {', '.join(parameters)}")
+    for name in sorted(set(header) - {*_COLUMNS, "label", *parameters}):
+        raise _fail(f"{where}: {name}", "no such parameter", f"{', '.join(_COLUMNS)}, label or {', '.join(parameters)}")
     rows, mistakes = [], []
     for where, cells in table[1:]:
         try:

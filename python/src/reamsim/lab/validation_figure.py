@@ -6,7 +6,6 @@
 from .figure_style import BLUE, RED, few_tics, new_figure, save, style
 
 COLORS = (RED, "#009e73", BLUE, "#cc79a7", "#e69f00", "#56b4e9")
-ARROW = 0.1  # at an open end of an interval: its length, of the range
 
 
 def draw(data, folder):
@@ -35,7 +34,7 @@ def draw(data, folder):
 
 def draw_panel(axes, panel):
     ends = [end for key in ("value", "low", "high") for end in panel[key] if end is not None]
-    arrow = ARROW * (max(ends) - min(ends) or 1)
+    arrow = 0.1 * (max(ends) - min(ends) or 1)  # at an open end of an interval
     bases = list(dict.fromkeys(name.split(",")[0] for name in panel["models"]))
     for i, (name, values) in enumerate(panel["models"].items()):
         base, variant = name.split(",")[0], "," in name
