@@ -27,14 +27,14 @@ std::vector<std::string> shipped_validations() {
 void validate(const std::string& file, SweepOptions options, const Console& console) {
   const std::string published = std::filesystem::path(file).replace_extension(".csv").string();
   const Study study = read_study(file);
-  const nlohmann::ordered_json job{{"name", study.name}, {"parameters", make_plan(study).columns}};
+  const nlohmann::ordered_json job{{"parameters", make_plan(study).columns}};
   call_lab("validate", {published}, job);  // mistakes before minutes of simulation
   const std::string dir = options.output + "/" + study.name;
   options.file = file;
   options.output = dir;
   simulate_study(options, console);
   say_answer(call_lab("validate", {published, dir}, job), console);
-  console.say("comparison: " + dir + "/" + study.name + ".csv, .png, .svg, .pdf, .py");
+  console.say("comparison: " + dir + "/comparison.csv, .png, .svg, .pdf, .py");
 }
 
 }  // namespace

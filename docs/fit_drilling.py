@@ -8,7 +8,8 @@
 
 Runs trajectories/validation/drilling_fit.yaml, a plunge at three spindle speeds, without and with a size effect and with
 an edge force, and calls `reamsim fit` on it: each published mean of drilling.csv holds for the time in which the drill is
-1.5 to 2.2, 2.3 to 3.0 and 3.1 to 3.8 mm deep. For the rows "..., predicted" the speed of the row is left out of the fit. Warnings of R² come from models that do not describe the thrust.
+1.5 to 2.2, 2.3 to 3.0 and 3.1 to 3.8 mm deep. For the rows "..., predicted" the speed of the row is left out of the fit.
+Warnings of R² come from models that do not describe the thrust.
 """
 import csv
 import json

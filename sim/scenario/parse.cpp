@@ -186,9 +186,10 @@ YamlNodePtr changed_section(const YamlNodePtr& node, const std::string& path, co
     const bool concerned =
         std::ranges::any_of(kChanges, [&](const KeyChange& change) { return change.section.starts_with(below); });
     if (concerned) entry.value = changed_section(entry.value, below, file, notes);
-    constexpr std::string_view kOld = "literature-";  // until 1.0.0, though no publication has these energies
-    if (below != "cutting.preset" || !entry.value->text.starts_with(kOld)) continue;
-    const std::string name = "assumed-" + entry.value->text.substr(kOld.size());
+    // Names until 1.0.0, though no publication has these energies.
+    constexpr std::array<std::string_view, 3> kOld{"literature-low", "literature-mid", "literature-high"};
+    if (below != "cutting.preset" || std::ranges::find(kOld, entry.value->text) == kOld.end()) continue;
+    const std::string name = "assumed-" + entry.value->text.substr(entry.value->text.find('-') + 1);
     notes.emplace_back(InputError(entry.mark.in(file), below, "outdated: write " + name, "").what());
     entry.value = with_text(*entry.value, name);
   }

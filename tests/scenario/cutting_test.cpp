@@ -84,6 +84,7 @@ TEST_F(Cutting, OldNamesOfPresets) {
   EXPECT_EQ(old.cutting.preset, EnergyPreset::assumed_high);
   EXPECT_THAT(old.notes, ElementsAre(EndsWith("s.yaml:17:4: cutting.preset: outdated: write assumed-high")));
   EXPECT_EQ(to_yaml(old), resolved("preset: assumed-high"));
+  EXPECT_THAT(bad("preset: literature-most"), HasSubstr("found the text \"literature-most\"; expected assumed-low"));
 }
 
 TEST_F(Cutting, PresetsOfADrillAreTheFittedConstants) {

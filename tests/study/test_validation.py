@@ -72,14 +72,14 @@ def test_closed_forms_agree_contradict_and_leave_open(study):
                  "(3) normal_ratio 1: contradicts (2 of 4"):
         assert line in done.stdout, done.stdout
     folder = study / "out/validation/flat"
-    rows = list(csv.DictReader((folder / "flat.csv").read_text().splitlines()))
+    rows = list(csv.DictReader((folder / "comparison.csv").read_text().splitlines()))
     assert len(rows) == 12
     for row in rows[:4]:
         assert math.isclose(float(row["simulated"]), float(row["value"]), rel_tol=0.01), row
         assert row["verdict"] == row["verdict_of_model"] == "agrees"
     assert [row["verdict"] for row in rows[8:]] == ["agrees", "contradicts"] * 2
     for ending in ("png", "svg", "pdf", "py"):
-        assert (folder / f"flat.{ending}").stat().st_size > 1000
+        assert (folder / f"comparison.{ending}").stat().st_size > 1000
     # Again, with other published numbers: nothing is simulated. A result of summary.json; an end of the interval is open.
     (study / "flat.csv").write_text("label,result,value,low,high,unit\nvolume,removed_mm3,800,700,,mm3\n")
     done = call(study, "validate", "flat.yaml")
@@ -118,6 +118,7 @@ def test_mistakes_of_results_and_parameters(study):
     path, out = study / "flat.csv", study / "out"
     for text, expected in ((head + row.format("nix"), "flat.csv:2: result: found nix; expected a column of numbers in runs.csv"),
                            (head + row.format("mean(nix; 0..1 mm)"), "expected a column of forces.csv"),
+                           (head + row.format("mean(axial_force_n; 0..1.2.3 mm)"), "expected a column of numbers in runs.csv"),
                            (head + row.format("mean(axial_force_n; 0..9 mm)"), "depths up to 1.6 mm"),
                            (head + "300,volume,1,0,2,N\n", "flat.csv:2: found 0 runs for this row"),
                            ("cutting.normal_ratio,label" + head[22:] + "0.5,volume,removed_mm3,1,0,2,N\n", "")):

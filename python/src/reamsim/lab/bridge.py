@@ -151,7 +151,7 @@ def validate(job: Job, file: str, folder: str = "") -> Job:
     if not folder:
         read_published(file, job["parameters"])
         return {}
-    found, name = compare(file, folder, job["parameters"]), job["name"]
+    found, name = compare(file, folder, job["parameters"]), "comparison"
     header = [*found.rows[0].place, "result", "unit", "value", "low", "high", "model", "simulated", "verdict", "verdict_of_model"]
     table, say = [], []
     lines = [["published", "", *(f"({m + 1})" for m in range(len(found.models)))]]

@@ -20,7 +20,8 @@ from ..tables import mixed_columns, number_array
 
 _NUMBERS = ("value", "low", "high")
 _COLUMNS = ("result", *_NUMBERS, "unit")
-_OF_FORCES = re.compile(r"(mean|min|max)\((\w+); *(-?[\d.]+)\.\.(-?[\d.]+) mm\)")
+_DEPTH = r"(-?\d+(?:\.\d+)?)"
+_OF_FORCES = re.compile(rf"(mean|min|max)\((\w+); *{_DEPTH}\.\.{_DEPTH} mm\)")
 AGREES, CONTRADICTS, UNKNOWN = "agrees", "contradicts", "cannot tell"
 
 
@@ -74,11 +75,11 @@ def read_published(path: str, parameters: Sequence[str]) -> tuple[str, list[Publ
     """First line of the comments, and the rows, for a study with these parameters. Raises InputError with all mistakes."""
     try:
         lines = list(enumerate(pathlib.Path(path).read_text(encoding="utf-8-sig").splitlines(), 1))
-    except (OSError, UnicodeDecodeError) as error:
+        table = [(f"{path}:{line}", [cell.strip() for cell in next(csv.reader([text]))]) for line, text in lines
+                 if text.strip() and not text.startswith("#")]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise _fail(path, f"no published numbers ({error})", "a CSV in UTF-8 beside the study, with its name") from error
     title = next((text.strip("# ") for _, text in lines if text.startswith("#")), "")
-    table = [(f"{path}:{line}", [cell.strip() for cell in next(csv.reader([text]))]) for line, text in lines
-             if text.strip() and not text.startswith("#")]
     where, header = table[0] if table else (path, [])
     if not set(_COLUMNS) <= set(header) or len(set(header)) < len(header) or len(table) < 2:
         raise _fail(where, ",".join(header) or "nothing", f"a header with parameters and {', '.join(_COLUMNS)}, and rows")
@@ -168,7 +169,9 @@ def figure_data(found: Comparison, name: str) -> dict[str, Any]:
     out = []
     for (result, unit, *others), places in panels.items():
         rows = [found.rows[r] for r in places]
-        out.append({"title": ", ".join(others), "y": re.sub(_OF_FORCES, r"\1 of \2", result) + f" ({unit})" * bool(unit), "x_title": axis,
+        of_forces = _OF_FORCES.fullmatch(result)  # "mean(axial_force_n; ...": the unit stands in the name as well
+        quantity = f"{of_forces[1]} {of_forces[2].rpartition('_')[0].replace('_', ' ')}" if of_forces else result
+        out.append({"title": ", ".join(others), "y": quantity + f" ({unit})" * bool(unit), "x_title": axis,
                     "x": [_number(row.place[axis]) if axis else float(i) for i, row in enumerate(rows)],
                     "names": None if axis else [", ".join(row.place.values()) for row in rows],
                     **{key: known(getattr(row, key) for row in rows) for key in _NUMBERS},
