@@ -57,9 +57,13 @@ def main():
         assert (folder / "a.vdb").read_bytes() == reference, "a bone of the store differs"
         full = folder / "full"
         full.mkdir()
-        for options in ("size=64k", "ro"):  # a full disk, a home that cannot be written
+        enter = ["unshare", "--user", "--map-root-user", "--mount"]
+        mounts = subprocess.run([*enter, "true"], check=False, stderr=subprocess.DEVNULL).returncode == 0
+        if not mounts:
+            print("not tested: full disk, read-only home (this system, such as a container, lets a user mount nothing)")
+        for options in ("size=64k", "ro") if mounts else ():  # a full disk, a home that cannot be written
             script = f'mount -t tmpfs -o {options} none "$0" && XDG_CACHE_HOME="$0" exec "$@"'
-            subprocess.run(["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", script, str(full),
+            subprocess.run([*enter, "sh", "-c", script, str(full),
                             *command(program, root, folder, "a.vdb")], env=stored, check=True)
             assert (folder / "a.vdb").read_bytes() == reference, f"another bone with {options}"
         print(f"{kills} kills, of which {finished} came too late; {said.strip()}")
