@@ -120,8 +120,8 @@ BatchTimes time_window(SimulationInput& scene, Engine& engine, double most_s) {
 
 // Measured on a scapula of 0.1 mm voxels (memory_mb.peak_process of its summary).
 
-/// The program and its libraries: a run of a small block peaks at 177 MB with the compiler. Mesa's OpenCL drivers, where
-/// they are installed, add up to 15 MB (Debian 13).
+/// The program and its libraries: a run of a small block peaks at 177 MB with the compiler. Mesa's OpenCL drivers,
+/// where they are installed, add up to 15 MB (Debian 13).
 constexpr double kProgramBytes = 1.4e8;
 /// The kernel compiler, and heap memory retained from loading the bone.
 constexpr double kCompilerBytes = 9e7;
