@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""make.py [REAMSIM [--only RUN...]]: makes the numbers, the figures and the text of the paper.
+"""make.py [REAMSIM [--only RUN...]]: makes the numbers of the paper, marked in its text as <!--RUN.NAME-->, and the figures.
 
 REAMSIM_DATA names the folder of the public scan. Numbers of the benchmark come from bench.json beside this file: the run `bench` makes it in eleven to seventeen
 minutes of an idle machine. `reamsim bench --json paper/bench.json --overwrite`, and then make.py without a program, does the same.
 
-make.py --check compares paper.md with the template and the numbers, and those of the benchmark with bench.json.
+make.py --check compares the numbers in paper.md with numbers.json, and those of the benchmark with bench.json.
 make.py REAMSIM --check [--only RUN...] runs again, and compares every number of these runs with the one in numbers.json. Times are not compared:
 they belong to the machine that the number names. Counts of the benchmark (contacts, points, memory) are deterministic: `bench`
 runs the short suite, and compares its counts with those of bench.json."""
@@ -26,6 +26,7 @@ import tempfile
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 BENCH = HERE / "bench.json"
+PAPER = HERE / "paper.md"
 PLAIN = ["--set", "render.enabled=false", "--set", "output.meshes=false", "--set", "output.vti=false"]
 HALF_SPACE = ["run", "trajectories/half_space.yaml", *PLAIN]
 # What makes the numbers: a command of reamsim, without the folder or file that it writes.
@@ -260,17 +261,19 @@ def shrink(picture, path):
         image.convert("RGB").resize((960, image.height * 960 // image.width), Image.LANCZOS).save(path, optimize=True)
 
 
-def fill(template, numbers):
-    def text(match):
+def fill(text, numbers):
+    """Every <!--RUN.NAME-->TEXT<!----> with the text of this number."""
+    def marked(match):
         run, name = match[1].split(".")
-        return numbers[run][name]
-    return re.sub(r"\{\{([\w.]+)\}\}", text, template)
+        return f"<!--{match[1]}-->{numbers[run][name]}<!---->"
+    return re.sub(r"<!--([\w.]+)-->.*?<!---->", marked, text)
 
 
 def check_text(numbers):
-    if fill((HERE / "paper.in.md").read_text(), numbers) != (HERE / "paper.md").read_text():
-        sys.exit("paper.md is not paper.in.md with the numbers of numbers.json: run paper/make.py")
-    used = set(re.findall(r"@(\w+)", (HERE / "paper.in.md").read_text()))
+    text = PAPER.read_text()
+    if fill(text, numbers) != text:
+        sys.exit("a number in paper.md is not that of numbers.json: run paper/make.py")
+    used = set(re.findall(r"@(\w+)", text))
     known = set(re.findall(r"^@\w+\{(\w+),", (HERE / "paper.bib").read_text(), re.M))
     if used != known:
         sys.exit(f"cited but not in paper.bib, or the reverse: {sorted(used ^ known)}")
@@ -346,7 +349,7 @@ def main():
     if BENCH.exists():
         numbers["bench"] = numbers_of("bench", BENCH)
     file.write_text(json.dumps(numbers, indent=1, ensure_ascii=False) + "\n")
-    (HERE / "paper.md").write_text(fill((HERE / "paper.in.md").read_text(), numbers))
+    PAPER.write_text(fill(PAPER.read_text(), numbers))
 
 
 if __name__ == "__main__":

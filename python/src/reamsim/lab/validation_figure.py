@@ -3,6 +3,8 @@
 
 """Published numbers with their intervals (black), and models in colours; a panel for each result."""
 
+import re
+
 from .figure_style import BLUE, RED, few_tics, new_figure, save, style
 
 COLORS = (RED, "#009e73", BLUE, "#cc79a7", "#e69f00", "#56b4e9")
@@ -14,7 +16,7 @@ def draw(data, folder):
     Args:
         data: ``name``; ``title``; ``panels``: each with ``title``, titles of the axes ``y`` and ``x_title``, ``x``, ``names``
             of x or None, ``value``, ``low`` and ``high`` (None: missing, or an open end), and ``models``: values by name.
-            Models whose names are the same up to a comma have one colour.
+            Models whose names are the same up to a comma have one colour, and markers alone behind the comma.
     """
     panels = data["panels"]
     wide = min(len(panels), 2)
@@ -36,20 +38,21 @@ def draw_panel(axes, panel):
     ends = [end for key in ("value", "low", "high") for end in panel[key] if end is not None]
     arrow = 0.1 * (max(ends) - min(ends) or 1)  # at an open end of an interval
     bases = list(dict.fromkeys(name.split(",")[0] for name in panel["models"]))
+    step = 0.1 if panel["names"] else 0.015 * (max(panel["x"]) - min(panel["x"]))  # side by side
     for i, (name, values) in enumerate(panel["models"].items()):
         base, variant = name.split(",")[0], "," in name
-        x = [x + 0.1 * (i + 1) for x in panel["x"]] if panel["names"] else panel["x"]
+        x = [x + step * (i + 1) for x in panel["x"]]
         axes.plot(x, [float("nan") if value is None else value for value in values], marker="o", markersize=3.5, linewidth=1.1,
-                  linestyle="none" if panel["names"] else "--" if variant else "-", color=COLORS[bases.index(base) % len(COLORS)],
+                  linestyle="none" if panel["names"] or variant else "-", color=COLORS[bases.index(base) % len(COLORS)],
                   markerfacecolor="white" if variant else None, label=name)
     for i, (x, value, low, high) in enumerate(zip(*(panel[key] for key in ("x", "value", "low", "high")))):
         middle = (low + high) / 2 if value is None else value
         error = [[arrow if low is None else middle - low], [arrow if high is None else high - middle]]
         axes.errorbar([x], [middle], error, uplims=low is None, lolims=high is None, color="black", linewidth=1.1, capsize=2.5,
-                      marker="none" if value is None else "s", markersize=3.5, zorder=5, label=None if i else "published")
+                      marker="none" if value is None else "s", markersize=3.5, zorder=5, label=None if i else "published, with interval")
     axes.set_title(panel["title"], fontsize=8)
     axes.set_ylabel(panel["y"])
-    axes.set_xlabel((panel["x_title"] or "").rsplit(".", 1)[-1])
+    axes.set_xlabel(re.sub("_(rpm|mm|deg|n)$", r" (\1)", (panel["x_title"] or "").rsplit(".", 1)[-1]).replace("_", " "))
     axes.set_xticks(panel["x"], panel["names"] or [f"{x:g}" for x in panel["x"]])
     axes.margins(x=0.1)
     few_tics(axes.yaxis, 6)
