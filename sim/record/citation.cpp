@@ -98,7 +98,8 @@ void add(const Json& work, std::vector<Json>& list) {
 
 void add_density(const YamlNode& scenario, Works& out) {
   if (has_default_density(scenario)) {
-    add(published("pmc5234499", "density from radiodensity: the default, of a femur; docs/density.md, 1"), out.method);
+    add(published("knowles2016", "density from radiodensity: the default, of a femur, in Table 1; docs/density.md, 1"),
+        out.method);
   } else {
     add({{"id", "density"},
          {"type", "document"},
@@ -118,6 +119,9 @@ void add_method(const Json& summary, const std::string& dir, Works& out) {
   if (word_of(summary, "erosion") == "exact") {
     add(published("scardovelli2000", "volumes of clipped voxels; docs/density.md, 1, and docs/erosion.md, 3"),
         out.method);
+  }
+  if (word_of(summary.value("force_law", Json::object()), "preset").starts_with("drill-")) {
+    add(published("macavelia2012", "constants of the force; docs/validation.md"), out.method);
   }
   if (summary.contains("segmentation")) {
     add(published("aslam2004", "density of boundary voxels; docs/density.md, 1"), out.method);
