@@ -22,8 +22,8 @@ build_packages=(
   libcli11-dev nlohmann-json3-dev libpango1.0-dev libssl-dev zlib1g-dev libjpeg-dev libpng-dev libmeshoptimizer-dev
   libseccomp-dev python3-dev pybind11-dev
   gnuplot-nox fonts-dejavu-core python3-numpy python3-scipy python3-matplotlib python3-yaml)
-test_packages=(lintian doxygen ffmpeg libgtest-dev libgmock-dev libbenchmark-dev python3-openvdb python3-jsonschema libopenvdb-tools
-  'oclgrind?' python3-pandas python3-pil python3-pytest jupyter-nbconvert python3-ipykernel
+test_packages=(lintian doxygen ffmpeg libgtest-dev libgmock-dev libbenchmark-dev libcgal-dev python3-openvdb python3-jsonschema
+  libopenvdb-tools 'oclgrind?' python3-pandas python3-pil python3-pytest jupyter-nbconvert python3-ipykernel
   python3-venv python3-pip python3-setuptools python3-wheel reuse man-db zsh mkdocs mkdocs-material)
 browser_packages=(chromium chromium-driver python3-selenium 'blender?')
 developer_packages=('clang-format-14?')
