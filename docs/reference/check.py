@@ -69,7 +69,7 @@ def main(program, *options):
             found = (of_study if name in STUDIES else of_scenario)(program, name, pathlib.Path(folder))
         known = expected.get(name, {})
         wrong = [key for key in {**known, **found} if not same(name, found.get(key), known.get(key))]
-        print(f"{name}: {len(found)} numbers, {len(wrong)} differ", flush=True)
+        print(f"{name}: {len(found)} numbers, {len(wrong)} differ from expected.json", flush=True)
         if "--renew" in options:
             expected[name] = found
             continue
