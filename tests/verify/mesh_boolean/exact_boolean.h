@@ -9,8 +9,9 @@
 
 namespace reamsim::test {
 
-/// a without b by CGAL's corefinement: exact predicates; intersection points are rounded to double precision. Both are closed
-/// and face outwards. Throws std::runtime_error: a mesh intersects itself at the other, or the result is not closed.
+/// a without b by CGAL's corefinement: exact predicates; intersection points are rounded to double precision. Both are
+/// closed and face outwards. Throws std::runtime_error: a mesh intersects itself at the other, or the result is not
+/// closed.
 TriangleMesh mesh_difference(const TriangleMesh& a, const TriangleMesh& b);
 
 /// The distance of each point from a surface, mm.

@@ -79,20 +79,33 @@ inline TriangleMesh swept(const Plunge& plunge) {
 // Faces and axes are oblique to the lattice, or beside its planes.
 
 inline Plunge ball_into_box() {
-  return {"hemispherical reamer into a box", "hemispherical",
-          assets::kHemisphereRadiusMm,       assets::kHemisphereRadiusMm,
-          box_mesh({-13.1, -12.9, -6.03}, {13.3, 13.2, 0.04}), {0.31, -0.23, 0}, {0.11, -0.07, -1}, 4.1};
+  return {"hemispherical reamer into a box",
+          "hemispherical",
+          assets::kHemisphereRadiusMm,
+          assets::kHemisphereRadiusMm,
+          box_mesh({-13.1, -12.9, -6.03}, {13.3, 13.2, 0.04}),
+          {0.31, -0.23, 0},
+          {0.11, -0.07, -1},
+          4.1};
 }
 
 inline Plunge flat_into_sphere() {
-  return {"flat reamer into a sphere of 20 mm radius", "flat", 0, assets::kFlatRadiusMm,
-          sphere_mesh({0.13, -0.08, -20.05}, 20, 6), {0.4, 0.2, 0}, {-0.09, 0.05, -1}, 3.1};
+  return {"flat reamer into a sphere of 20 mm radius",
+          "flat",
+          0,
+          assets::kFlatRadiusMm,
+          sphere_mesh({0.13, -0.08, -20.05}, 20, 6),
+          {0.4, 0.2, 0},
+          {-0.09, 0.05, -1},
+          3.1};
 }
+
+inline const std::string kScapula = "scapula_mesh/scapula_left.stl";
 
 /// As trajectories/mesh_scapula.yaml; needs its mesh in REAMSIM_DATA.
 inline Plunge convex_into_scapula() {
-  return {"convex reamer into a scapula", "convex", assets::kConvexCurvatureMm, assets::kConvexRadiusMm,
-          read_mesh(data_file("scapula_mesh/scapula_left.stl"), 55), {-41.2, 9.2, 36.6}, {0.93, -0.355, 0.08}, 4.1};
+  return {"convex reamer into a scapula",     "convex",           assets::kConvexCurvatureMm, assets::kConvexRadiusMm,
+          read_mesh(data_file(kScapula), 55), {-41.2, 9.2, 36.6}, {0.93, -0.355, 0.08},       4.1};
 }
 
 }  // namespace reamsim::test
