@@ -12,6 +12,7 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <numeric>
 
 #include "render/surface/scalar_grid.h"
@@ -186,7 +187,9 @@ TEST_F(MeshBoolean, RemovedVolumeAndReamedSurface) {
   for (const Plunge& plunge : plunges) {
     double begin = seconds();
     const Exact exact(plunge);
-    if (&plunge == plunges.data()) EXPECT_NEAR(exact.removed_mm3 / closed_form_mm3(plunge), 1, 1e-5);
+    if (&plunge == plunges.data()) {
+      EXPECT_NEAR(exact.removed_mm3 / closed_form_mm3(plunge), 1, 1e-5);
+    }
     std::cout << fmt::format("{}: CGAL removes {:.3f} mm3, {} points, {:.1f} s\n", plunge.name, exact.removed_mm3,
                              exact.points.size(), seconds() - begin);
     for (const double voxel_mm : all ? std::vector<double>{0.25, 0.125} : std::vector<double>{0.25}) {
