@@ -317,6 +317,33 @@ Json key_figures(const Results& results) {
   return out;
 }
 
+/// The table of metrics.version, where it has a number.
+Json version_table(const Results& results) {
+  Json out{{"title", "Version before reaming, by definition"},
+           {"columns", Json::array({"Definition", "Version, °", "Formula"})},
+           {"decimals", Json::array({nullptr, 2, nullptr})},
+           {"rows", Json::array()}};
+  const Json definitions = results.at("/metrics/version/definition");
+  bool any = false;
+  for (const auto& [name, definition] : definitions.items()) {
+    const std::string value = "/metrics/version/" + name;
+    const std::optional<double> version_deg = results.number(value + "_deg");
+    any = any || version_deg;
+    const Json shown = version_deg ? definition : results.at(value + "_reason");
+    if (!shown.is_string()) throw results.wrong(value, "a definition, and a number or its reason");
+    std::string label = name;
+    std::ranges::replace(label, '_', ' ');
+    out["rows"].push_back(Json::array({label, version_deg, shown}));
+  }
+  return any ? out : Json();
+}
+
+Json measurements(const Results& results) {
+  Json out = results.tables(kMeasurements, kMeasuredLists);
+  if (Json versions = version_table(results); !versions.is_null()) out.push_back(std::move(versions));
+  return out;
+}
+
 Json warnings(const Results& results) {
   const Json& out = results.list("warnings", "a list");
   for (const Json& warning : out) {
@@ -364,7 +391,7 @@ Json summary_data(const Json& summary, const Json& verification, const std::stri
   return {{"warnings", warnings(results)},
           {"key_figures", key_figures(results)},
           {"planning", results.tables(kPlanning, kPegs)},
-          {"measurements", results.tables(kMeasurements, kMeasuredLists)},
+          {"measurements", measurements(results)},
           {"balance", results.rows(std::array{Line{"/balance", "", ""}})},
           {"verification", verification_data(results, verification, verification_path)},
           {"provenance", provenance(results, summary_path)}};

@@ -114,8 +114,9 @@ class FcsvParser {
   }
 
   void take_frame(std::string_view value) {
-    if (!points_.empty()) fail("names its coordinate system after points", "expected it before them");
-    lps_ = value == "1" || value == "LPS";
+    const bool before = std::exchange(lps_, value == "1" || value == "LPS");
+    const bool repeated = stated_ && lps_ == before;  // joined files
+    if (!points_.empty() && !repeated) fail("names its coordinate system after points", "expected it before them");
     stated_ = true;
     if (lps_ || value == "0" || value == "RAS") return;
     fail("CoordinateSystem is " + shown_text(value),
@@ -338,7 +339,6 @@ Markups read_markups(const std::string& path) {
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
   if (!error && bytes > kMostMarkupsBytes) file.fail("is larger than 16 MB", kExpectedMarkups);
-  if (!error && bytes == 0) file.fail("is empty", kExpectedMarkups);
   std::string text = read_file(path, kExpectedMarkups);
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   const std::size_t first = text.find_first_not_of(" \t\r\n");

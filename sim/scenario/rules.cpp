@@ -3,8 +3,11 @@
 
 #include "sim/scenario/parse_steps.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <string_view>
 
 #include "sim/scenario/parse.h"
@@ -47,6 +50,25 @@ void check_glenoid(const Scenario& s, const KeyLocations& at) {
     at.fail(std::string("bone.glenoid.") + missing, "missing", "center_mm, normal and superior together");
   if (are_parallel(*glenoid.normal, *glenoid.superior)) {
     at.fail("bone.glenoid.superior", "found the direction of normal", "a direction across it");
+  }
+}
+
+/// Points that coincide have no direction; the 2D definitions are of one axial slice, where z is known to be superior.
+void check_version_landmarks(const Scenario& s, const KeyLocations& at) {
+  constexpr double kLeast_mm = 1;
+  constexpr double kSlice_mm = 0.5;
+  const auto points = s.bone.glenoid.version_landmarks.in_slice();
+  const bool z_superior = s.bone.source == BoneSource::ct || s.bone.source == BoneSource::phantom;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const auto& [key, point] = points[i];
+    const std::string path = std::string("bone.glenoid.version_landmarks.") + key;
+    for (const auto& [other, place] : points | std::views::take(i)) {
+      const Vec3 apart = point - place;
+      if (apart.norm() < kLeast_mm) at.fail(path, std::string("lies within 1 mm of ") + other, "two points");
+      if (!z_superior || std::abs(apart.z()) <= kSlice_mm) continue;
+      at.fail(path, fmt::format("z differs by {:.2g} mm from that of {}", std::abs(apart.z()), other),
+              "points of one axial slice, at most 0.5 mm apart");
+    }
   }
 }
 
@@ -250,6 +272,7 @@ const std::vector<Rule> kRules{
     {{"name"}, check_name},
     {{"bone.glenoid"}, check_glenoid},
     {{"bone.glenoid.rim_mm"}, check_rim},
+    {{"bone.source", "bone.glenoid.version_landmarks"}, check_version_landmarks},
     {{"bone.source", "bone.side", "bone.glenoid", "bone.phantom.shape", "bone.pilot_hole", "motion.frame"}, check_side},
     {{"bone.source", "bone.glenoid", "motion.frame"},
      [](const Scenario& s, const KeyLocations& at) {
