@@ -71,6 +71,22 @@ TEST(SummaryData, AConventionNeedsItsAngle) {
   EXPECT_THAT(with, HasSubstr(R"(["Inclination of the reamer",0.0007,"°"])"));
 }
 
+TEST(SummaryData, VersionsStandSideBySide) {
+  using nlohmann::ordered_json;
+  ordered_json metrics = ordered_json::parse(R"({"version": {
+      "convention": "retroversion positive", "definition": {"face_axis": "axis", "two_planes": "normals"},
+      "face_axis_deg": null, "face_axis_reason": "no rim", "two_planes_deg": 7.35, "two_planes_reason": null}})");
+  const ordered_json tables = tables_of(metrics)["measurements"];
+  EXPECT_EQ(tables.back(), ordered_json::parse(R"({"title": "Version before reaming, by definition",
+      "columns": ["Definition", "Version, °", "Formula"], "decimals": [null, 2, null],
+      "rows": [["face axis", null, "no rim"], ["two planes", 7.35, "normals"]]})"));
+  metrics["version"]["two_planes_reason"] = "set landmarks";
+  metrics["version"]["two_planes_deg"] = nullptr;
+  EXPECT_TRUE(tables_of(metrics)["measurements"].empty()) << "no number, no table";
+  metrics["version"]["two_planes_deg"] = "7";
+  EXPECT_THROW(tables_of(metrics), InputError);
+}
+
 TEST(PictureData, ChoosesEvenlyWithBothEnds) {
   EXPECT_THAT(evenly_spaced(11, 40), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
   EXPECT_THAT(evenly_spaced(11, 3), ElementsAre(0, 5, 10));
