@@ -322,10 +322,9 @@ void add_init_command(CLI::App& app, Console& console) {
           ->expected(1)
           ->take_all();
   command
-      ->add_option(
-          "--point", options->points,
-          "The point of the markups with this label is center, superior, trigonum, inferior_angle, rim, face, "
-          "anterior_margin, posterior_margin, medial_tip or vault_tip; repeatable")
+      ->add_option("--point", options->points,
+                   "The point of the markups with this label is center, superior, trigonum, inferior_angle, rim, face, "
+                   "anterior_margin, posterior_margin, medial_tip or vault_tip; repeatable")
       ->type_name("ROLE=LABEL")
       ->needs(markups)
       ->expected(1)

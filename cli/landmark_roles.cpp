@@ -23,9 +23,9 @@ namespace reamsim {
 namespace {
 
 enum class Role { center, superior, trigonum, inferior_angle, rim, face, anterior, posterior, medial_tip, vault_tip };
-constexpr std::array<std::string_view, 10> kRoleNames{
-    "center", "superior",        "trigonum",         "inferior_angle", "rim",
-    "face",   "anterior_margin", "posterior_margin", "medial_tip",     "vault_tip"};
+constexpr std::array<std::string_view, 10> kRoleNames{"center",     "superior", "trigonum",        "inferior_angle",
+                                                      "rim",        "face",     "anterior_margin", "posterior_margin",
+                                                      "medial_tip", "vault_tip"};
 constexpr const char* kRoles =
     "center, superior, trigonum, inferior_angle, rim, face, anterior_margin, posterior_margin, medial_tip or vault_tip";
 constexpr std::size_t kLeastRimPoints = 6, kLeastFacePoints = 3;

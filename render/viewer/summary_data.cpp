@@ -49,6 +49,8 @@ constexpr Line kKeyFigures[]{{"/removed_mm3", "Bone removed", "mm³"},
                              {"/metrics/dense_bone_left/mean_mm", "Remaining dense bone, mean", "mm"},
                              {"/balance", "Energy balance", ""}};
 
+constexpr const char* kScapula = "/metrics/orientation/reamer/inclination_deg";  // of a known scapular frame
+
 constexpr Table kMeasurements[]{
     {"Bone",
      {{"/bone/bone_before_mm3", "Bone before", "mm³"},
@@ -99,8 +101,16 @@ constexpr Table kMeasurements[]{
       {"/metrics/orientation/reamer/version_deg", "Version of the reamer", "°"},
       {"/metrics/orientation/reamer/inclination_deg", "Inclination of the reamer", "°"},
       {"/metrics/orientation/turned_deg", "Angle between native and reamed axis", "°"},
-      {"/metrics/orientation/inclination_convention", "Convention of the inclination", "",
-       "/metrics/orientation/reamer/inclination_deg"}}},
+      {"/metrics/orientation/inclination_convention", "Convention of the inclination", "", kScapula}}},
+    {"Version before reaming, by definition",
+     {{"/metrics/version/face_axis_deg", "Axis of the face", "°"},
+      {"/metrics/version/two_planes_deg", "Two planes: rim against scapular plane (Ganapathi et al. 2011)", "°"},
+      {"/metrics/version/friedman_2d_deg", "Axial slice: margins against medial tip (Friedman et al. 1992)", "°"},
+      {"/metrics/version/vault_2d_deg", "Axial slice: margins against tip of the vault (Matsumura et al. 2014)", "°"},
+      {"/metrics/version/face_axis_reason", "Axis of the face unknown", "", kScapula},
+      {"/metrics/version/two_planes_reason", "Two planes unknown", "", kScapula},
+      {"/metrics/version/friedman_2d_reason", "Margins against medial tip unknown", "", kScapula},
+      {"/metrics/version/vault_2d_reason", "Margins against tip of the vault unknown", "", kScapula}}},
     {"Remaining bone under the face",
      {{"/metrics/dense_bone_left/mean_mm", "Dense bone, mean", "mm"},
       {"/metrics/dense_bone_left/p05_mm", "Dense bone, 5th percentile", "mm"},
@@ -317,33 +327,6 @@ Json key_figures(const Results& results) {
   return out;
 }
 
-/// The table of metrics.version, where it has a number.
-Json version_table(const Results& results) {
-  Json out{{"title", "Version before reaming, by definition"},
-           {"columns", Json::array({"Definition", "Version, °", "Formula"})},
-           {"decimals", Json::array({nullptr, 2, nullptr})},
-           {"rows", Json::array()}};
-  const Json definitions = results.at("/metrics/version/definition");
-  bool any = false;
-  for (const auto& [name, definition] : definitions.items()) {
-    const std::string value = "/metrics/version/" + name;
-    const std::optional<double> version_deg = results.number(value + "_deg");
-    any = any || version_deg;
-    const Json shown = version_deg ? definition : results.at(value + "_reason");
-    if (!shown.is_string()) throw results.wrong(value, "a definition, and a number or its reason");
-    std::string label = name;
-    std::ranges::replace(label, '_', ' ');
-    out["rows"].push_back(Json::array({label, version_deg, shown}));
-  }
-  return any ? out : Json();
-}
-
-Json measurements(const Results& results) {
-  Json out = results.tables(kMeasurements, kMeasuredLists);
-  if (Json versions = version_table(results); !versions.is_null()) out.push_back(std::move(versions));
-  return out;
-}
-
 Json warnings(const Results& results) {
   const Json& out = results.list("warnings", "a list");
   for (const Json& warning : out) {
@@ -391,7 +374,7 @@ Json summary_data(const Json& summary, const Json& verification, const std::stri
   return {{"warnings", warnings(results)},
           {"key_figures", key_figures(results)},
           {"planning", results.tables(kPlanning, kPegs)},
-          {"measurements", measurements(results)},
+          {"measurements", results.tables(kMeasurements, kMeasuredLists)},
           {"balance", results.rows(std::array{Line{"/balance", "", ""}})},
           {"verification", verification_data(results, verification, verification_path)},
           {"provenance", provenance(results, summary_path)}};

@@ -160,12 +160,10 @@ BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, co
   BoneMetrics out;
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
   out.removed = removed_volume(bone, settings.dense_g_cm3);
+  out.versions = measure_versions(Missing{"no bone was removed"}, axes);
   const ColumnMap map = map_columns(bone, bone_from_tool, {.margin_mm = voxel_mm});
   out.depth = measure_depth(map);
-  if (!out.depth) {
-    out.versions = measure_versions(Missing{"no bone was removed"}, axes);
-    return out;
-  }
+  if (!out.depth) return out;
   out.face = find_face(map, voxel_mm);
   out.joint_line = measure_joint_line(bone, map, *out.face, axes);
   out.orientation = measure_orientation(*out.joint_line, *out.face, bone_from_tool.linear().col(2), axes);

@@ -4,38 +4,32 @@
 // Version of a face by the definitions of the literature, as SciKit-SurgeryGlenoid implements them
 // (github.com/SciKit-Surgery/glenoidplanefitting, commit 9c770a9): friedman.py, vault.py, plane_fitting.py.
 
-#include <algorithm>
 #include <cmath>
 
 #include "sim/anatomy/run_metrics.h"
-#include "sim/base/statistics.h"
 
 namespace reamsim {
 
 namespace {
 
-struct NeededPoint {
-  const char* key;  ///< below bone.glenoid
-  bool given;
-};
+/// Whether keys below bone.glenoid are given.
+using Needed = std::initializer_list<std::pair<const char*, bool>>;
 
-/// "set bone.glenoid.landmarks, ..." for those that are not given; "" where all are.
-std::string missing_points(std::initializer_list<NeededPoint> needed) {
+/// "set bone.glenoid.landmarks, ..." for those that are missing; "" where none is.
+std::string missing_points(const Needed& needed) {
   std::string out;
-  for (const NeededPoint& point : needed) {
-    if (!point.given) out += std::string(out.empty() ? "landmarks are missing: set " : ", ") + "bone.glenoid." + point.key;
+  for (const auto& [key, given] : needed) {
+    if (!given) out += std::string(out.empty() ? "landmarks are missing: set" : ",") + " bone.glenoid." + key;
   }
   return out;
 }
 
-/// Two planes. The sign is that of the anatomical directions; the published code takes that of its fit.
+/// Two planes. Here the anatomical directions give the sign; in the published code the order of the fit does.
 Measured<double> two_planes_version(const BoneAxes& axes) {
   const std::vector<Vec3>& face_mm = axes.version.face_mm;
-  if (const std::string missing = missing_points(
-          {{"landmarks", axes.scapula.has_value()}, {"version_landmarks.face_mm", !face_mm.empty()}});
-      !missing.empty()) {
-    return Missing{missing};
-  }
+  const std::string missing =
+      missing_points({{"landmarks", axes.scapula.has_value()}, {"version_landmarks.face_mm", !face_mm.empty()}});
+  if (!missing.empty()) return Missing{missing};
   const std::optional<PlaneFit> plane = fit_plane(face_mm, axes.scapula->lateral);
   if (!plane) return Missing{"the points of bone.glenoid.version_landmarks.face_mm lie on one line"};
   return angle_deg(plane->normal, axes.scapula->anterior) - 90;
@@ -45,15 +39,12 @@ Measured<double> two_planes_version(const BoneAxes& axes) {
 Measured<double> slice_version(const BoneAxes& axes, const std::optional<Vec3>& medial_mm, const char* medial_key) {
   const auto& anterior = axes.version.anterior_margin_mm;
   const auto& posterior = axes.version.posterior_margin_mm;
-  if (const std::string missing = missing_points({{"version_landmarks.anterior_margin_mm", anterior.has_value()},
-                                                  {"version_landmarks.posterior_margin_mm", posterior.has_value()},
-                                                  {medial_key, medial_mm.has_value()}});
-      !missing.empty()) {
-    return Missing{missing};
-  }
-  if (axes.scapula && (*anterior - *posterior).dot(axes.scapula->anterior) < 0) {
+  const std::string missing = missing_points({{"version_landmarks.anterior_margin_mm", anterior.has_value()},
+                                              {"version_landmarks.posterior_margin_mm", posterior.has_value()},
+                                              {medial_key, medial_mm.has_value()}});
+  if (!missing.empty()) return Missing{missing};
+  if (axes.scapula && (*anterior - *posterior).dot(axes.scapula->anterior) < 0)
     return Missing{"anterior_margin_mm lies posterior to posterior_margin_mm: swap them, or correct bone.side"};
-  }
   const Vec3 middle_mm = (*anterior + *posterior) / 2;
   return angle_deg(*anterior - middle_mm, *medial_mm - middle_mm) - 90;
 }

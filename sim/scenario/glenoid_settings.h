@@ -34,7 +34,9 @@ struct VersionLandmarks {
   /// Those that are given in the slice, by their keys.
   [[nodiscard]] std::vector<std::pair<const char*, Vec3>> in_slice() const {
     std::vector<std::pair<const char*, Vec3>> out;
-    const auto add = [&](const char* key, const auto& point) { if (point) out.emplace_back(key, *point); };
+    const auto add = [&](const char* key, const std::optional<Vec3>& point) {
+      if (point) out.emplace_back(key, *point);
+    };
     add("anterior_margin_mm", anterior_margin_mm);
     add("posterior_margin_mm", posterior_margin_mm);
     add("medial_tip_mm", medial_tip_mm);

@@ -134,8 +134,7 @@ class FcsvParser {
     point.placed = !state || state->empty() || *state == kPlaced;
     const Vec3 as_written(number(cells, "x"), number(cells, "y"), number(cells, "z"));
     // 0.0 is added so that a sign that changes leaves no negative zero.
-    point.position_mm = lps_ ? as_written : Vec3(0.0 - as_written.x(), 0.0 - as_written.y(), as_written.z());
-    point.position_mm.array() += 0.0;
+    point.position_mm = (lps_ ? as_written : Vec3(-as_written.x(), -as_written.y(), as_written.z())).array() + 0.0;
     points_.push_back(std::move(point));
   }
 
@@ -339,6 +338,7 @@ Markups read_markups(const std::string& path) {
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
   if (!error && bytes > kMostMarkupsBytes) file.fail("is larger than 16 MB", kExpectedMarkups);
+  if (!error && bytes == 0) file.fail("is empty", kExpectedMarkups);
   std::string text = read_file(path, kExpectedMarkups);
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   const std::size_t first = text.find_first_not_of(" \t\r\n");

@@ -73,18 +73,15 @@ TEST(SummaryData, AConventionNeedsItsAngle) {
 
 TEST(SummaryData, VersionsStandSideBySide) {
   using nlohmann::ordered_json;
-  ordered_json metrics = ordered_json::parse(R"({"version": {
-      "convention": "retroversion positive", "definition": {"face_axis": "axis", "two_planes": "normals"},
-      "face_axis_deg": null, "face_axis_reason": "no rim", "two_planes_deg": 7.35, "two_planes_reason": null}})");
-  const ordered_json tables = tables_of(metrics)["measurements"];
-  EXPECT_EQ(tables.back(), ordered_json::parse(R"({"title": "Version before reaming, by definition",
-      "columns": ["Definition", "Version, °", "Formula"], "decimals": [null, 2, null],
-      "rows": [["face axis", null, "no rim"], ["two planes", 7.35, "normals"]]})"));
-  metrics["version"]["two_planes_reason"] = "set landmarks";
-  metrics["version"]["two_planes_deg"] = nullptr;
-  EXPECT_TRUE(tables_of(metrics)["measurements"].empty()) << "no number, no table";
-  metrics["version"]["two_planes_deg"] = "7";
-  EXPECT_THROW(tables_of(metrics), InputError);
+  ordered_json metrics = ordered_json::parse(R"({"version": {"face_axis_deg": null, "face_axis_reason": "no rim",
+      "two_planes_deg": 7.35, "two_planes_reason": null, "vault_2d_deg": null, "vault_2d_reason": "set it"}})");
+  const std::string planes = "Two planes: rim against scapular plane (Ganapathi et al. 2011)";
+  ordered_json expected{{"title", "Version before reaming, by definition"}, {"rows", {{planes, 7.35, "°"}}}};
+  EXPECT_EQ(tables_of(metrics)["measurements"].back(), expected) << "no reasons without a scapula";
+  metrics["orientation"]["reamer"]["inclination_deg"] = 3;
+  expected["rows"].push_back({"Axis of the face unknown", "no rim", ""});
+  expected["rows"].push_back({"Margins against tip of the vault unknown", "set it", ""});
+  EXPECT_EQ(tables_of(metrics)["measurements"].back(), expected);
 }
 
 TEST(PictureData, ChoosesEvenlyWithBothEnds) {

@@ -25,7 +25,7 @@ function valueRow([label, value, unit]) {
 
 function listRow(row, { columns, decimals }) {
   const cells = row.map((value, i) => (value === null ? "–" : typeof value === "number" ? fixedText(value, decimals[i])
-    : columns[i] === "SHA-256" ? part("code", {}, value) : columns[i] === "Formula" ? part("td", { class: "words" }, value) : value));
+    : columns[i] === "SHA-256" ? part("code", {}, value) : value));
   return tableRow(...cells);
 }
 
