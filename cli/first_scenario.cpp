@@ -76,11 +76,18 @@ std::string superior_text(const FirstScenario& first, const Vec3& found) {
   return fmt::format(fmt::runtime(text), yaml_vector(found, 4));
 }
 
-std::string rim_text(const std::vector<Vec3>& rim_mm) {
-  if (rim_mm.empty()) return "";
-  std::string out = "    rim_mm:                 # of the face before reaming\n";
-  for (const Vec3& p : rim_mm) out += "      - " + exact_vector(p) + "\n";
+/// A list of points under its key; "" without points.
+std::string points_text(const std::string& key, const std::vector<Vec3>& points_mm, const std::string& indent) {
+  if (points_mm.empty()) return "";
+  std::string out = key + "\n";
+  for (const Vec3& p : points_mm) out += indent + "- " + exact_vector(p) + "\n";
   return out;
+}
+
+std::string version_text(const VersionLandmarks& marks) {
+  std::string out = points_text("      face_mm:", marks.face_mm, "        ");
+  for (const auto& [key, point] : marks.in_slice()) out += fmt::format("      {}: {}\n", key, exact_vector(point));
+  return out.empty() ? out : "    version_landmarks:\n" + out;
 }
 
 std::string glenoid_text(const FirstScenario& first) {
@@ -92,7 +99,9 @@ std::string glenoid_text(const FirstScenario& first) {
              "    # Found: center_mm: {}, normal: {}.\n",
              yaml_vector(*glenoid.near_mm, 2), yaml_vector(first.glenoid->translation(), 2),
              yaml_vector(axes.col(2), 4)) +
-         superior_text(first, axes.col(1)) + rim_text(glenoid.rim_mm);
+         superior_text(first, axes.col(1)) +
+         points_text("    rim_mm:                 # of the face before reaming", glenoid.rim_mm, "      ") +
+         version_text(glenoid.version_landmarks);
 }
 
 std::string bone_text(const FirstScenario& first) {

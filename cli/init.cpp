@@ -316,15 +316,15 @@ void add_init_command(CLI::App& app, Console& console) {
       command
           ->add_option("--markups", options->markups,
                        "Landmarks of 3D Slicer (.mrk.json, .fcsv), found by their labels: glenoid centre, superior, "
-                       "trigonum spinae, inferior angle, rim; repeatable")
+                       "trigonum spinae, inferior angle, rim, points of version; repeatable")
           ->type_name("FILE")
           ->check(refuse_empty)
           ->expected(1)
           ->take_all();
   command
-      ->add_option(
-          "--point", options->points,
-          "The point of the markups with this label is center, superior, trigonum, inferior_angle or rim; repeatable")
+      ->add_option("--point", options->points,
+                   "The point of the markups with this label is center, superior, trigonum, inferior_angle, rim, face, "
+                   "anterior_margin, posterior_margin, medial_tip or vault_tip; repeatable")
       ->type_name("ROLE=LABEL")
       ->needs(markups)
       ->expected(1)

@@ -22,10 +22,13 @@ namespace reamsim {
 
 namespace {
 
-enum class Role { center, superior, trigonum, inferior_angle, rim };
-constexpr std::array<std::string_view, 5> kRoleNames{"center", "superior", "trigonum", "inferior_angle", "rim"};
-constexpr const char* kRoles = "center, superior, trigonum, inferior_angle or rim";
-constexpr std::size_t kLeastRimPoints = 6;
+enum class Role { center, superior, trigonum, inferior_angle, rim, face, anterior, posterior, medial_tip, vault_tip };
+constexpr std::array<std::string_view, 10> kRoleNames{"center",     "superior", "trigonum",        "inferior_angle",
+                                                      "rim",        "face",     "anterior_margin", "posterior_margin",
+                                                      "medial_tip", "vault_tip"};
+constexpr const char* kRoles =
+    "center, superior, trigonum, inferior_angle, rim, face, anterior_margin, posterior_margin, medial_tip or vault_tip";
+constexpr std::size_t kLeastRimPoints = 6, kLeastFacePoints = 3;
 
 /// Labels by role, as words in alphabetical order without those of kIgnoredWords.
 const std::array<std::vector<std::string_view>, kRoleNames.size()> kLabels{{
@@ -35,6 +38,11 @@ const std::array<std::vector<std::string_view>, kRoleNames.size()> kLabels{{
     {"spinae trigonum", "trigonum", "ts", "root spine"},
     {"angle inferior", "angulus inferior", "ai", "ia"},
     {"rim", "glenoid rim"},
+    {"face", "face glenoid"},
+    {"anterior margin", "anterior glenoid margin"},
+    {"margin posterior", "glenoid margin posterior"},
+    {"medial tip"},
+    {"tip vault", "glenoid tip vault"},
 }};
 constexpr std::array<std::string_view, 13> kIgnoredWords{
     "the", "of", "point", "landmark", "lm", "mm", "fossa", "left", "right", "scapulae", "scapula", "scapular", "my"};
@@ -146,9 +154,9 @@ class Assignment {
     return placed(*found->second.front());
   }
 
-  [[nodiscard]] std::vector<Vec3> rim() const {
+  [[nodiscard]] std::vector<Vec3> points(Role role) const {
     std::vector<Vec3> out;
-    const auto found = chosen_.find(Role::rim);
+    const auto found = chosen_.find(role);
     if (found == chosen_.end()) return out;
     for (const Candidate* candidate : found->second) out.push_back(placed(*candidate));
     return out;
@@ -157,7 +165,7 @@ class Assignment {
   [[nodiscard]] std::vector<std::string> said() const {
     std::vector<std::string> out;
     for (const auto& [role, points] : chosen_) {
-      const bool several = role == Role::rim && points.size() > 1;
+      const bool several = (role == Role::rim || role == Role::face) && points.size() > 1;
       out.push_back(name_of(role) + ": " + (several ? fmt::format("{} points, the first ", points.size()) : "") +
                     text_of(*points.front()));
     }
@@ -210,7 +218,7 @@ Landmarks find_landmarks(const std::vector<std::string>& files, const std::vecto
   }
   const std::optional<Vec3> center = roles.point(Role::center), superior = roles.point(Role::superior),
                             trigonum = roles.point(Role::trigonum), angle = roles.point(Role::inferior_angle);
-  const std::vector<Vec3> rim = ordered_round(roles.rim());
+  const std::vector<Vec3> rim = ordered_round(roles.points(Role::rim)), face = roles.points(Role::face);
   Landmarks out{.center = center, .glenoid = {}, .found = roles.said()};
   const auto unused = [&](const std::string& role, const std::string& why) {
     out.found.push_back(role + " is not used: " + why);
@@ -232,11 +240,18 @@ Landmarks find_landmarks(const std::vector<std::string>& files, const std::vecto
       unused("superior", "its direction needs center");
     }
   }
-  if (rim.size() >= kLeastRimPoints) {
-    out.glenoid.rim_mm = rim;
-  } else if (!rim.empty()) {
-    unused("rim", fmt::format("it has {} points, and at least {} are needed", rim.size(), kLeastRimPoints));
-  }
+  VersionLandmarks& version = out.glenoid.version_landmarks;
+  const auto take = [&](const char* role, const std::vector<Vec3>& points, std::size_t least, std::vector<Vec3>& to) {
+    if (points.size() >= least) to = points;
+    if (to.empty() && !points.empty())
+      unused(role, fmt::format("it has {} points, and at least {} are needed", points.size(), least));
+  };
+  take("rim", rim, kLeastRimPoints, out.glenoid.rim_mm);
+  take("face", face, kLeastFacePoints, version.face_mm);
+  version.anterior_margin_mm = roles.point(Role::anterior);
+  version.posterior_margin_mm = roles.point(Role::posterior);
+  version.medial_tip_mm = roles.point(Role::medial_tip);
+  version.vault_tip_mm = roles.point(Role::vault_tip);
   return out;
 }
 

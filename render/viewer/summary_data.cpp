@@ -49,6 +49,8 @@ constexpr Line kKeyFigures[]{{"/removed_mm3", "Bone removed", "mm³"},
                              {"/metrics/dense_bone_left/mean_mm", "Remaining dense bone, mean", "mm"},
                              {"/balance", "Energy balance", ""}};
 
+constexpr const char* kScapula = "/metrics/orientation/reamer/inclination_deg";  // of a known scapular frame
+
 constexpr Table kMeasurements[]{
     {"Bone",
      {{"/bone/bone_before_mm3", "Bone before", "mm³"},
@@ -99,8 +101,16 @@ constexpr Table kMeasurements[]{
       {"/metrics/orientation/reamer/version_deg", "Version of the reamer", "°"},
       {"/metrics/orientation/reamer/inclination_deg", "Inclination of the reamer", "°"},
       {"/metrics/orientation/turned_deg", "Angle between native and reamed axis", "°"},
-      {"/metrics/orientation/inclination_convention", "Convention of the inclination", "",
-       "/metrics/orientation/reamer/inclination_deg"}}},
+      {"/metrics/orientation/inclination_convention", "Convention of the inclination", "", kScapula}}},
+    {"Version before reaming, by definition",
+     {{"/metrics/version/face_axis_deg", "Axis of the face", "°"},
+      {"/metrics/version/two_planes_deg", "Two planes: rim against scapular plane (Ganapathi et al. 2011)", "°"},
+      {"/metrics/version/friedman_2d_deg", "Axial slice: margins against medial tip (Friedman et al. 1992)", "°"},
+      {"/metrics/version/vault_2d_deg", "Axial slice: margins against tip of the vault (Matsumura et al. 2014)", "°"},
+      {"/metrics/version/face_axis_reason", "Axis of the face unknown", "", kScapula},
+      {"/metrics/version/two_planes_reason", "Two planes unknown", "", kScapula},
+      {"/metrics/version/friedman_2d_reason", "Margins against medial tip unknown", "", kScapula},
+      {"/metrics/version/vault_2d_reason", "Margins against tip of the vault unknown", "", kScapula}}},
     {"Remaining bone under the face",
      {{"/metrics/dense_bone_left/mean_mm", "Dense bone, mean", "mm"},
       {"/metrics/dense_bone_left/p05_mm", "Dense bone, 5th percentile", "mm"},

@@ -68,10 +68,6 @@ std::optional<AxialDepth> measure_depth(const ColumnMap& map) {
                     .area_mm2 = static_cast<double>(depths.size()) * map.pitch_mm * map.pitch_mm};
 }
 
-double angle_deg(const Vec3& a, const Vec3& b) {
-  return degrees_of(std::atan2(a.cross(b).norm(), a.dot(b)));
-}
-
 std::optional<PlaneOrientation> orientation_of_planes(const ReamedFace& face, const BoneAxes& axes) {
   if (!face.plane || !face.plane_before) return std::nullopt;
   const Vec3& before = face.plane_before->normal;
@@ -164,12 +160,14 @@ BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, co
   BoneMetrics out;
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
   out.removed = removed_volume(bone, settings.dense_g_cm3);
+  out.versions = measure_versions(Missing{"no bone was removed"}, axes);
   const ColumnMap map = map_columns(bone, bone_from_tool, {.margin_mm = voxel_mm});
   out.depth = measure_depth(map);
   if (!out.depth) return out;
   out.face = find_face(map, voxel_mm);
   out.joint_line = measure_joint_line(bone, map, *out.face, axes);
   out.orientation = measure_orientation(*out.joint_line, *out.face, bone_from_tool.linear().col(2), axes);
+  out.versions = measure_versions(out.orientation->native, axes);
   out.remaining_dense = remaining_dense_bone(bone, map, *out.face, settings.dense_g_cm3);
   out.perforation = find_perforation(map, voxel_mm);
   if (settings.implant) out.planning = measure_planning(bone, bone_from_tool, *out.joint_line, axes, settings);

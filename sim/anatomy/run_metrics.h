@@ -50,6 +50,7 @@ struct BoneAxes {
   std::optional<Vec3> face_center_mm{};  ///< centre of the articular face, on the Friedman axis
   std::vector<Vec3> rim_mm{};            ///< of the articular face, in order; empty: unknown
   std::optional<Rigid> bone_from_glenoid{};
+  VersionLandmarks version{};
 
   /// The scapular frame, or else the glenoid frame.
   [[nodiscard]] const std::optional<ScapularAxes>& known() const { return scapula ? scapula : glenoid; }
@@ -162,6 +163,19 @@ struct FaceOrientation {
   std::optional<double> turned_deg;  ///< the angle between both axes
   std::optional<PlaneOrientation> planes;
 };
+
+/// Angle between two directions, degrees.
+double angle_deg(const Vec3& a, const Vec3& b);
+
+/// Version of the face before reaming by one definition.
+struct FaceVersion {
+  const char* name;
+  const char* definition;
+  Measured<double> deg;  ///< retroversion positive
+};
+
+/// By every definition in use. `native`: FaceOrientation::native.
+std::vector<FaceVersion> measure_versions(const Measured<FaceAngles>& native, const BoneAxes& axes);
 
 /// The back of an implant in its frame I, mm: origin at the apex of the plain back, +z out of the bone, +y superior.
 class ImplantShape {
@@ -287,6 +301,7 @@ std::optional<Planning> measure_planning(const ReamedBone& bone, const Rigid& bo
 
 struct BoneMetrics {
   RemovedVolume removed;
+  std::vector<FaceVersion> versions;
   // The following are missing if no column lost bone.
   std::optional<AxialDepth> depth;
   std::optional<ReamedFace> face;

@@ -161,6 +161,17 @@ Json orientation_json(const FaceOrientation& orientation, const JointLine& line)
           {"planes_through_reamed_columns", orientation.planes}};
 }
 
+Json versions_json(const std::vector<FaceVersion>& versions) {
+  Json out{{"convention", "retroversion positive"}, {"definition", Json::object()}};
+  for (const FaceVersion& version : versions) {
+    const std::string name = version.name;
+    out["definition"][name] = version.definition;
+    out[name + "_deg"] = version.deg.value;
+    out[name + "_reason"] = reason_json(version.deg);
+  }
+  return out;
+}
+
 /// To a millionth of a millimetre, so that -13.8 is not written as -13.800000000000002.
 double rounded(double mm) {
   constexpr double kPerMm = 1e6;
@@ -172,6 +183,7 @@ double rounded(double mm) {
 Json metrics_json(const BoneMetrics& metrics) {
   Json json{{"removed", metrics.removed}, {"depth", metrics.depth}, {"face", metrics.face}};
   json["orientation"] = metrics.orientation ? orientation_json(*metrics.orientation, *metrics.joint_line) : Json();
+  json["version"] = versions_json(metrics.versions);
   json["joint_line"] = metrics.joint_line;
   json["dense_bone_left"] = metrics.remaining_dense;
   json["perforation"] = metrics.perforation;

@@ -16,6 +16,17 @@ void describe_landmarks(KeyVisitor& v, LandmarkSettings& landmarks) {
           {.required = true});
 }
 
+void describe_version_landmarks(KeyVisitor& v, VersionLandmarks& marks) {
+  v.point("face_mm", marks.face_mm, "Points on the rim of the unreamed face, bone frame, for two_planes",
+          {.least_points = 3});
+  v.point("anterior_margin_mm", marks.anterior_margin_mm,
+          "Anterior margin of the face, bone frame, for friedman_2d and vault_2d; the points below in the same axial "
+          "slice through the middle of the glenoid");
+  v.point("posterior_margin_mm", marks.posterior_margin_mm, "Posterior margin of the face, likewise");
+  v.point("medial_tip_mm", marks.medial_tip_mm, "Medial tip of the scapula, for friedman_2d");
+  v.point("vault_tip_mm", marks.vault_tip_mm, "Medial tip of the glenoid vault, for vault_2d");
+}
+
 void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
   v.point("near_mm", glenoid.near_mm,
           "Point within 8 mm of the face centre, bone frame. Centre and normal are detected from it, and superior "
@@ -29,6 +40,8 @@ void describe_glenoid(KeyVisitor& v, GlenoidSettings& glenoid) {
           "At least 6 points in order around the rim of the unreamed face, bone frame; they delimit the face whose "
           "orientation and area are measured. A glenoid or cup phantom has its own",
           {.least_points = 6});
+  v.section("version_landmarks", glenoid.version_landmarks, describe_version_landmarks,
+            "Points for further definitions of version (metrics.version in summary.json)");
   v.group({.names = {"near_mm", "center_mm"}, .one_needed = false});
   v.group({.names = {"near_mm", "normal"}, .one_needed = false});
   v.group({.names = {"landmarks", "center_mm"}, .one_needed = false});

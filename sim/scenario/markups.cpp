@@ -114,8 +114,9 @@ class FcsvParser {
   }
 
   void take_frame(std::string_view value) {
-    if (!points_.empty()) fail("names its coordinate system after points", "expected it before them");
-    lps_ = value == "1" || value == "LPS";
+    const bool before = std::exchange(lps_, value == "1" || value == "LPS");
+    const bool repeated = stated_ && lps_ == before;  // joined files
+    if (!points_.empty() && !repeated) fail("names its coordinate system after points", "expected it before them");
     stated_ = true;
     if (lps_ || value == "0" || value == "RAS") return;
     fail("CoordinateSystem is " + shown_text(value),
@@ -133,8 +134,7 @@ class FcsvParser {
     point.placed = !state || state->empty() || *state == kPlaced;
     const Vec3 as_written(number(cells, "x"), number(cells, "y"), number(cells, "z"));
     // 0.0 is added so that a sign that changes leaves no negative zero.
-    point.position_mm = lps_ ? as_written : Vec3(0.0 - as_written.x(), 0.0 - as_written.y(), as_written.z());
-    point.position_mm.array() += 0.0;
+    point.position_mm = (lps_ ? as_written : Vec3(-as_written.x(), -as_written.y(), as_written.z())).array() + 0.0;
     points_.push_back(std::move(point));
   }
 

@@ -12,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 #include "sim/scenario/choices.h"
+#include "sim/scenario/glenoid_settings.h"
 #include "sim/scenario/motion_settings.h"
 
 namespace reamsim {
@@ -27,27 +28,6 @@ struct DensitySettings {  ///< HU to density; see DensityMapping
   double ash_fraction = 0.6;
 
   friend bool operator==(const DensitySettings&, const DensitySettings&) = default;
-};
-
-struct LandmarkSettings {
-  Vec3 glenoid_center_mm = Vec3::Zero();
-  Vec3 trigonum_spinae_mm = Vec3::Zero();
-  Vec3 inferior_angle_mm = Vec3::Zero();
-
-  static auto fields(auto& self) {
-    return std::tie(self.glenoid_center_mm, self.trigonum_spinae_mm, self.inferior_angle_mm);
-  }
-};
-
-/// The glenoid frame: centre, normal and superior direction; or a point near the centre of a face to be found, with or
-/// without a superior direction; or landmarks.
-struct GlenoidSettings {
-  std::optional<Vec3> near_mm;
-  std::optional<Vec3> center_mm;
-  std::optional<Vec3> normal;
-  std::optional<Vec3> superior;
-  std::optional<LandmarkSettings> landmarks;
-  std::vector<Vec3> rim_mm;  ///< edge of the joint face before reaming, in order round it; empty: not given
 };
 
 /// Shapes for verification, and the parametric glenoid. Which keys apply: docs/keys.md.

@@ -292,11 +292,16 @@ TEST_F(InitMarkupsTest, SuperiorRimAndNamedPoints) {
   // Not in order round the face.
   const std::array<Point, 6> rim{{{4.7, 17, 0}, {2.3, 0, -12}, {4.7, -17, 0}, {2.3, 0, 12}, {2.6, 9, -9}, {2.6, 9, 9}}};
   for (std::size_t i = 0; i < rim.size(); ++i) points.push_back({"Rim-" + std::to_string(i + 1), rim[i]});
+  for (const std::size_t i : {0u, 2u, 3u}) points.push_back({"Face-" + std::to_string(i), rim.at(i)});
+  points.push_back({"Anterior glenoid margin", {2.3, 0, 12.5}});
+  points.push_back({"VaultTip", {0, 0, -30}});
   write("m.mrk.json", mrk_json(points));
   const ProgramResult made = init({"--markups", "m.mrk.json"});
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_THAT(made.out, HasSubstr("markups: rim: 6 points"));
-  EXPECT_THAT(read("my.yaml"), AllOf(HasSubstr("superior: [0, 1, 0]"), HasSubstr("    rim_mm:")));
+  EXPECT_THAT(read("my.yaml"), AllOf(HasSubstr("superior: [0, 1, 0]"), HasSubstr("    rim_mm:"),
+                                     HasSubstr("    version_landmarks:\n      face_mm:\n        - [4.7, 17, 0]\n"),
+                                     HasSubstr("      anterior_margin_mm: [2.3, 0, 12.5]\n      vault_tip_mm: ")));
   const ProgramResult named = init({"--markups", "m.mrk.json", "--point", "center=P7"});
   ASSERT_EQ(named.status, 0) << named.err;
   EXPECT_THAT(read("my.yaml"), HasSubstr("near_mm: [0.00, 0.00, 0.00]"));

@@ -71,6 +71,19 @@ TEST(SummaryData, AConventionNeedsItsAngle) {
   EXPECT_THAT(with, HasSubstr(R"(["Inclination of the reamer",0.0007,"°"])"));
 }
 
+TEST(SummaryData, VersionsStandSideBySide) {
+  using nlohmann::ordered_json;
+  ordered_json metrics = ordered_json::parse(R"({"version": {"face_axis_deg": null, "face_axis_reason": "no rim",
+      "two_planes_deg": 7.35, "two_planes_reason": null, "vault_2d_deg": null, "vault_2d_reason": "set it"}})");
+  const std::string planes = "Two planes: rim against scapular plane (Ganapathi et al. 2011)";
+  ordered_json expected{{"title", "Version before reaming, by definition"}, {"rows", {{planes, 7.35, "°"}}}};
+  EXPECT_EQ(tables_of(metrics)["measurements"].back(), expected) << "no reasons without a scapula";
+  metrics["orientation"]["reamer"]["inclination_deg"] = 3;
+  expected["rows"].push_back({"Axis of the face unknown", "no rim", ""});
+  expected["rows"].push_back({"Margins against tip of the vault unknown", "set it", ""});
+  EXPECT_EQ(tables_of(metrics)["measurements"].back(), expected);
+}
+
 TEST(PictureData, ChoosesEvenlyWithBothEnds) {
   EXPECT_THAT(evenly_spaced(11, 40), ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
   EXPECT_THAT(evenly_spaced(11, 3), ElementsAre(0, 5, 10));

@@ -105,6 +105,13 @@ TEST_F(MarkupsTest, OddFilesAreTheSamePoints) {
   }
 }
 
+TEST_F(MarkupsTest, JoinedFilesHaveOneFrame) {
+  const std::string first = fcsv("4.11", "LPS", "1,1,2,3,0,0,0,1,1,1,0,a,,\n");
+  EXPECT_EQ(saved(first + "#B\n" + fcsv("4.11", "LPS", "1,4,5,6,0,0,0,1,1,1,0,b,,\n")).position_mm("b"), Vec3(4, 5, 6));
+  EXPECT_THAT(error_of(first + fcsv("4.11", "RAS", "1,4,5,6,0,0,0,1,1,1,0,b,,\n")),
+              HasSubstr("m.fcsv:6: names its coordinate system after points; expected it before them"));
+}
+
 TEST_F(MarkupsTest, OtherUnitsBecomeMillimetres) {
   EXPECT_EQ(saved(json("LPS", json_point("a", "[0.022, -0.5, 0]"), "\"m\"")).only_position_mm(), Vec3(22, -500, 0));
   EXPECT_EQ(saved(json("LPS", json_point("a", "[2000, -1000, 0]"), "\"um\"")).only_position_mm(), Vec3(2, -1, 0));
