@@ -3,6 +3,7 @@
 
 #include "sim/anatomy/run_metrics.h"
 
+#include <fmt/core.h>
 #include <cmath>
 #include <numbers>
 
@@ -87,12 +88,12 @@ std::vector<FootprintColumn> footprint_of(const ColumnMap& map, const ImplantSha
 }
 
 /// The height of the apex at which kYieldingFraction of the footprint with bone has yielded; nullopt without bone.
-std::optional<double> resting_height(const SeatedImplant& implant) {
+std::optional<double> resting_height(const SeatedImplant& implant, bool on_unreamed = true) {
   std::vector<std::pair<double, double>> contacts;  // height of the apex in contact, weight
   double total = 0;
   for (const FootprintColumn& column : implant.footprint) {
     const Column& bone = implant.map.at(column.place);
-    if (!bone.has_bone()) continue;
+    if (!bone.has_bone() || (bone.state == ColumnState::bone && !on_unreamed)) continue;
     contacts.emplace_back(bone.after_mm - column.back_mm, column.weight * bone.cover);
     total += contacts.back().second;
   }
@@ -103,6 +104,23 @@ std::optional<double> resting_height(const SeatedImplant& implant) {
     if (yielded > kYieldingFraction * total) return height_mm;
   }
   return std::nullopt;
+}
+
+std::optional<HeldOff> held_off(const SeatedImplant& implant, double voxel_mm) {
+  const auto free_mm = resting_height(implant, false);
+  if (!free_mm || implant.apex_mm - *free_mm < kMinDepthVoxels * voxel_mm) return std::nullopt;
+  HeldOff out{.gap_mm = implant.apex_mm - *free_mm};
+  double highest_mm = 0;  // above the back, if the implant rested on reamed bone alone
+  for (const FootprintColumn& column : implant.footprint) {
+    const Column& bone = implant.map.at(column.place);
+    const double above_mm = bone.after_mm - column.back_mm - *free_mm;
+    if (bone.state != ColumnState::bone || above_mm <= 0) continue;
+    out.area_mm2 += column.weight * bone.cover * implant.column_mm2();
+    if (above_mm <= highest_mm) continue;
+    highest_mm = above_mm;
+    out.position_mm = implant.map.in_bone(column.place, bone.after_mm);
+  }
+  return out;
 }
 
 /// The fraction of a column that has bone within kOverhangDepth_mm under the back: its sum is exact at a straight edge.
@@ -130,12 +148,17 @@ double seated_fraction(const SeatedImplant& implant, const FootprintColumn& colu
 
 }  // namespace
 
-ImplantShape::ImplantShape(const ImplantSettings& settings)
+ImplantShape::ImplantShape(const ImplantSettings& settings, const TriangleMesh* mesh)
     : radius_mm_(settings.backside_radius_mm),
       half_width_mm_(std::max(settings.width_mm, settings.diameter_mm) / 2),
       half_height_mm_(std::max(settings.height_mm, settings.diameter_mm) / 2),
       shape_(settings.width_mm > 0 ? settings.footprint : FootprintShape::ellipse),
       augment_(settings.augment) {
+  if (mesh != nullptr && settings.mesh) {
+    underside_.emplace(*mesh);
+    pegs_below_mm_ = settings.mesh->pegs_below_mm;
+    half_width_mm_ = half_height_mm_ = underside_->reach_mm();
+  }
   if (!augment_) return;
   toward_ = augment_->direction.head<2>().normalized();
   // The sphere turns about a line across `toward_` through the point of the back at start_mm, so that it sinks on that
@@ -151,17 +174,22 @@ std::optional<double> ImplantShape::plain_mm(const Vec2& place) const {
   return sphere_bottom({0, 0, radius_mm_}, radius_mm_, place);
 }
 
-std::optional<double> ImplantShape::wedge_mm(const Vec2& place) const {
+std::optional<double> ImplantShape::augment_mm(const Vec2& place) const {
+  if (augment_->shape == AugmentShape::step) {
+    const auto plain = plain_mm(place);
+    return plain ? std::optional(*plain - (place.dot(toward_) < augment_->start_mm ? 0 : augment_->step_mm)) : plain;
+  }
   if (radius_mm_ > 0) return sphere_bottom(wedge_center_mm_, radius_mm_, place);
   return (augment_->start_mm - place.dot(toward_)) * std::tan(implicit::radians(augment_->angle_deg));
 }
 
 std::optional<double> ImplantShape::back_mm(const Vec2& place) const {
   const auto plain = plain_mm(place);
-  if (!augment_) return plain;
-  const auto wedge = wedge_mm(place);
-  if (!plain || !wedge) return plain ? plain : wedge;
-  return std::min(*plain, *wedge);
+  if (!augment_ && !underside_) return plain;
+  const auto lower = underside_ ? underside_->at(place) : augment_mm(place);
+  if (underside_ && (!lower || !plain || !is_peg({place.x(), place.y(), *lower}))) return lower;
+  if (underside_ || !lower) return plain;
+  return plain ? std::min(*plain, *lower) : *lower;
 }
 
 double ImplantShape::level_mm(const Vec2& place) const {
@@ -172,6 +200,7 @@ double ImplantShape::level_mm(const Vec2& place) const {
 
 bool ImplantShape::covers(const Vec2& place) const {
   if (!has_outline()) return true;
+  if (underside_) return underside_->covers(place);
   if (shape_ == FootprintShape::ellipse) {
     return Vec2(place.x() / half_width_mm_, place.y() / half_height_mm_).squaredNorm() <= 1;
   }
@@ -191,9 +220,43 @@ double ImplantShape::covered_fraction(const Vec2& center, double cell_mm) const 
 }
 
 double ImplantShape::augment_depth_mm() const {
+  if (underside_) return pegs_below_mm_;
   if (!augment_) return 0;
+  if (augment_->shape == AugmentShape::step) return augment_->step_mm;
   return std::max(
       (reach_mm() * std::numbers::sqrt2 - augment_->start_mm) * std::tan(implicit::radians(augment_->angle_deg)), 0.0);
+}
+
+bool ImplantShape::is_peg(const Vec3& point) const {
+  const auto plain = plain_mm(point.head<2>());
+  return plain && point.z() < *plain - pegs_below_mm_;
+}
+
+double ImplantShape::back_fraction() const {
+  constexpr double kStep_mm = 0.5;
+  int back = 0, all = 0;
+  for (double x = -reach_mm(); x <= reach_mm(); x += kStep_mm) {
+    for (double y = -reach_mm(); y <= reach_mm(); y += kStep_mm) {
+      const auto lower = underside_->at({x, y}), plain = plain_mm({x, y});
+      if (!lower || !plain) continue;
+      ++all;
+      back += std::abs(*lower - *plain) <= pegs_below_mm_ ? 1 : 0;
+    }
+  }
+  return all > 0 ? static_cast<double>(back) / all : 0;
+}
+
+std::string Seating::warning() const {
+  if (unreamed_mm2 <= kYieldingFraction * footprint_mm2) return "";
+  std::string out = fmt::format(
+      "metrics.implant: {:.0f} mm2 of its footprint of {:.0f} mm2 lie on bone that was not reamed", unreamed_mm2,
+      footprint_mm2);
+  if (held_off) {
+    const Vec3& p = held_off->position_mm;
+    out += fmt::format("; {:.0f} mm2 of it hold the implant off by {:.2f} mm, next to ({:.1f}, {:.1f}, {:.1f}) mm",
+                       held_off->area_mm2, held_off->gap_mm, p.x(), p.y(), p.z());
+  }
+  return out + "; ream wider or deeper, or use a smaller implant";
 }
 
 std::optional<Rigid> implant_pose(const ImplantSettings& settings, const Rigid& bone_from_tool, const BoneAxes& axes) {
@@ -232,7 +295,7 @@ std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& 
 
 Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, const ImplantSettings& settings,
                         double dense_g_cm3) {
-  double footprint = 0, covered = 0, overhang = 0, seated = 0;  // sums of columns
+  double footprint = 0, covered = 0, overhang = 0, seated = 0, unreamed = 0;  // sums of columns
   double gaps_mm = 0, bone_mm = 0, dense_mm = 0;
   Seating out;
   ColumnBone below(bone, implant.map, dense_g_cm3);
@@ -240,6 +303,7 @@ Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, co
     const Column& found = implant.map.at(column.place);
     const double gap_mm = implant.gap_mm(column);
     footprint += column.weight;
+    if (found.state == ColumnState::bone) unreamed += column.weight * found.cover;
     if (!column.hole) overhang += column.weight * (1 - bone_under(implant, column, below));
     seated += column.weight * seated_fraction(implant, column, settings.gap_mm, below);
     if (!found.has_bone()) continue;
@@ -252,6 +316,8 @@ Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, co
     dense_mm += column.weight * layer.dense_mm;
   }
   out.footprint_mm2 = footprint * implant.column_mm2();
+  out.unreamed_mm2 = unreamed * implant.column_mm2();
+  if (settings.seat) out.held_off = held_off(implant, bone.voxmap.grid.voxel_mm);
   out.overhang_mm2 = overhang * implant.column_mm2();
   out.overhang_percent = 100 * overhang / footprint;
   out.seated_percent = 100 * seated / footprint;

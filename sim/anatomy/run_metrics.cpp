@@ -160,7 +160,7 @@ RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
 }
 
 BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, const BoneAxes& axes,
-                         const MetricSettings& settings) {
+                         const MetricSettings& settings, const TriangleMesh* implant_mesh) {
   BoneMetrics out;
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
   out.removed = removed_volume(bone, settings.dense_g_cm3);
@@ -172,7 +172,8 @@ BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, co
   out.orientation = measure_orientation(*out.joint_line, *out.face, bone_from_tool.linear().col(2), axes);
   out.remaining_dense = remaining_dense_bone(bone, map, *out.face, settings.dense_g_cm3);
   out.perforation = find_perforation(map, voxel_mm);
-  if (settings.implant) out.planning = measure_planning(bone, bone_from_tool, *out.joint_line, axes, settings);
+  if (settings.implant)
+    out.planning = measure_planning(bone, bone_from_tool, *out.joint_line, axes, settings, implant_mesh);
   return out;
 }
 

@@ -60,6 +60,7 @@ struct SimulationInput {
   Motion motion;  ///< of the present pass
   std::vector<Pass> later_passes = {};
   FrameSpans contact{};  ///< expected (contact_forecast.h), for the choice of pictures
+  std::optional<TriangleMesh> implant_mesh{};  ///< mm, in the frame of the implant
   std::vector<std::optional<FirstContact>> first_contacts = {};  ///< by pass, of plunges whose depth counts from it
 
   /// The first contact of the present pass.
