@@ -93,7 +93,8 @@ PegSurface capsule_surface(const PegSettings& peg, double step_mm) {
       part.points.push_back({part.center_mm + radius_mm * outward, outward});
     }
   };
-  PegSurface out{.axis_mm = {peg.from_mm, peg.to_mm}};
+  PegSurface out;
+  out.axis_mm = {peg.from_mm, peg.to_mm};
   const double count = std::ceil(length_mm / step_mm);
   for (double i = 0.5; i < count; ++i) {
     const Vec3 center = peg.from_mm + i / count * length_mm * along;

@@ -248,9 +248,9 @@ double ImplantShape::back_fraction() const {
 
 std::string Seating::warning() const {
   if (unreamed_mm2 <= kYieldingFraction * footprint_mm2) return "";
-  std::string out = fmt::format(
-      "metrics.implant: {:.0f} mm2 of its footprint of {:.0f} mm2 lie on bone that was not reamed", unreamed_mm2,
-      footprint_mm2);
+  std::string out =
+      fmt::format("metrics.implant: {:.0f} mm2 of its footprint of {:.0f} mm2 lie on bone that was not reamed",
+                  unreamed_mm2, footprint_mm2);
   if (held_off) {
     const Vec3& p = held_off->position_mm;
     out += fmt::format("; {:.0f} mm2 of it hold the implant off by {:.2f} mm, next to ({:.1f}, {:.1f}, {:.1f}) mm",

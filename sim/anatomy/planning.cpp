@@ -148,7 +148,8 @@ std::vector<PegSurface> surfaces_of_pegs(const ImplantSettings& settings, const 
   std::vector<PegSurface> out;
   for (const PegSettings& peg : settings.pegs) out.push_back(capsule_surface(peg, step_mm));
   if (mesh == nullptr || !settings.mesh) return out;
-  return peg_surfaces(*mesh, [&](const Vec3& vertex) { return shape.is_peg(vertex); }, step_mm, kRayVoxels * voxel_mm);
+  return peg_surfaces(
+      *mesh, [&](const Vec3& vertex) { return shape.is_peg(vertex); }, step_mm, kRayVoxels * voxel_mm);
 }
 
 void set_angles(Planning& out, const Vec3& axis, const JointLine& line, const BoneAxes& axes) {

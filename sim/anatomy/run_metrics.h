@@ -298,7 +298,7 @@ struct Planning {
   Measured<double> medialization_mm;
   Seating seating;
   Vault vault;
-  std::vector<PegWall> pegs;  ///< in the order of the settings, or of the mesh
+  std::vector<PegWall> pegs;                       ///< in the order of the settings, or of the mesh
   std::vector<std::pair<Vec3, Vec3>> peg_axes_mm;  ///< likewise, in the frame of the implant
 
   [[nodiscard]] std::ptrdiff_t pegs_perforated() const {

@@ -198,8 +198,9 @@ TriangleMesh read_closed_part(const PartFile& file, Diagnostics& report) {
   MeshContents contents = read_mesh_contents(file.path, file.scale, file.key);
   report.append(contents.report, file.key + ": ");
   if (!contents.space.empty()) {
-    report.note(fmt::format("{}: the header says SPACE={}; the coordinates of a {} are taken as they stand, in its frame",
-                            file.key, contents.space, file.part));
+    report.note(
+        fmt::format("{}: the header says SPACE={}; the coordinates of a {} are taken as they stand, in its frame",
+                    file.key, contents.space, file.part));
   }
   TriangleMesh mesh = std::move(contents.mesh);
   const MeshDiagnosis diagnosis = diagnose(mesh);

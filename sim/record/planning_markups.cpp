@@ -128,8 +128,9 @@ void add_pegs(OrderedJson& markups, const BoneMetrics& metrics) {
   int number = 0;
   for (const auto& [from_mm, to_mm] : metrics.planning->peg_axes_mm) {
     const std::string name = "peg " + std::to_string(++number);
-    markups.push_back(markup_json(
-        "Line", name, {{name + " from", bone_from_implant * from_mm}, {name + " to", bone_from_implant * to_mm}}, kPeg));
+    markups.push_back(
+        markup_json("Line", name,
+                    {{name + " from", bone_from_implant * from_mm}, {name + " to", bone_from_implant * to_mm}}, kPeg));
   }
 }
 

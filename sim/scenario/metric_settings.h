@@ -12,8 +12,9 @@
 
 namespace reamsim {
 
-/// A wedge or step on the back of an implant, from the line across `direction`, `start_mm` from its axis, on. wedge: the
-/// back is the lower of the plain back and its copy rotated by `angle_deg` about that line; step: `step_mm` below it.
+/// A wedge or step on the back of an implant, from the line across `direction`, `start_mm` from its axis, on. wedge:
+/// the back is the lower of the plain back and its copy rotated by `angle_deg` about that line; step: `step_mm` below
+/// it.
 struct AugmentSettings {
   AugmentShape shape = AugmentShape::wedge;
   double angle_deg = 15;
@@ -22,8 +23,8 @@ struct AugmentSettings {
   double start_mm = 0;      ///< 0: half wedge
 };
 
-/// A closed mesh in the frame of the implant. What lies deeper than `pegs_below_mm` below the plain back is peg, the rest
-/// of its underside is the back.
+/// A closed mesh in the frame of the implant. What lies deeper than `pegs_below_mm` below the plain back is peg, the
+/// rest of its underside is the back.
 struct ImplantMeshSettings {
   std::string path;
   double scale = 1;  ///< mm per file unit
