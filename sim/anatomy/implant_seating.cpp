@@ -29,6 +29,8 @@ std::optional<double> sphere_bottom(const Vec3& center, double radius, const Vec
 constexpr double kYieldingFraction = 0.01;
 /// Columns per voxel: a finer map locates the edges of footprint and contact.
 constexpr double kColumnsPerVoxel = 2;
+/// A back that changes by more than this within a voxel, voxels, has a wall there; the steepest wedge changes by 1.7.
+constexpr double kWallVoxels = 2;
 /// The map exceeds the footprint, so that cores and holes at its edge are known, voxels.
 constexpr double kMapMarginVoxels = 4;
 
@@ -68,8 +70,15 @@ std::vector<FootprintColumn> footprint_of(const ColumnMap& map, const ImplantSha
       mark_groups(map, ColumnState::through, [](const ColumnGroup& group) { return !group.reaches_air; });
   std::vector<FootprintColumn> out;
   const auto add = [&](const ColumnPlace& place, double weight) {
-    const auto back_mm = shape.back_mm(map.center_mm(place));
-    if (weight > 0 && back_mm) out.push_back({place, weight, *back_mm, holes[map.index(place)] != 0});
+    const Vec2 center_mm = map.center_mm(place);
+    const auto back_mm = shape.back_mm(center_mm);
+    if (weight <= 0 || !back_mm) return;
+    const auto is_steep = [&](const Vec2& step) {
+      return std::abs(shape.back_mm(center_mm + voxel_mm * step).value_or(*back_mm) - *back_mm) >
+             kWallVoxels * voxel_mm;
+    };
+    const bool beside_wall = is_steep({1, 0}) || is_steep({-1, 0}) || is_steep({0, 1}) || is_steep({0, -1});
+    out.push_back({place, weight, *back_mm, holes[map.index(place)] != 0, beside_wall});
   };
   if (!shape.has_outline()) {
     for (const ColumnPlace& place : face.columns) add(place, 1);
@@ -87,13 +96,15 @@ std::vector<FootprintColumn> footprint_of(const ColumnMap& map, const ImplantSha
   return out;
 }
 
-/// The height of the apex at which kYieldingFraction of the footprint with bone has yielded; nullopt without bone.
-std::optional<double> resting_height(const SeatedImplant& implant, bool on_unreamed = true) {
+/// The height of the apex at which kYieldingFraction of the bone under those parts of the footprint that `carries` says
+/// has yielded; nullopt without bone. Beside a wall of the back the height of the bone is a mean over both its sides.
+template <class Carries>
+std::optional<double> resting_height(const SeatedImplant& implant, const Carries& carries) {
   std::vector<std::pair<double, double>> contacts;  // height of the apex in contact, weight
   double total = 0;
   for (const FootprintColumn& column : implant.footprint) {
     const Column& bone = implant.map.at(column.place);
-    if (!bone.has_bone() || (bone.state == ColumnState::bone && !on_unreamed)) continue;
+    if (!bone.has_bone() || column.beside_wall || !carries(column)) continue;
     contacts.emplace_back(bone.after_mm - column.back_mm, column.weight * bone.cover);
     total += contacts.back().second;
   }
@@ -106,21 +117,31 @@ std::optional<double> resting_height(const SeatedImplant& implant, bool on_unrea
   return std::nullopt;
 }
 
-std::optional<HeldOff> held_off(const SeatedImplant& implant, double voxel_mm) {
-  const auto free_mm = resting_height(implant, false);
-  if (!free_mm || implant.apex_mm - *free_mm < kMinDepthVoxels * voxel_mm) return std::nullopt;
-  HeldOff out{.gap_mm = implant.apex_mm - *free_mm};
+/// Sets unreamed_mm2 and held_off. Of the columns beside unreamed bone, which mix it with the reamed face, those belong
+/// to it that stand higher above that face than they lost bone.
+void measure_unreamed(const SeatedImplant& implant, bool seated, double voxel_mm, Seating& out) {
+  const ColumnMap& map = implant.map;
+  const int edge = face_edge_columns(map, voxel_mm);
+  const auto is_unreamed = [&](const ColumnPlace& place) { return map.at(place).state == ColumnState::bone; };
+  const auto on_face = [&](const FootprintColumn& column) { return !any_nearby(map, column.place, edge, is_unreamed); };
+  const auto free_mm = resting_height(implant, on_face);
+  const double gap_mm = implant.apex_mm - free_mm.value_or(implant.apex_mm);
+  HeldOff held{.gap_mm = gap_mm};
   double highest_mm = 0;  // above the back, if the implant rested on reamed bone alone
   for (const FootprintColumn& column : implant.footprint) {
-    const Column& bone = implant.map.at(column.place);
-    const double above_mm = bone.after_mm - column.back_mm - *free_mm;
-    if (bone.state != ColumnState::bone || above_mm <= 0) continue;
-    out.area_mm2 += column.weight * bone.cover * implant.column_mm2();
+    const Column& bone = map.at(column.place);
+    const double above_mm = gap_mm - implant.gap_mm(column);  // the face if it rested there
+    const bool mixed = bone.state == ColumnState::reamed && above_mm > bone.depth_mm && !on_face(column);
+    if (bone.state != ColumnState::bone && !mixed) continue;
+    const double area_mm2 = column.weight * bone.cover * implant.column_mm2();
+    out.unreamed_mm2 += area_mm2;
+    if (above_mm <= 0) continue;
+    held.area_mm2 += area_mm2;
     if (above_mm <= highest_mm) continue;
     highest_mm = above_mm;
-    out.position_mm = implant.map.in_bone(column.place, bone.after_mm);
+    held.position_mm = map.in_bone(column.place, bone.after_mm);
   }
-  return out;
+  if (seated && gap_mm >= kMinDepthVoxels * voxel_mm) out.held_off = held;
 }
 
 /// The fraction of a column that has bone within kOverhangDepth_mm under the back: its sum is exact at a straight edge.
@@ -286,7 +307,7 @@ std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& 
   SeatedImplant out;
   out.map = map_under(bone, bone_from_implant, shape);
   out.footprint = footprint_of(out.map, shape, bone.voxmap.grid.voxel_mm);
-  const auto resting_mm = resting_height(out);
+  const auto resting_mm = resting_height(out, [](const FootprintColumn&) { return true; });
   if (!resting_mm) return std::nullopt;
   if (settings.seat) out.apex_mm = *resting_mm;
   out.bone_from_implant = bone_from_implant * Eigen::Translation3d(0, 0, out.apex_mm);
@@ -295,7 +316,7 @@ std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& 
 
 Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, const ImplantSettings& settings,
                         double dense_g_cm3) {
-  double footprint = 0, covered = 0, overhang = 0, seated = 0, unreamed = 0;  // sums of columns
+  double footprint = 0, covered = 0, overhang = 0, seated = 0;  // sums of columns
   double gaps_mm = 0, bone_mm = 0, dense_mm = 0;
   Seating out;
   ColumnBone below(bone, implant.map, dense_g_cm3);
@@ -303,7 +324,6 @@ Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, co
     const Column& found = implant.map.at(column.place);
     const double gap_mm = implant.gap_mm(column);
     footprint += column.weight;
-    if (found.state == ColumnState::bone) unreamed += column.weight * found.cover;
     if (!column.hole) overhang += column.weight * (1 - bone_under(implant, column, below));
     seated += column.weight * seated_fraction(implant, column, settings.gap_mm, below);
     if (!found.has_bone()) continue;
@@ -316,8 +336,7 @@ Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, co
     dense_mm += column.weight * layer.dense_mm;
   }
   out.footprint_mm2 = footprint * implant.column_mm2();
-  out.unreamed_mm2 = unreamed * implant.column_mm2();
-  if (settings.seat) out.held_off = held_off(implant, bone.voxmap.grid.voxel_mm);
+  measure_unreamed(implant, settings.seat, below.voxel_mm(), out);
   out.overhang_mm2 = overhang * implant.column_mm2();
   out.overhang_percent = 100 * overhang / footprint;
   out.seated_percent = 100 * seated / footprint;

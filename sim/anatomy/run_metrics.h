@@ -212,9 +212,10 @@ std::optional<Rigid> implant_pose(const ImplantSettings& settings, const Rigid& 
 /// A column under the footprint of an implant.
 struct FootprintColumn {
   ColumnPlace place;
-  double weight = 0;   ///< fraction of the column within the footprint
-  double back_mm = 0;  ///< height of the implant's back above its apex
-  bool hole = false;   ///< reamed through, surrounded by bone
+  double weight = 0;         ///< fraction of the column within the footprint
+  double back_mm = 0;        ///< height of the implant's back above its apex
+  bool hole = false;         ///< reamed through, surrounded by bone
+  bool beside_wall = false;  ///< within a voxel of a wall of the back, as that of a step
 };
 
 struct SeatedImplant {

@@ -142,7 +142,7 @@ TEST(ImplantFit, AMeshIsItsBackAndItsPeg) {
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->seating.footprint_mm2, 18 * 14, 0.01 * 18 * 14);
   EXPECT_NEAR(found->seating.overhang_mm2, 14, 0.7);
-  EXPECT_NEAR(found->seating.max_gap_mm, 0, kTenthVoxel);
+  EXPECT_NEAR(found->seating.mean_gap_mm, 0, kTenthVoxel);
   ASSERT_EQ(found->pegs.size(), 1);
   EXPECT_NEAR(found->pegs[0].length_mm, 8, kTenthVoxel);
   EXPECT_NEAR(found->pegs[0].in_bone_mm, 8, 2 * kTenthVoxel);
