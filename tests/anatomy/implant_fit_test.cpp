@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Fit of implants of several shapes and poses, against closed forms: within a tenth of a voxel or 1 %.
+#include "sim/mesh/mesh_io.h"
 #include "tests/anatomy/implant_fixture.h"
 
 namespace reamsim::test {
@@ -154,6 +155,32 @@ TEST(ImplantFit, AMeshIsItsBackAndItsPeg) {
   ASSERT_TRUE(through);
   EXPECT_NEAR(through->pegs.at(0).perforated_mm, 1, 2 * kTenthVoxel);
   EXPECT_EQ(through->pegs_perforated(), 1);
+}
+
+TEST(ImplantFit, AMeshFileIsClosedAndInTheFrameOfTheImplant) {
+  const std::string path = ::testing::TempDir() + "implant.stl";
+  ImplantSettings settings{.mesh = ImplantMeshSettings{.path = path}};
+  const auto complaint = [&](TriangleMesh mesh, double shift_mm) -> std::string {
+    for (Vec3& vertex : mesh.vertices) vertex.z() += shift_mm;
+    write_stl(path, mesh);
+    Diagnostics report;
+    try {
+      EXPECT_NEAR(read_implant_mesh(settings, report).volume_mm3(), mesh.volume_mm3(), 0.01);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const TriangleMesh whole = plate_with_peg(2, 8);
+  EXPECT_EQ(complaint(whole, 0), "");
+  EXPECT_NE(complaint(whole, 1.5).find("metrics.implant.mesh.path: 0 % of its underside lie within 1 mm"),
+            std::string::npos)
+      << complaint(whole, 1.5);
+  TriangleMesh open = whole;
+  open.triangles.pop_back();
+  EXPECT_NE(complaint(open, 0).find("give a closed two-manifold surface"), std::string::npos) << complaint(open, 0);
+  settings.mesh->scale = 1000;
+  EXPECT_NE(complaint(whole, 0).find("check metrics.implant.mesh.scale"), std::string::npos) << complaint(whole, 0);
 }
 
 TEST(ImplantFit, AFullWedgeIsATiltedFlatBack) {
