@@ -176,9 +176,10 @@ ImplantShape::ImplantShape(const ImplantSettings& settings, const TriangleMesh* 
       shape_(settings.width_mm > 0 ? settings.footprint : FootprintShape::ellipse),
       augment_(settings.augment) {
   if (mesh != nullptr && settings.mesh) {
-    underside_.emplace(*mesh);
+    mesh_.emplace(*mesh, 2);
     pegs_below_mm_ = settings.mesh->pegs_below_mm;
-    half_width_mm_ = half_height_mm_ = underside_->reach_mm();
+    const Aabb box = mesh->bounds();
+    half_width_mm_ = half_height_mm_ = box.max.cwiseAbs().cwiseMax(box.min.cwiseAbs()).head<2>().maxCoeff();
   }
   if (!augment_) return;
   toward_ = augment_->direction.head<2>().normalized();
@@ -206,11 +207,17 @@ std::optional<double> ImplantShape::augment_mm(const Vec2& place) const {
 
 std::optional<double> ImplantShape::back_mm(const Vec2& place) const {
   const auto plain = plain_mm(place);
-  if (!augment_ && !underside_) return plain;
-  const auto lower = underside_ ? underside_->at(place) : augment_mm(place);
-  if (underside_ && (!lower || !plain || !is_peg({place.x(), place.y(), *lower}))) return lower;
-  if (underside_ || !lower) return plain;
-  return plain ? std::min(*plain, *lower) : *lower;
+  if (!augment_ && !mesh_) return plain;
+  const auto lower = mesh_ ? underside_mm(place) : augment_mm(place);
+  if (mesh_) return lower && plain && is_peg({place.x(), place.y(), *lower}) ? plain : lower;
+  if (!plain || !lower) return plain ? plain : lower;
+  return std::min(*plain, *lower);
+}
+
+std::optional<double> ImplantShape::underside_mm(const Vec2& place) const {
+  std::vector<LineCrossings::Crossing> crossings;
+  mesh_->along(place.x(), place.y(), crossings);
+  return crossings.empty() ? std::nullopt : std::optional(crossings.front().at_mm);
 }
 
 double ImplantShape::level_mm(const Vec2& place) const {
@@ -221,7 +228,7 @@ double ImplantShape::level_mm(const Vec2& place) const {
 
 bool ImplantShape::covers(const Vec2& place) const {
   if (!has_outline()) return true;
-  if (underside_) return underside_->covers(place);
+  if (mesh_) return underside_mm(place).has_value();
   if (shape_ == FootprintShape::ellipse) {
     return Vec2(place.x() / half_width_mm_, place.y() / half_height_mm_).squaredNorm() <= 1;
   }
@@ -231,17 +238,17 @@ bool ImplantShape::covers(const Vec2& place) const {
 }
 
 double ImplantShape::covered_fraction(const Vec2& center, double cell_mm) const {
-  constexpr int kPoints = 8;
+  const int points = mesh_ ? 4 : 8;
   int inside = 0;
-  for (int n = 0; n < kPoints * kPoints; ++n) {
-    const Vec2 offset = (Vec2(n % kPoints, n / kPoints) + Vec2::Constant(0.5)) / kPoints - Vec2::Constant(0.5);
+  for (int n = 0; n < points * points; ++n) {
+    const Vec2 offset = (Vec2(n % points, n / points) + Vec2::Constant(0.5)) / points - Vec2::Constant(0.5);
     inside += covers(center + cell_mm * offset) ? 1 : 0;
   }
-  return static_cast<double>(inside) / (kPoints * kPoints);
+  return static_cast<double>(inside) / (points * points);
 }
 
 double ImplantShape::augment_depth_mm() const {
-  if (underside_) return pegs_below_mm_;
+  if (mesh_) return pegs_below_mm_;
   if (!augment_) return 0;
   if (augment_->shape == AugmentShape::step) return augment_->step_mm;
   return std::max(
@@ -258,7 +265,7 @@ double ImplantShape::back_fraction() const {
   int back = 0, all = 0;
   for (double x = -reach_mm(); x <= reach_mm(); x += kStep_mm) {
     for (double y = -reach_mm(); y <= reach_mm(); y += kStep_mm) {
-      const auto lower = underside_->at({x, y}), plain = plain_mm({x, y});
+      const auto lower = underside_mm({x, y}), plain = plain_mm({x, y});
       if (!lower || !plain) continue;
       ++all;
       back += std::abs(*lower - *plain) <= pegs_below_mm_ ? 1 : 0;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSurfaceFraction = 0.5;  // fraction at the surface of the bone
 constexpr double kStationVoxels = 0.1;    // between circumferences
-constexpr int kStationsPerFan = 5;        // rays start at every fifth circumference
+constexpr double kPointVoxels = 0.2;      // between points of a mesh
 constexpr double kRayVoxels = 0.5;        // step along a ray
 constexpr int kHalvings = 12;             // of the last step
 constexpr double kFaceCosine = 0.7071;    // a surface steeper than 45° against the implant is a wall
@@ -111,45 +111,37 @@ class BoneAround {
 };
 
 PegWall measure_peg(BoneAround& bone, const PegSurface& peg) {
-  constexpr double kFar_mm = 1e9;
-  double least_mm = kFar_mm;
-  const auto shorten = [&](const PegSurface::Part& part) {
-    for (const PegPoint& p : part.points) {
-      if (bone.below_back(p.at_mm)) least_mm = std::min(least_mm, bone.wall_mm(p.at_mm, p.outward, least_mm));
-    }
-  };
   PegWall out;
-  int below = 0;
-  for (const PegSurface::Part& part : peg.circumferences) {
-    if (!bone.below_back(part.center_mm)) continue;
+  for (const PegSurface::Circumference& one : peg.circumferences) {
+    if (!bone.below_back(one.center_mm)) continue;
     bool all_in_bone = true, any_outside = false;
-    for (const PegPoint& p : part.points) {
+    for (const PegPoint& p : one.points) {
       if (bone.in_bone(p.at_mm)) continue;
       all_in_bone = false;
       any_outside |= bone.outside(p.at_mm);
     }
-    out.length_mm += part.length_mm;
-    out.in_bone_mm += all_in_bone ? part.length_mm : 0;
-    out.perforated_mm += any_outside ? part.length_mm : 0;
-    if (below++ % kStationsPerFan == 0) shorten(part);
+    out.length_mm += one.length_mm;
+    out.in_bone_mm += all_in_bone ? one.length_mm : 0;
+    out.perforated_mm += any_outside ? one.length_mm : 0;
   }
-  if (below == 0) return out;
-  for (const PegSurface::Part& end : peg.ends) {
-    if (bone.below_back(end.center_mm)) shorten(end);
+  if (out.length_mm == 0) return out;
+  constexpr double kFar_mm = 1e9;
+  double least_mm = out.perforated_mm > 0 ? 0 : kFar_mm;
+  for (const PegPoint& ray : peg.rays) {
+    if (least_mm > 0 && bone.below_back(ray.at_mm))
+      least_mm = std::min(least_mm, bone.wall_mm(ray.at_mm, ray.outward, least_mm));
   }
-  if (out.perforated_mm > 0) least_mm = 0;
   if (least_mm < kFar_mm) out.least_wall_mm = least_mm;
   return out;
 }
 
 std::vector<PegSurface> surfaces_of_pegs(const ImplantSettings& settings, const ImplantShape& shape,
                                          const TriangleMesh* mesh, double voxel_mm) {
-  const double step_mm = kStationVoxels * voxel_mm;
   std::vector<PegSurface> out;
-  for (const PegSettings& peg : settings.pegs) out.push_back(capsule_surface(peg, step_mm));
+  for (const PegSettings& peg : settings.pegs) out.push_back(capsule_surface(peg, kStationVoxels * voxel_mm));
   if (mesh == nullptr || !settings.mesh) return out;
   return peg_surfaces(
-      *mesh, [&](const Vec3& vertex) { return shape.is_peg(vertex); }, step_mm, kRayVoxels * voxel_mm);
+      *mesh, [&](const Vec3& vertex) { return shape.is_peg(vertex); }, kPointVoxels * voxel_mm);
 }
 
 void set_angles(Planning& out, const Vec3& axis, const JointLine& line, const BoneAxes& axes) {

@@ -14,6 +14,7 @@
 #include "sim/anatomy/implant_mesh.h"
 #include "sim/base/geometry.h"
 #include "sim/bone/bone.h"
+#include "sim/mesh/winding.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
@@ -179,7 +180,7 @@ class ImplantShape {
   [[nodiscard]] bool has_outline() const { return half_width_mm_ > 0; }
   /// Whether a place lies within the outline; true without one.
   [[nodiscard]] bool covers(const Vec2& place) const;
-  /// The fraction of a square cell within the outline, from 8 × 8 points.
+  /// The fraction of a square cell within the outline, from 8 × 8 points; of a mesh 4 × 4.
   [[nodiscard]] double covered_fraction(const Vec2& center, double cell_mm) const;
   /// Half the longer side of the outline's bounding box.
   [[nodiscard]] double reach_mm() const { return std::max(half_width_mm_, half_height_mm_); }
@@ -187,19 +188,20 @@ class ImplantShape {
   [[nodiscard]] double augment_depth_mm() const;
   /// Whether a point of the mesh lies so far below the plain back that it belongs to a peg.
   [[nodiscard]] bool is_peg(const Vec3& point) const;
-  /// The fraction of the underside of the mesh that lies above the pegs and as far below the top of an augment.
+  /// The fraction of the underside of the mesh within ImplantMeshSettings::pegs_below_mm of the plain back.
   [[nodiscard]] double back_fraction() const;
 
  private:
   [[nodiscard]] std::optional<double> plain_mm(const Vec2& place) const;
   [[nodiscard]] std::optional<double> augment_mm(const Vec2& place) const;
+  [[nodiscard]] std::optional<double> underside_mm(const Vec2& place) const;
 
   double radius_mm_;  ///< 0: flat
   double half_width_mm_;
   double half_height_mm_;
   FootprintShape shape_;
   std::optional<AugmentSettings> augment_;
-  std::optional<ImplantUnderside> underside_;  ///< of the mesh
+  std::optional<LineCrossings> mesh_;  ///< its crossings with lines along z
   double pegs_below_mm_ = 0;
   Vec2 toward_ = Vec2::UnitX();          ///< of the augment
   Vec3 wedge_center_mm_ = Vec3::Zero();  ///< of the rotated sphere
