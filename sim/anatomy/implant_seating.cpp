@@ -117,8 +117,8 @@ std::optional<double> resting_height(const SeatedImplant& implant, const Carries
   return std::nullopt;
 }
 
-/// Sets unreamed_mm2 and held_off. Of the columns beside unreamed bone, which mix it with the reamed face, those belong
-/// to it that stand higher above that face than they lost bone.
+/// Sets unreamed_mm2 and held_off of a Seating with a footprint. Of the columns beside unreamed bone, which mix it with
+/// the reamed face, those belong to it that stand higher above that face than they lost bone.
 void measure_unreamed(const SeatedImplant& implant, bool seated, double voxel_mm, Seating& out) {
   const ColumnMap& map = implant.map;
   const int edge = face_edge_columns(map, voxel_mm);
@@ -141,7 +141,8 @@ void measure_unreamed(const SeatedImplant& implant, bool seated, double voxel_mm
     highest_mm = above_mm;
     held.position_mm = map.in_bone(column.place, bone.after_mm);
   }
-  if (seated && gap_mm >= kMinDepthVoxels * voxel_mm) out.held_off = held;
+  const bool carries = held.area_mm2 > kYieldingFraction * out.footprint_mm2;
+  if (seated && carries && gap_mm >= kMinDepthVoxels * voxel_mm) out.held_off = held;
 }
 
 /// The fraction of a column that has bone within kOverhangDepth_mm under the back: its sum is exact at a straight edge.
