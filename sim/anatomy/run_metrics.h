@@ -304,8 +304,9 @@ struct Planning {
   std::vector<PegWall> pegs;                       ///< in the order of the settings, or of the mesh
   std::vector<std::pair<Vec3, Vec3>> peg_axes_mm;  ///< likewise, in the frame of the implant
 
+  /// Pegs of which a part, perhaps only the end, leaves the outer surface of the bone.
   [[nodiscard]] std::ptrdiff_t pegs_perforated() const {
-    return std::ranges::count_if(pegs, [](const PegWall& peg) { return peg.perforated_mm > 0; });
+    return std::ranges::count_if(pegs, [](const PegWall& peg) { return peg.least_wall_mm == 0.0; });
   }
 };
 
