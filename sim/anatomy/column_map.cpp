@@ -83,7 +83,8 @@ class ColumnScan {
   /// The column whose first sample is at `top` of B; `down` has length 1.
   Column scan(const Vec3& top, const Vec3& down) {
     const double bone = sample(top, down);
-    if (removed_mm_ >= kMinDepthVoxels * voxel_mm_) return reamed_column();
+    // Along a tall core or wall what interpolation takes from the column adds up, though no part of it was removed.
+    if (removed_mm_ >= kMinDepthVoxels * voxel_mm_ && largest_cut_ >= kNegligible) return reamed_column();
     const std::size_t deep = fullest(before_, first_bone());
     const double height_mm = surface_above(before_, deep);
     const bool grazed = bone * step_mm_ < kHalf * voxel_mm_;
@@ -110,12 +111,14 @@ class ColumnScan {
   double sample(const Vec3& top, const Vec3& down) {
     double bone = 0;
     double removed = 0;
+    largest_cut_ = 0;
     for (std::size_t i = 0; i < before_.size(); ++i) {
       const Fractions here = fractions_.at(top + static_cast<double>(i) * step_mm_ * down);
       before_[i] = here.before;
       after_[i] = here.after;
       bone += here.before;
       removed += here.before - here.after;
+      largest_cut_ = std::max(largest_cut_, here.before - here.after);
     }
     removed_mm_ = removed * step_mm_;
     return bone;
@@ -175,7 +178,8 @@ class ColumnScan {
   double voxel_mm_;
   double top_mm_;
   double step_mm_ = 0;
-  double removed_mm_ = 0;  ///< of the last column
+  double removed_mm_ = 0;   ///< of the last column
+  double largest_cut_ = 0;  ///< largest removed fraction of a sample of it
   std::vector<double> before_;
   std::vector<double> after_;
 };

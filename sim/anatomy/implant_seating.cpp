@@ -3,6 +3,7 @@
 
 #include "sim/anatomy/run_metrics.h"
 
+#include <fmt/core.h>
 #include <cmath>
 #include <numbers>
 
@@ -28,6 +29,8 @@ std::optional<double> sphere_bottom(const Vec3& center, double radius, const Vec
 constexpr double kYieldingFraction = 0.01;
 /// Columns per voxel: a finer map locates the edges of footprint and contact.
 constexpr double kColumnsPerVoxel = 2;
+/// A back that changes by more than this within a voxel, voxels, has a wall there; the steepest wedge changes by 1.7.
+constexpr double kWallVoxels = 2;
 /// The map exceeds the footprint, so that cores and holes at its edge are known, voxels.
 constexpr double kMapMarginVoxels = 4;
 
@@ -67,8 +70,15 @@ std::vector<FootprintColumn> footprint_of(const ColumnMap& map, const ImplantSha
       mark_groups(map, ColumnState::through, [](const ColumnGroup& group) { return !group.reaches_air; });
   std::vector<FootprintColumn> out;
   const auto add = [&](const ColumnPlace& place, double weight) {
-    const auto back_mm = shape.back_mm(map.center_mm(place));
-    if (weight > 0 && back_mm) out.push_back({place, weight, *back_mm, holes[map.index(place)] != 0});
+    const Vec2 center_mm = map.center_mm(place);
+    const auto back_mm = shape.back_mm(center_mm);
+    if (weight <= 0 || !back_mm) return;
+    const auto is_steep = [&](const Vec2& step) {
+      return std::abs(shape.back_mm(center_mm + voxel_mm * step).value_or(*back_mm) - *back_mm) >
+             kWallVoxels * voxel_mm;
+    };
+    const bool beside_wall = is_steep({1, 0}) || is_steep({-1, 0}) || is_steep({0, 1}) || is_steep({0, -1});
+    out.push_back({place, weight, *back_mm, holes[map.index(place)] != 0, beside_wall});
   };
   if (!shape.has_outline()) {
     for (const ColumnPlace& place : face.columns) add(place, 1);
@@ -86,13 +96,15 @@ std::vector<FootprintColumn> footprint_of(const ColumnMap& map, const ImplantSha
   return out;
 }
 
-/// The height of the apex at which kYieldingFraction of the footprint with bone has yielded; nullopt without bone.
-std::optional<double> resting_height(const SeatedImplant& implant) {
+/// The height of the apex at which kYieldingFraction of the bone under those parts of the footprint that `carries` says
+/// has yielded; nullopt without bone. Beside a wall of the back the height of the bone is a mean over both its sides.
+template <class Carries>
+std::optional<double> resting_height(const SeatedImplant& implant, const Carries& carries) {
   std::vector<std::pair<double, double>> contacts;  // height of the apex in contact, weight
   double total = 0;
   for (const FootprintColumn& column : implant.footprint) {
     const Column& bone = implant.map.at(column.place);
-    if (!bone.has_bone()) continue;
+    if (!bone.has_bone() || column.beside_wall || !carries(column)) continue;
     contacts.emplace_back(bone.after_mm - column.back_mm, column.weight * bone.cover);
     total += contacts.back().second;
   }
@@ -103,6 +115,34 @@ std::optional<double> resting_height(const SeatedImplant& implant) {
     if (yielded > kYieldingFraction * total) return height_mm;
   }
   return std::nullopt;
+}
+
+/// Sets unreamed_mm2 and held_off of a Seating with a footprint. Of the columns beside unreamed bone, which mix it with
+/// the reamed face, those belong to it that stand higher above that face than they lost bone.
+void measure_unreamed(const SeatedImplant& implant, bool seated, double voxel_mm, Seating& out) {
+  const ColumnMap& map = implant.map;
+  const int edge = face_edge_columns(map, voxel_mm);
+  const auto is_unreamed = [&](const ColumnPlace& place) { return map.at(place).state == ColumnState::bone; };
+  const auto on_face = [&](const FootprintColumn& column) { return !any_nearby(map, column.place, edge, is_unreamed); };
+  const auto free_mm = resting_height(implant, on_face);
+  const double gap_mm = implant.apex_mm - free_mm.value_or(implant.apex_mm);
+  HeldOff held{.gap_mm = gap_mm};
+  double highest_mm = 0;  // above the back, if the implant rested on reamed bone alone
+  for (const FootprintColumn& column : implant.footprint) {
+    const Column& bone = map.at(column.place);
+    const double above_mm = gap_mm - implant.gap_mm(column);  // the face if it rested there
+    const bool mixed = bone.state == ColumnState::reamed && above_mm > bone.depth_mm && !on_face(column);
+    if (bone.state != ColumnState::bone && !mixed) continue;
+    const double area_mm2 = column.weight * bone.cover * implant.column_mm2();
+    out.unreamed_mm2 += area_mm2;
+    if (above_mm <= 0) continue;
+    held.area_mm2 += area_mm2;
+    if (above_mm <= highest_mm) continue;
+    highest_mm = above_mm;
+    held.position_mm = map.in_bone(column.place, bone.after_mm);
+  }
+  const bool carries = held.area_mm2 > kYieldingFraction * out.footprint_mm2;
+  if (seated && carries && gap_mm >= kMinDepthVoxels * voxel_mm) out.held_off = held;
 }
 
 /// The fraction of a column that has bone within kOverhangDepth_mm under the back: its sum is exact at a straight edge.
@@ -130,12 +170,18 @@ double seated_fraction(const SeatedImplant& implant, const FootprintColumn& colu
 
 }  // namespace
 
-ImplantShape::ImplantShape(const ImplantSettings& settings)
+ImplantShape::ImplantShape(const ImplantSettings& settings, const TriangleMesh* mesh)
     : radius_mm_(settings.backside_radius_mm),
       half_width_mm_(std::max(settings.width_mm, settings.diameter_mm) / 2),
       half_height_mm_(std::max(settings.height_mm, settings.diameter_mm) / 2),
       shape_(settings.width_mm > 0 ? settings.footprint : FootprintShape::ellipse),
       augment_(settings.augment) {
+  if (mesh != nullptr && settings.mesh) {
+    mesh_.emplace(*mesh, 2);
+    pegs_below_mm_ = settings.mesh->pegs_below_mm;
+    const Aabb box = mesh->bounds();
+    half_width_mm_ = half_height_mm_ = box.max.cwiseAbs().cwiseMax(box.min.cwiseAbs()).head<2>().maxCoeff();
+  }
   if (!augment_) return;
   toward_ = augment_->direction.head<2>().normalized();
   // The sphere turns about a line across `toward_` through the point of the back at start_mm, so that it sinks on that
@@ -151,17 +197,28 @@ std::optional<double> ImplantShape::plain_mm(const Vec2& place) const {
   return sphere_bottom({0, 0, radius_mm_}, radius_mm_, place);
 }
 
-std::optional<double> ImplantShape::wedge_mm(const Vec2& place) const {
+std::optional<double> ImplantShape::augment_mm(const Vec2& place) const {
+  if (augment_->shape == AugmentShape::step) {
+    const auto plain = plain_mm(place);
+    return plain ? std::optional(*plain - (place.dot(toward_) < augment_->start_mm ? 0 : augment_->step_mm)) : plain;
+  }
   if (radius_mm_ > 0) return sphere_bottom(wedge_center_mm_, radius_mm_, place);
   return (augment_->start_mm - place.dot(toward_)) * std::tan(implicit::radians(augment_->angle_deg));
 }
 
 std::optional<double> ImplantShape::back_mm(const Vec2& place) const {
   const auto plain = plain_mm(place);
-  if (!augment_) return plain;
-  const auto wedge = wedge_mm(place);
-  if (!plain || !wedge) return plain ? plain : wedge;
-  return std::min(*plain, *wedge);
+  if (!augment_ && !mesh_) return plain;
+  const auto lower = mesh_ ? underside_mm(place) : augment_mm(place);
+  if (mesh_) return lower && plain && is_peg({place.x(), place.y(), *lower}) ? plain : lower;
+  if (!plain || !lower) return plain ? plain : lower;
+  return std::min(*plain, *lower);
+}
+
+std::optional<double> ImplantShape::underside_mm(const Vec2& place) const {
+  std::vector<LineCrossings::Crossing> crossings;
+  mesh_->along(place.x(), place.y(), crossings);
+  return crossings.empty() ? std::nullopt : std::optional(crossings.front().at_mm);
 }
 
 double ImplantShape::level_mm(const Vec2& place) const {
@@ -172,6 +229,7 @@ double ImplantShape::level_mm(const Vec2& place) const {
 
 bool ImplantShape::covers(const Vec2& place) const {
   if (!has_outline()) return true;
+  if (mesh_) return underside_mm(place).has_value();
   if (shape_ == FootprintShape::ellipse) {
     return Vec2(place.x() / half_width_mm_, place.y() / half_height_mm_).squaredNorm() <= 1;
   }
@@ -181,19 +239,53 @@ bool ImplantShape::covers(const Vec2& place) const {
 }
 
 double ImplantShape::covered_fraction(const Vec2& center, double cell_mm) const {
-  constexpr int kPoints = 8;
+  const int points = mesh_ ? 4 : 8;
   int inside = 0;
-  for (int n = 0; n < kPoints * kPoints; ++n) {
-    const Vec2 offset = (Vec2(n % kPoints, n / kPoints) + Vec2::Constant(0.5)) / kPoints - Vec2::Constant(0.5);
+  for (int n = 0; n < points * points; ++n) {
+    const Vec2 offset = (Vec2(n % points, n / points) + Vec2::Constant(0.5)) / points - Vec2::Constant(0.5);
     inside += covers(center + cell_mm * offset) ? 1 : 0;
   }
-  return static_cast<double>(inside) / (kPoints * kPoints);
+  return static_cast<double>(inside) / (points * points);
 }
 
 double ImplantShape::augment_depth_mm() const {
+  if (mesh_) return pegs_below_mm_;
   if (!augment_) return 0;
+  if (augment_->shape == AugmentShape::step) return augment_->step_mm;
   return std::max(
       (reach_mm() * std::numbers::sqrt2 - augment_->start_mm) * std::tan(implicit::radians(augment_->angle_deg)), 0.0);
+}
+
+bool ImplantShape::is_peg(const Vec3& point) const {
+  const auto plain = plain_mm(point.head<2>());
+  return plain && point.z() < *plain - pegs_below_mm_;
+}
+
+double ImplantShape::back_fraction() const {
+  constexpr double kStep_mm = 0.5;
+  int back = 0, all = 0;
+  for (double x = -reach_mm(); x <= reach_mm(); x += kStep_mm) {
+    for (double y = -reach_mm(); y <= reach_mm(); y += kStep_mm) {
+      const auto lower = underside_mm({x, y}), plain = plain_mm({x, y});
+      if (!lower || !plain) continue;
+      ++all;
+      back += std::abs(*lower - *plain) <= pegs_below_mm_ ? 1 : 0;
+    }
+  }
+  return all > 0 ? static_cast<double>(back) / all : 0;
+}
+
+std::string Seating::warning() const {
+  if (unreamed_mm2 <= kYieldingFraction * footprint_mm2) return "";
+  std::string out =
+      fmt::format("metrics.implant: {:.0f} mm2 of its footprint of {:.0f} mm2 lie on bone that was not reamed",
+                  unreamed_mm2, footprint_mm2);
+  if (held_off) {
+    const Vec3& p = held_off->position_mm;
+    out += fmt::format("; {:.0f} mm2 of it hold the implant off by {:.2f} mm, next to ({:.1f}, {:.1f}, {:.1f}) mm",
+                       held_off->area_mm2, held_off->gap_mm, p.x(), p.y(), p.z());
+  }
+  return out + "; ream wider or deeper, or use a smaller implant";
 }
 
 std::optional<Rigid> implant_pose(const ImplantSettings& settings, const Rigid& bone_from_tool, const BoneAxes& axes) {
@@ -223,7 +315,7 @@ std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& 
   SeatedImplant out;
   out.map = map_under(bone, bone_from_implant, shape);
   out.footprint = footprint_of(out.map, shape, bone.voxmap.grid.voxel_mm);
-  const auto resting_mm = resting_height(out);
+  const auto resting_mm = resting_height(out, [](const FootprintColumn&) { return true; });
   if (!resting_mm) return std::nullopt;
   if (settings.seat) out.apex_mm = *resting_mm;
   out.bone_from_implant = bone_from_implant * Eigen::Translation3d(0, 0, out.apex_mm);
@@ -252,6 +344,7 @@ Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, co
     dense_mm += column.weight * layer.dense_mm;
   }
   out.footprint_mm2 = footprint * implant.column_mm2();
+  measure_unreamed(implant, settings.seat, below.voxel_mm(), out);
   out.overhang_mm2 = overhang * implant.column_mm2();
   out.overhang_percent = 100 * overhang / footprint;
   out.seated_percent = 100 * seated / footprint;

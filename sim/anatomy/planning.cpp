@@ -4,7 +4,6 @@
 #include "sim/anatomy/run_metrics.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "sim/base/parallel.h"
 #include "sim/bone/implicit.h"
@@ -14,10 +13,8 @@ namespace reamsim {
 namespace {
 
 constexpr double kSurfaceFraction = 0.5;  // fraction at the surface of the bone
-constexpr int kDirections = 72;           // around the axis
-constexpr int kLatitudes = 18;            // of the hemisphere at an end
 constexpr double kStationVoxels = 0.1;    // between circumferences
-constexpr int kStationsPerFan = 5;        // rays start at every fifth circumference
+constexpr double kPointVoxels = 0.2;      // between points of a mesh
 constexpr double kRayVoxels = 0.5;        // step along a ray
 constexpr int kHalvings = 12;             // of the last step
 constexpr double kFaceCosine = 0.7071;    // a surface steeper than 45° against the implant is a wall
@@ -113,76 +110,38 @@ class BoneAround {
   double radius_mm_;
 };
 
-struct Capsule {
-  Vec3 from_mm;
-  Vec3 along;  ///< of length 1
-  Vec3 across;
-  double length_mm;
-  double radius_mm;
-
-  explicit Capsule(const PegSettings& peg)
-      : from_mm(peg.from_mm),
-        along((peg.to_mm - peg.from_mm).normalized()),
-        across(along.unitOrthogonal()),
-        length_mm((peg.to_mm - peg.from_mm).norm()),
-        radius_mm(peg.diameter_mm / 2) {}
-
-  [[nodiscard]] Vec3 axis_at(double at_mm) const { return from_mm + at_mm * along; }
-  /// Direction `n` of kDirections around the axis.
-  [[nodiscard]] Vec3 around(int n) const {
-    const double angle = 2 * std::numbers::pi * n / kDirections;
-    return std::cos(angle) * across + std::sin(angle) * along.cross(across);
-  }
-};
-
-/// The least wall from one centre in the direction `ray`; `least_mm` becomes smaller.
-void shorten(BoneAround& bone, const Vec3& center, const Vec3& ray, double radius_mm, double& least_mm) {
-  if (!bone.below_back(center + radius_mm * ray)) return;
-  least_mm = std::min(least_mm, bone.wall_mm(center + radius_mm * ray, ray, least_mm));
-}
-
-/// The walls beyond the hemisphere at an end; `outward`: 1 along the axis, -1 against it.
-void shorten_at_end(BoneAround& bone, const Capsule& peg, const Vec3& end, double outward, double& least_mm) {
-  for (int latitude = 1; latitude <= kLatitudes; ++latitude) {
-    const double angle = 0.5 * std::numbers::pi * latitude / kLatitudes;
-    for (int n = 0; n < (latitude == kLatitudes ? 1 : kDirections); ++n) {
-      const Vec3 ray = std::cos(angle) * peg.around(n) + outward * std::sin(angle) * peg.along;
-      shorten(bone, end, ray, peg.radius_mm, least_mm);
-    }
-  }
-}
-
-PegWall measure_peg(BoneAround& bone, const Capsule& peg) {
-  const double stations = std::ceil(peg.length_mm / (kStationVoxels * bone.voxel_mm()));
-  const double step_mm = peg.length_mm / stations;
-  constexpr double kFar_mm = 1e9;
-  double least_mm = kFar_mm;
+PegWall measure_peg(BoneAround& bone, const PegSurface& peg) {
   PegWall out;
-  int below = 0;
-  for (double i = 0.5; i < stations; ++i) {
-    const Vec3 center = peg.axis_at(i * step_mm);
-    if (!bone.below_back(center)) continue;
-    bool all_in_bone = true, any_outside = false;  // of the circumference
-    for (int n = 0; n < kDirections; ++n) {
-      const Vec3 point = center + peg.radius_mm * peg.around(n);
-      if (bone.in_bone(point)) continue;
+  for (const PegSurface::Circumference& one : peg.circumferences) {
+    if (!bone.below_back(one.center_mm)) continue;
+    bool all_in_bone = true, any_outside = false;
+    for (const PegPoint& p : one.points) {
+      if (bone.in_bone(p.at_mm)) continue;
       all_in_bone = false;
-      any_outside |= bone.outside(point);
+      any_outside |= bone.outside(p.at_mm);
     }
-    out.length_mm += step_mm;
-    out.in_bone_mm += all_in_bone ? step_mm : 0;
-    out.perforated_mm += any_outside ? step_mm : 0;
-    if (below++ % kStationsPerFan != 0) continue;
-    for (int n = 0; n < kDirections; ++n) shorten(bone, center, peg.around(n), peg.radius_mm, least_mm);
+    out.length_mm += one.length_mm;
+    out.in_bone_mm += all_in_bone ? one.length_mm : 0;
+    out.perforated_mm += any_outside ? one.length_mm : 0;
   }
-  if (below == 0) return out;
-  for (const auto& [at_mm, outward] : {std::pair{0.0, -1.0}, std::pair{peg.length_mm, 1.0}}) {
-    const Vec3 end = peg.axis_at(at_mm);
-    if (bone.below_back(end)) shorten_at_end(bone, peg, end, outward, least_mm);
+  if (out.length_mm == 0) return out;
+  constexpr double kFar_mm = 1e9;
+  double least_mm = out.perforated_mm > 0 ? 0 : kFar_mm;
+  for (const PegPoint& ray : peg.rays) {
+    if (least_mm > 0 && bone.below_back(ray.at_mm))
+      least_mm = std::min(least_mm, bone.wall_mm(ray.at_mm, ray.outward, least_mm));
   }
-  if (out.perforated_mm > 0) least_mm = 0;
   if (least_mm < kFar_mm) out.least_wall_mm = least_mm;
   return out;
+}
+
+std::vector<PegSurface> surfaces_of_pegs(const ImplantSettings& settings, const ImplantShape& shape,
+                                         const TriangleMesh* mesh, double voxel_mm) {
+  std::vector<PegSurface> out;
+  for (const PegSettings& peg : settings.pegs) out.push_back(capsule_surface(peg, kStationVoxels * voxel_mm));
+  if (mesh == nullptr || !settings.mesh) return out;
+  return peg_surfaces(
+      *mesh, [&](const Vec3& vertex) { return shape.is_peg(vertex); }, kPointVoxels * voxel_mm);
 }
 
 void set_angles(Planning& out, const Vec3& axis, const JointLine& line, const BoneAxes& axes) {
@@ -288,10 +247,11 @@ Vault measure_vault(const ReamedBone& bone, const SeatedImplant& implant, const 
 }  // namespace
 
 std::optional<Planning> measure_planning(const ReamedBone& bone, const Rigid& bone_from_tool, const JointLine& line,
-                                         const BoneAxes& axes, const MetricSettings& settings) {
+                                         const BoneAxes& axes, const MetricSettings& settings,
+                                         const TriangleMesh* implant_mesh) {
   const auto pose = implant_pose(*settings.implant, bone_from_tool, axes);
   if (!pose) return std::nullopt;
-  const ImplantShape shape(*settings.implant);
+  const ImplantShape shape(*settings.implant, implant_mesh);
   const auto implant = place_implant(bone, *pose, shape, *settings.implant);
   if (!implant) return std::nullopt;
   Planning out;
@@ -301,7 +261,10 @@ std::optional<Planning> measure_planning(const ReamedBone& bone, const Rigid& bo
   out.seating = measure_seating(bone, *implant, *settings.implant, settings.dense_g_cm3);
   out.vault = measure_vault(bone, *implant, shape, settings);
   BoneAround around(bone, *implant, shape);
-  for (const PegSettings& peg : settings.implant->pegs) out.pegs.push_back(measure_peg(around, Capsule(peg)));
+  for (const PegSurface& peg : surfaces_of_pegs(*settings.implant, shape, implant_mesh, around.voxel_mm())) {
+    out.pegs.push_back(measure_peg(around, peg));
+    out.peg_axes_mm.push_back(peg.axis_mm);
+  }
   return out;
 }
 

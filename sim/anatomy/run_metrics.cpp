@@ -156,7 +156,7 @@ RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
 }
 
 BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, const BoneAxes& axes,
-                         const MetricSettings& settings) {
+                         const MetricSettings& settings, const TriangleMesh* implant_mesh) {
   BoneMetrics out;
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
   out.removed = removed_volume(bone, settings.dense_g_cm3);
@@ -170,7 +170,8 @@ BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, co
   out.versions = measure_versions(out.orientation->native, axes);
   out.remaining_dense = remaining_dense_bone(bone, map, *out.face, settings.dense_g_cm3);
   out.perforation = find_perforation(map, voxel_mm);
-  if (settings.implant) out.planning = measure_planning(bone, bone_from_tool, *out.joint_line, axes, settings);
+  if (settings.implant)
+    out.planning = measure_planning(bone, bone_from_tool, *out.joint_line, axes, settings, implant_mesh);
   return out;
 }
 

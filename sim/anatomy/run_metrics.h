@@ -11,8 +11,10 @@
 
 #include "sim/anatomy/column_map.h"
 #include "sim/anatomy/face_surface.h"
+#include "sim/anatomy/implant_mesh.h"
 #include "sim/base/geometry.h"
 #include "sim/bone/bone.h"
+#include "sim/mesh/winding.h"
 #include "sim/scenario/scenario.h"
 
 namespace reamsim {
@@ -180,7 +182,8 @@ std::vector<FaceVersion> measure_versions(const Measured<FaceAngles>& native, co
 /// The back of an implant in its frame I, mm: origin at the apex of the plain back, +z out of the bone, +y superior.
 class ImplantShape {
  public:
-  explicit ImplantShape(const ImplantSettings& settings);
+  /// `mesh`: that of ImplantSettings::mesh, or nullptr; it must outlive the object.
+  explicit ImplantShape(const ImplantSettings& settings, const TriangleMesh* mesh = nullptr);
 
   /// Height of the back, augment included; nullopt beside a spherical back.
   [[nodiscard]] std::optional<double> back_mm(const Vec2& place) const;
@@ -191,22 +194,29 @@ class ImplantShape {
   [[nodiscard]] bool has_outline() const { return half_width_mm_ > 0; }
   /// Whether a place lies within the outline; true without one.
   [[nodiscard]] bool covers(const Vec2& place) const;
-  /// The fraction of a square cell within the outline, from 8 × 8 points.
+  /// The fraction of a square cell within the outline, from 8 × 8 points; of a mesh 4 × 4.
   [[nodiscard]] double covered_fraction(const Vec2& center, double cell_mm) const;
   /// Half the longer side of the outline's bounding box.
   [[nodiscard]] double reach_mm() const { return std::max(half_width_mm_, half_height_mm_); }
   /// Depth of the lowest point of the augment below the apex of the plain back.
   [[nodiscard]] double augment_depth_mm() const;
+  /// Whether a point of the mesh lies so far below the plain back that it belongs to a peg.
+  [[nodiscard]] bool is_peg(const Vec3& point) const;
+  /// The fraction of the underside of the mesh within ImplantMeshSettings::pegs_below_mm of the plain back.
+  [[nodiscard]] double back_fraction() const;
 
  private:
   [[nodiscard]] std::optional<double> plain_mm(const Vec2& place) const;
-  [[nodiscard]] std::optional<double> wedge_mm(const Vec2& place) const;
+  [[nodiscard]] std::optional<double> augment_mm(const Vec2& place) const;
+  [[nodiscard]] std::optional<double> underside_mm(const Vec2& place) const;
 
   double radius_mm_;  ///< 0: flat
   double half_width_mm_;
   double half_height_mm_;
   FootprintShape shape_;
   std::optional<AugmentSettings> augment_;
+  std::optional<LineCrossings> mesh_;  ///< its crossings with lines along z
+  double pegs_below_mm_ = 0;
   Vec2 toward_ = Vec2::UnitX();          ///< of the augment
   Vec3 wedge_center_mm_ = Vec3::Zero();  ///< of the rotated sphere
 };
@@ -218,9 +228,10 @@ std::optional<Rigid> implant_pose(const ImplantSettings& settings, const Rigid& 
 /// A column under the footprint of an implant.
 struct FootprintColumn {
   ColumnPlace place;
-  double weight = 0;   ///< fraction of the column within the footprint
-  double back_mm = 0;  ///< height of the implant's back above its apex
-  bool hole = false;   ///< reamed through, surrounded by bone
+  double weight = 0;         ///< fraction of the column within the footprint
+  double back_mm = 0;        ///< height of the implant's back above its apex
+  bool hole = false;         ///< reamed through, surrounded by bone
+  bool beside_wall = false;  ///< within a voxel of a wall of the back, as that of a step
 };
 
 struct SeatedImplant {
@@ -246,6 +257,13 @@ inline constexpr double kOverhangDepth_mm = 5;
 std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& bone_from_implant,
                                            const ImplantShape& shape, const ImplantSettings& settings);
 
+/// Unreamed bone on which an implant rests.
+struct HeldOff {
+  Vec3 position_mm = Vec3::Zero();  ///< its point next to the implant if that rested on reamed bone alone, B
+  double gap_mm = 0;                ///< by which the implant would lie deeper then
+  double area_mm2 = 0;              ///< of the unreamed bone that is in its way
+};
+
 /// Contact between the back of an implant and the bone. Areas are projected along the axis.
 struct Seating {
   double footprint_mm2 = 0;
@@ -255,6 +273,11 @@ struct Seating {
   double overhang_mm2 = 0;    ///< of the footprint beyond the edge of the bone
   double overhang_percent = 0;
   std::optional<double> dense_percent;  ///< dense fraction of the bone in the supporting layer; nullopt: no bone
+  double unreamed_mm2 = 0;              ///< of the footprint, over bone that was not reamed
+  std::optional<HeldOff> held_off;      ///< nullopt: it rests on reamed bone, or was not seated
+
+  /// What to warn of: a footprint wider than what was reamed; "" where it is not.
+  [[nodiscard]] std::string warning() const;
 };
 
 /// `dense_g_cm3`: the least density of dense bone.
@@ -292,12 +315,19 @@ struct Planning {
   Measured<double> medialization_mm;
   Seating seating;
   Vault vault;
-  std::vector<PegWall> pegs;  ///< in the order of the settings
+  std::vector<PegWall> pegs;                       ///< in the order of the settings, or of the mesh
+  std::vector<std::pair<Vec3, Vec3>> peg_axes_mm;  ///< likewise, in the frame of the implant
+
+  /// Pegs of which a part, perhaps only the end, leaves the outer surface of the bone.
+  [[nodiscard]] std::ptrdiff_t pegs_perforated() const {
+    return std::ranges::count_if(pegs, [](const PegWall& peg) { return peg.least_wall_mm == 0.0; });
+  }
 };
 
 /// nullopt where the footprint of the implant contains no bone, or its frame is unknown.
 std::optional<Planning> measure_planning(const ReamedBone& bone, const Rigid& bone_from_tool, const JointLine& line,
-                                         const BoneAxes& axes, const MetricSettings& settings);
+                                         const BoneAxes& axes, const MetricSettings& settings,
+                                         const TriangleMesh* implant_mesh);
 
 struct BoneMetrics {
   RemovedVolume removed;
@@ -314,9 +344,9 @@ struct BoneMetrics {
 
 RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3);
 
-/// `bone_from_tool`: the deepest pose of the tool; depths are measured along its −z.
+/// `bone_from_tool`: the deepest pose of the tool; depths are measured along its −z. `implant_mesh`: of the settings.
 BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, const BoneAxes& axes,
-                         const MetricSettings& settings);
+                         const MetricSettings& settings, const TriangleMesh* implant_mesh = nullptr);
 
 /// The depth map: columns along −z of the glenoid frame, or else of the deepest pose of the tool.
 ColumnMap depth_map(const ReamedBone& bone, const std::optional<GlenoidFrame>& glenoid, const Rigid& bone_from_tool);

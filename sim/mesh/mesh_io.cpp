@@ -7,6 +7,7 @@
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <fmt/core.h>
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <boost/functional/hash.hpp>
@@ -190,6 +191,31 @@ MeshContents read_mesh_contents(const std::string& path, double scale, const std
 
 TriangleMesh read_mesh(const std::string& path, double scale) {
   return read_mesh_contents(path, scale).mesh;
+}
+
+TriangleMesh read_closed_part(const PartFile& file, Diagnostics& report) {
+  constexpr double kLargest_mm = 1000;
+  MeshContents contents = read_mesh_contents(file.path, file.scale, file.key);
+  report.append(contents.report, file.key + ": ");
+  if (!contents.space.empty()) {
+    report.note(
+        fmt::format("{}: the header says SPACE={}; the coordinates of a {} are taken as they stand, in its frame",
+                    file.key, contents.space, file.part));
+  }
+  TriangleMesh mesh = std::move(contents.mesh);
+  const MeshDiagnosis diagnosis = diagnose(mesh);
+  if (!diagnosis.closed_manifold()) throw file.error(diagnosis.text(), "give a closed two-manifold surface");
+  const Vec3 size = mesh.bounds().max - mesh.bounds().min;
+  if (!(size.minCoeff() > file.least_mm) || !(size.maxCoeff() < kLargest_mm) || !(std::abs(diagnosis.volume_mm3) > 0)) {
+    throw file.error(
+        fmt::format("the {} measures {:.4g} × {:.4g} × {:.4g} mm", file.part, size.x(), size.y(), size.z()),
+        fmt::format("more than {:.4g} mm and less than 1 m are supported: check {}", file.least_mm, file.scale_key));
+  }
+  if (diagnosis.volume_mm3 < 0) {
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+    report.warn(file.key + ": the triangles of " + file.path + " face inwards; orientation flipped");
+  }
+  return mesh;
 }
 
 void write_stl(const std::string& path, const TriangleMesh& mesh, const std::string& space) {

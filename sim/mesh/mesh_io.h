@@ -77,6 +77,24 @@ MeshContents read_mesh_contents(const std::string& path, double scale, const std
 
 TriangleMesh read_mesh(const std::string& path, double scale);
 
+/// The mesh file of a part that has a frame of its own, and the keys that name it.
+struct PartFile {
+  std::string path;
+  double scale = 1;  ///< mm per file unit
+  std::string key;
+  std::string scale_key;
+  std::string part;        ///< "tool"
+  double least_mm = 0.01;  ///< along each axis
+
+  [[nodiscard]] InputError error(const std::string& found, const std::string& expected) const {
+    return {SourceLocation{path, 0, 0}, key, found, expected};
+  }
+};
+
+/// Reads a closed surface (mm, in the frame of the part whatever its header says) and turns it outwards. Throws
+/// InputError: a surface with holes, a size that is not supported.
+TriangleMesh read_closed_part(const PartFile& file, Diagnostics& report);
+
 /// Writes a binary STL (mm). Throws RunError when the file cannot be written.
 void write_stl(const std::string& path, const TriangleMesh& mesh, const std::string& space = "");
 

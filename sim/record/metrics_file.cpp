@@ -49,8 +49,9 @@ REAMSIM_TO_JSON(FaceAngles, version_deg, inclination_deg)
 REAMSIM_TO_JSON(PlaneOrientation, before, after, change, turned_deg)
 REAMSIM_TO_JSON(AxialDepth, max_mm, mean_mm, p95_mm, area_mm2)
 REAMSIM_TO_JSON(RemainingDenseBone, mean_mm, least_mm, p05_mm, exposed_percent)
+REAMSIM_TO_JSON(HeldOff, position_mm, gap_mm, area_mm2)
 REAMSIM_TO_JSON(Seating, footprint_mm2, seated_percent, mean_gap_mm, max_gap_mm, overhang_mm2, overhang_percent,
-                dense_percent)
+                dense_percent, unreamed_mm2, held_off)
 REAMSIM_TO_JSON(PegWall, length_mm, in_bone_mm, perforated_mm, least_wall_mm)
 
 static void to_json(Json& json, const PlaneFit& plane) {
@@ -130,7 +131,8 @@ static void to_json(Json& json, const Planning& planning) {
           {"medialization_mm", planning.medialization_mm.value},
           {"medialization_reason", reason_json(planning.medialization_mm)},
           {"vault", planning.vault},
-          {"pegs", planning.pegs}};
+          {"pegs", planning.pegs},
+          {"pegs_perforated", planning.pegs_perforated()}};
 }
 
 namespace {

@@ -122,16 +122,15 @@ void add_reamer(OrderedJson& markups, const SimulationInput& scene, const ToolPo
   markups.push_back(markup_json("Fiducial", "reaming", points, kReamer));
 }
 
-void add_pegs(OrderedJson& markups, const SimulationInput& scene, const BoneMetrics& metrics) {
-  const auto& implant = scene.scenario.metrics.implant;
-  if (!implant || !metrics.planning) return;
+void add_pegs(OrderedJson& markups, const BoneMetrics& metrics) {
+  if (!metrics.planning) return;
   const Rigid& bone_from_implant = metrics.planning->bone_from_implant;
-  for (std::size_t i = 0; i < implant->pegs.size(); ++i) {
-    const std::string name = "peg " + std::to_string(i + 1);
-    const PegSettings& peg = implant->pegs[i];
-    markups.push_back(markup_json(
-        "Line", name,
-        {{name + " from", bone_from_implant * peg.from_mm}, {name + " to", bone_from_implant * peg.to_mm}}, kPeg));
+  int number = 0;
+  for (const auto& [from_mm, to_mm] : metrics.planning->peg_axes_mm) {
+    const std::string name = "peg " + std::to_string(++number);
+    markups.push_back(
+        markup_json("Line", name,
+                    {{name + " from", bone_from_implant * from_mm}, {name + " to", bone_from_implant * to_mm}}, kPeg));
   }
 }
 
@@ -157,7 +156,7 @@ std::string planning_markups(const SimulationInput& scene, const BoneMetrics& me
   add_landmarks(markups, scene.bone);
   add_planes(markups, metrics);
   add_reamer(markups, scene, deepest);
-  add_pegs(markups, scene, metrics);
+  add_pegs(markups, metrics);
   return OrderedJson{{"@schema", kSchema}, {"markups", markups}}.dump(2) + "\n";
 }
 

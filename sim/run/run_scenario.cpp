@@ -38,7 +38,8 @@ void measure(RunFacts& facts, const SimulationInput& scene, const FillBricks& fi
     axes.face_center_mm = axes.bone_from_glenoid->translation();
   }
   if (scene.bone.landmarks) axes.face_center_mm = scene.bone.landmarks->glenoid_center_mm;
-  facts.metrics = measure_bone(bone, bone_from_tool, axes, scene.scenario.metrics);
+  const TriangleMesh* implant_mesh = scene.implant_mesh ? &*scene.implant_mesh : nullptr;
+  facts.metrics = measure_bone(bone, bone_from_tool, axes, scene.scenario.metrics, implant_mesh);
   facts.depth_map = depth_map(bone, scene.bone.glenoid, bone_from_tool);
   facts.measure_s = watch.seconds();
 }
@@ -203,6 +204,9 @@ class ScenarioRun {
   void write(const Recorder& recorder) {
     const FillBricks& fill_before = draws_during_run() ? pictures_->fill_before() : fill_before_;
     measure(facts_, scene_, fill_before, recorder.totals());
+    const auto& planning = facts_.metrics.planning;
+    if (std::string warning = planning ? planning->seating.warning() : ""; !warning.empty())
+      report_.warn(std::move(warning));
     engine_.reset();  // its copy of the fill is not needed any more, and writing needs memory
     return_free_memory();
     const Stopwatch watch;

@@ -32,6 +32,7 @@ enum class PoseFrame { bone, glenoid };
 /// The frame in which the pose of an implant is given.
 enum class ImplantFrame { reamer, glenoid, bone };
 enum class FootprintShape { ellipse, pear };
+enum class AugmentShape { wedge, step };
 enum class ToolSpin { envelope, resolved };
 /// Where the depth of a plunge is 0.
 enum class PlungeStart { entry, contact };
@@ -76,6 +77,7 @@ struct ChoiceNames {
   static constexpr auto of(PoseFrame) { return name_list("bone", "glenoid"); }
   static constexpr auto of(ImplantFrame) { return name_list("reamer", "glenoid", "bone"); }
   static constexpr auto of(FootprintShape) { return name_list("ellipse", "pear"); }
+  static constexpr auto of(AugmentShape) { return name_list("wedge", "step"); }
   static constexpr auto of(ToolSpin) { return name_list("envelope", "resolved"); }
   static constexpr auto of(PlungeStart) { return name_list("entry", "contact"); }
   static constexpr auto of(PushEnd) { return name_list("depth", "time", "stall"); }

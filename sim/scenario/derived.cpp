@@ -187,6 +187,8 @@ std::vector<std::pair<std::string, std::string>> input_files(const Scenario& sce
     if (pass.tool_key != "tool") files.emplace_back(pass.tool_key + ".mesh", pass.tool.mesh);
   }
   if (scenario.clearance.envelope) files.emplace_back("clearance.envelope.path", scenario.clearance.envelope->path);
+  const auto& implant = scenario.metrics.implant;
+  if (implant && implant->mesh) files.emplace_back("metrics.implant.mesh.path", implant->mesh->path);
   if (scenario.motion.csv) files.emplace_back("motion.csv.path", scenario.motion.csv->path);
   if (scenario.motion.push && !scenario.motion.push->profile.empty())
     files.emplace_back("motion.push.profile", scenario.motion.push->profile);

@@ -73,13 +73,16 @@ void describe_options(KeyVisitor& v, CuttingSettings& cutting) {
 }
 
 void describe_augment(KeyVisitor& v, AugmentSettings& augment) {
+  v.key("shape", augment.shape, "wedge: inclined back; step: back parallel to the plain one");
   v.key("angle_deg", augment.angle_deg,
         "Wedge angle: the back is the lower of plain back and its copy rotated by this angle",
-        {.required = true, .range = between(0.1, 60)});
+        {.required = true, .range = between(0.1, 60), .when = {"shape", {"wedge"}}});
+  v.key("step_mm", augment.step_mm, "Height of the step",
+        {.required = true, .range = between(0.1, 50), .when = {"shape", {"step"}}});
   v.direction("direction", augment.direction, "Direction of increasing thickness, implant frame; z is ignored");
   v.key("start_mm", augment.start_mm,
-        "Start of the wedge, along `direction` from the implant axis; 0: half wedge; minus half the footprint width: "
-        "full wedge",
+        "Start of the augment, along `direction` from the implant axis; 0: half wedge; minus half the footprint "
+        "width: full wedge",
         between(-100, 100));
 }
 
@@ -91,18 +94,32 @@ void describe_peg(KeyVisitor& v, PegSettings& peg) {
         {.required = true, .range = between(0.1, 50)});
 }
 
+void describe_implant_mesh(KeyVisitor& v, ImplantMeshSettings& mesh) {
+  v.key("path", mesh.path, "STL, OBJ, PLY or VTP in the implant frame; closed",
+        {.required = true, .text = TextKind::input_file});
+  v.key("scale", mesh.scale, "mm per file unit", kFileUnit);
+  v.key("pegs_below_mm", mesh.pegs_below_mm,
+        "What lies further below the plain back (backside_radius_mm) is peg; more than the height of an augment",
+        between(0.1, 50));
+}
+
 void describe_implant(KeyVisitor& v, ImplantSettings& implant) {
   v.key("backside_radius_mm", implant.backside_radius_mm, "Radius of the spherical back; 0: flat",
         {.required = true, .range = between(0, 500)});
+  constexpr std::string_view kMesh = "mesh";
+  v.section(kMesh, implant.mesh, describe_implant_mesh, "Implant with its pegs from a mesh file");
   v.key("diameter_mm", implant.diameter_mm,
-        "Diameter of a round footprint about the axis; 0 without width_mm: the reamed face", between(0, 200));
+        "Diameter of a round footprint about the axis; 0 without width_mm: the reamed face",
+        {.range = between(0, 200), .unless = kMesh});
   v.key("gap_mm", implant.gap_mm, "Largest gap that counts as seated", between(0.001, 10));
   v.key("width_mm", implant.width_mm, "Footprint width along implant x; needs height_mm; 0: see diameter_mm",
-        between(0, 200));
-  v.key("height_mm", implant.height_mm, "Footprint height along implant y", between(0, 200));
+        {.range = between(0, 200), .unless = kMesh});
+  v.key("height_mm", implant.height_mm, "Footprint height along implant y",
+        {.range = between(0, 200), .unless = kMesh});
   v.key("footprint", implant.footprint,
         "Footprint shape with width_mm and height_mm. pear: two circles and their common tangents, the inferior of "
-        "full width, the superior of 3/4 of it");
+        "full width, the superior of 3/4 of it",
+        {.unless = kMesh});
   v.key("frame", implant.frame, "Frame of center_mm, axis and superior. reamer: the tool frame at its deepest pose");
   v.point("center_mm", implant.center_mm, "Apex of the back; `seat` ignores its position along the axis");
   v.direction("axis", implant.axis, "Implant axis, out of the bone");
@@ -114,8 +131,8 @@ void describe_implant(KeyVisitor& v, ImplantSettings& implant) {
         "Depth below the implant over which the dense bone fraction is measured", between(0.1, 50));
   v.key("vault_depth_mm", implant.vault_depth_mm,
         "Depth below the unreamed surface over which remaining bone is measured", between(0.1, 200));
-  v.section("augment", implant.augment, describe_augment, "Wedge on the back");
-  v.list("pegs", implant.pegs, describe_peg, "Pegs and keels: capsules");
+  v.section("augment", implant.augment, describe_augment, "Wedge or step on the back", {.unless = kMesh});
+  v.list("pegs", implant.pegs, describe_peg, "Pegs and keels: capsules", {.unless = kMesh});
 }
 
 void describe_metrics(KeyVisitor& v, MetricSettings& metrics) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sim/anatomy/find_glenoid.h"
+#include "sim/anatomy/implant_mesh.h"
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/parse.h"
@@ -137,6 +138,10 @@ SimulationInput load_scene(const Scenario& scenario, Diagnostics& report, Mistak
     if (scenario.bone.source == BoneSource::vdb) scene.scenario.bone.voxel_mm = scene.bone.voxmap->grid.voxel_mm;
   });
   load_passes(scene, bone, mistakes, report);
+  mistakes.attempt([&] {
+    const auto& implant = scenario.metrics.implant;
+    if (implant && implant->mesh) scene.implant_mesh = read_implant_mesh(*implant, report);
+  });
   if (bone) mistakes.attempt([&] { check_camera_frames(scene); });
   if (bone) mistakes.attempt([&] { check_push_step(scene.scenario, scenario.keys); });
   MistakeList frame;

@@ -59,7 +59,8 @@ struct SimulationInput {
   Tool tool;      ///< of the present pass, the first one after loading
   Motion motion;  ///< of the present pass
   std::vector<Pass> later_passes = {};
-  FrameSpans contact{};  ///< expected (contact_forecast.h), for the choice of pictures
+  FrameSpans contact{};                        ///< expected (contact_forecast.h), for the choice of pictures
+  std::optional<TriangleMesh> implant_mesh{};  ///< mm, in the frame of the implant
   std::vector<std::optional<FirstContact>> first_contacts = {};  ///< by pass, of plunges whose depth counts from it
 
   /// The first contact of the present pass.

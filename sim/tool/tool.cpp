@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "sim/bone/voxmap/voxmap.h"
-#include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_io.h"
 
 namespace reamsim {
@@ -28,7 +27,6 @@ constexpr double kChosenSpacingVoxels = 0.4721;
 constexpr int kGridResolution = 1024;  // limit of the automatic resolution of a shell without points
 /// Relative tolerance of the spacing, for the rounding of coordinates in an STL.
 constexpr double kSpacingSlack = 1e-6;
-constexpr double kLargestMm = 1000;
 constexpr double kFacetCells = 0.02;  // tolerated sagitta of the revolved envelope's facets, cells
 /// Distance of the centroid from the axis over the largest radius, beyond which the mesh is not in the tool frame.
 constexpr double kOffAxisWarn = 0.01;
@@ -53,28 +51,6 @@ Vec3 centroid(const TriangleMesh& mesh) {
     volume6 += v;
   }
   return sum / volume6;
-}
-
-TriangleMesh read_closed_mesh(const ToolSettings& settings, double voxel_mm, Diagnostics& report) {
-  MeshContents contents = read_mesh_contents(settings.mesh, settings.scale, "tool.mesh");
-  report.append(contents.report, "tool.mesh: ");
-  if (!contents.space.empty()) {
-    report.note("tool.mesh: the header says SPACE=" + contents.space +
-                "; the coordinates of a tool are taken as they stand, in the tool frame");
-  }
-  TriangleMesh mesh = std::move(contents.mesh);
-  const MeshDiagnosis diagnosis = diagnose(mesh);
-  if (!diagnosis.closed_manifold()) throw tool_error(settings, diagnosis.text(), "give a closed two-manifold surface");
-  const Vec3 size = mesh.bounds().max - mesh.bounds().min;
-  if (!(size.minCoeff() > voxel_mm) || !(size.maxCoeff() < kLargestMm) || !(std::abs(diagnosis.volume_mm3) > 0))
-    throw tool_error(
-        settings, fmt::format("the tool measures {:.4g} × {:.4g} × {:.4g} mm", size.x(), size.y(), size.z()),
-        fmt::format("more than a voxel ({:.4g} mm) and less than 1 m are supported: check tool.scale", voxel_mm));
-  if (diagnosis.volume_mm3 < 0) {
-    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
-    report.warn("tool.mesh: the triangles of " + settings.mesh + " face inwards; orientation flipped");
-  }
-  return mesh;
 }
 
 /// The mesh must be in the tool frame: spin axis on z, cutting end at the origin.
@@ -284,7 +260,7 @@ void report_volume(const DistanceGrid& grid, Diagnostics& report) {
 
 Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Diagnostics& report) {
   Tool tool;
-  tool.mesh = read_closed_mesh(settings, voxel_mm, report);
+  tool.mesh = read_closed_part({settings.mesh, settings.scale, "tool.mesh", "tool.scale", "tool", voxel_mm}, report);
   try {
     Envelope envelope = envelope_of_revolution(tool.mesh);
     tool.profile = std::move(envelope.profile);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Fit of implants of several shapes and poses, against closed forms: within a tenth of a voxel or 1 %.
+#include "sim/mesh/mesh_io.h"
 #include "tests/anatomy/implant_fixture.h"
 
 namespace reamsim::test {
@@ -82,6 +83,104 @@ TEST(ImplantFit, AHalfWedgeFillsAnInclinedHalf) {
   // Turned away from the inclined half, the wedge holds the implant off.
   implant.augment->direction = {-1, 0, 0};
   EXPECT_LT(plan(block, implant).seating.seated_percent, 25);
+}
+
+TEST(ImplantFit, AStepFillsAStep) {
+  const double radius = 10;
+  Block block({40, 40, 14}, kVoxel, 1.8);
+  block.ream(above_plane({0, 0, -3}, Vec3::UnitZ()));
+  block.ream(both(above_plane({0, 0, -6}, Vec3::UnitZ()), above_plane({0, 0, 0}, Vec3::UnitX())));
+  ImplantSettings implant = disc(2 * radius);
+  EXPECT_NEAR(plan(block, implant).seating.seated_percent, 50, 2 * kPercent);
+  implant.augment = AugmentSettings{.shape = AugmentShape::step, .step_mm = 3};
+  const Planning found = plan(block, implant);
+  EXPECT_NEAR(found.seating.seated_percent, 100, 2 * kPercent);  // but beside the wall of the step
+  EXPECT_NEAR(found.seating.mean_gap_mm, 0, kTenthVoxel);
+  EXPECT_NEAR(found.bone_from_implant.translation().z(), -3, kTenthVoxel);
+}
+
+/// A plate with a round peg in the frame of the implant: the back at z = 0, its corners at (±9, ±7).
+TriangleMesh plate_with_peg(double peg_radius, double peg_mm) {
+  constexpr int kSides = 48;  // of the peg
+  TriangleMesh out;
+  for (const double z : {0.0, 4.0}) {
+    for (const Vec2& p : {Vec2(-9, -7), Vec2(9, -7), Vec2(9, 7), Vec2(-9, 7)})
+      out.vertices.emplace_back(p.x(), p.y(), z);
+  }
+  for (const double z : {0.0, -peg_mm}) {
+    for (int n = 0; n < kSides; ++n) {
+      const double angle = kPi * (2 * n + 1) / kSides - kPi;  // each quarter faces a corner
+      out.vertices.emplace_back(2 + peg_radius * std::cos(angle), peg_radius * std::sin(angle), z);
+    }
+  }
+  out.vertices.emplace_back(2, 0, -peg_mm);
+  const auto quad = [&](int a, int b, int c, int d) {
+    out.triangles.push_back({a, b, c});
+    out.triangles.push_back({a, c, d});
+  };
+  quad(4, 5, 6, 7);  // top, sides
+  for (int n = 0; n < 4; ++n) quad(n, (n + 1) % 4, 4 + (n + 1) % 4, 4 + n);
+  for (int n = 0; n < kSides; ++n) {
+    const int next = (n + 1) % kSides, top = 8, low = 8 + kSides;
+    quad(low + n, low + next, top + next, top + n);
+    out.triangles.push_back({low + next, low + n, 8 + 2 * kSides});
+    out.triangles.push_back({n * 4 / kSides, top + n, top + next});  // the back round the peg
+    if (next % (kSides / 4) == 0) out.triangles.push_back({n * 4 / kSides, top + next, (n * 4 / kSides + 1) % 4});
+  }
+  return out;
+}
+
+TEST(ImplantFit, AMeshIsItsBackAndItsPeg) {
+  const TriangleMesh mesh = plate_with_peg(2, 8);
+  ASSERT_TRUE(diagnose(mesh).closed_manifold()) << diagnose(mesh).text();
+  ASSERT_GT(mesh.volume_mm3(), 18 * 14 * 4);
+  MetricSettings settings;
+  settings.implant = ImplantSettings{.mesh = ImplantMeshSettings{}};
+  Block block({40, 40, 14}, kVoxel, 1.8);
+  carve(block, above_plane({8, 0, 0}, Vec3::UnitX()));
+  block.ream(above_plane({0, 0, -3}, Vec3::UnitZ()));
+  const auto found = block.measure(Rigid::Identity(), settings, {}, &mesh).planning;
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->seating.footprint_mm2, 18 * 14, 0.01 * 18 * 14);
+  EXPECT_NEAR(found->seating.overhang_mm2, 14, 0.7);
+  EXPECT_NEAR(found->seating.mean_gap_mm, 0, kTenthVoxel);
+  ASSERT_EQ(found->pegs.size(), 1);
+  EXPECT_NEAR(found->pegs[0].length_mm, 8, kTenthVoxel);
+  EXPECT_NEAR(found->pegs[0].in_bone_mm, 8, 2 * kTenthVoxel);
+  EXPECT_NEAR(found->pegs[0].least_wall_mm.value_or(-1), std::min(8 - 2 - 2, 11 - 8), kTenthVoxel);
+  EXPECT_EQ(found->pegs_perforated(), 0);
+  EXPECT_NEAR((found->peg_axes_mm.at(0).second - Vec3(2, 0, -8)).norm(), 0, kTenthVoxel);
+  const TriangleMesh longer = plate_with_peg(2, 12);
+  const auto through = block.measure(Rigid::Identity(), settings, {}, &longer).planning;
+  ASSERT_TRUE(through);
+  EXPECT_NEAR(through->pegs.at(0).perforated_mm, 1, 2 * kTenthVoxel);
+  EXPECT_EQ(through->pegs_perforated(), 1);
+}
+
+TEST(ImplantFit, AMeshFileIsClosedAndInTheFrameOfTheImplant) {
+  const std::string path = ::testing::TempDir() + "implant.stl";
+  ImplantSettings settings{.mesh = ImplantMeshSettings{.path = path}};
+  const auto complaint = [&](TriangleMesh mesh, double shift_mm) -> std::string {
+    for (Vec3& vertex : mesh.vertices) vertex.z() += shift_mm;
+    write_stl(path, mesh);
+    Diagnostics report;
+    try {
+      EXPECT_NEAR(read_implant_mesh(settings, report).volume_mm3(), mesh.volume_mm3(), 0.01);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const TriangleMesh whole = plate_with_peg(2, 8);
+  EXPECT_EQ(complaint(whole, 0), "");
+  EXPECT_NE(complaint(whole, 1.5).find("metrics.implant.mesh.path: 0 % of its underside lie within 1 mm"),
+            std::string::npos)
+      << complaint(whole, 1.5);
+  TriangleMesh open = whole;
+  open.triangles.pop_back();
+  EXPECT_NE(complaint(open, 0).find("give a closed two-manifold surface"), std::string::npos) << complaint(open, 0);
+  settings.mesh->scale = 1000;
+  EXPECT_NE(complaint(whole, 0).find("check metrics.implant.mesh.scale"), std::string::npos) << complaint(whole, 0);
 }
 
 TEST(ImplantFit, AFullWedgeIsATiltedFlatBack) {

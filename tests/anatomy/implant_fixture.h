@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/mesh/mesh_check.h"
 #include "tests/anatomy/reamed_fixture.h"
 
 namespace reamsim::test {

@@ -85,6 +85,15 @@ TEST(Pegs, InABall) {
   }
 }
 
+TEST(Pegs, AnEndOutsideIsAPerforation) {
+  const Block slab = flat_block({40, 40, 9}, 3);
+  const Planning found =
+      plan(slab, pegged(straight(5, 4)));  // the axis ends 1 mm above the far side, the hemisphere 1 mm below it
+  EXPECT_EQ(found.pegs.at(0).perforated_mm, 0);
+  EXPECT_EQ(found.pegs_perforated(), 1);
+  EXPECT_EQ(plan(slab, pegged(straight(3, 4))).pegs_perforated(), 0);
+}
+
 TEST(Pegs, ThroughASlab) {
   const Block slab = flat_block({40, 40, 9}, 3);
   const PegWall found = peg_in(slab, straight(10, 4));

@@ -96,8 +96,9 @@ struct Block {
 
   [[nodiscard]] ReamedBone reamed() const { return {after, before, after.fill}; }
   [[nodiscard]] BoneMetrics measure(const Rigid& bone_from_tool = Rigid::Identity(),
-                                    const MetricSettings& settings = {}, const BoneAxes& axes = {}) const {
-    return measure_bone(reamed(), bone_from_tool, axes, settings);
+                                    const MetricSettings& settings = {}, const BoneAxes& axes = {},
+                                    const TriangleMesh* implant_mesh = nullptr) const {
+    return measure_bone(reamed(), bone_from_tool, axes, settings, implant_mesh);
   }
 
   static constexpr int kMargin = 4;  ///< voxels of air all round

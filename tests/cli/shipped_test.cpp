@@ -43,9 +43,9 @@ TEST_F(Shipped, UnknownNameListsTheNamesThereAre) {
        {std::vector<std::string>{"sweep", "plan"}, {"sweep", "run"}, {"uq"}}) {
     std::vector<std::string> arguments = command;
     arguments.emplace_back("nonsense");
-    expect_refused(
-        call(arguments), 2,
-        {"no shipped study of this name", "breakthrough, reamers, resolution, shoulder_errors", "validation/drilling"});
+    expect_refused(call(arguments), 2,
+                   {"no shipped study of this name", "breakthrough, reamers, resolution, shoulder_errors",
+                    "validation/augments, validation/drilling, validation/pegs"});
   }
 }
 

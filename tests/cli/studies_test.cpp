@@ -127,6 +127,18 @@ TEST_F(Studies, APlanHasItsNumbers) {
   EXPECT_TRUE(metrics["seating"]["dense_percent"].is_number());
 }
 
+TEST_F(Studies, ADeeperPlanSeatsAsWell) {
+  // At 20 degrees of correction the core is so tall that columns beside it once counted as reamed through.
+  for (const std::string depth_mm : {"7", "7.5"}) {
+    coarse_run(REAMSIM_ROOT "/trajectories/plan_implant.yaml", "0.4",
+               {"bone.phantom.version_deg=20", "motion.plunge.from=contact", "motion.plunge.depth_mm=" + depth_mm,
+                "motion.plunge.entry_mm=[0, 0, 0]", "motion.plunge.axis=[0.34202, 0, -0.93969]"});
+    const auto summary = nlohmann::json::parse(read("out/summary.json"));
+    EXPECT_GT(summary["metrics"]["seating"]["seated_percent"].get<double>(), 90) << depth_mm;
+    EXPECT_TRUE(summary["metrics"]["seating"]["held_off"].is_null()) << summary["metrics"]["seating"];
+  }
+}
+
 TEST_F(Studies, FlatReamerTakesMoreOfAUniconcaveAndLessOfABiconcaveFace) {
   const double uniconcave_convex = coarse("uniconcave_convex").removed_mm3;
   const double uniconcave_flat = coarse("uniconcave_flat").removed_mm3;

@@ -203,6 +203,15 @@ TEST_F(Rules, AnImplantHasAFootprintAFrameAndPegs) {
               HasSubstr("metrics.implant.superior: found a direction along axis"));
   EXPECT_THAT(implant("augment: {angle_deg: 15, direction: [0, 0, 1]}"),
               HasSubstr("metrics.implant.augment.direction: found x = y = 0"));
+  EXPECT_EQ(implant("augment: {shape: step, step_mm: 5}"), "");
+  EXPECT_THAT(implant("augment: {shape: step}"), HasSubstr("metrics.implant.augment.step_mm: missing"));
+  EXPECT_THAT(implant("augment: {shape: step, step_mm: 5, angle_deg: 15}"),
+              HasSubstr("metrics.implant.augment.angle_deg: does not apply: shape is step"));
+  EXPECT_EQ(implant("mesh: {path: tool.stl, scale: 10, pegs_below_mm: 2}"), "");
+  EXPECT_THAT(implant("mesh: {path: nix.stl}"), HasSubstr("metrics.implant.mesh.path: no such file"));
+  for (const std::string key : {"diameter_mm: 20", "augment: {angle_deg: 15}", "footprint: pear"}) {
+    EXPECT_THAT(implant("mesh: {path: tool.stl}, " + key), HasSubstr("mesh is given; expected one or the other"));
+  }
   EXPECT_THAT(implant("pegs: [{from_mm: [1, 0, 0], to_mm: [1, 0, 0.05], diameter_mm: 3}]"),
               HasSubstr("metrics.implant.pegs.0.to_mm: found a point closer than 0.1 mm to from_mm"));
 }
