@@ -45,7 +45,7 @@ TEST_F(Shipped, UnknownNameListsTheNamesThereAre) {
     arguments.emplace_back("nonsense");
     expect_refused(call(arguments), 2,
                    {"no shipped study of this name", "breakthrough, reamers, resolution, shoulder_errors",
-                    "validation/augments, validation/drilling, validation/pegs"});
+                    "validation/augments, validation/drilling, validation/foam, validation/pegs"});
   }
 }
 
