@@ -230,7 +230,7 @@ Json push_json(const PushTotals& push) {
             {"peak_feed_mm_s", push.peak_feed_mm_s},
             {"hand_work_mj", push.hand_mj},
             {"spindle_work_mj", push.spindle_work_mj},
-            {"drill_work_mj", push.spindle_work_mj},  // the name of 1.0, for one version
+            {"drill_work_mj", push.spindle_work_mj},  // the name of 1.0, until 2.0
             {"peak_hand_power_w", push.peak_hand_power_w},
             {"peak_drill_power_w", push.peak_drill_power_w}};
   if (const auto overshoot = push.overshoot_mm()) json["overshoot_mm"] = *overshoot;

@@ -170,8 +170,8 @@ def figure_data(found: Comparison, name: str) -> dict[str, Any]:
     for (result, unit, *others), places in panels.items():
         rows = [found.rows[r] for r in places]
         of_forces = _OF_FORCES.fullmatch(result)  # "mean(axial_force_n; ...": the unit stands in the name as well
-        name = f"{of_forces[1]} {of_forces[2]}" if of_forces else " ".join(result.split(".")[-2:])
-        quantity = (name.rpartition("_")[0] if unit else name).replace("_", " ")
+        words = f"{of_forces[1]} {of_forces[2]}" if of_forces else " ".join(result.split(".")[-2:])
+        quantity = ((words.rpartition("_")[0] or words) if unit else words).replace("_", " ")
         out.append({"title": ", ".join(others), "y": quantity + f" ({unit})" * bool(unit), "x_title": axis,
                     "x": [_number(row.place[axis]) if axis else float(i) for i, row in enumerate(rows)],
                     "names": None if axis else [", ".join(row.place.values()) for row in rows],
