@@ -13,7 +13,6 @@
 #include "sim/base/geometry.h"
 #include "sim/scenario/choices.h"
 #include "sim/scenario/glenoid_settings.h"
-#include "sim/scenario/metric_settings.h"
 #include "sim/scenario/motion_settings.h"
 
 namespace reamsim {
