@@ -12,7 +12,6 @@
 #include "sim/record/recorder.h"
 #include "sim/run/checkpoint.h"
 #include "sim/scenario/parse.h"
-#include "sim/scenario/picture_frames.h"
 #include "sim/scene/contact_forecast.h"
 
 namespace reamsim {

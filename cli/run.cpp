@@ -22,7 +22,6 @@
 #include "sim/run/cost_estimate.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
-#include "sim/scenario/picture_frames.h"
 #include "sim/scene/clearance.h"
 #include "sim/scene/contact_forecast.h"
 

@@ -20,7 +20,7 @@
 #include "render/pictures/run_view.h"
 #include "sim/base/error.h"
 #include "sim/base/process.h"
-#include "sim/scenario/picture_frames.h"
+#include "sim/scenario/scenario.h"
 
 namespace reamsim {
 

@@ -7,7 +7,7 @@
 
 #include "render/pictures/canvas.h"
 #include "sim/base/text.h"
-#include "sim/scenario/picture_frames.h"
+#include "sim/scenario/scenario.h"
 
 namespace reamsim {
 namespace {

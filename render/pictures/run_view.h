@@ -17,7 +17,6 @@
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/mesh/triangle_mesh.h"
 #include "sim/record/force_log.h"
-#include "sim/scenario/picture_frames.h"
 #include "sim/scenario/scenario.h"
 #include "sim/scene/swept_bone.h"
 #include "sim/tool/tool_path.h"

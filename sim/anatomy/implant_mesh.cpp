@@ -1,14 +1,15 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "sim/anatomy/implant_mesh.h"
+#include "sim/anatomy/run_metrics.h"
 
 #include <fmt/core.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
-#include "sim/anatomy/run_metrics.h"
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/mesh_io.h"
 
@@ -16,6 +17,8 @@ namespace reamsim {
 
 namespace {
 
+constexpr double kStationVoxels = 0.1;    // between circumferences
+constexpr double kPointVoxels = 0.2;      // between points of a mesh
 constexpr int kDirections = 72;           // around the axis of a capsule
 constexpr int kLatitudes = 18;            // of the hemisphere at its end
 constexpr int kCircumferencesPerFan = 5;  // rays start at every fifth circumference
@@ -37,6 +40,7 @@ void add_points(const Corners& t, double spacing_mm, std::vector<PegPoint>& out)
   }
 }
 
+/// Points at most `step_mm` apart, in layers across z as thick.
 PegSurface surface_of(const std::vector<Corners>& triangles, double step_mm) {
   Aabb box = Aabb::none();
   PegSurface out;
@@ -60,8 +64,7 @@ PegSurface surface_of(const std::vector<Corners>& triangles, double step_mm) {
   return out;
 }
 
-}  // namespace
-
+/// A peg whose points are all within diameter/2 of a segment. `step_mm`: largest distance between circumferences.
 PegSurface capsule_surface(const PegSettings& peg, double step_mm) {
   const double length_mm = (peg.to_mm - peg.from_mm).norm(), radius_mm = peg.diameter_mm / 2;
   const Vec3 along = (peg.to_mm - peg.from_mm) / length_mm;
@@ -94,6 +97,26 @@ PegSurface capsule_surface(const PegSettings& peg, double step_mm) {
   return out;
 }
 
+std::vector<PegSurface> pegs_of_mesh(const TriangleMesh& mesh, const ImplantShape& shape, double step_mm) {
+  const auto in_peg = [&](std::int32_t vertex) {
+    return shape.is_peg(mesh.vertices[static_cast<std::size_t>(vertex)]);
+  };
+  TriangleMesh pegs{.vertices = mesh.vertices, .triangles = {}};
+  std::ranges::copy_if(mesh.triangles, std::back_inserter(pegs.triangles),
+                       [&](const MeshTriangle& t) { return std::ranges::any_of(t, in_peg); });
+  const std::vector<std::size_t> parts = components_of(pegs);
+  std::vector<std::vector<Corners>> triangles;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    triangles.resize(std::max(triangles.size(), parts[i] + 1));
+    triangles[parts[i]].push_back(pegs.corners(pegs.triangles[i]));
+  }
+  std::vector<PegSurface> out;
+  for (const auto& part : triangles) out.push_back(surface_of(part, step_mm));
+  return out;
+}
+
+}  // namespace
+
 TriangleMesh read_implant_mesh(const ImplantSettings& settings, Diagnostics& report) {
   constexpr double kLeastBack = 0.5;
   const ImplantMeshSettings& given = *settings.mesh;
@@ -109,23 +132,11 @@ TriangleMesh read_implant_mesh(const ImplantSettings& settings, Diagnostics& rep
   return mesh;
 }
 
-std::vector<PegSurface> peg_surfaces(const TriangleMesh& mesh, const std::function<bool(const Vec3&)>& is_peg,
-                                     double step_mm) {
-  TriangleMesh pegs{.vertices = mesh.vertices, .triangles = {}};
-  std::vector<char> deep;
-  for (const Vec3& vertex : mesh.vertices) deep.push_back(is_peg(vertex) ? 1 : 0);
-  for (const MeshTriangle& t : mesh.triangles) {
-    const auto in_peg = [&](std::int32_t vertex) { return deep[static_cast<std::size_t>(vertex)] != 0; };
-    if (std::ranges::any_of(t, in_peg)) pegs.triangles.push_back(t);
-  }
-  const std::vector<std::size_t> parts = components_of(pegs);
-  std::vector<std::vector<Corners>> triangles;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    triangles.resize(std::max(triangles.size(), parts[i] + 1));
-    triangles[parts[i]].push_back(pegs.corners(pegs.triangles[i]));
-  }
+std::vector<PegSurface> surfaces_of_pegs(const ImplantSettings& settings, const ImplantShape& shape,
+                                         const TriangleMesh* mesh, double voxel_mm) {
+  if (mesh != nullptr && settings.mesh) return pegs_of_mesh(*mesh, shape, kPointVoxels * voxel_mm);
   std::vector<PegSurface> out;
-  for (const auto& part : triangles) out.push_back(surface_of(part, step_mm));
+  for (const PegSettings& peg : settings.pegs) out.push_back(capsule_surface(peg, kStationVoxels * voxel_mm));
   return out;
 }
 

@@ -13,8 +13,6 @@ namespace reamsim {
 namespace {
 
 constexpr double kSurfaceFraction = 0.5;  // fraction at the surface of the bone
-constexpr double kStationVoxels = 0.1;    // between circumferences
-constexpr double kPointVoxels = 0.2;      // between points of a mesh
 constexpr double kRayVoxels = 0.5;        // step along a ray
 constexpr int kHalvings = 12;             // of the last step
 constexpr double kFaceCosine = 0.7071;    // a surface steeper than 45° against the implant is a wall
@@ -133,15 +131,6 @@ PegWall measure_peg(BoneAround& bone, const PegSurface& peg) {
   }
   if (least_mm < kFar_mm) out.least_wall_mm = least_mm;
   return out;
-}
-
-std::vector<PegSurface> surfaces_of_pegs(const ImplantSettings& settings, const ImplantShape& shape,
-                                         const TriangleMesh* mesh, double voxel_mm) {
-  std::vector<PegSurface> out;
-  for (const PegSettings& peg : settings.pegs) out.push_back(capsule_surface(peg, kStationVoxels * voxel_mm));
-  if (mesh == nullptr || !settings.mesh) return out;
-  return peg_surfaces(
-      *mesh, [&](const Vec3& vertex) { return shape.is_peg(vertex); }, kPointVoxels * voxel_mm);
 }
 
 void set_angles(Planning& out, const Vec3& axis, const JointLine& line, const BoneAxes& axes) {

@@ -11,7 +11,7 @@
 
 #include "sim/anatomy/column_map.h"
 #include "sim/anatomy/face_surface.h"
-#include "sim/anatomy/implant_mesh.h"
+#include "sim/base/error.h"
 #include "sim/base/geometry.h"
 #include "sim/bone/bone.h"
 #include "sim/mesh/winding.h"
@@ -221,6 +221,10 @@ class ImplantShape {
   Vec3 wedge_center_mm_ = Vec3::Zero();  ///< of the rotated sphere
 };
 
+/// Reads the mesh of ImplantSettings::mesh. Throws InputError: no closed surface, a size that is not supported, an
+/// underside that is not at the plain back.
+TriangleMesh read_implant_mesh(const ImplantSettings& settings, Diagnostics& report);
+
 /// The pose of an implant before it is seated: its apex at `center_mm`, +y superior (of the settings, else of the
 /// glenoid or scapular frame, else +y of the settings' frame). nullopt where its glenoid frame is unknown.
 std::optional<Rigid> implant_pose(const ImplantSettings& settings, const Rigid& bone_from_tool, const BoneAxes& axes);
@@ -283,6 +287,28 @@ struct Seating {
 /// `dense_g_cm3`: the least density of dense bone.
 Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, const ImplantSettings& settings,
                         double dense_g_cm3);
+
+/// A point of the surface of a peg, in the frame of the implant.
+struct PegPoint {
+  Vec3 at_mm;
+  Vec3 outward;  ///< of length 1
+};
+
+/// The surface of a peg as far as its wall is measured.
+struct PegSurface {
+  struct Circumference {
+    Vec3 center_mm = Vec3::Zero();
+    double length_mm = 0;  ///< of the axis, to the next circumference
+    std::vector<PegPoint> points{};
+  };
+  std::vector<Circumference> circumferences;  ///< from the back down
+  std::vector<PegPoint> rays;                 ///< along which the wall is measured
+  std::pair<Vec3, Vec3> axis_mm;
+};
+
+/// In the order of the settings; of a mesh its parts with a vertex for which shape.is_peg() is true, in its order.
+std::vector<PegSurface> surfaces_of_pegs(const ImplantSettings& settings, const ImplantShape& shape,
+                                         const TriangleMesh* mesh, double voxel_mm);
 
 /// The bone around a peg of a seated implant. Its wall ends at the outer surface of the bone, of which the gap between
 /// back and bone, through which the peg enters, is no part.

@@ -17,7 +17,6 @@
 #include "sim/engine/exact/brick_batch_plan.h"
 #include "sim/record/force_log.h"
 #include "sim/scenario/parse.h"
-#include "sim/scenario/picture_frames.h"
 #include "sim/scene/clearance.h"
 #include "sim/scene/contact_forecast.h"
 #include "sim/tool/tool_path.h"

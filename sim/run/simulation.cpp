@@ -10,7 +10,7 @@
 
 #include "sim/engine/common/substep.h"
 #include "sim/run/feed.h"
-#include "sim/scenario/picture_frames.h"
+#include "sim/scenario/scenario.h"
 
 namespace reamsim {
 

@@ -6,7 +6,7 @@
 
 #include "sim/run/balance.h"
 #include "sim/run/feed.h"
-#include "sim/scenario/picture_frames.h"
+#include "sim/scenario/scenario.h"
 
 namespace reamsim {
 

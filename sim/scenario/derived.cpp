@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "sim/base/text.h"
-#include "sim/scenario/picture_frames.h"
 #include "sim/scenario/show.h"
 
 namespace reamsim {

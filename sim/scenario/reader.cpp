@@ -77,8 +77,8 @@ class ScenarioReader : public KeyVisitor {
     level.chosen[info.name] = *std::get<std::string*>(value);
   }
   void end() override {
-    for (const MissingByChoice& missing : levels_.back().missing) {
-      if (!levels_.back().contradicted.contains(missing.choice)) mistakes_.add(missing.error);
+    for (const auto& [choice, error] : levels_.back().missing) {
+      if (!levels_.back().contradicted.contains(choice)) mistakes_.add(error);
     }
     levels_.pop_back();
   }
@@ -114,11 +114,6 @@ class ScenarioReader : public KeyVisitor {
   }
 
  private:
-  /// A missing key that a choice requires; no mistake where a given key contradicts the choice.
-  struct MissingByChoice {
-    std::string_view choice;
-    InputError error;
-  };
   /// The section, list or item being read; its node is null where the document does not have it.
   struct Level {
     YamlNodePtr node;
@@ -129,7 +124,8 @@ class ScenarioReader : public KeyVisitor {
     std::map<std::string_view, std::string> chosen{};  // values of the choices read so far
     std::set<std::string_view> unknown_choices{};      // choices whose value is wrong or missing
     std::set<std::string_view> contradicted{};         // choices that exclude a given key
-    std::vector<MissingByChoice> missing{};
+    /// Missing keys that a choice requires; no mistakes where a given key contradicts the choice.
+    std::vector<std::pair<std::string_view, InputError>> missing{};
   };
 
   enum class Applies { yes, no, unknown };
@@ -169,7 +165,7 @@ class ScenarioReader : public KeyVisitor {
     if (!info.choices.empty()) level.unknown_choices.insert(info.name);
     if (level.has_unknown) return;
     if (info.when.values.empty()) throw error;
-    level.missing.push_back({info.when.choice, error});
+    level.missing.emplace_back(info.when.choice, error);
   }
   /// The value of a key; nullptr where it is absent or cannot be judged. Throws: missing, or does not apply.
   YamlNodePtr take(const KeyInfo& info) {

@@ -167,7 +167,7 @@ class PosedHolder {
     return out;
   }
   [[nodiscard]] double distance_mm(std::size_t part, const Vec3& point) const {
-    return nearest(part, tool_from_bone_ * point).distance_mm;
+    return parts_[part].nearest(rz_of(tool_from_bone_ * point)).distance_mm;
   }
 
   /// The distance of a part from a polygon, and the nearest point of that: by turns the nearest point of the one and of
@@ -191,16 +191,10 @@ class PosedHolder {
   [[nodiscard]] Vec3 point_on_axis(double z) const { return bone_from_tool_ * Vec3(0, 0, z); }
 
  private:
-  [[nodiscard]] Profile::Nearest nearest(std::size_t part, const Vec3& p) const {
-    return parts_[part].nearest({p.head<2>().norm(), p.z()});
-  }
-
   [[nodiscard]] Vec3 nearest_point(std::size_t part, const Vec3& point) const {
     const Vec3 p = tool_from_bone_ * point;
-    const double r = p.head<2>().norm();
-    const Profile::Nearest near = nearest(part, p);
-    const Vec3 outward = r > kOnAxisMm ? Vec3(p.x() / r, p.y() / r, 0) : Vec3::Zero();
-    return bone_from_tool_ * (p - near.distance_mm * (near.normal.x() * outward + near.normal.y() * Vec3::UnitZ()));
+    const Profile::Nearest near = parts_[part].nearest(rz_of(p));
+    return bone_from_tool_ * (p - near.distance_mm * Profile::normal_at(p, near));
   }
 
   const std::vector<Profile>& parts_;

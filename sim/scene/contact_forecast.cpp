@@ -78,7 +78,7 @@ class ContactSearch {
       follow(brick.middle_mm, [&](double mm, double) {
         brick.least_mm = std::min(brick.least_mm, mm);
         bound_mm = std::min(bound_mm, mm + radius_mm());
-        return bound_mm > 0 ? bound_mm + radius_mm() : 0;
+        return bound_mm > 0 ? std::optional(bound_mm + radius_mm()) : std::nullopt;
       });
       if (bound_mm > 0) continue;
       out.touches = true;  // a whole brick passes through the tool
@@ -97,7 +97,7 @@ class ContactSearch {
             out.frame = static_cast<std::int64_t>(path_.frame_at(at_mm));
             out.bone_mm = center_mm;
           }
-          return best_mm > 0 ? best_mm + 0.5 * voxel_mm_ : 0;
+          return best_mm > 0 ? std::optional(best_mm + 0.5 * voxel_mm_) : std::nullopt;
         });
       });
       if (best_mm <= 0) break;
@@ -124,8 +124,7 @@ class ContactSearch {
   [[nodiscard]] BrickVisit visit_of(const Vec3& middle_mm) const {
     BrickVisit out;
     double before_mm = 0;  // where the previous distance was taken
-    for (double at_mm = 0;;) {
-      const double mm = distance_at_mm(middle_mm, at_mm);
+    follow(middle_mm, [&](double mm, double at_mm) {
       if (mm < radius_mm()) out.enter_mm = std::min(out.enter_mm, at_mm);
       // A tool that is drawn back passes the same places again, sampled at others.
       const double gain_mm = out.closest_mm == before_mm ? 0 : kStep_voxels * voxel_mm_;
@@ -134,11 +133,11 @@ class ContactSearch {
         out.closest_mm = at_mm;
       }
       before_mm = at_mm;
-      const bool removed = mm <= -radius_mm();
-      if (removed || at_mm >= path_.length_mm()) return out;
       const double bound_mm = out.enter_mm == kNoContact ? radius_mm() : out.least_mm;
-      at_mm = std::min(path_.length_mm(), at_mm + std::max(kStep_voxels * voxel_mm_, mm - bound_mm));
-    }
+      const bool removed = mm <= -radius_mm();
+      return removed ? std::nullopt : std::optional(bound_mm);
+    });
+    return out;
   }
 
   /// Where the last brick is removed as far as it ever is.
@@ -198,15 +197,15 @@ class ContactSearch {
   }
 
   /// Follows the tool's distance from a point along the path. visit(distance, place) returns the distance of interest,
-  /// or 0 to stop. Where the distance is larger, the tool must move by at least the difference, which is skipped.
+  /// or nullopt to stop. Where the distance is larger, the tool must move by at least the difference, which is skipped.
   template <class Visit>
   void follow(const Vec3& point_mm, const Visit& visit) const {
     double at_mm = 0;
     for (;;) {
       const double mm = distance_at_mm(point_mm, at_mm);
-      const double bound_mm = visit(mm, at_mm);
-      if (bound_mm <= 0 || at_mm >= path_.length_mm()) return;
-      at_mm = std::min(path_.length_mm(), at_mm + std::max(kStep_voxels * voxel_mm_, mm - bound_mm));
+      const std::optional<double> bound_mm = visit(mm, at_mm);
+      if (!bound_mm || at_mm >= path_.length_mm()) return;
+      at_mm = std::min(path_.length_mm(), at_mm + std::max(kStep_voxels * voxel_mm_, mm - *bound_mm));
     }
   }
 

@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "sim/scenario/picture_frames.h"
 #include "sim/scene/scene.h"
 #include "sim/tool/tool_path.h"
 

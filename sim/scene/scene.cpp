@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "sim/anatomy/find_glenoid.h"
-#include "sim/anatomy/implant_mesh.h"
+#include "sim/anatomy/run_metrics.h"
 #include "sim/base/error.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/parse.h"

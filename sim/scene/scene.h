@@ -11,7 +11,7 @@
 
 #include "sim/base/error.h"
 #include "sim/bone/bone.h"
-#include "sim/scenario/picture_frames.h"
+#include "sim/scenario/scenario.h"
 #include "sim/scene/load_bone.h"
 #include "sim/tool/motion.h"
 #include "sim/tool/tool.h"

@@ -188,12 +188,10 @@ PredictedBone predict_swept_bone(const Voxmap& voxmap, const FillBricks& before,
 std::optional<VoxelPlane> plane_beside(const Profile& tool, const Rigid& tool_from_bone, const Vec3& center_mm,
                                        double voxel_mm) {
   const Vec3 p = tool_from_bone * center_mm;
-  const double r = p.head<2>().norm();
-  const Profile::Nearest near = tool.nearest({r, p.z()});
+  const Profile::Nearest near = tool.nearest(rz_of(p));
   if (near.distance_mm < -kHalfDiagonal * voxel_mm) return std::nullopt;
-  const Vec3 outward = r > kOnAxisMm ? Vec3(p.x() / r, p.y() / r, 0) : Vec3::Zero();
-  const Vec3 normal_t = near.normal.x() * outward + near.normal.y() * Vec3::UnitZ();
-  return VoxelPlane{-(tool_from_bone.linear().transpose() * normal_t).normalized(), near.distance_mm};
+  return VoxelPlane{-(tool_from_bone.linear().transpose() * Profile::normal_at(p, near)).normalized(),
+                    near.distance_mm};
 }
 
 VoxelCuts::VoxelCuts(const VoxelGrid& grid, const Profile& tool, const PoseSequence& poses)

@@ -22,13 +22,8 @@ namespace {
 /// A triangle in units of cells from the grid's corner.
 using GridTriangle = std::array<Vec3, 3>;
 
-struct CellRange {
-  int first;
-  int last;
-};
-
-/// Cells of 0…resolution−1 that the closed interval [low, high] touches.
-CellRange cells_touched(double low, double high, int resolution) {
+/// The first and the last cell of 0…resolution−1 that the closed interval [low, high] touches.
+std::pair<int, int> cells_touched(double low, double high, int resolution) {
   const double top = resolution - 1;
   return {static_cast<int>(std::clamp(std::ceil(low) - 1, 0.0, top)),
           static_cast<int>(std::clamp(std::floor(high), 0.0, top))};
@@ -63,22 +58,22 @@ void add_cells(const GridTriangle& t, int resolution, std::vector<std::uint64_t>
   if (!(steepest > 0)) return;  // no area: the neighbours in a closed mesh have its edges
   const int u = (w + 1) % 3, v = (w + 2) % 3;
   const Vec3 low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
-  const CellRange us = cells_touched(low[u], high[u], resolution);
+  const auto [u_first, u_last] = cells_touched(low[u], high[u], resolution);
   // Extends ranges for rounding; the exact test decides.
   constexpr double kSlack = 1e-6;
   const double spread = 0.5 * (std::abs(normal[u]) + std::abs(normal[v])) / steepest + kSlack;
   Vec3i cell;
-  for (cell[u] = us.first; cell[u] <= us.last; ++cell[u]) {
+  for (cell[u] = u_first; cell[u] <= u_last; ++cell[u]) {
     const auto [v_low, v_high] = extent_in_slab(t, u, v, cell[u] - kSlack, cell[u] + 1 + kSlack);
     if (v_low > v_high) continue;
-    const CellRange vs = cells_touched(v_low - kSlack, v_high + kSlack, resolution);
-    for (cell[v] = vs.first; cell[v] <= vs.last; ++cell[v]) {
+    const auto [v_first, v_last] = cells_touched(v_low - kSlack, v_high + kSlack, resolution);
+    for (cell[v] = v_first; cell[v] <= v_last; ++cell[v]) {
       const double du = cell[u] + 0.5 - a[u], dv = cell[v] + 0.5 - a[v];
       const double plane = a[w] - (normal[u] * du + normal[v] * dv) / normal[w];
       const double bottom = std::max(low[w], plane - spread), top = std::min(high[w], plane + spread);
       if (bottom > top) continue;
-      const CellRange ws = cells_touched(bottom, top, resolution);
-      for (cell[w] = ws.first; cell[w] <= ws.last; ++cell[w])
+      const auto [w_first, w_last] = cells_touched(bottom, top, resolution);
+      for (cell[w] = w_first; cell[w] <= w_last; ++cell[w])
         if (triangle_touches_box(a, b, c, cell.cast<double>().array() + 0.5, Vec3::Constant(0.5)))
           codes.push_back(morton_encode(cell.x(), cell.y(), cell.z()));
     }

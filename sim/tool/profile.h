@@ -37,6 +37,12 @@ struct Profile {
     Vec2 normal;
   };
   [[nodiscard]] Nearest nearest(const Vec2& rz) const;
+  /// The normal at a point of T, from that in its half plane; on the axis without its radial part.
+  [[nodiscard]] static Vec3 normal_at(const Vec3& point, const Nearest& nearest) {
+    const double r = point.head<2>().norm();
+    const Vec3 outward = r > kOnAxisMm ? Vec3(point.x() / r, point.y() / r, 0) : Vec3::Zero();
+    return nearest.normal.x() * outward + nearest.normal.y() * Vec3::UnitZ();
+  }
   /// Volume of the solid of revolution, mm³ (Pappus).
   [[nodiscard]] double volume_mm3() const;
 };

@@ -8,6 +8,8 @@
 #include <functional>
 #include <numbers>
 
+#include "sim/bone/implicit.h"
+
 namespace reamsim::verify {
 
 using std::numbers::pi;
@@ -65,9 +67,7 @@ double square_resistance(const SteadyPlunge& head) {
 /// The argument in (0, most) where an increasing function has a value; `most` where it is below that.
 double root(const std::function<double(double)>& f, double value, double most) {
   if (f(most) <= value) return most;
-  double low = 0, high = most;
-  for (int i = 0; i < 60; ++i) (f((low + high) / 2) < value ? low : high) = (low + high) / 2;
-  return (low + high) / 2;
+  return implicit::bisect(0, most, 60, [&](double x) { return f(x) < value; }).middle();
 }
 
 /// Simpson's rule.

@@ -12,7 +12,7 @@
 
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/ct_import.h"
-#include "sim/verify/case_parts.h"
+#include "sim/verify/suite.h"
 
 namespace reamsim::verify {
 
@@ -106,19 +106,11 @@ FilledVoxmap scan_and_import(const CtSlab& slab, double voxel_mm) {
 
 constexpr double kSlabRate_hz = 500, kRpm = 250, kFeed_mm_s = 20, kStart_mm = 2;
 
-/// Energy and volume of a plunge, summed as far as a depth.
-struct Removed {
-  double energy_mj = 0;
-  double volume_mm3 = 0;
-
-  [[nodiscard]] double per_mm3() const { return energy_mj / volume_mm3; }
-};
-
 Quat along(const Vec3& direction) {
   return smallest_rotation(Vec3::UnitZ(), direction);
 }
 
-/// A flat-ended cylinder down the face's normal to each of the depths, which rise.
+/// What a flat-ended cylinder removes down the face's normal as far as each of the depths, which rise.
 std::vector<Removed> plunge(const CtSlab& slab, double voxel_mm, const std::vector<double>& depths_mm,
                             const Setting& setting) {
   const Vec3 n = slab.outward();

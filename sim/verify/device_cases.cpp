@@ -9,7 +9,7 @@
 
 #include "sim/base/stopwatch.h"
 #include "sim/bench/suite.h"
-#include "sim/verify/case_parts.h"
+#include "sim/verify/suite.h"
 
 namespace reamsim::verify {
 

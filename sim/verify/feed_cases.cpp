@@ -7,7 +7,7 @@
 #include <limits>
 #include <memory>
 
-#include "sim/verify/case_parts.h"
+#include "sim/verify/suite.h"
 
 namespace reamsim::verify {
 

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/verify/case_parts.h"
+#include "sim/verify/suite.h"
 
 namespace reamsim::verify {
 
@@ -291,14 +291,9 @@ double work_mj(const ToolPose& before, const FrameResult& row) {
   return -(row.torque_nmm.dot(turn) + row.force_n.dot(after.position_mm - before.position_mm));
 }
 
-/// The removed bone: its cutting energy by the closed form of the law, and its volume.
-struct RemovedBone {
-  double energy_mj = 0;
-  double volume_mm3 = 0;
-};
-
-RemovedBone removed_from(const BoneView& remaining) {
-  RemovedBone out;
+/// The removed bone, with its cutting energy by the closed form of the law.
+Removed removed_from(const BoneView& remaining) {
+  Removed out;
   for_each_bone_voxel(remaining, [&](const Vec3i&, std::uint8_t grade, std::uint16_t fill) {
     const double lost = (1 - double(fill) / FillBricks::kWhole) * remaining.voxmap.grid.voxel_mm3();
     out.volume_mm3 += lost;
@@ -323,7 +318,7 @@ void energy_case(const Setting& setting, Report& out) {
   double work = 0;
   for (std::size_t k = 1; k < reamed.rows.size(); ++k) work += work_mj(reamed.rows[k - 1].pose, reamed.rows[k]);
   const double floor = reamed.sum(&FrameResult::floor_energy_mj), cut = reamed.sum(&FrameResult::energy_mj);
-  const RemovedBone removed = removed_from(reamed.bone);
+  const Removed removed = removed_from(reamed.bone);
   const std::string bar = "limit set by this project for every run";
   out.reported("left side: work of the tool", "mJ", work);
   out.reported("left side: speed-floor energy", "mJ", floor);

@@ -4,7 +4,7 @@
 // Refinement in time and space, and settings that must not change the result.
 #include <cmath>
 
-#include "sim/verify/case_parts.h"
+#include "sim/verify/suite.h"
 
 namespace reamsim::verify {
 

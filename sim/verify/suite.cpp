@@ -5,7 +5,6 @@
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"
-#include "sim/verify/case_parts.h"
 
 namespace reamsim::verify {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "sim/verify/case_parts.h"
+#include "sim/verify/suite.h"
 
 namespace reamsim::verify {
 

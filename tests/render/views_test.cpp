@@ -12,7 +12,7 @@
 #include "render/render.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
-#include "sim/scenario/picture_frames.h"
+#include "sim/scenario/scenario.h"
 #include "tests/render/picture_file.h"
 #include "tests/render/results_fixture.h"
 #include "tests/support/temp_dir.h"
