@@ -352,9 +352,7 @@ std::vector<std::size_t> BoneTiles::update(const BoneFields& fields, const std::
 }
 
 double BoneTiles::deepest_mm() const {
-  double deepest = 0;
-  for (const BoneSurface& surface : surfaces_) deepest = std::max(deepest, surface.deepest_mm);
-  return deepest;
+  return std::ranges::max_element(surfaces_, {}, &BoneSurface::deepest_mm)->deepest_mm;
 }
 
 }  // namespace reamsim

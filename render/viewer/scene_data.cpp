@@ -118,16 +118,6 @@ Json view_json(const ViewTarget& target) {
 
 constexpr int kPadding_cells = 2;  // extrapolated into the air
 
-/// Edge of a cell in voxels, and the lattice of cells.
-int voxels_per_cell(const Vec3i& voxels, std::int64_t most_cells, BrickLattice& cells) {
-  for (int n = 1;; ++n) {
-    cells = {(voxels.array() + n - 1) / n + 2 * kPadding_cells};
-    if (static_cast<std::int64_t>(cells.count()) <= most_cells || cells.dims.maxCoeff() <= 1 + 2 * kPadding_cells) {
-      return n;
-    }
-  }
-}
-
 /// Sets air cells next to bone to the mean of their bone neighbours.
 void extrapolate(const BrickLattice& cells, std::vector<std::uint8_t>& grades) {
   const std::vector<std::uint8_t> before = grades;
@@ -315,7 +305,11 @@ DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells) {
   if (bone.empty()) throw InputError({"reamed.vdb", 0, 0}, "density", "contains no bone", "the bone of a run");
   DensityVolume out;
   BrickLattice cells;
-  const int n = voxels_per_cell(bone.size(), most_cells, cells);
+  int n = 0;  // voxels along the edge of a cell
+  do {
+    ++n;
+    cells = {(bone.size().array() + n - 1) / n + 2 * kPadding_cells};
+  } while (static_cast<std::int64_t>(cells.count()) > most_cells && cells.dims.maxCoeff() > 1 + 2 * kPadding_cells);
   out.dims = cells.dims;
   out.cell_mm = n * voxmap.grid.voxel_mm;
   const Vec3i first = bone.first - Vec3i::Constant(n * kPadding_cells);
