@@ -166,6 +166,7 @@ BoneSurface extract_owned(const BoneSurface& all, const std::vector<bool>& owned
   const std::size_t used = meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(),
                                                        all.vertices.data(), all.count(), BoneSurface::kVertexBytes);
   out.vertices.resize(used * BoneSurface::kStride);
+  out.vertices.shrink_to_fit();  // without the room for the halo
   return out;
 }
 
