@@ -252,16 +252,13 @@ LayerBoundary::LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unream
 
 bool LayerBoundary::near(const Vec3& point) const {
   const Vec3i base = point.array().floor().cast<int>();
-  std::uint8_t found = 0;
-  for (int i = 0; i < 8; ++i) {
-    const Vec3i voxel = base + Vec3i(i & 1, i >> 1 & 1, i >> 2);
-    if (!voxmap_.grid.contains(voxel)) continue;
-    const std::uint8_t grade = voxmap_.grade.get(voxel);
-    if (grade == 0 || grade == found) continue;
-    if (found != 0) return true;
-    found = grade;
-  }
-  return false;
+  int least = UINT8_MAX, most = 0;
+  for_each_voxel(base, base + Vec3i::Ones(), [&](const Vec3i& voxel) {
+    const int grade = voxmap_.grid.contains(voxel) ? voxmap_.grade.get(voxel) : 0;
+    if (grade > 0) least = std::min(least, grade);
+    most = std::max(most, grade);
+  });
+  return least < most;
 }
 
 double LayerBoundary::density_at(const Vec3& point, double blend_voxels) const {
