@@ -207,7 +207,7 @@ class PngWriter {
   PictureProgress progress_;
   int total_;
   int done_ = 0;
-  std::future<std::string> writing_;  ///< of the path
+  std::future<std::string> writing_;  ///< gives the path
 };
 
 /// Composes the pictures of a run from its rendered frames, in their order.

@@ -106,6 +106,7 @@ struct BoneSurface {
 };
 
 /// Each corner gets the mean normal of adjacent triangles within the crease angle, so that cutting edges stay sharp.
+/// Equal corners share a vertex.
 BoneSurface make_tool_surface(const TriangleMesh& mesh);
 
 /// The current bone and the fields derived from its fill, from which its surface is extracted.
