@@ -82,20 +82,20 @@ void RenderThread::snapshots_written(std::int64_t frame) {
   written_.notify_all();
 }
 
-void RenderThread::wait_for_snapshot(std::int64_t frame) {
+bool RenderThread::wait_for_snapshot(std::int64_t frame) {
   for (std::int64_t written = written_; written < frame; written = written_) written_.wait(written);
-  if (stop_) throw Stopped();
+  return !stop_;
 }
 
 void RenderThread::render(const RunView& view, const std::vector<Shot>& shots) {
   using Kind = Shot::Kind;
-  wait_for_snapshot(view.frames().front());
+  if (!wait_for_snapshot(view.frames().front())) return;
   Renderer renderer(view);
   warning_ = renderer.warning();
   context_ = renderer.context();
   std::int64_t state = -1;
   for (const Shot& shot : shots) {
-    wait_for_snapshot(shot.frame);
+    if (!wait_for_snapshot(shot.frame)) return;
     if (shot.kind != Kind::before && shot.frame != state) renderer.advance_to(state = shot.frame);
     RenderedFrame out{shot, renderer.deepest_mm()};
     std::optional<PlacedTool> tool;
@@ -109,7 +109,7 @@ void RenderThread::render(const RunView& view, const std::vector<Shot>& shots) {
     out.image = renderer.render(shot.camera, tool, filtered);
     const bool numbered = shot.kind != Kind::sheet && !(tool && shot.camera.shows_tool);
     if (numbered) out.contours = renderer.contours(shot.camera);
-    if (!queue_.push(std::move(out))) throw Stopped();
+    if (!queue_.push(std::move(out))) return;
   }
 }
 
@@ -117,8 +117,6 @@ void RenderThread::work(const RunData& run, const PictureOptions& options) {
   try {
     const RunView view(run, options.settings);
     if (count_pictures(options, view.frames(), run.contact()) > 0) render(view, shots_of(view, options));
-    queue_.finish(nullptr);
-  } catch (const Stopped&) {
     queue_.finish(nullptr);
   } catch (...) {
     queue_.finish(std::current_exception());
@@ -189,15 +187,15 @@ class PngWriter {
 
   void write(const std::string& path, PixelImage image) {
     finish();
-    path_ = path;
-    writing_ = std::async(std::launch::async, [path, image = std::move(image)]() mutable { write_png(path, image); });
+    writing_ = std::async(std::launch::async, [path, image = std::move(image)] {
+      write_png(path, image);
+      return path;
+    });
   }
 
   /// Waits for the current picture; throws the exceptions of writing it.
   void finish() {
-    if (!writing_.valid()) return;
-    writing_.get();
-    count(path_);
+    if (writing_.valid()) count(writing_.get());
   }
 
   /// Counts a picture.
@@ -209,8 +207,7 @@ class PngWriter {
   PictureProgress progress_;
   int total_;
   int done_ = 0;
-  std::string path_;
-  std::future<void> writing_;
+  std::future<std::string> writing_;  ///< gives the path
 };
 
 /// Composes the pictures of a run from its rendered frames, in their order.

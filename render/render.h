@@ -93,11 +93,10 @@ class RenderThread {
   [[nodiscard]] const std::string& context() const { return context_; }
 
  private:
-  struct Stopped {};  ///< thrown, and caught, within the thread to stop it
-
   void work(const RunData& run, const PictureOptions& options);
   void render(const RunView& view, const std::vector<Shot>& shots);
-  void wait_for_snapshot(std::int64_t frame);
+  /// Returns false where the thread is to stop.
+  bool wait_for_snapshot(std::int64_t frame);
 
   std::atomic<std::int64_t> written_ = -1;  ///< frame of the last snapshot on disk
   std::atomic<bool> stop_ = false;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "sim/base/error.h"
 
@@ -64,11 +65,7 @@ Eigen::Vector4d section_plane(const ViewTarget& target) {
 }
 
 /// Clip-space depth before the division by w: slope·z + offset, with z in eye coordinates.
-struct DepthRow {
-  double slope, offset;
-};
-
-DepthRow depth_row(const Camera& camera) {
+std::pair<double, double> depth_row(const Camera& camera) {
   if (!camera.eye_mm) return {-1 / camera.depth_range_mm, 0};
   constexpr double kMinNear = 0.002;  // of the eye's distance, where the eye is within the scene
   const double eye_mm = *camera.eye_mm;
@@ -97,17 +94,15 @@ Eigen::Matrix4d Camera::clip_from_bone() const {
   Eigen::Matrix4d clip_from_eye = Eigen::Matrix4d::Identity();
   clip_from_eye(0, 0) = 2 / (mm_per_px * width_px);
   clip_from_eye(1, 1) = 2 / (mm_per_px * height_px);
-  const DepthRow depth = depth_row(*this);
-  clip_from_eye(2, 2) = depth.slope;
-  clip_from_eye(2, 3) = depth.offset;
+  std::tie(clip_from_eye(2, 2), clip_from_eye(2, 3)) = depth_row(*this);
   if (eye_mm) clip_from_eye(3, 2) = -1 / *eye_mm;
   return clip_from_eye * eye_from_bone.matrix();
 }
 
 double Camera::clip_depth_per_mm() const {
   // d/dz of (slope·z + offset)/w is the result over w², with w = 1 − z/eye_mm.
-  const DepthRow depth = depth_row(*this);
-  return -(depth.slope + (eye_mm ? depth.offset / *eye_mm : 0));
+  const auto [slope, offset] = depth_row(*this);
+  return -(slope + (eye_mm ? offset / *eye_mm : 0));
 }
 
 Vec2 Camera::pixel(const Vec3& point_mm) const {

@@ -61,8 +61,7 @@ Camera half_camera(const RunView& view, const std::string& name) {
 }
 
 PixelImage before_and_after(const RunView& view, const Camera& half, const PixelImage& before, const PixelImage& after,
-                            const std::vector<std::pair<std::string, std::string>>& values,
-                            const std::vector<SeenContour>& contours) {
+                            const Captions::Values& values, const std::vector<SeenContour>& contours) {
   const PageLayout page = view.page();
   const Background background = view.settings().background;
   const int head_px = half_head_px(page);

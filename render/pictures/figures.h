@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "render/pictures/run_view.h"
@@ -48,8 +47,7 @@ Camera half_camera(const RunView& view, const std::string& name);
 
 /// Composes such a picture from its halves. `values`, and `contours` that get their numbers, of the right half.
 PixelImage before_and_after(const RunView& view, const Camera& half, const PixelImage& before, const PixelImage& after,
-                            const std::vector<std::pair<std::string, std::string>>& values,
-                            const std::vector<SeenContour>& contours);
+                            const Captions::Values& values, const std::vector<SeenContour>& contours);
 
 /// The layout of a contact sheet.
 struct SheetGrid {

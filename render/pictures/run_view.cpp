@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <numbers>
 #include <stdexcept>
 
@@ -108,8 +109,8 @@ void include_tools(ViewTarget& target, const RunInputs& run, std::size_t deepest
   }
   for (const ToolPass& pass : run.passes) {
     const double reach_mm = tool_reach_mm(pass.tool);
-    for (const ToolPose& pose : pass.poses) {
-      target.radius_mm = std::max(target.radius_mm, (pose.position_mm - target.focus_mm).norm() + reach_mm);
+    for (const PathSample& at : pass.path) {
+      target.radius_mm = std::max(target.radius_mm, (at.pose.position_mm - target.focus_mm).norm() + reach_mm);
     }
   }
 }
@@ -147,27 +148,22 @@ void RunPath::add(const ToolPose& pose, std::int64_t frame, int pass) {
 void RunPath::give(RunInputs& run) {
   std::size_t used = 0;
   for (; used < paths_.size(); ++used) {
-    const std::vector<PathSample> path = paths_[used].finish();
-    if (path.empty()) break;  // an interrupted run has not come to its last passes
-    for (const PathSample& sample : path) {
-      run.passes[used].pose_frames.push_back(static_cast<std::int64_t>(sample.frame));
-      run.passes[used].poses.push_back(sample.pose);
-    }
+    run.passes[used].path = paths_[used].finish();
+    if (run.passes[used].path.empty()) break;  // an interrupted run has not come to its last passes
   }
   run.passes.resize(used);
 }
 
 std::size_t RunInputs::pass_at(std::int64_t frame) const {
   std::size_t out = 0;
-  while (out + 1 < passes.size() && passes[out + 1].pose_frames.front() <= frame) ++out;
+  while (out + 1 < passes.size() && std::cmp_less_equal(passes[out + 1].path.front().frame, frame)) ++out;
   return out;
 }
 
 const ToolPose& RunInputs::pose_at(std::int64_t frame) const {
-  const ToolPass& pass = passes[pass_at(frame)];
-  const auto after = std::ranges::upper_bound(pass.pose_frames, frame);
-  return after == pass.pose_frames.begin() ? pass.poses.front()
-                                           : pass.poses[static_cast<std::size_t>(after - pass.pose_frames.begin()) - 1];
+  const std::vector<PathSample>& path = passes[pass_at(frame)].path;
+  const auto after = std::ranges::upper_bound(path, static_cast<std::size_t>(frame), {}, &PathSample::frame);
+  return (after == path.begin() ? after : std::prev(after))->pose;
 }
 
 FillBricks fill_at(const RunInputs& run, std::int64_t frame) {
@@ -251,15 +247,6 @@ std::vector<Vec3> widest_circle(const TriangleMesh& tool, const Rigid& bone_from
 
 /// Least fraction of the run's greatest force that is drawn as an arrow.
 constexpr double kMinArrowFraction = 0.01;
-
-/// The tool's path, with the frames of the run.
-ToolPath path_of_pass(const ToolPass& pass) {
-  std::vector<PathSample> path;
-  for (std::size_t i = 0; i < pass.poses.size(); ++i) {
-    path.push_back({pass.poses[i], static_cast<std::size_t>(pass.pose_frames[i])});
-  }
-  return {std::move(path), tool_reach_mm(pass.tool)};
-}
 
 }  // namespace
 
@@ -345,14 +332,17 @@ std::optional<ForceArrow> Captions::arrow(const ForceRow& row) const {
 }
 
 PredictedRun predict_run(const RunInputs& run) {
-  PredictedRun out{.bone = {.fill = run.fill, .deepest = run.passes.front().poses.front()}, .contact = {}};
+  PredictedRun out{.bone = {.fill = run.fill, .deepest = run.passes.front().path.front().pose}, .contact = {}};
   for (std::size_t i = 0; i < run.passes.size(); ++i) {
     const ToolPass& pass = run.passes[i];
     try {
       const Profile tool = envelope_of_revolution(pass.tool).profile;
-      const auto contact = forecast_contact_frames(*run.voxmap, out.bone.fill, tool, path_of_pass(pass));
+      const ToolPath path(pass.path, tool_reach_mm(pass.tool));
+      const auto contact = forecast_contact_frames(*run.voxmap, out.bone.fill, tool, path);
       if (contact) out.contact.push_back(*contact);
-      PredictedBone bone = predict_swept_bone(*run.voxmap, out.bone.fill, tool, pass.poses, run.whole_voxels);
+      std::vector<ToolPose> poses;
+      for (const PathSample& at : pass.path) poses.push_back(at.pose);
+      PredictedBone bone = predict_swept_bone(*run.voxmap, out.bone.fill, tool, poses, run.whole_voxels);
       if (!bone.touches) continue;
       out.bone = std::move(bone);
       out.pass = i;

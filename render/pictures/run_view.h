@@ -25,9 +25,8 @@ namespace reamsim {
 
 /// A tool of a run on its path.
 struct ToolPass {
-  TriangleMesh tool;                        ///< T, mm
-  std::vector<std::int64_t> pose_frames{};  ///< frames of `poses`, ascending; those with a snapshot are among them
-  std::vector<ToolPose> poses{};            ///< of every frame, or of those that RunPath chooses
+  TriangleMesh tool;               ///< T, mm
+  std::vector<PathSample> path{};  ///< of every frame, or of those that RunPath chooses; with all that have a snapshot
 };
 
 /// The inputs of rendering a run besides its snapshots. All are known before the simulation and immutable.

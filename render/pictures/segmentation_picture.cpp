@@ -151,8 +151,7 @@ void draw_foot(const Canvas& canvas, const Panel& panel, const std::string& lege
 void write_segmentation_picture(const std::string& dir, const Segmentation& segmentation) {
   if (segmentation.planes.empty()) return;
   const std::vector<Panel> panels = panels_of(segmentation.planes);
-  int tallest = 0;
-  for (const Panel& panel : panels) tallest = std::max(tallest, panel.height);
+  const int tallest = std::ranges::max_element(panels, {}, &Panel::height)->height;
   PixelImage image = plain_image(kSegmentationWidth_px, kHead_px + tallest + kFoot_px, kPaperColor);
   for (const Panel& panel : panels) paint(panel, image);
   const Canvas canvas(image);

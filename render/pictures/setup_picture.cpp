@@ -38,7 +38,7 @@ Camera square_camera(CameraView view, const ViewTarget& target) {
 ViewTarget with_tool_path(ViewTarget target, const RunInputs& run, const PlacedTool& tool) {
   const ToolPass& pass = run.passes[tool.pass];
   for (const Vec3& v : pass.tool.vertices) target.tool_head_mm.emplace_back(tool.bone_from_tool * v);
-  for (const ToolPose& on_path : pass.poses) target.tool_head_mm.push_back(on_path.position_mm);
+  for (const PathSample& at : pass.path) target.tool_head_mm.push_back(at.pose.position_mm);
   return target;
 }
 
@@ -81,9 +81,9 @@ class SetupPainter {
 
   /// The path of the tool's origin, with a dot at its start.
   void draw_path() {
-    for (const ToolPose& pose : pass().poses) line_to(pose.position_mm);
+    for (const PathSample& at : pass().path) line_to(at.pose.position_mm);
     stroke_with_halo(2.5);
-    const Vec2 start = panel_.camera.pixel(pass().poses.front().position_mm);
+    const Vec2 start = panel_.camera.pixel(pass().path.front().pose.position_mm);
     cairo_new_sub_path(canvas_.get());
     cairo_arc(canvas_.get(), start.x(), start.y(), 4, 0, 2 * M_PI);
     stroke_with_halo(4);
@@ -139,7 +139,7 @@ std::string setup_time(const RunSetup& setup, std::int64_t frame) {
 std::vector<SetupView> views_without_contact(const RunSetup& setup, const ViewTarget& target) {
   const RunInputs& run = setup.inputs;
   const PlacedTool nearest{run.pose_at(setup.contact.frame).bone_from_tool(), run.pass_at(setup.contact.frame)};
-  const PlacedTool first{run.passes[nearest.pass].poses.front().bone_from_tool(), nearest.pass};
+  const PlacedTool first{run.passes[nearest.pass].path.front().pose.bone_from_tool(), nearest.pass};
   const ViewTarget wide = with_tool_path(with_tool_path(target, run, nearest), run, first);
   ViewTarget other = wide;
   other.anterior = wide.anterior ? -*wide.anterior : Vec3(wide.outward.cross(wide.superior));
@@ -157,7 +157,7 @@ std::vector<SetupView> views_without_contact(const RunSetup& setup, const ViewTa
 /// At the start; and at the greatest depth en face and in a section.
 std::vector<SetupView> views_with_contact(const RunSetup& setup, const ViewTarget& target, const PlacedTool& deepest,
                                           double depth_mm) {
-  const PlacedTool first{setup.inputs.passes.front().poses.front().bone_from_tool()};
+  const PlacedTool first{setup.inputs.passes.front().path.front().pose.bone_from_tool()};
   std::string contact;
   if (setup.contact.start_mm3 > setup.inputs.voxmap->grid.voxel_mm3()) {
     contact = "; the tool starts in the bone";

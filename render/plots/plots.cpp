@@ -11,6 +11,7 @@
 #include <set>
 #include <sstream>
 
+#include "sim/anatomy/column_map.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/process.h"
@@ -138,14 +139,11 @@ constexpr int kGradesPerClass = 5;
 constexpr std::size_t kClasses = 250 / kGradesPerClass;
 using Histogram = std::array<double, kClasses>;  // mm³
 
-Histogram removed_by_density(const Voxmap& voxmap, const FillBricks& before, const FillBricks& after) {
+Histogram removed_by_density(const ReamedBone& bone) {
   Histogram out{};
-  const auto add = [&](const Vec3i& voxel, int grade, int fill) {
+  for_each_cut_voxel(bone, [&](const Vec3i&, int grade, int before, int after) {
     const std::size_t density_class = std::min<std::size_t>((grade - 1) / kGradesPerClass, kClasses - 1);
-    out[density_class] += static_cast<double>(before.get(voxel) - fill) / FillBricks::kWhole * voxmap.grid.voxel_mm3();
-  };
-  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick&) {
-    if (voxmap.grade.brick(coord) != nullptr) for_each_bone_voxel_in({voxmap, after}, coord, add);
+    out[density_class] += static_cast<double>(before - after) / FillBricks::kWhole * bone.voxmap.grid.voxel_mm3();
   });
   return out;
 }
@@ -226,7 +224,7 @@ void write_feedback_plots(const std::string& dir, PoseFeedback feedback) {
 
 void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
                            const FillBricks& after) {
-  const Histogram removed = removed_by_density(voxmap, before, after);
+  const Histogram removed = removed_by_density({voxmap, before, after});
   CsvWriter csv = plot_csv(dir, "removed_density.csv", "density_from_g_cm3,density_to_g_cm3,removed_mm3");
   for (std::size_t i = 0; i < kClasses; ++i) {
     // In thousandths, so that the bounds are round numbers.

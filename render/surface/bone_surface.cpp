@@ -3,6 +3,7 @@
 
 #include "render/surface/bone_surface.h"
 
+#include <meshoptimizer.h>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -156,22 +157,16 @@ bool owns(const Vec3i& lower, const IsoSurface& iso, std::size_t triangle) {
   return (cell >= 0).all() && (cell < kTileVoxels).all();
 }
 
-/// The triangles of `all` that are `owned`, and only their vertices.
+/// The triangles of `all` that are `owned`, and only their vertices, in the order of their first use.
 BoneSurface extract_owned(const BoneSurface& all, const std::vector<bool>& owned) {
-  constexpr std::uint32_t kNone = ~0U;
-  constexpr std::size_t kStride = BoneSurface::kStride;
-  BoneSurface out;
-  std::vector<std::uint32_t> new_index(all.vertices.size() / kStride, kNone);
+  BoneSurface out{.vertices = std::vector<float>(all.vertices.size()), .indices = {}};
   for (std::size_t i = 0; i < all.indices.size(); ++i) {
-    if (!owned[i / 3]) continue;
-    std::uint32_t& index = new_index[all.indices[i]];
-    if (index == kNone) {
-      index = static_cast<std::uint32_t>(out.vertices.size() / kStride);
-      const auto from = all.vertices.begin() + static_cast<std::ptrdiff_t>(kStride * all.indices[i]);
-      out.vertices.insert(out.vertices.end(), from, from + kStride);
-    }
-    out.indices.push_back(index);
+    if (owned[i / 3]) out.indices.push_back(all.indices[i]);
   }
+  const std::size_t used = meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(),
+                                                       all.vertices.data(), all.count(), BoneSurface::kVertexBytes);
+  out.vertices.resize(used * BoneSurface::kStride);
+  out.vertices.shrink_to_fit();  // without the room for the halo
   return out;
 }
 
@@ -358,9 +353,7 @@ std::vector<std::size_t> BoneTiles::update(const BoneFields& fields, const std::
 }
 
 double BoneTiles::deepest_mm() const {
-  double deepest = 0;
-  for (const BoneSurface& surface : surfaces_) deepest = std::max(deepest, surface.deepest_mm);
-  return deepest;
+  return std::ranges::max_element(surfaces_, {}, &BoneSurface::deepest_mm)->deepest_mm;
 }
 
 }  // namespace reamsim

@@ -53,11 +53,8 @@ std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
     const Vec3 normal = (b - a).cross(c - a);
     for (const std::int32_t corner : triangle) sums[static_cast<std::size_t>(corner)] += normal;
   }
-  std::vector<Eigen::Vector3f> out(sums.size());
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    const double length = sums[i].norm();
-    out[i] = length > 0 ? Eigen::Vector3f((sums[i] / length).cast<float>()) : Eigen::Vector3f::UnitZ();
-  }
+  std::vector<Eigen::Vector3f> out;
+  for (const Vec3& sum : sums) out.emplace_back((sum.norm() > 0 ? sum.normalized() : Vec3::UnitZ()).cast<float>());
   return out;
 }
 

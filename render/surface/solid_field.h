@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -103,8 +104,6 @@ struct UnreamedSurface {
   double deepest_mm;  ///< the greatest depth of the final surface; 0 when nothing is reamed
 };
 
-class NearestPoint;
-
 /// The boundary between the layers of a bone (Voxmap::layers) in a plane: at their depth, not between voxels.
 class LayerBoundary {
  public:
@@ -118,7 +117,7 @@ class LayerBoundary {
 
  private:
   const Voxmap& voxmap_;
-  std::shared_ptr<const NearestPoint> surface_;  ///< near the plane; null where it is empty
+  std::function<double(const Vec3&)> from_surface_;  ///< distance from it near the plane; empty where there is none
 };
 
 /// Vertex adjacency of a closed triangle mesh.

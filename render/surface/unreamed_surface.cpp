@@ -16,16 +16,16 @@
 #include "sim/bone/vdb/grids.h"
 
 namespace reamsim {
+namespace {
 
-/// Distance to the nearest of some points, at least one.
-class NearestPoint {
- public:
-  explicit NearestPoint(const std::vector<Vec3>& points) {
-    const std::vector<Eigen::AlignedBox3d> boxes(points.begin(), points.end());
-    tree_.init(points.begin(), points.end(), boxes.begin(), boxes.end());
-  }
+using openvdb::Vec3d;
 
-  [[nodiscard]] double distance(const Vec3& from) const {
+/// The distance to the nearest of some points, at least one.
+std::function<double(const Vec3&)> distance_to_nearest(const std::vector<Vec3>& points) {
+  const std::vector<Eigen::AlignedBox3d> boxes(points.begin(), points.end());
+  const auto tree =
+      std::make_shared<const Eigen::KdBVH<double, 3, Vec3>>(points.begin(), points.end(), boxes.begin(), boxes.end());
+  return [tree](const Vec3& from) {
     /// For Eigen::BVMinimize: the squared distance to a point, and its lower bound in a box.
     struct Query {
       using Scalar = double;
@@ -34,16 +34,9 @@ class NearestPoint {
       double minimumOnVolume(const Eigen::AlignedBox3d& box) const { return box.squaredExteriorDistance(from); }
       double minimumOnObject(const Vec3& point) const { return (point - from).squaredNorm(); }
     } query{from};
-    return std::sqrt(Eigen::BVMinimize(tree_, query));
-  }
-
- private:
-  Eigen::KdBVH<double, 3, Vec3> tree_;
-};
-
-namespace {
-
-using openvdb::Vec3d;
+    return std::sqrt(Eigen::BVMinimize(*tree, query));
+  };
+}
 
 /// Depth is not measured from the walls of holes and slits up to twice this wide.
 constexpr double kClosing_mm = 1.8;
@@ -193,14 +186,14 @@ openvdb::FloatGrid::Ptr depth_grid(const UnreamedSurface& unreamed, const Voxmap
   }
   if (sources.empty()) return depth;
   // Sources are a cell apart and at least kClosing_mm away, so the nearest one approximates the nearest triangle.
-  const NearestPoint source(sources);
+  const auto distance_to_source = distance_to_nearest(sources);
   depth->tree().voxelizeActiveTiles();
   std::vector<openvdb::FloatTree::LeafNodeType*> leaves;
   depth->tree().getNodes(leaves);
   parallel_items(leaves.size(), [&](std::size_t leaf) {
     for (auto value = leaves[leaf]->beginValueOn(); value; ++value) {
       const Vec3d mm = depth->indexToWorld(value.getCoord());
-      value.setValue(static_cast<float>(source.distance({mm.x(), mm.y(), mm.z()}) - kClosing_mm));
+      value.setValue(static_cast<float>(distance_to_source({mm.x(), mm.y(), mm.z()}) - kClosing_mm));
     }
   });
   return depth;
@@ -254,27 +247,24 @@ LayerBoundary::LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unream
   for (const Eigen::Vector3f& p : unreamed.surface.points) {
     if (std::abs(normal.dot(p.cast<double>() - a)) < reach) points.emplace_back(p.cast<double>());
   }
-  if (!points.empty()) surface_ = std::make_shared<NearestPoint>(points);
+  if (!points.empty()) from_surface_ = distance_to_nearest(points);
 }
 
 bool LayerBoundary::near(const Vec3& point) const {
   const Vec3i base = point.array().floor().cast<int>();
-  std::uint8_t found = 0;
-  for (int i = 0; i < 8; ++i) {
-    const Vec3i voxel = base + Vec3i(i & 1, i >> 1 & 1, i >> 2);
-    if (!voxmap_.grid.contains(voxel)) continue;
-    const std::uint8_t grade = voxmap_.grade.get(voxel);
-    if (grade == 0 || grade == found) continue;
-    if (found != 0) return true;
-    found = grade;
-  }
-  return false;
+  int least = UINT8_MAX, most = 0;
+  for_each_voxel(base, base + Vec3i::Ones(), [&](const Vec3i& voxel) {
+    const int grade = voxmap_.grid.contains(voxel) ? voxmap_.grade.get(voxel) : 0;
+    if (grade > 0) least = std::min(least, grade);
+    most = std::max(most, grade);
+  });
+  return least < most;
 }
 
 double LayerBoundary::density_at(const Vec3& point, double blend_voxels) const {
   const BoneLayers& layers = *voxmap_.layers;
-  if (!surface_) return layers.trabecular_g_cm3;
-  const double beyond = surface_->distance(point) - layers.cortical_mm / voxmap_.grid.voxel_mm;
+  if (!from_surface_) return layers.trabecular_g_cm3;
+  const double beyond = from_surface_(point) - layers.cortical_mm / voxmap_.grid.voxel_mm;
   const double trabecular = std::clamp(beyond / blend_voxels + 0.5, 0.0, 1.0);
   return layers.cortical_g_cm3 + trabecular * (layers.trabecular_g_cm3 - layers.cortical_g_cm3);
 }

@@ -24,7 +24,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kMaxDensityCells = 2'500'000;
-constexpr std::size_t kVertexBytes = BoneSurface::kStride * sizeof(float);  // of a vertex
 constexpr int kNormalSteps = 254, kAttributeSteps = 255;
 
 /// Appends the triangles of `indices` to `out`, simplified to at most `most`.
@@ -37,7 +36,7 @@ void simplify(const BoneSurface& surface, const std::vector<std::uint32_t>& indi
   constexpr float kAnyError = 1;  // only the number of triangles limits
   std::vector<std::uint32_t> kept(indices.size());
   kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), surface.vertices.data(), surface.count(),
-                               kVertexBytes, 3 * most, kAnyError, meshopt_SimplifyLockBorder, nullptr));
+                               BoneSurface::kVertexBytes, 3 * most, kAnyError, meshopt_SimplifyLockBorder, nullptr));
   out.insert(out.end(), kept.begin(), kept.end());
 }
 
@@ -118,16 +117,6 @@ Json view_json(const ViewTarget& target) {
 }
 
 constexpr int kPadding_cells = 2;  // extrapolated into the air
-
-/// Edge of a cell in voxels, and the lattice of cells.
-int voxels_per_cell(const Vec3i& voxels, std::int64_t most_cells, BrickLattice& cells) {
-  for (int n = 1;; ++n) {
-    cells = {(voxels.array() + n - 1) / n + 2 * kPadding_cells};
-    if (static_cast<std::int64_t>(cells.count()) <= most_cells || cells.dims.maxCoeff() <= 1 + 2 * kPadding_cells) {
-      return n;
-    }
-  }
-}
 
 /// Sets air cells next to bone to the mean of their bone neighbours.
 void extrapolate(const BrickLattice& cells, std::vector<std::uint8_t>& grades) {
@@ -240,25 +229,6 @@ Json reaming_data(const RunData& run, const BoneSurface& after) {
 
 constexpr std::size_t kMaxToolTriangles = 12'000;
 
-/// The tool with shared vertices, as a surface without attributes: zeros take no room when compressed.
-BoneSurface tool_surface(const TriangleMesh& mesh) {
-  const ToolSurface split = make_tool_surface(mesh);
-  const std::size_t corners = split.indices.size();
-  constexpr std::size_t kBytes = ToolSurface::kStride * sizeof(float);
-  std::vector<std::uint32_t> remap(corners);
-  const std::size_t count =
-      meshopt_generateVertexRemap(remap.data(), nullptr, corners, split.vertices.data(), corners, kBytes);
-  BoneSurface out;
-  out.vertices.resize(count * BoneSurface::kStride);
-  for (std::size_t corner = 0; corner < corners; ++corner) {
-    for (std::size_t part = 0; part < ToolSurface::kStride; ++part) {
-      out.vertices[remap[corner] * BoneSurface::kStride + part] = split.vertices[corner * ToolSurface::kStride + part];
-    }
-  }
-  out.indices = std::move(remap);
-  return out;
-}
-
 /// `poses` of tool_data().
 Json poses_json(const ForceLog& log, const std::vector<std::size_t>& rows) {
   Aabb box = Aabb::none();
@@ -299,8 +269,9 @@ BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget) {
   if (out.indices.empty()) return out;
   meshopt_optimizeVertexCache(out.indices.data(), out.indices.data(), out.indices.size(), surface.count());
   out.vertices.resize(surface.vertices.size());
-  const std::size_t used = meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(),
-                                                       surface.vertices.data(), surface.count(), kVertexBytes);
+  const std::size_t used =
+      meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(), surface.vertices.data(),
+                                  surface.count(), BoneSurface::kVertexBytes);
   out.vertices.resize(used * BoneSurface::kStride);
   return out;
 }
@@ -334,7 +305,11 @@ DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells) {
   if (bone.empty()) throw InputError({"reamed.vdb", 0, 0}, "density", "contains no bone", "the bone of a run");
   DensityVolume out;
   BrickLattice cells;
-  const int n = voxels_per_cell(bone.size(), most_cells, cells);
+  int n = 0;  // voxels along the edge of a cell
+  do {
+    ++n;
+    cells = {(bone.size().array() + n - 1) / n + 2 * kPadding_cells};
+  } while (static_cast<std::int64_t>(cells.count()) > most_cells && cells.dims.maxCoeff() > 1 + 2 * kPadding_cells);
   out.dims = cells.dims;
   out.cell_mm = n * voxmap.grid.voxel_mm;
   const Vec3i first = bone.first - Vec3i::Constant(n * kPadding_cells);
@@ -383,7 +358,7 @@ Json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log, const R
   Json tools = Json::array();
   for (int pass = 1; const ToolPass& each : passes) {
     if (each.tool.triangles.empty()) return nullptr;
-    const BoneSurface surface = simplified(tool_surface(each.tool), {.unreamed_triangles = kMaxToolTriangles});
+    const BoneSurface surface = simplified(make_tool_surface(each.tool), {.unreamed_triangles = kMaxToolTriangles});
     const Eigen::AlignedBox3f box = bounds_of(surface);
     const auto first = std::ranges::find_if(rows, [&](std::size_t row) { return log.rows[row].pass >= pass; });
     tools.push_back({{"row", first - rows.begin()},

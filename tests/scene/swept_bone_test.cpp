@@ -124,8 +124,9 @@ TEST(PredictedBoneTest, ARunIsPredictedAsItHappens) {
   const RunInputs& inputs = run.inputs();
   const Voxmap& bone = run.voxmap();
   const Profile tool = envelope_of_revolution(inputs.passes.front().tool).profile;
-  const PredictedBone predicted =
-      predict_swept_bone(bone, inputs.fill, tool, inputs.passes.front().poses, inputs.whole_voxels);
+  std::vector<ToolPose> poses;
+  for (const PathSample& at : inputs.passes.front().path) poses.push_back(at.pose);
+  const PredictedBone predicted = predict_swept_bone(bone, inputs.fill, tool, poses, inputs.whole_voxels);
   EXPECT_NEAR(removed_mm3({bone, predicted.fill}) / removed_mm3({bone, run.last_fill()}), 1, 0.01);
   EXPECT_NEAR(run.unreamed().deepest_mm, truth.deepest_mm, 0.1);
 }
@@ -176,7 +177,7 @@ TEST(PredictedBoneTest, WhatAnEarlierRunTookIsReamedToo) {
   RunInputs inputs;
   inputs.voxmap = std::make_shared<Voxmap>(bone);
   inputs.fill = bone.fill;
-  inputs.passes = {{revolve(ball_profile(), 48), {0, 1}, {pose_at({7, 7, 1}), pose_at({7, 7, -1})}}};
+  inputs.passes = {{revolve(ball_profile(), 48), {{pose_at({7, 7, 1}), 0}, {pose_at({7, 7, -1}), 1}}}};
   inputs.frames = {0, 1};
   const RunData run(inputs);
   EXPECT_NEAR(run.unreamed().deepest_mm, 3, 0.3);
@@ -190,9 +191,9 @@ TEST(PredictedBoneTest, LaterPassesFindTheBoneThatEarlierOnesLeave) {
   inputs.voxmap = std::make_shared<Voxmap>(bone);
   inputs.fill = bone.fill;
   const TriangleMesh tool = revolve(ball_profile(), 48);
-  inputs.passes = {{tool, {0, 1}, {pose_at({0, 0, 1}), pose_at({0, 0, -2})}},
-                   {tool, {2, 3}, {pose_at({4, 0, 1}), pose_at({4, 0, -1})}},
-                   {tool, {4, 5}, {pose_at({0, 0, 8}), pose_at({0, 0, 2})}}};
+  inputs.passes = {{tool, {{pose_at({0, 0, 1}), 0}, {pose_at({0, 0, -2}), 1}}},
+                   {tool, {{pose_at({4, 0, 1}), 2}, {pose_at({4, 0, -1}), 3}}},
+                   {tool, {{pose_at({0, 0, 8}), 4}, {pose_at({0, 0, 2}), 5}}}};
   inputs.frames = {0, 3, 5};
   EXPECT_EQ(inputs.pass_at(1), 0u);
   EXPECT_EQ(inputs.pass_at(2), 1u);
