@@ -62,7 +62,7 @@ void warn_of_header(const std::string& path, const ImageFacts& facts, Diagnostic
 /// An NRRD, NIfTI or MetaImage file. A child process reads its header, and another one its voxels.
 ScanSource file_source(const ForeignFile& file, bool allow_layers, Diagnostics& report) {
   const ReadLimits of_header = ReadLimits().with(bytes_of_file(file.path), 0);
-  const auto facts = read_in_child<put_header>(file, of_header, file, allow_layers).reader().take<ImageFacts>();
+  const auto facts = read_in_child<put_header>(file, of_header, file, allow_layers).take<ImageFacts>();
   const auto voxels_of_file = static_cast<double>(facts.geometry.size());
   check_fits_in_memory(voxels_of_file, facts.bytes_per_voxel, file);
   warn_of_header(file.path, facts, report);
@@ -73,8 +73,8 @@ ScanSource file_source(const ForeignFile& file, bool allow_layers, Diagnostics& 
     const auto voxels = static_cast<std::size_t>(box.voxels());
     ReadLimits most = limits;
     most.result_bytes += voxels * sizeof(float);
-    ChildResult result = read_in_child<put_part>(file, most, file, geometry.dims, layers, box, layer);
-    return Scan{part_of(geometry, box), result.reader().array_of<float>(voxels)};
+    ResultReader result = read_in_child<put_part>(file, most, file, geometry.dims, layers, box, layer);
+    return Scan{part_of(geometry, box), result.array_of<float>(voxels)};
   };
   return {.geometry = facts.geometry,
           .description = facts.format + ", " + facts.pixel_type + ", " + printable(facts.frame),

@@ -224,10 +224,10 @@ VdbGrids read_vdb_file(const std::string& path, const std::vector<std::string>& 
   const std::uint64_t bytes = bytes_of_file(path);
   ReadLimits limits = ReadLimits().with(bytes, kMemoryPerFileByte * bytes);
   limits.result_bytes = limits.memory_bytes;
-  ChildResult result = read_in_child<put_grids>({path, ""}, limits, path, wanted);
-  const std::vector<std::string> names = result.reader().texts();
+  ResultReader result = read_in_child<put_grids>({path, ""}, limits, path, wanted);
+  const std::vector<std::string> names = result.texts();
   VdbGrids out{.names = names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), .grids = {}};
-  for (const std::string& name : grids_to_read(names, wanted)) out.grids[name] = take_grid(result.reader());
+  for (const std::string& name : grids_to_read(names, wanted)) out.grids[name] = take_grid(result);
   return out;
 }
 
