@@ -274,9 +274,7 @@ ct::BoneField segment(const ct::ScanSource& source, const ct::IndexBox& box, con
 template <class Use>
 auto with_open_scan(const CtSettings& settings, Diagnostics& report, const Use& use) {
   try {
-    const ct::DicomChoice choice{settings.series, settings.modality == Modality::any,
-                                 settings.uneven == Uneven::resample};
-    const ct::ScanSource source = ct::open_scan(settings.path, choice, report);
+    const ct::ScanSource source = ct::open_scan(settings, report);
     note_image(source, settings.path, report);
     return use(source);
   } catch (const InputError&) {

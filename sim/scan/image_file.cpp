@@ -105,16 +105,17 @@ void check_fits_in_memory(double voxels, double bytes_per_voxel, const ForeignFi
                    "use fewer voxels, or check that the header is not damaged");
 }
 
-ScanSource open_scan(const std::string& path, const DicomChoice& choice, Diagnostics& report) {
+ScanSource open_scan(const CtSettings& settings, Diagnostics& report) {
+  const std::string& path = settings.path;
   const ForeignFile file{path, kScanKey};
   const bool folder = is_folder(file, "give a CT image");
   try {
     // DICOMDIR is the index file beside the folders of a study.
     if (!folder && lower_case(fs::path(path).filename().string()) == "dicomdir")
-      return open_dicom(fs::path(path).parent_path().string(), choice, report);
-    if (folder || looks_like_dicom(path)) return open_dicom(path, choice, report);
+      return open_dicom(fs::path(path).parent_path().string(), settings, report);
+    if (folder || looks_like_dicom(path)) return open_dicom(path, settings, report);
     ScanSource scan = file_source(file, false, report);
-    if (choice.series.empty()) return scan;
+    if (settings.series.empty()) return scan;
     throw InputError({path}, "bone.ct.series", "given for a file that is not a DICOM folder", "remove it");
   } catch (const fs::filesystem_error&) {
     throw file.error("cannot be opened", "check its permissions");
