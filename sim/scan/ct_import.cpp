@@ -50,7 +50,7 @@ float replace_non_finite(std::vector<float>& values, const std::string& path, co
 }
 
 ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& settings) {
-  const ct::IndexBox box = ct::voxels_in_crop(source.geometry, {settings.crop_min_mm, settings.crop_max_mm});
+  const ct::IndexBox box = ct::voxels_in_crop(source.geometry, settings);
   if (box.empty()) {
     throw InputError({settings.path}, "bone.ct.crop_min_mm, bone.ct.crop_max_mm",
                      "the crop contains no voxel of the image",
@@ -132,11 +132,10 @@ CroppedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box,
     report.note(fmt::format("bone.ct.hu: HU = {:g} · value + {:g}", settings.hu->slope, settings.hu->intercept));
   }
   warn_of_offset(scan.value, settings.path, report);
-  const ct::Crop crop{settings.crop_min_mm, settings.crop_max_mm};
-  CroppedImage out{.hu = ct::align_to_lps(scan, crop, least), .sharp = {}};
+  CroppedImage out{.hu = ct::align_to_lps(scan, settings, least), .sharp = {}};
   note_crop(out.hu, source, report);
   if (for_surfaces && !ct::is_axis_aligned(scan.geometry))
-    out.sharp = ct::align_to_lps(scan, crop, least, ct::Interpolation::cubic);
+    out.sharp = ct::align_to_lps(scan, settings, least, ct::Interpolation::cubic);
   begin_stage(stages, BoneStage::filter);
   filter(out.hu, settings, report);
   Diagnostics said;  // already

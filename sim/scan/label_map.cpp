@@ -199,8 +199,8 @@ class LabelReader {
     if (inside_ == 0) throw no_overlap(map_.path, source_.geometry, image_, part_);
     if (wanted_voxels_ == 0) fail_without_label();
     report_cut_off();
-    const Crop crop{settings_.crop_min_mm, settings_.crop_max_mm};
-    return {align_to_lps({part_, std::move(selected_)}, crop, 0), align_to_lps({part_, std::move(other_)}, crop, 0)};
+    return {align_to_lps({part_, std::move(selected_)}, settings_, 0),
+            align_to_lps({part_, std::move(other_)}, settings_, 0)};
   }
 
  private:
