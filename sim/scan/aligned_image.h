@@ -36,9 +36,7 @@ struct Lattice {
   [[nodiscard]] Vec3i voxel_of(const Vec3& point_mm) const {
     return ((point_mm - origin_mm).cwiseQuotient(spacing_mm) + Vec3::Constant(0.5)).array().floor().cast<int>();
   }
-  [[nodiscard]] bool contains(const Vec3i& c) const {
-    return (c.array() >= 0).all() && (c.array() < dims.array()).all();
-  }
+  [[nodiscard]] bool contains(const Vec3i& c) const { return contains_cell(dims, c); }
   /// Calls visit(voxel, index) for all voxels, x fastest.
   template <class Visit>
   void for_each(const Visit& visit) const {

@@ -120,7 +120,7 @@ class SegFile {
     const Lattice lattice{.dims = facts_.geometry.dims};
     const auto put = [&](std::size_t voxel, float value) {
       const Vec3i at = lattice.voxel_at(voxel) - box.start;
-      if ((at.array() >= 0).all() && (at.array() < box.size.array()).all()) out[index_in(box.size, at)] = value;
+      if (contains_cell(box.size, at)) out[index_in(box.size, at)] = value;
     };
     if (is_label_map()) return for_each_pixel([](const DicomHeader&) { return true; }, put);
     for (const double number : numbers) {

@@ -211,7 +211,7 @@ class LabelReader {
     float last = 0;
     for_each_voxel(part_.dims, [&](const Vec3i& voxel) {
       const Vec3i c = nearest(voxel) - box.start;
-      if ((c.array() < 0).any() || (c.array() >= box.size.array()).any()) return;
+      if (!contains_cell(box.size, c)) return;
       ++inside_;
       const float value = labels.value[index_in(box.size, c)];
       if (value != last && value != 0) seen_.insert(value);

@@ -38,9 +38,7 @@ struct BrickLattice {
   [[nodiscard]] std::size_t count() const { return index({0, 0, dims.z()}); }
   [[nodiscard]] std::size_t index(const Vec3i& brick) const { return index_in(dims, brick); }
   [[nodiscard]] Vec3i coord(std::size_t index) const { return cell_at(dims, index); }
-  [[nodiscard]] bool contains(const Vec3i& brick) const {
-    return (brick.array() >= 0).all() && (brick.array() < dims.array()).all();
-  }
+  [[nodiscard]] bool contains(const Vec3i& brick) const { return contains_cell(dims, brick); }
 };
 
 /// One value per voxel of a lattice, stored in bricks of 8×8×8 voxels. A brick whose voxels are all `kAbsent` is not
