@@ -143,19 +143,6 @@ CroppedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box,
   return out;
 }
 
-void note_trabecular(const ct::BoneField& bone, double threshold_hu, Diagnostics& report) {
-  report.note(
-      fmt::format("interior kept: {} of {} bone voxels ({:.1f} %) are below {:.0f} HU", bone.inside_below, bone.voxels,
-                  100.0 * static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels), threshold_hu));
-}
-
-void note_boundary(const ct::BoundaryDensity& boundary, Diagnostics& report) {
-  report.note(fmt::format(
-      "partial volume: the density of {} boundary voxels comes from the bone below them; in {:.1f} % of "
-      "them the cortex is thinner than the scan resolves, and the density is a lower bound (noise {:.0f} HU)",
-      boundary.boundary_voxels, 100 * boundary.unresolved_fraction(), boundary.noise_hu));
-}
-
 /// A plane of LPS in the radiological convention.
 struct View {
   ScanPlane plane;  ///< without its values
@@ -302,7 +289,10 @@ FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const Bon
   begin_stage(stages, BoneStage::correct_density);
   const ct::BoundaryDensity boundary =
       ct::correct_boundary(hu, bone, psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm));
-  note_boundary(boundary, report);
+  report.note(fmt::format(
+      "partial volume: the density of {} boundary voxels comes from the bone below them; in {:.1f} % of "
+      "them the cortex is thinner than the scan resolves, and the density is a lower bound (noise {:.0f} HU)",
+      boundary.boundary_voxels, 100 * boundary.unresolved_fraction(), boundary.noise_hu));
   if (segmentation != nullptr) {
     segmentation->lower_bound_fraction = boundary.unresolved_fraction();
     segmentation->noise_hu = boundary.noise_hu;
@@ -323,7 +313,9 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
   const BoneSettings settings = with_cuts(hu, given, report);
   const CtSettings& ct_settings = settings.ct;
   const ct::BoneField bone = segment(source, box, image.edges(), ct_settings, report);
-  note_trabecular(bone, ct_settings.threshold_hu, report);
+  report.note(fmt::format(
+      "interior kept: {} of {} bone voxels ({:.1f} %) are below {:.0f} HU", bone.inside_below, bone.voxels,
+      100.0 * static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels), ct_settings.threshold_hu));
   if (segmentation != nullptr) *segmentation = segmentation_of(hu, bone, settings);
   return voxels_of(std::move(hu), bone, settings, psf_of(source.geometry, ct_settings), report, segmentation, stages);
 }

@@ -15,6 +15,7 @@
 
 namespace reamsim::ct {
 
+/// In LPS, mm.
 struct Sphere {
   Vec3 center_mm = Vec3::Zero();
   double radius_mm = 0;
