@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "sim/base/file.h"
 #include "sim/base/text.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/isolation/read_in_child.h"
 #include "sim/scan/dicom.h"
 #include "sim/scan/image_io.h"
@@ -98,7 +98,7 @@ bool is_folder(const ForeignFile& file, const char* expected) {
 }  // namespace
 
 void check_fits_in_memory(double voxels, double bytes_per_voxel, const ForeignFile& file) {
-  const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  const double memory = machine_memory_bytes();
   if (voxels * bytes_per_voxel <= 0.5 * memory) return;
   throw file.error(fmt::format("{:.3g} voxels need {:.3g} GB, more than half of this machine's memory ({:.3g} GB)",
                                voxels, voxels * bytes_per_voxel / 1e9, memory / 1e9),
