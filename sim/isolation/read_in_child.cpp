@@ -56,17 +56,13 @@ double cpu_seconds_of(pid_t child) {
 /// `waits`: out of time on the clock, with time of the processor left.
 enum class Ending { by_itself, out_of_time, waits, stopped };
 
-struct Ended {
-  Ending how;
-  int status;
-};
-
-/// Waits until the child has ended, or has to. Its time counts from the file that it is reading.
-Ended wait_or_kill(pid_t child, const SharedMemory& memory, int seconds) {
+/// Waits until the child has ended, or has to; returns its status, too. Its time counts from the file that it is
+/// reading.
+std::pair<Ending, int> wait_or_kill(pid_t child, const SharedMemory& memory, int seconds) {
   using std::chrono::microseconds;
   const auto killed = [child](Ending why) {
     kill(child, SIGKILL);
-    return Ended{why, wait_for(child)};
+    return std::pair(why, wait_for(child));
   };
   std::uint64_t files = 0;
   double cpu_before = 0;
