@@ -248,7 +248,7 @@ std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& gri
 
 }  // namespace
 
-SliceResampler::SliceResampler(const AlignedImage& image, const VoxelGrid& grid) : image_(image), grid_(grid) {
+SliceResampler::SliceResampler(const AlignedImage& image, const VoxelGrid& grid) : image_(image) {
   for (int axis = 0; axis < 3; ++axis) weights_[axis] = axis_weights(image.lattice, grid, axis);
   const auto nx = static_cast<std::size_t>(image.lattice.dims.x());
   plane_.resize(nx * static_cast<std::size_t>(image.lattice.dims.y()));

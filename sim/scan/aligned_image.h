@@ -104,7 +104,6 @@ class SliceResampler {
 
  private:
   const AlignedImage& image_;
-  VoxelGrid grid_;
   std::vector<AxisWeights> weights_[3];
   std::vector<double> plane_;
   std::vector<double> rows_;
