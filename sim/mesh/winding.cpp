@@ -48,7 +48,7 @@ Seen seen_along(const std::array<Vec3, 3>& corners, int axis) {
   return out;
 }
 
-constexpr std::size_t kMostRows = 2048;  // of triangles, in LineCrossings
+constexpr std::size_t kMostRows = 2048;  // of LineCrossings
 
 struct Points {
   explicit Points(const Aabb& box) {
@@ -99,29 +99,31 @@ std::vector<int> winding_sums(const TriangleMesh& mesh, const Points& points) {
 
 }  // namespace
 
-LineCrossings::LineCrossings(const TriangleMesh& mesh, int axis)
-    : mesh_(mesh), axis_(axis), rows_(std::clamp<std::size_t>(mesh.triangles.size() / 8, 1, kMostRows)) {
-  const int second = (axis + 2) % 3;
+TriangleRows::TriangleRows(const TriangleMesh& mesh, int axis, std::size_t count) : rows_(count) {
   const Aabb box = mesh.bounds();
-  least_mm_ = box.min[second];
-  row_mm_ = std::max((box.max[second] - box.min[second]) / static_cast<double>(rows_.size()),
-                     std::numeric_limits<double>::min());
+  least_mm_ = box.min[axis];
+  row_mm_ = std::max((box.max[axis] - box.min[axis]) / static_cast<double>(count), std::numeric_limits<double>::min());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const auto [a, b, c] = mesh.corners(mesh.triangles[i]);
-    const auto [least, most] = std::minmax({a[second], b[second], c[second]});
+    const auto [least, most] = std::minmax({a[axis], b[axis], c[axis]});
     for (std::size_t row = row_of(least); row <= row_of(most); ++row)
       rows_[row].push_back(static_cast<std::uint32_t>(i));
   }
 }
 
-std::size_t LineCrossings::row_of(double second_mm) const {
-  const double row = std::floor((second_mm - least_mm_) / row_mm_);
+std::size_t TriangleRows::row_of(double mm) const {
+  const double row = std::floor((mm - least_mm_) / row_mm_);
   return static_cast<std::size_t>(std::clamp(row, 0.0, static_cast<double>(rows_.size() - 1)));
 }
 
+LineCrossings::LineCrossings(const TriangleMesh& mesh, int axis)
+    : mesh_(mesh),
+      axis_(axis),
+      rows_(mesh, (axis + 2) % 3, std::clamp<std::size_t>(mesh.triangles.size() / 8, 1, kMostRows)) {}
+
 void LineCrossings::along(double first_mm, double second_mm, std::vector<Crossing>& out) const {
   out.clear();
-  for (const std::uint32_t i : rows_[row_of(second_mm)]) {
+  for (const std::uint32_t i : rows_.at(second_mm)) {
     const Seen t = seen_along(mesh_.corners(mesh_.triangles[i]), axis_);
     const int leaving = winding_in_plane(t, first_mm, second_mm);
     if (leaving != 0) out.push_back({height(t, first_mm, second_mm), leaving});
@@ -131,7 +133,7 @@ void LineCrossings::along(double first_mm, double second_mm, std::vector<Crossin
 
 void LineCrossings::above(const Vec3& point_mm, const std::function<void(std::uint32_t, int)>& visit) const {
   const double u = point_mm[(axis_ + 1) % 3], v = point_mm[(axis_ + 2) % 3];
-  for (const std::uint32_t i : rows_[row_of(v)]) {
+  for (const std::uint32_t i : rows_.at(v)) {
     const Seen t = seen_along(mesh_.corners(mesh_.triangles[i]), axis_);
     const int leaving = winding_in_plane(t, u, v);
     if (leaving != 0 && height(t, u, v) > point_mm[axis_]) visit(i, leaving);

@@ -16,6 +16,23 @@ namespace reamsim {
 // is the number of triangles that a line from the point crosses from inside to outside, less those that it crosses the
 // other way, whatever the line. This is exact: no fast approximation (Barill et al. 2018) is needed.
 
+/// The triangles of a mesh by intervals of one coordinate.
+class TriangleRows {
+ public:
+  /// `count`: of the intervals that divide the box of the mesh along the axis, at least one.
+  TriangleRows(const TriangleMesh& mesh, int axis, std::size_t count);
+
+  /// Those that can have a point with this coordinate, in the order of the mesh.
+  [[nodiscard]] const std::vector<std::uint32_t>& at(double mm) const { return rows_[row_of(mm)]; }
+
+ private:
+  [[nodiscard]] std::size_t row_of(double mm) const;
+
+  double least_mm_ = 0;
+  double row_mm_ = 1;
+  std::vector<std::vector<std::uint32_t>> rows_;
+};
+
 /// Where lines parallel to an axis cross a mesh. No line slips through between triangles: both treat an edge alike.
 class LineCrossings {
  public:
@@ -36,12 +53,9 @@ class LineCrossings {
   [[nodiscard]] int winding(const Vec3& point_mm) const;
 
  private:
-  [[nodiscard]] std::size_t row_of(double second_mm) const;
-
   const TriangleMesh& mesh_;
   int axis_;
-  double least_mm_ = 0, row_mm_ = 1;              ///< of the second coordinate, which the rows divide
-  std::vector<std::vector<std::uint32_t>> rows_;  ///< triangles that can have a point there, in the order of the mesh
+  TriangleRows rows_;  ///< by the second coordinate
 };
 
 /// The volume that a mesh encloses, and where another says otherwise, mm³, on a lattice of some 100,000 points round
