@@ -215,15 +215,6 @@ struct Sides {
   [[nodiscard]] Vec3 bone_from_anatomy(const Vec3& p) const { return {lateral_sign * p.x(), -p.z(), p.y()}; }
 };
 
-/// The Friedman axis is lateral and the scapular plane contains lateral and superior, so that version and inclination
-/// of the native face are those of the scenario. Trigonum and inferior angle lie beyond the modelled bone.
-LandmarkSettings landmarks_of(const GlenoidFace& face, const Sides& sides, const PhantomSettings& phantom) {
-  const double scale = phantom.height_mm / kScapulaHeight_mm;
-  return {.glenoid_center_mm = sides.bone_from_anatomy(face.center_mm),
-          .trigonum_spinae_mm = sides.bone_from_anatomy(scale * kTrigonum_mm),
-          .inferior_angle_mm = sides.bone_from_anatomy(scale * kInferiorAngle_mm)};
-}
-
 void note_part(Diagnostics& report, const char* part, double radius_mm, const Vec3& normal) {
   constexpr double kDegrees = 180 / std::numbers::pi;
   report.note(fmt::format("{}: radius {:.4g} mm, retroversion {:.2f} degrees, superior inclination {:.2f} degrees",
@@ -257,7 +248,12 @@ Bone glenoid_phantom(const BoneSettings& settings, Diagnostics& report) {
   directions.normal = sides.bone_from_anatomy(shape.face().normal);
   directions.superior = Vec3::UnitZ();
   bone.glenoid = glenoid_frame(directions, settings.side);
-  bone.landmarks = landmarks_of(shape.face(), sides, settings.phantom);
+  // The Friedman axis is lateral and the scapular plane contains lateral and superior, so that version and inclination
+  // of the native face are those of the scenario. Trigonum and inferior angle lie beyond the modelled bone.
+  const double scale = settings.phantom.height_mm / kScapulaHeight_mm;
+  bone.landmarks = LandmarkSettings{.glenoid_center_mm = *directions.center_mm,
+                                    .trigonum_spinae_mm = sides.bone_from_anatomy(scale * kTrigonum_mm),
+                                    .inferior_angle_mm = sides.bone_from_anatomy(scale * kInferiorAngle_mm)};
   for (const Vec3& point : shape.rim_mm()) bone.rim_mm.push_back(sides.bone_from_anatomy(point));
   describe(shape.face(), settings.phantom, report);
   return bone;
