@@ -92,13 +92,6 @@ void warn_of_offset(const std::vector<float>& values, const std::string& path, D
                   path, least, peak, advice));
 }
 
-void note_crop(const ct::AlignedImage& image, const ct::ScanSource& source, Diagnostics& report) {
-  if (image.lattice.size() >= source.geometry.size()) return;
-  const Vec3i& dims = image.lattice.dims;
-  report.note(fmt::format("crop: {}x{}x{} voxels, ", dims.x(), dims.y(), dims.z()) +
-              ct::box_text(image.lattice.bounds_mm()));
-}
-
 void filter(ct::AlignedImage& image, const CtSettings& settings, Diagnostics& report) {
   if (settings.filter == CtFilter::median) {
     ct::median_filter(image, settings.median_radius_voxels);
@@ -133,7 +126,11 @@ CroppedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box,
   }
   warn_of_offset(scan.value, settings.path, report);
   CroppedImage out{.hu = ct::align_to_lps(scan, settings, least), .sharp = {}};
-  note_crop(out.hu, source, report);
+  if (out.hu.lattice.size() < source.geometry.size()) {
+    const Vec3i& dims = out.hu.lattice.dims;
+    report.note(fmt::format("crop: {}x{}x{} voxels, ", dims.x(), dims.y(), dims.z()) +
+                ct::box_text(out.hu.lattice.bounds_mm()));
+  }
   if (for_surfaces && !ct::is_axis_aligned(scan.geometry))
     out.sharp = ct::align_to_lps(scan, settings, least, ct::Interpolation::cubic);
   begin_stage(stages, BoneStage::filter);
@@ -209,13 +206,6 @@ Vec3 point_of_interest(const BoneSettings& settings, const ct::BoneField& bone) 
   if (const auto glenoid = glenoid_point(settings.glenoid)) return *glenoid;
   const ct::Lattice& lattice = bone.field.lattice;
   return 0.5 * (lattice.center_mm(bone.min) + lattice.center_mm(bone.max));
-}
-
-Segmentation segmentation_of(const ct::AlignedImage& hu, const ct::BoneField& bone, const BoneSettings& settings) {
-  Segmentation out = bone.facts;
-  out.planes_through_mm = point_of_interest(settings, bone);
-  out.planes = scan_planes(hu, bone, settings.ct, out.planes_through_mm);
-  return out;
 }
 
 /// The settings; where `separate` says so, with the cut through the joint gap, and a seed behind it.
@@ -316,7 +306,11 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
   report.note(fmt::format(
       "interior kept: {} of {} bone voxels ({:.1f} %) are below {:.0f} HU", bone.inside_below, bone.voxels,
       100.0 * static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels), ct_settings.threshold_hu));
-  if (segmentation != nullptr) *segmentation = segmentation_of(hu, bone, settings);
+  if (segmentation != nullptr) {
+    *segmentation = bone.facts;
+    segmentation->planes_through_mm = point_of_interest(settings, bone);
+    segmentation->planes = scan_planes(hu, bone, ct_settings, segmentation->planes_through_mm);
+  }
   return voxels_of(std::move(hu), bone, settings, psf_of(source.geometry, ct_settings), report, segmentation, stages);
 }
 
