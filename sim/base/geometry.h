@@ -27,6 +27,10 @@ using Rigid = Eigen::Isometry3d;
 inline std::size_t index_in(const Vec3i& dims, const Vec3i& cell) {
   return static_cast<std::size_t>(cell.x() + std::int64_t{dims.x()} * (cell.y() + std::int64_t{dims.y()} * cell.z()));
 }
+/// Whether an array of `dims` cells has this one.
+inline bool contains_cell(const Vec3i& dims, const Vec3i& cell) {
+  return (cell.array() >= 0).all() && (cell.array() < dims.array()).all();
+}
 /// The cell of an index.
 inline Vec3i cell_at(const Vec3i& dims, std::size_t index) {
   const auto nx = static_cast<std::size_t>(dims.x()), ny = static_cast<std::size_t>(dims.y());

@@ -72,9 +72,7 @@ class InsideColumns {
     double begin_mm, end_mm;
   };
 
-  [[nodiscard]] std::size_t column_of(const Vec3i& voxel) const {
-    return static_cast<std::size_t>(voxel.x() + std::int64_t{grid_.dims.x()} * voxel.y());
-  }
+  [[nodiscard]] std::size_t column_of(const Vec3i& v) const { return index_in(grid_.dims, {v.x(), v.y(), 0}); }
 
   VoxelGrid grid_;
   std::vector<std::vector<Part>> parts_;  ///< of each column

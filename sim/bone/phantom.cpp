@@ -15,22 +15,8 @@ namespace reamsim {
 
 namespace {
 
-void sample_brick(const VoxelGrid& grid, const DensityField& field, const Vec3i& brick_coord, GradeBricks::Brick& out) {
-  const Vec3i first = GradeBricks::kSide * brick_coord;
-  const Vec3i last = (first + Vec3i::Constant(GradeBricks::kSide)).cwiseMin(grid.dims);
-  for_each_voxel(first, last - Vec3i::Ones(), [&](const Vec3i& voxel) {
-    const double density = field(grid.center_mm(voxel));
-    if (density < 0) return;
-    out[static_cast<std::size_t>(BrickLattice::offset_of(voxel))] = DensityMapping::grade_from_density(density);
-  });
-}
-
 // Verification blocks have closed-form surfaces. Lattice planes lie at multiples of the voxel size, so that a top face
 // at z = 0 lies between two layers of voxels. The glenoid frame is at the centre of the top face, +z up.
-
-GlenoidFrame frame_of_block(const Vec3& origin_mm) {
-  return {Rigid(Eigen::Translation3d(origin_mm))};
-}
 
 /// A block centred on the z axis. `carved`: a solid that is removed from it, negative inside.
 Bone make_block(const BoneSettings& settings, const DensityField& density_in_block,
@@ -50,7 +36,7 @@ Bone make_block(const BoneSettings& settings, const DensityField& density_in_blo
               density_in_block(center.cwiseMax(box.min).cwiseMin(box.max))};
     };
   }
-  return Bone(sample_phantom(grid, settings.density, density, partial), frame_of_block(Vec3::Zero()));
+  return Bone(sample_phantom(grid, settings.density, density, partial), GlenoidFrame{});
 }
 
 /// The block with a spherical cup of `radius_mm`, `cup_depth_mm` deep, in the middle of its top face.
@@ -83,7 +69,8 @@ Bone sphere_phantom(const BoneSettings& settings) {
       return {fraction_inside(distance, voxel, grid.voxel_mm), density};
     };
   }
-  return Bone(sample_phantom(grid, settings.density, field, partial), frame_of_block({0, 0, radius}));
+  return Bone(sample_phantom(grid, settings.density, field, partial),
+              GlenoidFrame{Rigid(Eigen::Translation3d(0, 0, radius))});
 }
 
 std::uint64_t mixed(std::uint64_t bits) {  // finalizer of splitmix64
@@ -228,15 +215,6 @@ struct Sides {
   [[nodiscard]] Vec3 bone_from_anatomy(const Vec3& p) const { return {lateral_sign * p.x(), -p.z(), p.y()}; }
 };
 
-/// The Friedman axis is lateral and the scapular plane contains lateral and superior, so that version and inclination
-/// of the native face are those of the scenario. Trigonum and inferior angle lie beyond the modelled bone.
-LandmarkSettings landmarks_of(const GlenoidFace& face, const Sides& sides, const PhantomSettings& phantom) {
-  const double scale = phantom.height_mm / kScapulaHeight_mm;
-  return {.glenoid_center_mm = sides.bone_from_anatomy(face.center_mm),
-          .trigonum_spinae_mm = sides.bone_from_anatomy(scale * kTrigonum_mm),
-          .inferior_angle_mm = sides.bone_from_anatomy(scale * kInferiorAngle_mm)};
-}
-
 void note_part(Diagnostics& report, const char* part, double radius_mm, const Vec3& normal) {
   constexpr double kDegrees = 180 / std::numbers::pi;
   report.note(fmt::format("{}: radius {:.4g} mm, retroversion {:.2f} degrees, superior inclination {:.2f} degrees",
@@ -270,7 +248,12 @@ Bone glenoid_phantom(const BoneSettings& settings, Diagnostics& report) {
   directions.normal = sides.bone_from_anatomy(shape.face().normal);
   directions.superior = Vec3::UnitZ();
   bone.glenoid = glenoid_frame(directions, settings.side);
-  bone.landmarks = landmarks_of(shape.face(), sides, settings.phantom);
+  // The Friedman axis is lateral and the scapular plane contains lateral and superior, so that version and inclination
+  // of the native face are those of the scenario. Trigonum and inferior angle lie beyond the modelled bone.
+  const double scale = settings.phantom.height_mm / kScapulaHeight_mm;
+  bone.landmarks = LandmarkSettings{.glenoid_center_mm = *directions.center_mm,
+                                    .trigonum_spinae_mm = sides.bone_from_anatomy(scale * kTrigonum_mm),
+                                    .inferior_angle_mm = sides.bone_from_anatomy(scale * kInferiorAngle_mm)};
   for (const Vec3& point : shape.rim_mm()) bone.rim_mm.push_back(sides.bone_from_anatomy(point));
   describe(shape.face(), settings.phantom, report);
   return bone;
@@ -316,7 +299,14 @@ FilledVoxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& densit
   voxmap.frame = "phantom";
   const double radius_mm = 0.5 * GradeBricks::kSide * grid.voxel_mm * std::numbers::sqrt3;
   voxmap.grade = sample_bricks(grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) {
-    if (!all_air(grid.brick_center_mm(coord), radius_mm)) sample_brick(grid, field, coord, brick);
+    if (all_air(grid.brick_center_mm(coord), radius_mm)) return;
+    const Vec3i first = GradeBricks::kSide * coord;
+    const Vec3i last = (first + Vec3i::Constant(GradeBricks::kSide)).cwiseMin(grid.dims);
+    for_each_voxel(first, last - Vec3i::Ones(), [&](const Vec3i& voxel) {
+      const double at_center = field(grid.center_mm(voxel));
+      if (at_center < 0) return;
+      brick[static_cast<std::size_t>(BrickLattice::offset_of(voxel))] = DensityMapping::grade_from_density(at_center);
+    });
   });
   if (!partial) return voxmap;
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {

@@ -74,9 +74,10 @@ std::byte* ResultWriter::take(std::uint64_t bytes, std::size_t alignment) {
   return memory_.result() + place;
 }
 
-ResultReader::ResultReader(const SharedMemory& memory, ForeignFile file)
-    : result_(memory.result()),
-      bytes_(std::min(memory.head().bytes.load(), memory.capacity())),
+ResultReader::ResultReader(std::shared_ptr<const SharedMemory> memory, ForeignFile file)
+    : memory_(std::move(memory)),
+      result_(memory_->result()),
+      bytes_(std::min(memory_->head().bytes.load(), memory_->capacity())),
       file_(std::move(file)) {}
 
 const void* ResultReader::next(std::uint64_t bytes, std::uint64_t alignment) {

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -116,7 +117,7 @@ class ResultWriter : public ValueOutput<ResultWriter> {
 /// the result ends too early.
 class ResultReader : public ValueInput<ResultReader> {
  public:
-  ResultReader(const SharedMemory& memory, ForeignFile file);
+  ResultReader(std::shared_ptr<const SharedMemory> memory, ForeignFile file);
   explicit ResultReader(const std::vector<std::byte>& bytes) : result_(bytes.data()), bytes_(bytes.size()) {}
 
   const void* next(std::uint64_t bytes, std::uint64_t alignment = 1);
@@ -161,6 +162,7 @@ class ResultReader : public ValueInput<ResultReader> {
  private:
   static void give_back(const std::byte* first, std::uint64_t bytes);
 
+  std::shared_ptr<const SharedMemory> memory_;  ///< that holds the result
   const std::byte* result_;
   std::uint64_t bytes_;
   std::uint64_t place_ = 0;

@@ -56,17 +56,13 @@ double cpu_seconds_of(pid_t child) {
 /// `waits`: out of time on the clock, with time of the processor left.
 enum class Ending { by_itself, out_of_time, waits, stopped };
 
-struct Ended {
-  Ending how;
-  int status;
-};
-
-/// Waits until the child has ended, or has to. Its time counts from the file that it is reading.
-Ended wait_or_kill(pid_t child, const SharedMemory& memory, int seconds) {
+/// Waits until the child has ended, or has to; returns its status, too. Its time counts from the file that it is
+/// reading.
+std::pair<Ending, int> wait_or_kill(pid_t child, const SharedMemory& memory, int seconds) {
   using std::chrono::microseconds;
   const auto killed = [child](Ending why) {
     kill(child, SIGKILL);
-    return Ended{why, wait_for(child)};
+    return std::pair(why, wait_for(child));
   };
   std::uint64_t files = 0;
   double cpu_before = 0;
@@ -93,8 +89,9 @@ InputError died(const ForeignFile& file, const std::string& found) {
   return file.error(found, "the file is damaged: give a complete file, or export it again");
 }
 
-void throw_unless_done(const ForeignFile& file, const SharedMemory& memory, const ReadLimits& limits, int status) {
-  const ChildOutcome outcome = succeeded(status) ? memory.head().outcome : ChildOutcome::died;
+void throw_unless_done(const ForeignFile& file, const std::shared_ptr<SharedMemory>& memory, const ReadLimits& limits,
+                       int status) {
+  const ChildOutcome outcome = succeeded(status) ? memory->head().outcome : ChildOutcome::died;
   if (outcome == ChildOutcome::done) return;
   ResultReader reader(memory, file);
   if (outcome == ChildOutcome::wrong_input) {
@@ -104,7 +101,7 @@ void throw_unless_done(const ForeignFile& file, const SharedMemory& memory, cons
   }
   if (outcome == ChildOutcome::failed) throw RunError(reader.text());
   if (outcome == ChildOutcome::out_of_memory || outcome == ChildOutcome::result_too_large) {
-    const std::uint64_t most = outcome == ChildOutcome::out_of_memory ? limits.memory_bytes : memory.capacity();
+    const std::uint64_t most = outcome == ChildOutcome::out_of_memory ? limits.memory_bytes : memory->capacity();
     throw file.error(fmt::format("reading it needs more than {} MB", most / 1'000'000),
                      "the file is damaged, or too large for its contents: use a smaller one");
   }
@@ -135,8 +132,8 @@ std::uint64_t bytes_of_file(const std::string& path) {
   return error ? 0 : bytes;
 }
 
-ChildResult run_child(std::unique_ptr<SharedMemory> memory, const ForeignFile& file, const ReadLimits& limits,
-                      ChildFunction function) {
+ResultReader run_child(const std::shared_ptr<SharedMemory>& memory, const ForeignFile& file, const ReadLimits& limits,
+                       ChildFunction function) {
   const pid_t child = start_child({function, limits.memory_bytes, cpu_seconds(limits), memory->handle()});
   const auto [ending, status] = wait_or_kill(child, *memory, kSlowdown * limits.seconds);
   if (ending == Ending::stopped) throw Interrupted();
@@ -153,8 +150,8 @@ ChildResult run_child(std::unique_ptr<SharedMemory> memory, const ForeignFile& f
   }
   // Ctrl-C in a terminal reaches the child too.
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) throw Interrupted();
-  throw_unless_done(current, *memory, limits, status);
-  return {std::move(memory), file};
+  throw_unless_done(current, memory, limits, status);
+  return {memory, file};
 }
 
 }  // namespace reamsim

@@ -60,24 +60,12 @@ struct ReadLimits {
 /// Length of a file, bytes; 0 if it cannot be found out.
 std::uint64_t bytes_of_file(const std::string& path);
 
-class ChildResult {
- public:
-  ChildResult(std::unique_ptr<SharedMemory> memory, const ForeignFile& file)
-      : memory_(std::move(memory)), reader_(*memory_, file) {}
-
-  [[nodiscard]] ResultReader& reader() { return reader_; }
-
- private:
-  std::unique_ptr<SharedMemory> memory_;
-  ResultReader reader_;
-};
-
 /// Sets the function that says whether the user has asked the program to stop; several times a second it is called.
 void interrupt_reading_when(bool (*stop)());
 
 /// read_in_child() of a function whose arguments are in `memory`.
-ChildResult run_child(std::unique_ptr<SharedMemory> memory, const ForeignFile& file, const ReadLimits& limits,
-                      ChildFunction function);
+ResultReader run_child(const std::shared_ptr<SharedMemory>& memory, const ForeignFile& file, const ReadLimits& limits,
+                       ChildFunction function);
 
 /// Calls `Read(result, arguments...)` in a child process and returns what it wrote to `result`, a ResultWriter. The
 /// arguments are plain values, texts and vectors of them, which the child takes as copies. `Read` may throw InputError
@@ -85,11 +73,11 @@ ChildResult run_child(std::unique_ptr<SharedMemory> memory, const ForeignFile& f
 /// Throws InputError, with the file that was being read, if the child crashes or exceeds a limit; Interrupted within
 /// a fraction of a second if the function of interrupt_reading_when() says so; RunError if no child can be started.
 template <auto Read, class... Arguments>
-ChildResult read_in_child(const ForeignFile& file, const ReadLimits& limits, const Arguments&... arguments) {
-  auto memory = std::make_unique<SharedMemory>(limits.result_bytes);
+ResultReader read_in_child(const ForeignFile& file, const ReadLimits& limits, const Arguments&... arguments) {
+  const auto memory = std::make_shared<SharedMemory>(limits.result_bytes);
   ResultWriter writer(*memory);
   (writer.put(arguments), ...);
-  return run_child(std::move(memory), file, limits, [](ResultReader& in, ResultWriter& out) {
+  return run_child(memory, file, limits, [](ResultReader& in, ResultWriter& out) {
     // Braces, so that they are taken in their order.
     const std::tuple<Arguments...> values{in.take<Arguments>()...};
     std::apply([&out](const Arguments&... value) { Read(out, value...); }, values);

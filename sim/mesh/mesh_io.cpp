@@ -178,11 +178,11 @@ MeshContents read_mesh_contents(const std::string& path, double scale, const std
     if (key.empty()) throw;
     throw InputError({}, key, error.what(), "");
   }
-  ChildResult result = read_in_child<read_and_put>({path, ""}, limits_for(bytes_of_file(path)), path, format, scale);
+  ResultReader result = read_in_child<read_and_put>({path, ""}, limits_for(bytes_of_file(path)), path, format, scale);
   MeshContents out;
-  out.mesh = take_mesh(result.reader());
-  out.report.warnings = result.reader().texts();
-  out.space = result.reader().text();
+  out.mesh = take_mesh(result);
+  out.report.warnings = result.texts();
+  out.space = result.text();
   if (out.mesh.triangles.empty()) refuse_file(path, "a mesh of 0 triangles", "expected a surface");
   const std::string welded = weld(out.mesh);
   if (!welded.empty()) out.report.note(welded);

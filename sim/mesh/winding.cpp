@@ -61,9 +61,6 @@ struct Points {
     // Not at the middle of the box, where symmetric meshes have their edges.
     first_mm = box.min + 0.4871 * Vec3::Constant(spacing_mm);
   }
-  [[nodiscard]] std::size_t index(const Vec3i& p) const {
-    return static_cast<std::size_t>(p.x() + counts.x() * (p.y() + std::int64_t{counts.y()} * p.z()));
-  }
   [[nodiscard]] double at(int axis, int i) const { return first_mm[axis] + i * spacing_mm; }
 
   double spacing_mm = 1;
@@ -88,7 +85,7 @@ void add_windings(const TriangleMesh& mesh, int axis, const Points& points, std:
         for (; next != crossings.end() && next->at_mm < points.at(axis, point[axis]); ++next) {
           both -= 2 * next->leaving;
         }
-        sums[points.index(point)] += both;
+        sums[index_in(points.counts, point)] += both;
       }
     }
   });

@@ -30,9 +30,9 @@ bool is_permutation(const std::array<int, 3>& axes) {
   return axes[0] != axes[1] && axes[1] != axes[2] && axes[0] != axes[2];
 }
 
-Aabb cropped(Aabb box, const Crop& crop) {
-  if (crop.min_mm) box.min = box.min.cwiseMax(*crop.min_mm);
-  if (crop.max_mm) box.max = box.max.cwiseMin(*crop.max_mm);
+Aabb cropped(Aabb box, const CtSettings& settings) {
+  if (settings.crop_min_mm) box.min = box.min.cwiseMax(*settings.crop_min_mm);
+  if (settings.crop_max_mm) box.max = box.max.cwiseMin(*settings.crop_max_mm);
   return box;
 }
 
@@ -100,11 +100,11 @@ double interpolated_cubic(const std::vector<float>& value, const Vec3i& dims, co
   return std::clamp(sum, least, most);
 }
 
-AlignedImage resample_oblique(const Scan& scan, const Crop& crop, float outside, Interpolation by) {
+AlignedImage resample_oblique(const Scan& scan, const CtSettings& settings, float outside, Interpolation by) {
   AlignedImage out;
   Lattice& lattice = out.lattice;
   lattice.spacing_mm = lattice_spacing(scan.geometry);
-  const Aabb box = cropped(scan.geometry.bounds_mm(), crop);
+  const Aabb box = cropped(scan.geometry.bounds_mm(), settings);
   const Vec3 cells = (box.max - box.min).cwiseQuotient(lattice.spacing_mm);
   if (cells.prod() > kMaxGrowth * static_cast<double>(scan.value.size())) throw std::length_error("oblique lattice");
   lattice.dims = (cells.array() - kRounding).ceil().cast<int>().cwiseMax(1);
@@ -178,9 +178,9 @@ bool is_axis_aligned(const ScanGeometry& geometry) {
   return true;
 }
 
-IndexBox voxels_in_crop(const ScanGeometry& geometry, const Crop& crop) {
+IndexBox voxels_in_crop(const ScanGeometry& geometry, const CtSettings& settings) {
   const bool aligned = is_axis_aligned(geometry);
-  const Aabb box = cropped(geometry.bounds_mm(), crop);
+  const Aabb box = cropped(geometry.bounds_mm(), settings);
   if (box.empty()) return {};
   const Mat3 index_from_mm = geometry.step_mm.inverse();
   Aabb indices = Aabb::none();
@@ -201,8 +201,8 @@ IndexBox voxels_in_crop(const ScanGeometry& geometry, const Crop& crop) {
   return out;
 }
 
-AlignedImage align_to_lps(const Scan& scan, const Crop& crop, float outside, Interpolation by) {
-  return is_axis_aligned(scan.geometry) ? permute(scan) : resample_oblique(scan, crop, outside, by);
+AlignedImage align_to_lps(const Scan& scan, const CtSettings& settings, float outside, Interpolation by) {
+  return is_axis_aligned(scan.geometry) ? permute(scan) : resample_oblique(scan, settings, outside, by);
 }
 
 namespace {
@@ -248,7 +248,7 @@ std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& gri
 
 }  // namespace
 
-SliceResampler::SliceResampler(const AlignedImage& image, const VoxelGrid& grid) : image_(image), grid_(grid) {
+SliceResampler::SliceResampler(const AlignedImage& image, const VoxelGrid& grid) : image_(image) {
   for (int axis = 0; axis < 3; ++axis) weights_[axis] = axis_weights(image.lattice, grid, axis);
   const auto nx = static_cast<std::size_t>(image.lattice.dims.x());
   plane_.resize(nx * static_cast<std::size_t>(image.lattice.dims.y()));

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "sim/bone/voxmap/voxmap.h"
@@ -37,9 +36,7 @@ struct Lattice {
   [[nodiscard]] Vec3i voxel_of(const Vec3& point_mm) const {
     return ((point_mm - origin_mm).cwiseQuotient(spacing_mm) + Vec3::Constant(0.5)).array().floor().cast<int>();
   }
-  [[nodiscard]] bool contains(const Vec3i& c) const {
-    return (c.array() >= 0).all() && (c.array() < dims.array()).all();
-  }
+  [[nodiscard]] bool contains(const Vec3i& c) const { return contains_cell(dims, c); }
   /// Calls visit(voxel, index) for all voxels, x fastest.
   template <class Visit>
   void for_each(const Visit& visit) const {
@@ -69,18 +66,12 @@ inline constexpr double kRounding = 1e-6;
 /// holds.
 double interpolated(const std::vector<float>& value, const Vec3i& dims, const Vec3& index);
 
-/// A crop box in LPS mm; a missing corner leaves that side open.
-struct Crop {
-  std::optional<Vec3> min_mm;
-  std::optional<Vec3> max_mm;
-};
-
 /// Whether the axes of the image are LPS axes in any order and direction, to within 2 % of a voxel at every voxel.
 bool is_axis_aligned(const ScanGeometry& geometry);
 
-/// The voxels to read: those with their centre in the crop box; for an oblique image one more on every side, for
-/// interpolation. May be empty.
-IndexBox voxels_in_crop(const ScanGeometry& geometry, const Crop& crop);
+/// The voxels to read: those with their centre in the crop box of the settings; for an oblique image one more on every
+/// side, for interpolation. May be empty.
+IndexBox voxels_in_crop(const ScanGeometry& geometry, const CtSettings& settings);
 
 /// How an oblique image is interpolated. Linear interpolation blurs edges, which moves a surface above the middle of
 /// their values inwards; cubic interpolation, limited to the eight values around, keeps them.
@@ -89,7 +80,8 @@ enum class Interpolation { linear, cubic };
 /// Brings an image to LPS axes. An axis-aligned image is permuted and flipped without changing values. An oblique image
 /// is interpolated on a lattice of the same spacing within the crop box, with `outside` beyond the image. Throws
 /// std::length_error for an absurdly large lattice.
-AlignedImage align_to_lps(const Scan& scan, const Crop& crop, float outside, Interpolation by = Interpolation::linear);
+AlignedImage align_to_lps(const Scan& scan, const CtSettings& settings, float outside,
+                          Interpolation by = Interpolation::linear);
 
 /// The weights of image values for one voxel along one axis: weight[n] for value first + n. Their sum is 1. They
 /// average over the voxel if it is at least as large as the spacing, otherwise they interpolate linearly at its centre
@@ -112,7 +104,6 @@ class SliceResampler {
 
  private:
   const AlignedImage& image_;
-  VoxelGrid grid_;
   std::vector<AxisWeights> weights_[3];
   std::vector<double> plane_;
   std::vector<double> rows_;

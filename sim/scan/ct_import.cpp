@@ -50,7 +50,7 @@ float replace_non_finite(std::vector<float>& values, const std::string& path, co
 }
 
 ct::IndexBox cropped_box(const ct::ScanSource& source, const CtSettings& settings) {
-  const ct::IndexBox box = ct::voxels_in_crop(source.geometry, {settings.crop_min_mm, settings.crop_max_mm});
+  const ct::IndexBox box = ct::voxels_in_crop(source.geometry, settings);
   if (box.empty()) {
     throw InputError({settings.path}, "bone.ct.crop_min_mm, bone.ct.crop_max_mm",
                      "the crop contains no voxel of the image",
@@ -92,13 +92,6 @@ void warn_of_offset(const std::vector<float>& values, const std::string& path, D
                   path, least, peak, advice));
 }
 
-void note_crop(const ct::AlignedImage& image, const ct::ScanSource& source, Diagnostics& report) {
-  if (image.lattice.size() >= source.geometry.size()) return;
-  const Vec3i& dims = image.lattice.dims;
-  report.note(fmt::format("crop: {}x{}x{} voxels, ", dims.x(), dims.y(), dims.z()) +
-              ct::box_text(image.lattice.bounds_mm()));
-}
-
 void filter(ct::AlignedImage& image, const CtSettings& settings, Diagnostics& report) {
   if (settings.filter == CtFilter::median) {
     ct::median_filter(image, settings.median_radius_voxels);
@@ -132,29 +125,19 @@ CroppedImage read_cropped(const ct::ScanSource& source, const ct::IndexBox& box,
     report.note(fmt::format("bone.ct.hu: HU = {:g} · value + {:g}", settings.hu->slope, settings.hu->intercept));
   }
   warn_of_offset(scan.value, settings.path, report);
-  const ct::Crop crop{settings.crop_min_mm, settings.crop_max_mm};
-  CroppedImage out{.hu = ct::align_to_lps(scan, crop, least), .sharp = {}};
-  note_crop(out.hu, source, report);
+  CroppedImage out{.hu = ct::align_to_lps(scan, settings, least), .sharp = {}};
+  if (out.hu.lattice.size() < source.geometry.size()) {
+    const Vec3i& dims = out.hu.lattice.dims;
+    report.note(fmt::format("crop: {}x{}x{} voxels, ", dims.x(), dims.y(), dims.z()) +
+                ct::box_text(out.hu.lattice.bounds_mm()));
+  }
   if (for_surfaces && !ct::is_axis_aligned(scan.geometry))
-    out.sharp = ct::align_to_lps(scan, crop, least, ct::Interpolation::cubic);
+    out.sharp = ct::align_to_lps(scan, settings, least, ct::Interpolation::cubic);
   begin_stage(stages, BoneStage::filter);
   filter(out.hu, settings, report);
   Diagnostics said;  // already
   if (out.sharp) filter(*out.sharp, settings, said);
   return out;
-}
-
-void note_trabecular(const ct::BoneField& bone, double threshold_hu, Diagnostics& report) {
-  report.note(
-      fmt::format("interior kept: {} of {} bone voxels ({:.1f} %) are below {:.0f} HU", bone.inside_below, bone.voxels,
-                  100.0 * static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels), threshold_hu));
-}
-
-void note_boundary(const ct::BoundaryDensity& boundary, Diagnostics& report) {
-  report.note(fmt::format(
-      "partial volume: the density of {} boundary voxels comes from the bone below them; in {:.1f} % of "
-      "them the cortex is thinner than the scan resolves, and the density is a lower bound (noise {:.0f} HU)",
-      boundary.boundary_voxels, 100 * boundary.unresolved_fraction(), boundary.noise_hu));
 }
 
 /// A plane of LPS in the radiological convention.
@@ -225,13 +208,6 @@ Vec3 point_of_interest(const BoneSettings& settings, const ct::BoneField& bone) 
   return 0.5 * (lattice.center_mm(bone.min) + lattice.center_mm(bone.max));
 }
 
-Segmentation segmentation_of(const ct::AlignedImage& hu, const ct::BoneField& bone, const BoneSettings& settings) {
-  Segmentation out = bone.facts;
-  out.planes_through_mm = point_of_interest(settings, bone);
-  out.planes = scan_planes(hu, bone, settings.ct, out.planes_through_mm);
-  return out;
-}
-
 /// The settings; where `separate` says so, with the cut through the joint gap, and a seed behind it.
 BoneSettings with_cuts(const ct::AlignedImage& hu, const BoneSettings& settings, Diagnostics& report) {
   if (settings.ct.separate != Separate::humerus) return settings;
@@ -274,9 +250,7 @@ ct::BoneField segment(const ct::ScanSource& source, const ct::IndexBox& box, con
 template <class Use>
 auto with_open_scan(const CtSettings& settings, Diagnostics& report, const Use& use) {
   try {
-    const ct::DicomChoice choice{settings.series, settings.modality == Modality::any,
-                                 settings.uneven == Uneven::resample};
-    const ct::ScanSource source = ct::open_scan(settings.path, choice, report);
+    const ct::ScanSource source = ct::open_scan(settings, report);
     note_image(source, settings.path, report);
     return use(source);
   } catch (const InputError&) {
@@ -305,7 +279,10 @@ FilledVoxmap voxels_of(ct::AlignedImage hu, const ct::BoneField& bone, const Bon
   begin_stage(stages, BoneStage::correct_density);
   const ct::BoundaryDensity boundary =
       ct::correct_boundary(hu, bone, psf_mm, ct::resampling_reach(hu.lattice, settings.voxel_mm));
-  note_boundary(boundary, report);
+  report.note(fmt::format(
+      "partial volume: the density of {} boundary voxels comes from the bone below them; in {:.1f} % of "
+      "them the cortex is thinner than the scan resolves, and the density is a lower bound (noise {:.0f} HU)",
+      boundary.boundary_voxels, 100 * boundary.unresolved_fraction(), boundary.noise_hu));
   if (segmentation != nullptr) {
     segmentation->lower_bound_fraction = boundary.unresolved_fraction();
     segmentation->noise_hu = boundary.noise_hu;
@@ -326,8 +303,14 @@ FilledVoxmap voxmap_from_scan(const ct::ScanSource& source, const BoneSettings& 
   const BoneSettings settings = with_cuts(hu, given, report);
   const CtSettings& ct_settings = settings.ct;
   const ct::BoneField bone = segment(source, box, image.edges(), ct_settings, report);
-  note_trabecular(bone, ct_settings.threshold_hu, report);
-  if (segmentation != nullptr) *segmentation = segmentation_of(hu, bone, settings);
+  report.note(fmt::format(
+      "interior kept: {} of {} bone voxels ({:.1f} %) are below {:.0f} HU", bone.inside_below, bone.voxels,
+      100.0 * static_cast<double>(bone.inside_below) / static_cast<double>(bone.voxels), ct_settings.threshold_hu));
+  if (segmentation != nullptr) {
+    *segmentation = bone.facts;
+    segmentation->planes_through_mm = point_of_interest(settings, bone);
+    segmentation->planes = scan_planes(hu, bone, ct_settings, segmentation->planes_through_mm);
+  }
   return voxels_of(std::move(hu), bone, settings, psf_of(source.geometry, ct_settings), report, segmentation, stages);
 }
 

@@ -15,10 +15,15 @@
 
 namespace reamsim::ct {
 
-/// The head of the humerus in a scan, and the sphere that cuts it off through the joint gap. LPS, mm.
-struct HumeralHead {
+/// In LPS, mm.
+struct Sphere {
   Vec3 center_mm = Vec3::Zero();
-  double radius_mm = 0;          ///< of the sphere that fits its surface
+  double radius_mm = 0;
+};
+
+/// The head of the humerus in a scan, the sphere that fits its surface, and the one that cuts it off through the joint
+/// gap. LPS, mm.
+struct HumeralHead : Sphere {
   double rms_mm = 0;             ///< of the points of the surface near that sphere
   double cut_radius_mm = 0;      ///< through the least radiodensity between head and glenoid
   double touching_fraction = 0;  ///< of the directions towards the glenoid: no voxel of the gap is below the threshold

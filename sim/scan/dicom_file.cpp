@@ -334,9 +334,9 @@ std::vector<DicomFile> read_dicom_headers(const std::vector<std::string>& files,
   std::vector<std::string> damaged;
   while (true) {
     try {
-      ChildResult result = read_in_child<put_headers>(folder, limits_for(files, kHeadersPerFileByte), files, damaged);
+      ResultReader result = read_in_child<put_headers>(folder, limits_for(files, kHeadersPerFileByte), files, damaged);
       std::vector<DicomFile> out(files.size());
-      for (DicomFile& file : out) result.reader()(file);
+      for (DicomFile& file : out) result(file);
       return out;
     } catch (const InputError& error) {
       // A header is at most DicomKind::damaged, so an error names the file on which the child died.
@@ -379,7 +379,6 @@ std::vector<float> read_slices(const std::vector<SliceSource>& slices, const Ind
   ReadLimits limits = limits_for(files, 0).with(0, static_cast<std::uint64_t>(kBytesPerPixel * most_pixels));
   limits.result_bytes += pixels * files.size() * sizeof(float);
   return read_in_child<put_slices>({files.front(), kScanKey}, limits, slices, in_slice)
-      .reader()
       .array_of<float>(pixels * files.size());
 }
 

@@ -120,7 +120,7 @@ class SegFile {
     const Lattice lattice{.dims = facts_.geometry.dims};
     const auto put = [&](std::size_t voxel, float value) {
       const Vec3i at = lattice.voxel_at(voxel) - box.start;
-      if ((at.array() >= 0).all() && (at.array() < box.size.array()).all()) out[index_in(box.size, at)] = value;
+      if (contains_cell(box.size, at)) out[index_in(box.size, at)] = value;
     };
     if (is_label_map()) return for_each_pixel([](const DicomHeader&) { return true; }, put);
     for (const double number : numbers) {
@@ -264,7 +264,7 @@ ScanSource seg_source(const ForeignFile& file, double pixels, Diagnostics& repor
   constexpr double kBytesPerPixel = 16;  // of the coded and decoded frames, and of the voxels of a segment
   const ReadLimits limits =
       ReadLimits().with(bytes_of_file(file.path), static_cast<std::uint64_t>(kBytesPerPixel * pixels) + (1U << 28));
-  const auto facts = read_in_child<put_seg>(file, limits, file).reader().take<ImageFacts>();
+  const auto facts = read_in_child<put_seg>(file, limits, file).take<ImageFacts>();
   if (facts.pixel_type == "FRACTIONAL") {
     report.warn(file.path + ": a fractional segmentation; voxels of at least half of the maximum belong to a segment");
   }
@@ -276,8 +276,8 @@ ScanSource seg_source(const ForeignFile& file, double pixels, Diagnostics& repor
     const auto voxels = static_cast<std::size_t>(box.voxels());
     ReadLimits most = limits;
     most.result_bytes += voxels * sizeof(float);
-    ChildResult result = read_in_child<put_seg_layer>(file, most, file, numbers, facts.geometry.dims, box);
-    return Scan{part_of(facts.geometry, box), result.reader().array_of<float>(voxels)};
+    ResultReader result = read_in_child<put_seg_layer>(file, most, file, numbers, facts.geometry.dims, box);
+    return Scan{part_of(facts.geometry, box), result.array_of<float>(voxels)};
   };
   return {.geometry = facts.geometry,
           .description = fmt::format("DICOM SEG, {} segments", facts.segments.size()),

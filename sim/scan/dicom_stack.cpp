@@ -353,16 +353,16 @@ ScanGeometry geometry_of(const DicomHeader& header) {
   return out;
 }
 
-ScanSource open_dicom(const std::string& path, const DicomChoice& choice, Diagnostics& report) {
-  const SeriesChoice chosen = parse_series_choice(choice.series, path);
+ScanSource open_dicom(const std::string& path, const CtSettings& settings, Diagnostics& report) {
+  const SeriesChoice chosen = parse_series_choice(settings.series, path);
   const DicomFolder found = find_dicom_series(path, report);
-  const DicomSeries& series = choose_series(found, chosen, choice.any_modality, report);
+  const DicomSeries& series = choose_series(found, chosen, settings.modality == Modality::any, report);
   const DicomHeader& first = series.first();
   if (first.modality != "CT") {
     report.warn(path + ": modality " + (first.modality.empty() ? "unknown" : first.modality) +
                 ", not CT; thresholds and densities are wrong unless its values are HU");
   }
-  const DicomStack stack = stack_slices(series, chosen, found, choice.resample, report);
+  const DicomStack stack = stack_slices(series, chosen, found, settings.uneven == Uneven::resample, report);
   check_fits_in_memory(static_cast<double>(stack.geometry.size()), sizeof(float), {path, kScanKey});
   std::set<std::string> files;
   for (const SliceSource& slice : stack.slices) files.insert(slice.path);

@@ -69,11 +69,6 @@ std::vector<SurfacePoint> surface_round(const AlignedImage& hu, double threshold
   return surface_in(hu, threshold_hu, first, last);
 }
 
-struct Sphere {
-  Vec3 center_mm = Vec3::Zero();
-  double radius_mm = 0;
-};
-
 bool may_face(const Sphere& sphere, const Vec3& near_mm) {
   const double away_mm = (near_mm - sphere.center_mm).norm() - sphere.radius_mm;
   return away_mm >= kNearest_mm && away_mm <= kFarthest_mm;
@@ -189,12 +184,11 @@ std::optional<GapPoint> gap_on(const AlignedImage& hu, double threshold_hu, cons
 }
 
 void choose_cut(const AlignedImage& hu, double threshold_hu, const Vec3& near_mm, HumeralHead& head) {
-  const Sphere sphere{head.center_mm, head.radius_mm};
   std::vector<double> at_mm;
   double touching = 0;
   constexpr int kCount = 400;
   for (const Vec3& direction : directions_towards((near_mm - head.center_mm).normalized(), kGlenoid, kCount)) {
-    const auto gap = gap_on(hu, threshold_hu, sphere, direction);
+    const auto gap = gap_on(hu, threshold_hu, head, direction);
     if (!gap) continue;
     at_mm.push_back(gap->at_mm);
     touching += gap->hu >= threshold_hu ? 1 : 0;
@@ -257,15 +251,14 @@ std::optional<Joint> joint_of(const AlignedImage& hu, double threshold_hu, const
                               const std::vector<SurfacePoint>& surface) {
   constexpr int kDirections = 1200;
   constexpr double kLeastGap = 0.5;  // of the cap
-  const Sphere sphere{head.center_mm, head.radius_mm};
   std::vector<Vec3> ways;
-  for (const Vec3& p : points_on(surface, sphere, kOnHead_mm)) ways.push_back((p - head.center_mm).normalized());
+  for (const Vec3& p : points_on(surface, head, kOnHead_mm)) ways.push_back((p - head.center_mm).normalized());
   std::vector<Vec3> facing;
   std::vector<double> gap_mm;
   const std::vector<Vec3> all = directions_towards(Vec3::UnitZ(), std::numbers::pi, kDirections);
   for (const Vec3& direction : all) {
     if (!meets_surface(ways, direction)) continue;
-    const auto gap = gap_on(hu, threshold_hu, sphere, direction);
+    const auto gap = gap_on(hu, threshold_hu, head, direction);
     if (!gap) continue;
     facing.push_back(direction);
     gap_mm.push_back(gap->at_mm);
@@ -309,7 +302,7 @@ std::optional<HumeralHead> head_of(const AlignedImage& hu, const std::vector<Sur
   const double voxel_mm2 = std::pow(hu.lattice.voxel_mm3(), 2.0 / 3);
   const double area_mm2 = 4 * std::numbers::pi * sphere.radius_mm * sphere.radius_mm;
   if (static_cast<double>(on_head.size()) * voxel_mm2 < kLeastSupport * area_mm2) return std::nullopt;
-  HumeralHead out{.center_mm = sphere.center_mm, .radius_mm = sphere.radius_mm};
+  HumeralHead out{sphere};
   double squares = 0;
   for (const Vec3& p : on_head) squares += std::pow((p - sphere.center_mm).norm() - sphere.radius_mm, 2);
   out.rms_mm = std::sqrt(squares / static_cast<double>(on_head.size()));

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "sim/base/file.h"
 #include "sim/base/text.h"
+#include "sim/bone/voxmap/voxmap.h"
 #include "sim/isolation/read_in_child.h"
 #include "sim/scan/dicom.h"
 #include "sim/scan/image_io.h"
@@ -62,7 +62,7 @@ void warn_of_header(const std::string& path, const ImageFacts& facts, Diagnostic
 /// An NRRD, NIfTI or MetaImage file. A child process reads its header, and another one its voxels.
 ScanSource file_source(const ForeignFile& file, bool allow_layers, Diagnostics& report) {
   const ReadLimits of_header = ReadLimits().with(bytes_of_file(file.path), 0);
-  const auto facts = read_in_child<put_header>(file, of_header, file, allow_layers).reader().take<ImageFacts>();
+  const auto facts = read_in_child<put_header>(file, of_header, file, allow_layers).take<ImageFacts>();
   const auto voxels_of_file = static_cast<double>(facts.geometry.size());
   check_fits_in_memory(voxels_of_file, facts.bytes_per_voxel, file);
   warn_of_header(file.path, facts, report);
@@ -73,8 +73,8 @@ ScanSource file_source(const ForeignFile& file, bool allow_layers, Diagnostics& 
     const auto voxels = static_cast<std::size_t>(box.voxels());
     ReadLimits most = limits;
     most.result_bytes += voxels * sizeof(float);
-    ChildResult result = read_in_child<put_part>(file, most, file, geometry.dims, layers, box, layer);
-    return Scan{part_of(geometry, box), result.reader().array_of<float>(voxels)};
+    ResultReader result = read_in_child<put_part>(file, most, file, geometry.dims, layers, box, layer);
+    return Scan{part_of(geometry, box), result.array_of<float>(voxels)};
   };
   return {.geometry = facts.geometry,
           .description = facts.format + ", " + facts.pixel_type + ", " + printable(facts.frame),
@@ -98,23 +98,24 @@ bool is_folder(const ForeignFile& file, const char* expected) {
 }  // namespace
 
 void check_fits_in_memory(double voxels, double bytes_per_voxel, const ForeignFile& file) {
-  const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  const double memory = machine_memory_bytes();
   if (voxels * bytes_per_voxel <= 0.5 * memory) return;
   throw file.error(fmt::format("{:.3g} voxels need {:.3g} GB, more than half of this machine's memory ({:.3g} GB)",
                                voxels, voxels * bytes_per_voxel / 1e9, memory / 1e9),
                    "use fewer voxels, or check that the header is not damaged");
 }
 
-ScanSource open_scan(const std::string& path, const DicomChoice& choice, Diagnostics& report) {
+ScanSource open_scan(const CtSettings& settings, Diagnostics& report) {
+  const std::string& path = settings.path;
   const ForeignFile file{path, kScanKey};
   const bool folder = is_folder(file, "give a CT image");
   try {
     // DICOMDIR is the index file beside the folders of a study.
     if (!folder && lower_case(fs::path(path).filename().string()) == "dicomdir")
-      return open_dicom(fs::path(path).parent_path().string(), choice, report);
-    if (folder || looks_like_dicom(path)) return open_dicom(path, choice, report);
+      return open_dicom(fs::path(path).parent_path().string(), settings, report);
+    if (folder || looks_like_dicom(path)) return open_dicom(path, settings, report);
     ScanSource scan = file_source(file, false, report);
-    if (choice.series.empty()) return scan;
+    if (settings.series.empty()) return scan;
     throw InputError({path}, "bone.ct.series", "given for a file that is not a DICOM folder", "remove it");
   } catch (const fs::filesystem_error&) {
     throw file.error("cannot be opened", "check its permissions");

@@ -119,7 +119,7 @@ void read_nifti_voxels(const NiftiHeader& header, const IndexBox& box, int layer
 
 /// Opens a folder of DICOM slices, or a multi-frame file (dicom_stack.cpp). Throws InputError: no DICOM, slices that do
 /// not form a volume.
-ScanSource open_dicom(const std::string& path, const DicomChoice& choice, Diagnostics& report);
+ScanSource open_dicom(const std::string& path, const CtSettings& settings, Diagnostics& report);
 
 /// Opens a DICOM segmentation (SEG), or a folder with one (dicom_seg.cpp). Each segment is named by its label; its
 /// value is its number. Throws InputError: no segmentation, several, damaged, frames that do not form a volume.

@@ -199,8 +199,8 @@ class LabelReader {
     if (inside_ == 0) throw no_overlap(map_.path, source_.geometry, image_, part_);
     if (wanted_voxels_ == 0) fail_without_label();
     report_cut_off();
-    const Crop crop{settings_.crop_min_mm, settings_.crop_max_mm};
-    return {align_to_lps({part_, std::move(selected_)}, crop, 0), align_to_lps({part_, std::move(other_)}, crop, 0)};
+    return {align_to_lps({part_, std::move(selected_)}, settings_, 0),
+            align_to_lps({part_, std::move(other_)}, settings_, 0)};
   }
 
  private:
@@ -211,7 +211,7 @@ class LabelReader {
     float last = 0;
     for_each_voxel(part_.dims, [&](const Vec3i& voxel) {
       const Vec3i c = nearest(voxel) - box.start;
-      if ((c.array() < 0).any() || (c.array() >= box.size.array()).any()) return;
+      if (!contains_cell(box.size, c)) return;
       ++inside_;
       const float value = labels.value[index_in(box.size, c)];
       if (value != last && value != 0) seen_.insert(value);

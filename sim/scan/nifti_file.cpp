@@ -27,16 +27,7 @@ class PackedFile {
     if (file_) gzbuffer(file_.get(), kBuffer);
   }
   /// Returns the number of bytes read.
-  std::size_t read(void* to, std::size_t bytes) {
-    std::size_t done = 0;
-    while (file_ && done < bytes) {
-      const auto part = static_cast<unsigned>(std::min<std::size_t>(bytes - done, std::size_t{1} << 30));
-      const int got = gzread(file_.get(), static_cast<char*>(to) + done, part);
-      if (got <= 0) break;
-      done += static_cast<std::size_t>(got);
-    }
-    return done;
-  }
+  std::size_t read(void* to, std::size_t bytes) { return file_ ? gzfread(to, 1, bytes, file_.get()) : 0; }
   /// Goes forward.
   bool seek(std::int64_t to) { return file_ && gzseek(file_.get(), to, SEEK_SET) == to; }
 

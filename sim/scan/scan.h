@@ -13,6 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/geometry.h"
 #include "sim/isolation/child_result.h"
+#include "sim/scenario/scenario.h"
 
 namespace reamsim::ct {
 
@@ -79,21 +80,14 @@ struct ScanSource {
   std::function<Scan(const IndexBox& box, int layer)> read;
 };
 
-/// Selects a DICOM series of a folder.
-struct DicomChoice {
-  std::string series;  ///< bone.ct.series; empty: the largest
-  bool any_modality = false;
-  bool resample = false;  ///< slices that are not evenly spaced are interpolated
-};
-
 /// The scenario keys of the files, for messages.
 inline constexpr const char* kScanKey = "bone.ct.path";
 inline constexpr const char* kLabelPathKey = "bone.ct.label_map.path";
 
-/// Opens a DICOM folder, a multi-frame DICOM file, NRRD, NIfTI or MetaImage. Throws InputError: no such file, none of
-/// these formats, not a volume of single numbers, larger than the memory, or shorter than its header claims; for DICOM
-/// see choose_series() and stack_slices().
-ScanSource open_scan(const std::string& path, const DicomChoice& choice, Diagnostics& report);
+/// Opens `settings.path`: a DICOM folder, a multi-frame DICOM file, NRRD, NIfTI or MetaImage. Throws InputError: no
+/// such file, none of these formats, not a volume of single numbers, larger than the memory, or shorter than its header
+/// claims; for DICOM see choose_series() and stack_slices().
+ScanSource open_scan(const CtSettings& settings, Diagnostics& report);
 
 /// Opens an NRRD, NIfTI, MetaImage or DICOM SEG. Throws InputError as open_scan() does.
 ScanSource open_labels(const std::string& path, Diagnostics& report);

@@ -14,15 +14,11 @@ namespace {
 /// Width of the Gaussian on a label map: it smooths the voxel steps and keeps a plate of one voxel.
 constexpr double kLabelSmoothing_voxels = 0.6;
 
-std::int64_t count(const Mask& mask) {
-  return std::count(mask.begin(), mask.end(), std::uint8_t{1});
-}
-
 Mask above_threshold(const AlignedImage& hu, const CtSettings& settings, Diagnostics& report) {
   Mask mask(hu.value.size());
   std::transform(hu.value.begin(), hu.value.end(), mask.begin(),
                  [&](float value) { return static_cast<double>(value) >= settings.threshold_hu ? 1 : 0; });
-  const std::int64_t voxels = count(mask);
+  const std::int64_t voxels = std::ranges::count(mask, 1);
   if (voxels == 0) {
     const float highest = *std::max_element(hu.value.begin(), hu.value.end());
     throw InputError(
@@ -72,7 +68,7 @@ SolidPiece solidify(const Pieces& pieces, const Piece& piece, const Lattice& lat
   for (const std::uint32_t label : part_of(pieces.label, lattice, out.box)) out.mask.push_back(label == piece.label);
   close_mask(out.mask, out.lattice, settings.closing_mm);
   apply_cuts(out.mask, out.lattice, settings);
-  out.closed = count(out.mask) - piece.voxels;
+  out.closed = std::ranges::count(out.mask, 1) - piece.voxels;
   if (settings.fill_holes) {
     out.filled = fill_holes(out.mask, out.lattice);
     out.filled -= apply_cuts(out.mask, out.lattice, settings);  // a cut that bone encloses is no hole
@@ -113,7 +109,7 @@ Mask with_cut_margin(const Mask& kept, const Mask& before_cuts, const Mask& afte
 
 void note_pieces(const Pieces& pieces, const SolidPiece& solid, const CtSettings& settings, const Lattice& lattice,
                  Diagnostics& report) {
-  const double kept_mm3 = static_cast<double>(count(solid.mask)) * lattice.voxel_mm3();
+  const double kept_mm3 = static_cast<double>(std::ranges::count(solid.mask, 1)) * lattice.voxel_mm3();
   report.note(fmt::format(
       "{} connected pieces; kept the {}, {:.0f} mm3 when closed ({} voxels added by {:.1f} mm) and filled ({} voxels)",
       pieces.list.size(), settings.seed_mm ? "one with the seed" : "largest", kept_mm3, solid.closed,

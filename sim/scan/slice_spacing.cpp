@@ -36,9 +36,8 @@ Digits digits_of(const std::string& text) {
   const std::size_t end = std::min(text.find_first_of("eE"), text.size());
   const std::size_t point = std::min(text.find('.'), end);
   const auto count = [&](std::size_t from, std::size_t to) {
-    return static_cast<int>(std::count_if(text.begin() + static_cast<std::ptrdiff_t>(from),
-                                          text.begin() + static_cast<std::ptrdiff_t>(to),
-                                          [](char c) { return c >= '0' && c <= '9'; }));
+    return static_cast<int>(
+        std::ranges::count_if(text.substr(from, to - from), [](char c) { return c >= '0' && c <= '9'; }));
   };
   out.decimals = count(point, end);
   if (end < text.size()) out.decimals -= std::atoi(text.c_str() + end + 1);

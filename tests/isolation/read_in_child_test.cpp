@@ -59,7 +59,7 @@ TEST(ReadInChild, HandsBackNumbersTextsAndArrays) {
   constexpr std::size_t kMany = 5'000'000;  // several blocks
   ReadLimits limits;
   limits.result_bytes = kMany * sizeof(float) + 4096;
-  ChildResult result = read_in_child<[](ResultWriter& out) {
+  ResultReader in = read_in_child<[](ResultWriter& out) {
     out.put(7);
     out.put(std::string("text\0 with zero", 15));
     out.put(2.5);
@@ -68,7 +68,6 @@ TEST(ReadInChild, HandsBackNumbersTextsAndArrays) {
     out.put(std::vector<std::int16_t>{});
     out.put(std::string());
   }>(kFile, limits);
-  ResultReader& in = result.reader();
   EXPECT_EQ(in.take<int>(), 7);
   EXPECT_EQ(in.text(), std::string("text\0 with zero", 15));
   EXPECT_EQ(in.take<double>(), 2.5);
@@ -88,9 +87,9 @@ TEST(ReadInChild, TakesItsArgumentsByTheirTypes) {
   };
   const std::vector<double> values{1.5, -2};
   const std::vector<std::string> texts{"", "end"};
-  ChildResult result = read_in_child<kRead>(kFile, {}, 7, std::string("text"), values, texts);
-  EXPECT_EQ(result.reader().text(), "text7end");
-  EXPECT_EQ(result.reader().take<std::vector<double>>(), values);
+  ResultReader result = read_in_child<kRead>(kFile, {}, 7, std::string("text"), values, texts);
+  EXPECT_EQ(result.text(), "text7end");
+  EXPECT_EQ(result.take<std::vector<double>>(), values);
 }
 
 TEST(ReadInChild, SeveralThreadsReadAtATime) {
@@ -100,7 +99,7 @@ TEST(ReadInChild, SeveralThreadsReadAtATime) {
     threads.emplace_back([&sum, thread] {
       for (int n = 0; n < 20; ++n) {
         constexpr auto kRead = [](ResultWriter& out, int number) { out.put(number); };
-        sum += read_in_child<kRead>(kFile, {}, thread).reader().take<int>();
+        sum += read_in_child<kRead>(kFile, {}, thread).take<int>();
       }
     });
   }
@@ -122,7 +121,7 @@ TEST(ReadInChild, TheThreadThatStartedTheServerMayEnd) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   });
   while (!started) std::this_thread::yield();
-  EXPECT_EQ(read_in_child<kReadSlowly>(kFile, {}, 400).reader().take<int>(), 400);
+  EXPECT_EQ(read_in_child<kReadSlowly>(kFile, {}, 400).take<int>(), 400);
   first.join();
 }
 
@@ -205,7 +204,7 @@ TEST(ReadInChild, TheLimitOfTimeCountsForEachFile) {
     }
     out.put(3);
   };
-  EXPECT_EQ(read_in_child<kRead>(kFile, limits).reader().take<int>(), 3);
+  EXPECT_EQ(read_in_child<kRead>(kFile, limits).take<int>(), 3);
 }
 
 TEST(ReadInChild, MemoryAndResultHaveLimits) {

@@ -35,10 +35,10 @@ Attempt in_sandbox(Arguments... arguments) {
     out.put(static_cast<long>(Call(values...)));
     out.put(errno);
   };
-  ChildResult result = read_in_child<kAttempt>({"file", "key"}, {}, arguments...);
+  ResultReader result = read_in_child<kAttempt>({"file", "key"}, {}, arguments...);
   Attempt out;
-  out.returned = result.reader().take<long>();
-  out.error = result.reader().take<int>();
+  out.returned = result.take<long>();
+  out.error = result.take<int>();
   return out;
 }
 

@@ -314,7 +314,9 @@ TEST_F(Dicom, RandomOrientationsAreTakenAsTheyStand) {
       origin = image.point_mm(0, 0, image.dims.z() - 1);
       steps.col(2) *= -1;
     }
-    const ct::ScanGeometry found = ct::open_scan(folder_.file(name), {}, report_).geometry;
+    CtSettings settings;
+    settings.path = folder_.file(name);
+    const ct::ScanGeometry found = ct::open_scan(settings, report_).geometry;
     EXPECT_LT((found.step_mm - steps).norm(), 1e-6) << name;
     EXPECT_LT((found.origin_mm - origin).norm(), 1e-6) << name;
   }

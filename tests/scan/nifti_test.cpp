@@ -371,7 +371,9 @@ TEST_F(Nifti, RandomDirectionsOfNrrdAndMetaImageAreTakenAsTheyStand) {
     const Vec3 origin = lps_from_ras.cwiseProduct(form.origin);
     for (const std::string& path : {put_nrrd(form, 1), put_meta_image(steps, origin)}) {
       Diagnostics report;
-      const ct::ScanGeometry found = ct::open_scan(path, {}, report).geometry;
+      CtSettings settings;
+      settings.path = path;
+      const ct::ScanGeometry found = ct::open_scan(settings, report).geometry;
       EXPECT_LT((found.step_mm - steps).norm(), 1e-6) << path << " " << run;
       EXPECT_LT((found.origin_mm - origin).norm(), 1e-6) << path << " " << run;
     }

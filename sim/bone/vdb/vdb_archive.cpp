@@ -3,7 +3,6 @@
 
 #include <fmt/ranges.h>
 #include <tbb/global_control.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cstring>
@@ -14,6 +13,7 @@
 #include <memory>
 #include <optional>
 
+#include "sim/base/checksum.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/process.h"
@@ -57,20 +57,20 @@ class StreamArchive : public openvdb::io::Archive {
 };
 
 /// CRC-32 of the first `bytes` bytes; nullopt if they cannot be read.
-std::optional<uLong> checksum(std::istream& in, std::uintmax_t bytes) {
-  uLong sum = crc32_z(0, nullptr, 0);
+std::optional<std::uint32_t> checksum(std::istream& in, std::uintmax_t bytes) {
+  std::uint32_t sum = 0;
   std::vector<char> block(1 << 20);
   while (bytes > 0) {
-    const auto wanted = static_cast<std::streamsize>(std::min<std::uintmax_t>(bytes, block.size()));
-    if (!in.read(block.data(), wanted)) return std::nullopt;
-    sum = crc32_z(sum, reinterpret_cast<const Bytef*>(block.data()), static_cast<z_size_t>(wanted));
-    bytes -= static_cast<std::uintmax_t>(wanted);
+    block.resize(std::min<std::uintmax_t>(bytes, block.size()));
+    if (!in.read(block.data(), std::ssize(block))) return std::nullopt;
+    sum = crc_of({block.data(), block.size()}, sum);
+    bytes -= block.size();
   }
   return sum;
 }
 
-std::string trailer(uLong sum) {
-  return fmt::format("REAMSIM-CRC32 {:08x}\n", sum & 0xFFFFFFFFUL);
+std::string trailer(std::uint32_t sum) {
+  return fmt::format("REAMSIM-CRC32 {:08x}\n", sum);
 }
 
 /// Where OpenVDB writes a random identifier, 36 characters, with which it recognizes a file that has changed.
@@ -91,11 +91,10 @@ bool finish_file(const std::string& path) {
   if (error || !overwrite(path, kUuidPlace, std::string(kUuidBytes, '0'))) return false;
   for (const bool identified : {false, true}) {
     std::ifstream in(path, std::ios::binary);
-    const std::optional<uLong> sum = checksum(in, bytes);
+    const std::optional<std::uint32_t> sum = checksum(in, bytes);
     if (!sum) return false;
     // RFC 9562, version 8.
-    const std::string uuid =
-        fmt::format("{:08x}-0000-8000-8000-{:012x}", *sum & 0xFFFFFFFFUL, bytes & 0xFFFFFFFFFFFFULL);
+    const std::string uuid = fmt::format("{:08x}-0000-8000-8000-{:012x}", *sum, bytes & 0xFFFFFFFFFFFFULL);
     const bool written = identified ? overwrite(path, static_cast<std::streamoff>(bytes), trailer(*sum))
                                     : overwrite(path, kUuidPlace, uuid);
     if (!written) return false;
@@ -145,7 +144,7 @@ bool check_bytes(const std::string& path) {
   if (start.find(kTrailerKey) == std::string::npos) return false;
   const std::string damaged = "a truncated or damaged VDB file (its checksum does not match)";
   if (size < kTrailerBytes) refuse_file(path, damaged, "expected a complete file");
-  const std::optional<uLong> sum = checksum(in, size - kTrailerBytes);
+  const std::optional<std::uint32_t> sum = checksum(in, size - kTrailerBytes);
   std::string found(kTrailerBytes, '\0');
   in.read(found.data(), static_cast<std::streamsize>(found.size()));
   if (!in || !sum || found != trailer(*sum)) refuse_file(path, damaged, "expected a complete file");
@@ -224,10 +223,10 @@ VdbGrids read_vdb_file(const std::string& path, const std::vector<std::string>& 
   const std::uint64_t bytes = bytes_of_file(path);
   ReadLimits limits = ReadLimits().with(bytes, kMemoryPerFileByte * bytes);
   limits.result_bytes = limits.memory_bytes;
-  ChildResult result = read_in_child<put_grids>({path, ""}, limits, path, wanted);
-  const std::vector<std::string> names = result.reader().texts();
+  ResultReader result = read_in_child<put_grids>({path, ""}, limits, path, wanted);
+  const std::vector<std::string> names = result.texts();
   VdbGrids out{.names = names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")), .grids = {}};
-  for (const std::string& name : grids_to_read(names, wanted)) out.grids[name] = take_grid(result.reader());
+  for (const std::string& name : grids_to_read(names, wanted)) out.grids[name] = take_grid(result);
   return out;
 }
 

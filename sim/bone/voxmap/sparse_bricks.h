@@ -38,9 +38,7 @@ struct BrickLattice {
   [[nodiscard]] std::size_t count() const { return index({0, 0, dims.z()}); }
   [[nodiscard]] std::size_t index(const Vec3i& brick) const { return index_in(dims, brick); }
   [[nodiscard]] Vec3i coord(std::size_t index) const { return cell_at(dims, index); }
-  [[nodiscard]] bool contains(const Vec3i& brick) const {
-    return (brick.array() >= 0).all() && (brick.array() < dims.array()).all();
-  }
+  [[nodiscard]] bool contains(const Vec3i& brick) const { return contains_cell(dims, brick); }
 };
 
 /// One value per voxel of a lattice, stored in bricks of 8×8×8 voxels. A brick whose voxels are all `kAbsent` is not
@@ -207,11 +205,11 @@ class FillBricks : private SparseBricks<std::uint16_t, 65535> {
   explicit FillBricks(const Vec3i& dims) : Bricks(dims) {}
 
   void set(const Vec3i& voxel, std::uint16_t fill) {
-    if (Bricks::set(voxel, fill)) record_change(lattice().index(BrickLattice::brick_of(voxel)));
+    if (Bricks::set(voxel, fill)) mark_changed(BrickLattice::brick_of(voxel));
   }
   /// Coordinates in bricks.
   void put(const Vec3i& brick_coord, const Brick& brick) {
-    if (Bricks::put(brick_coord, brick)) record_change(lattice().index(brick_coord));
+    if (Bricks::put(brick_coord, brick)) mark_changed(brick_coord);
   }
 
   /// The bricks that changed since the last take_changed().
@@ -222,7 +220,12 @@ class FillBricks : private SparseBricks<std::uint16_t, 65535> {
     return out;
   }
   /// Records that a brick has changed; coordinates in bricks.
-  void mark_changed(const Vec3i& brick_coord) { record_change(lattice().index(brick_coord)); }
+  void mark_changed(const Vec3i& brick_coord) {
+    const std::size_t index = lattice().index(brick_coord);
+    if (is_changed_.empty()) is_changed_.resize(lattice().count());
+    if (!is_changed_[index]) changed_.push_back(index);
+    is_changed_[index] = true;
+  }
   /// Returns the bricks that changed since the last call, x fastest, and resets the record.
   std::vector<Vec3i> take_changed() {
     std::sort(changed_.begin(), changed_.end());
@@ -232,12 +235,6 @@ class FillBricks : private SparseBricks<std::uint16_t, 65535> {
   }
 
  private:
-  void record_change(std::size_t index) {
-    if (is_changed_.empty()) is_changed_.resize(lattice().count());
-    if (!is_changed_[index]) changed_.push_back(index);
-    is_changed_[index] = true;
-  }
-
   std::vector<bool> is_changed_;      // by brick; empty before the first change
   std::vector<std::size_t> changed_;  // indices of bricks
 };

@@ -34,9 +34,7 @@ struct VoxelGrid {
   [[nodiscard]] Vec3 brick_center_mm(const Vec3i& brick) const {
     return origin_mm + voxel_mm * BrickLattice::kSide * (brick.cast<double>() + Vec3::Constant(0.5));
   }
-  [[nodiscard]] bool contains(const Vec3i& v) const {
-    return (v.array() >= 0).all() && (v.array() < dims.array()).all();
-  }
+  [[nodiscard]] bool contains(const Vec3i& v) const { return contains_cell(dims, v); }
   /// The voxel that contains a point of B; it may lie outside the grid.
   [[nodiscard]] Vec3i voxel_of(const Vec3& point_mm) const {
     return ((point_mm - origin_mm) / voxel_mm).array().floor().cast<int>();
