@@ -39,9 +39,9 @@ struct ScenarioOptions {
   bool draft = false;
 
   void add_to(CLI::App& command) {
-    take_shipped_names(
-        *command.add_option("SCENARIO", file, "Scenario file (YAML), or the name of a shipped one")->required(),
-        ShippedKind::scenario);
+    command.add_option("SCENARIO", file, "Scenario file (YAML), or the name of a shipped one")
+        ->required()
+        ->transform(shipped<ShippedKind::scenario>, "");
     add_overrides(command, overrides, "Override a key of the scenario, for example bone.voxel_mm=0.4");
     command
         .add_option("--device", device, "auto, serial, or part of PLATFORM: NAME of an OpenCL device (#2: the second)")
@@ -55,13 +55,12 @@ struct ScenarioOptions {
     std::vector<std::string> all = overrides;
     for (const auto& [option, value, key] :
          {std::tuple{"--device", &device, "engine.device="}, std::tuple{"--engine", &engine, "engine.type="}}) {
-      const bool twice = !value->empty() && std::ranges::any_of(overrides, [prefix = key](const std::string& set) {
-        return set.starts_with(prefix);
-      });
-      if (twice) throw InputError({}, option, std::string("given beside --set ") + key + "...", "give one of them");
+      if (value->empty()) continue;
+      const auto sets_it = [prefix = key](const std::string& set) { return set.starts_with(prefix); };
+      if (std::ranges::any_of(overrides, sets_it))
+        throw InputError({}, option, std::string("given beside --set ") + key + "...", "give one of them");
+      all.push_back(key + *value);
     }
-    if (!device.empty()) all.push_back("engine.device=" + device);
-    if (!engine.empty()) all.push_back("engine.type=" + engine);
     if (draft) {
       const std::vector<std::string> coarse = draft_overrides(parse_scenario(file, all));
       all.insert(all.begin(), coarse.begin(), coarse.end());  // those of the user count
