@@ -119,7 +119,7 @@ void note_compliance(const ComplianceSettings& springs, Diagnostics& report) {
 using Json = nlohmann::ordered_json;
 
 void note_cost(const SimulationInput& scene, Diagnostics& report, Json& figures) {
-  const RunCost cost = estimate_cost(scene);
+  const std::int64_t frames = scene.last_frame(), substeps = count_all_substeps(scene);
   if (const auto& push = scene.motion.push) {
     report.note(fmt::format(
         "motion: a push of at most {} frames ({:g} s at {:g} Hz); its feed is known only when it is run, and contact, "
@@ -128,17 +128,16 @@ void note_cost(const SimulationInput& scene, Diagnostics& report, Json& figures)
   }
   if (const auto& springs = scene.scenario.motion.compliance) note_compliance(*springs, report);
   const VoxelGrid& grid = scene.bone.voxmap->grid;
-  report.note(fmt::format("motion: {} frames ({:.3f} s at {:g} Hz), {} substeps", cost.frames,
-                          static_cast<double>(cost.frames) * scene.motion.frame_s(), scene.motion.frame_rate_hz,
-                          cost.substeps));
+  report.note(fmt::format("motion: {} frames ({:.3f} s at {:g} Hz), {} substeps", frames,
+                          static_cast<double>(frames) * scene.motion.frame_s(), scene.motion.frame_rate_hz, substeps));
   if (const PointShell& shell = scene.tool.shell; !shell.codes.empty()) {
     report.note(fmt::format("tool: {} shell points, spacing {:g} mm", shell.codes.size(), shell.cell_mm));
   }
   report.note("engine: " + name_of(engine_of(scene.scenario)));
   figures["engine"] = name_of(engine_of(scene.scenario));
-  figures["frames"] = cost.frames;
+  figures["frames"] = frames;
   figures["frame_rate_hz"] = scene.motion.frame_rate_hz;
-  figures["substeps"] = cost.substeps;
+  figures["substeps"] = substeps;
   figures["voxel_mm"] = grid.voxel_mm;
   figures["dims"] = {grid.dims.x(), grid.dims.y(), grid.dims.z()};
   figures["bone_voxels"] = scene.bone.view().count_bone();
