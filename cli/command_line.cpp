@@ -252,8 +252,4 @@ BoneSource source_of_file(const std::string& path) {
   return std::ranges::find(kMeshes, kind) != kMeshes.end() ? BoneSource::mesh : BoneSource::ct;
 }
 
-void take_shipped_names(CLI::Option& option, ShippedKind kind) {
-  option.transform([kind](const std::string& argument) { return shipped_or_path(argument, kind); }, "");
-}
-
 }  // namespace reamsim

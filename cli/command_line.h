@@ -12,7 +12,6 @@
 
 namespace CLI {
 class App;
-class Option;
 }  // namespace CLI
 
 namespace reamsim {
@@ -74,7 +73,10 @@ BoneSource source_of_file(const std::string& path);
 /// Adds `--set KEY.PATH=VALUE`, repeatable. `what`: what it does, with an example.
 void add_overrides(CLI::App& command, std::vector<std::string>& overrides, const std::string& what);
 
-/// Lets an option of the command line take names as shipped_or_path().
-void take_shipped_names(CLI::Option& option, ShippedKind kind);
+/// For CLI11's transform(): shipped_or_path().
+template <ShippedKind kind>
+std::string shipped(const std::string& argument) {
+  return shipped_or_path(argument, kind);
+}
 
 }  // namespace reamsim

@@ -19,6 +19,7 @@
 #include "sim/record/run_totals.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
+#include "sim/study/reforce.h"
 
 namespace reamsim {
 
@@ -72,15 +73,10 @@ std::vector<ComparedRun> label_runs(const std::vector<std::string>& dirs) {
 }
 
 /// Sets the travel of the means to that of the run's own plots.
-void set_means(std::vector<ComparedRun>& runs, const std::vector<ComparedMetric>& metrics) {
-  const auto found = std::ranges::find(metrics, "bone.voxel_mm", &ComparedMetric::key);
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (found == metrics.end() || !(found->values[i] > 0)) {
-      throw InputError({runs[i].dir + "/summary.json", 0, 0}, "bone.voxel_mm", "missing or not positive",
-                       "expected a file written by `reamsim run`");
-    }
-    runs[i].mean_travel_mm =
-        averaged_travel_mm(parse_result_settings(runs[i].dir + "/scenario.yaml").cutting, found->values[i]);
+void set_means(std::vector<ComparedRun>& runs) {
+  for (ComparedRun& run : runs) {
+    const double voxel_mm = voxel_mm_of(run.dir);
+    run.mean_travel_mm = averaged_travel_mm(parse_result_settings(run.dir + "/scenario.yaml").cutting, voxel_mm);
   }
 }
 
@@ -121,7 +117,7 @@ void compare_command(const CompareOptions& options, const Console& console) {
   Comparison comparison{label_runs(options.dirs), {}, {}, options.color_by};
   comparison.metrics = compare_summaries(comparison.runs);
   comparison.parameters = compare_scenarios(comparison.runs);
-  set_means(comparison.runs, comparison.metrics);
+  set_means(comparison.runs);
   colored_by(comparison);  // refuses a wrong key before a folder is made
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::comparison, .overwrite = options.overwrite, .inputs = options.dirs});

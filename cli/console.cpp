@@ -145,10 +145,6 @@ Json json_of(const Mistake& mistake) {
   return out;
 }
 
-Json failure() {
-  return {{"program", "reamsim " REAMSIM_VERSION}, {"ok", false}, {"mistakes", Json::array()}};
-}
-
 }  // namespace
 
 void print_json(const Json& json) {
@@ -160,14 +156,13 @@ void run_with_json(const Console& console, const std::function<void(const Consol
   silent.quiet = true;
   try {
     work(silent);
-  } catch (const InputError& error) {
-    Json out = failure();
-    for (const Mistake& mistake : error.mistakes()) out["mistakes"].push_back(json_of(mistake));
-    print_json(out);
-    throw;
   } catch (const std::exception& error) {
-    Json out = failure();
-    out["error"] = message_of(error);
+    Json out{{"program", "reamsim " REAMSIM_VERSION}, {"ok", false}, {"mistakes", Json::array()}};
+    if (const auto* input = dynamic_cast<const InputError*>(&error)) {
+      for (const Mistake& mistake : input->mistakes()) out["mistakes"].push_back(json_of(mistake));
+    } else {
+      out["error"] = message_of(error);
+    }
     print_json(out);
     throw;
   }

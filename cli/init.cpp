@@ -183,15 +183,6 @@ Vec3 near_of(const InitOptions& options, Diagnostics& report) {
   return (near_mm * 100).array().round() / 100;
 }
 
-BoneSettings settings_near(const InitOptions& options, const Vec3& near_mm) {
-  BoneSettings out = settings_of(options);
-  out.glenoid = options.landmarks;
-  out.glenoid.near_mm = near_mm;
-  if (out.side == BodySide::unknown) out.side = BodySide::left;  // of a CT the normal says it
-  if (out.source == BoneSource::ct) crop_round_glenoid(out.ct, near_mm);
-  return out;
-}
-
 /// A bone, and the settings with which it was loaded.
 struct LoadedBone {
   BoneSettings settings;
@@ -200,9 +191,13 @@ struct LoadedBone {
 
 /// Without a humeral head in the scan, as in one of a specimen, nothing is cut.
 LoadedBone load(const InitOptions& options, const Vec3& near_mm, Diagnostics& report) {
-  BoneSettings settings = settings_near(options, near_mm);
+  BoneSettings settings = settings_of(options);
+  settings.glenoid = options.landmarks;
+  settings.glenoid.near_mm = near_mm;
+  if (settings.side == BodySide::unknown) settings.side = BodySide::left;  // of a CT the normal says it
   const Diagnostics before = report;
   if (settings.source == BoneSource::ct) {
+    crop_round_glenoid(settings.ct, near_mm);
     settings.ct.separate = Separate::humerus;
     try {
       return {settings, load_bone(settings, report)};

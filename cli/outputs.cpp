@@ -80,13 +80,10 @@ RunInputs inputs_of(const SimulationInput& scene, const std::string& dir) {
 OutputOptions output_options_of(const SimulationInput& scene) {
   const Scenario& scenario = scene.scenario;
   return {.pictures = {.settings = scenario.render},
-          .render = scenario.render.enabled,
-          .force_plots = scenario.output.plots,
-          .all_plots = scenario.render.enabled && scenario.output.plots,
+          .plots = scenario.output.plots,
           .depth_map = scenario.render.enabled,
           .torque_spectrum = scenario.tool.spin == ToolSpin::resolved,
-          .meshes = scenario.output.meshes,
-          .report = scenario.render.enabled && scenario.render.report};
+          .meshes = scenario.output.meshes};
 }
 
 }  // namespace
@@ -124,8 +121,9 @@ void Outputs::draw_segmentation(const SimulationInput& scene, const std::string&
 void Outputs::begin(const SimulationInput& scene, const std::string& dir) {
   options_ = output_options_of(scene);
   run_.emplace(inputs_of(scene, dir));
-  if (options_.render || options_.meshes) run_->predict();
-  if (options_.render) render_thread_ = std::make_unique<RenderThread>(*run_, options_.pictures);
+  const bool draws = options_.pictures.settings.enabled;
+  if (draws || options_.meshes) run_->predict();
+  if (draws) render_thread_ = std::make_unique<RenderThread>(*run_, options_.pictures);
 }
 
 void Outputs::snapshots_written(std::int64_t frame) {
@@ -140,10 +138,10 @@ void Outputs::end(const SimulationInput& scene, const std::string& dir) {
 
 void Outputs::make_figures(Diagnostics& report) const {
   const std::string& dir = run_->dir();
-  if (options_.force_plots) write_force_plots(dir, run_->log());
+  if (options_.plots) write_force_plots(dir, run_->log());
   if (options_.depth_map && options_.finished) write_depth_picture(*run_, options_.pictures.settings.depth_max_mm);
   if (options_.meshes && options_.finished) write_meshes(*run_, options_.pictures.settings.depth_max_mm, report);
-  if (!options_.all_plots) return;
+  if (!options_.plots || !options_.pictures.settings.enabled) return;
   write_depth_and_energy_plots(dir, run_->log());
   // Only a push has events.
   write_feedback_plots(dir, {.push = std::filesystem::exists(dir + "/events.csv"),
@@ -163,12 +161,13 @@ void Outputs::make_pictures(Diagnostics& report) {
 }
 
 void Outputs::make(Diagnostics& report) {
+  const RenderSettings& settings = options_.pictures.settings;
   Diagnostics of_figures;
   std::future<void> figures = std::async(std::launch::async, [&] { make_figures(of_figures); });
-  if (options_.render) make_pictures(report);
+  if (settings.enabled) make_pictures(report);
   figures.get();
   report.warnings.insert(report.warnings.end(), of_figures.warnings.begin(), of_figures.warnings.end());
-  if (options_.report && options_.finished) report_ = report_parts(*run_, report_settings());
+  if (settings.enabled && settings.report && options_.finished) report_ = report_parts(*run_, report_settings());
 }
 
 RenderSettings Outputs::report_settings() const {

@@ -14,14 +14,11 @@ namespace reamsim {
 
 /// Which outputs a command makes beside the results.
 struct OutputOptions {
-  PictureOptions pictures{};
-  bool render = true;       ///< make those pictures
-  bool force_plots = true;  ///< the forces against time
-  bool all_plots = true;    ///< forces over depth, energy, density of the removed bone
+  PictureOptions pictures{};  ///< settings.enabled: pictures, report, and plots beside that of the forces against time
+  bool plots = true;
   bool depth_map = true;
   bool torque_spectrum = true;
   bool meshes = true;
-  bool report = true;
   std::vector<CameraView> report_cameras{};  ///< of the run, whose pictures the report shows; none: those of `pictures`
   bool finished = true;  ///< false: a run with a checkpoint only; no depth map, meshes or report can be made
 };

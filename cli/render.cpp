@@ -229,12 +229,10 @@ void render_command(const RenderOptions& options, const Console& console) {
   require_drawable(options, pictures, run);
   Outputs outputs(console, run,
                   {.pictures = pictures,
-                   .force_plots = options.wants("plots"),
-                   .all_plots = options.wants("plots"),
+                   .plots = options.wants("plots"),
                    .depth_map = options.wants("plots"),
                    .torque_spectrum = settings.tool_spin == ToolSpin::resolved,
                    .meshes = options.wants("meshes") && (settings.output.meshes || !options.only.empty()),
-                   .report = pictures.settings.report,
                    .report_cameras = settings.render.cameras,
                    .finished = !is_unfinished(options.dir)});
   ResultUpdate update(options.dir, ResultKind::run);

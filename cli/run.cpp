@@ -38,9 +38,9 @@ struct ScenarioOptions {
   bool draft = false;
 
   void add_to(CLI::App& command) {
-    take_shipped_names(
-        *command.add_option("SCENARIO", file, "Scenario file (YAML), or the name of a shipped one")->required(),
-        ShippedKind::scenario);
+    command.add_option("SCENARIO", file, "Scenario file (YAML), or the name of a shipped one")
+        ->required()
+        ->transform(shipped<ShippedKind::scenario>, "");
     add_overrides(command, overrides, "Override a key of the scenario, for example bone.voxel_mm=0.4");
     command
         .add_option("--device", device, "auto, serial, or part of PLATFORM: NAME of an OpenCL device (#2: the second)")
@@ -54,13 +54,12 @@ struct ScenarioOptions {
     std::vector<std::string> all = overrides;
     for (const auto& [option, value, key] :
          {std::tuple{"--device", &device, "engine.device="}, std::tuple{"--engine", &engine, "engine.type="}}) {
-      const bool twice = !value->empty() && std::ranges::any_of(overrides, [prefix = key](const std::string& set) {
-        return set.starts_with(prefix);
-      });
-      if (twice) throw InputError({}, option, std::string("given beside --set ") + key + "...", "give one of them");
+      if (value->empty()) continue;
+      const auto sets_it = [prefix = key](const std::string& set) { return set.starts_with(prefix); };
+      if (std::ranges::any_of(overrides, sets_it))
+        throw InputError({}, option, std::string("given beside --set ") + key + "...", "give one of them");
+      all.push_back(key + *value);
     }
-    if (!device.empty()) all.push_back("engine.device=" + device);
-    if (!engine.empty()) all.push_back("engine.type=" + engine);
     if (draft) {
       const std::vector<std::string> coarse = draft_overrides(parse_scenario(file, all));
       all.insert(all.begin(), coarse.begin(), coarse.end());  // those of the user count
@@ -119,7 +118,7 @@ void note_compliance(const ComplianceSettings& springs, Diagnostics& report) {
 using Json = nlohmann::ordered_json;
 
 void note_cost(const SimulationInput& scene, Diagnostics& report, Json& figures) {
-  const RunCost cost = estimate_cost(scene);
+  const std::int64_t frames = scene.last_frame(), substeps = count_all_substeps(scene);
   if (const auto& push = scene.motion.push) {
     report.note(fmt::format(
         "motion: a push of at most {} frames ({:g} s at {:g} Hz); its feed is known only when it is run, and contact, "
@@ -128,17 +127,16 @@ void note_cost(const SimulationInput& scene, Diagnostics& report, Json& figures)
   }
   if (const auto& springs = scene.scenario.motion.compliance) note_compliance(*springs, report);
   const VoxelGrid& grid = scene.bone.voxmap->grid;
-  report.note(fmt::format("motion: {} frames ({:.3f} s at {:g} Hz), {} substeps", cost.frames,
-                          static_cast<double>(cost.frames) * scene.motion.frame_s(), scene.motion.frame_rate_hz,
-                          cost.substeps));
+  report.note(fmt::format("motion: {} frames ({:.3f} s at {:g} Hz), {} substeps", frames,
+                          static_cast<double>(frames) * scene.motion.frame_s(), scene.motion.frame_rate_hz, substeps));
   if (const PointShell& shell = scene.tool.shell; !shell.codes.empty()) {
     report.note(fmt::format("tool: {} shell points, spacing {:g} mm", shell.codes.size(), shell.cell_mm));
   }
   report.note("engine: " + name_of(engine_of(scene.scenario)));
   figures["engine"] = name_of(engine_of(scene.scenario));
-  figures["frames"] = cost.frames;
+  figures["frames"] = frames;
   figures["frame_rate_hz"] = scene.motion.frame_rate_hz;
-  figures["substeps"] = cost.substeps;
+  figures["substeps"] = substeps;
   figures["voxel_mm"] = grid.voxel_mm;
   figures["dims"] = {grid.dims.x(), grid.dims.y(), grid.dims.z()};
   figures["bone_voxels"] = scene.bone.view().count_bone();

@@ -20,8 +20,9 @@
 namespace reamsim {
 
 void SweepOptions::add_to(CLI::App& command) {
-  take_shipped_names(*command.add_option("STUDY", file, "Study file (YAML), or the name of a shipped one")->required(),
-                     ShippedKind::study);
+  command.add_option("STUDY", file, "Study file (YAML), or the name of a shipped one")
+      ->required()
+      ->transform(shipped<ShippedKind::study>, "");
   add_output(command, output, "Folder of the study (default: out/NAME)");
   add_overrides(command, overrides, "Override a key of every run, for example engine.device=serial");
 }

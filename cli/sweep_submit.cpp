@@ -60,15 +60,6 @@ Submission submission_of(const SubmitOptions& options) {
           .time_limit = options.time_limit};
 }
 
-void write_submission(const std::string& path, const SubmissionFile& file) {
-  std::error_code error;
-  write_file(path, file.text);
-  if (!file.executable) return;
-  using fs::perms;
-  fs::permissions(path, perms::owner_exec | perms::group_exec | perms::others_exec, fs::perm_options::add, error);
-  if (error) fail_to_write(path);
-}
-
 void submit_command(const SubmitOptions& options, const Console& console) {
   const Submission submission = submission_of(options);
   const SubmissionScripts scripts = submission_scripts(options.system, submission);
@@ -80,8 +71,12 @@ void submit_command(const SubmitOptions& options, const Console& console) {
     if (error) fail_to_write(path_of(file));
     require_replaceable_file(path_of(file), "--to", options.overwrite, is_submission, {submission.study});
   }
+  constexpr fs::perms kExecutable = fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec;
   for (const SubmissionFile& file : scripts.files) {
-    write_submission(path_of(file), file);
+    std::error_code error;
+    write_file(path_of(file), file.text);
+    if (file.executable) fs::permissions(path_of(file), kExecutable, fs::perm_options::add, error);
+    if (error) fail_to_write(path_of(file));
     console.say("wrote " + path_of(file));
   }
   console.say("start with:");

@@ -330,10 +330,9 @@ void add_uq_command(CLI::App& app, Console& console) {
   auto* command =
       app.add_subcommand("uq", "Propagate uncertain inputs: bands of force and torque, sensitivity indices");
   auto options = std::make_shared<SweepOptions>();
-  take_shipped_names(
-      *command->add_option("STUDY", options->file, "Study file (YAML) with a sample, or the name of a shipped one")
-           ->required(),
-      ShippedKind::study);
+  command->add_option("STUDY", options->file, "Study file (YAML) with a sample, or the name of a shipped one")
+      ->required()
+      ->transform(shipped<ShippedKind::study>, "");
   add_output(*command, options->output, "Folder of the study (default: out/NAME)");
   add_jobs(*command, options->jobs);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/console.h"
 #include "cli/environment.h"
@@ -25,7 +26,6 @@
 #include "sim/record/citation.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
-#include "sim/scenario/paths.h"
 #include "sim/verify/suite.h"
 
 namespace reamsim {
@@ -180,7 +180,7 @@ void add_bench_command(CLI::App& app, Console& console) {
               "Only the wall time of single frames of these scenarios, pose in and force out: median, 99 and 99.9 %; "
               "writes no file")
           ->type_name("SCENARIO...")
-          ->transform([](const std::string& argument) { return shipped_or_path(argument, ShippedKind::scenario); }, "")
+          ->transform(shipped<ShippedKind::scenario>, "")
           ->excludes(quick)
           ->excludes(exact);
   command->add_option("--json", options->json, "Write the measurements as JSON")

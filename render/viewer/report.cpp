@@ -251,31 +251,6 @@ std::string printed_plot_html(const std::string& dir) {
          base64({reinterpret_cast<const std::uint8_t*>(png.data()), png.size()}) + "\">";
 }
 
-// --- the page
-
-std::string page_html(const RunData& run, const RenderSettings& settings, const ReportParts& parts) {
-  const std::string& dir = run.dir();
-  const std::string summary_path = dir + "/summary.json", verification_path = dir + "/verification.json";
-  const Json summary = read_json(summary_path, "the summary.json of a run");
-  const Json verification =
-      fs::exists(verification_path) ? read_json(verification_path, "the verification.json of reamsim verify") : Json();
-  const auto text = [&](const char* key) { return text_at(summary, key, summary_path); };
-  const std::string title = text("scenario"), program = text("program");
-  const Json tables = summary_data(summary, verification, summary_path, verification_path);
-  PageTexts texts{{"device", escape_html(text("device"))},
-                  {"plain", plain_html(tables)},
-                  {"printed_plot", printed_plot_html(dir)},
-                  {"scenario", escape_html(read_file(dir + "/scenario.yaml", "the scenario.yaml of a run"))}};
-  texts.insert(parts.figures.begin(), parts.figures.end());
-  const ForceLog& log = run.log();
-  const Json data{{"plot", plot_data(log, log.mean_travel_mm)},
-                  {"pictures", parts.pictures},
-                  {"bone", parts.bone},
-                  {"tool", tool_data(run.inputs().passes, log, settings)},
-                  {"summary", tables}};
-  return self_contained_page(embedded::report_page, title, program, data, std::move(texts));
-}
-
 }  // namespace
 
 std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most) {
@@ -344,7 +319,26 @@ ReportParts report_parts(const RunData& run, const RenderSettings& settings) {
 }
 
 void write_report(const RunData& run, const RenderSettings& settings, const ReportParts& parts) {
-  write_file(run.dir() + "/report.html", page_html(run, settings, parts));
+  const std::string& dir = run.dir();
+  const std::string summary_path = dir + "/summary.json", verification_path = dir + "/verification.json";
+  const Json summary = read_json(summary_path, "the summary.json of a run");
+  const Json verification =
+      fs::exists(verification_path) ? read_json(verification_path, "the verification.json of reamsim verify") : Json();
+  const auto text = [&](const char* key) { return text_at(summary, key, summary_path); };
+  const std::string title = text("scenario"), program = text("program");
+  const Json tables = summary_data(summary, verification, summary_path, verification_path);
+  PageTexts texts{{"device", escape_html(text("device"))},
+                  {"plain", plain_html(tables)},
+                  {"printed_plot", printed_plot_html(dir)},
+                  {"scenario", escape_html(read_file(dir + "/scenario.yaml", "the scenario.yaml of a run"))}};
+  texts.insert(parts.figures.begin(), parts.figures.end());
+  const ForceLog& log = run.log();
+  const Json data{{"plot", plot_data(log, log.mean_travel_mm)},
+                  {"pictures", parts.pictures},
+                  {"bone", parts.bone},
+                  {"tool", tool_data(run.inputs().passes, log, settings)},
+                  {"summary", tables}};
+  write_file(dir + "/report.html", self_contained_page(embedded::report_page, title, program, data, std::move(texts)));
 }
 
 }  // namespace reamsim

@@ -304,12 +304,11 @@ DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells) {
   const VoxelBox bone = bone_extent(voxmap);
   if (bone.empty()) throw InputError({"reamed.vdb", 0, 0}, "density", "contains no bone", "the bone of a run");
   DensityVolume out;
-  BrickLattice cells;
-  int n = 0;  // voxels along the edge of a cell
-  do {
-    ++n;
-    cells = {(bone.size().array() + n - 1) / n + 2 * kPadding_cells};
-  } while (static_cast<std::int64_t>(cells.count()) > most_cells && cells.dims.maxCoeff() > 1 + 2 * kPadding_cells);
+  const auto cells_of = [&](int n) -> BrickLattice { return {(bone.size().array() + n - 1) / n + 2 * kPadding_cells}; };
+  const auto is_coarsest = [](const BrickLattice& cells) { return cells.dims.maxCoeff() <= 1 + 2 * kPadding_cells; };
+  int n = 1;  // voxels along an edge of a cell
+  while (static_cast<std::int64_t>(cells_of(n).count()) > most_cells && !is_coarsest(cells_of(n))) ++n;
+  const BrickLattice cells = cells_of(n);
   out.dims = cells.dims;
   out.cell_mm = n * voxmap.grid.voxel_mm;
   const Vec3i first = bone.first - Vec3i::Constant(n * kPadding_cells);

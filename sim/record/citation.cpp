@@ -69,11 +69,6 @@ Json program_work(const std::string& version) {
   return work;
 }
 
-std::string version_of(const Json& summary) {
-  const std::string program = word_of(summary, "program");
-  return program.substr(std::min(program.size(), program.find(' ') + 1));
-}
-
 bool has_default_density(const YamlNode& scenario) {
   const DensitySettings usual;
   const auto is = [&](const std::string& key, double value) {
@@ -170,7 +165,8 @@ void add_libraries(const Json& summary, Works& out) {
 void add_run(const std::string& dir, Works& out) {
   const Json summary = parse_result_json(read_file(dir + "/summary.json", "the summary of a run"));
   if (!summary.is_object()) refuse_file(dir + "/summary.json", "is damaged", "expected the summary of a run");
-  add(program_work(version_of(summary)), out.program);
+  const std::string program = word_of(summary, "program");
+  add(program_work(program.substr(std::min(program.size(), program.find(' ') + 1))), out.program);
   add_method(summary, dir, out);
   add_data(summary, out);
   add_libraries(summary, out);
@@ -189,23 +185,16 @@ std::optional<std::set<std::string, std::less<>>> runs_in_table(const std::strin
   return out;
 }
 
-/// The folders of the finished runs of a study. Those of an older plan are not in its table.
-std::vector<std::string> runs_of_study(const std::string& dir) {
-  const auto table = runs_in_table(dir);
-  std::vector<std::string> out;
-  for (const std::string& run : finished_runs(dir)) {
-    if (!table || table->contains(run)) out.push_back(dir + "/runs/" + run);
-  }
-  return out;
-}
-
-/// A damaged run is left out: the study writes its citation, and must not end with it.
+/// What its finished runs used; those of an older plan are not in its table. A damaged run is left out: the study writes
+/// its citation, and must not end with it.
 Works works_of_study(const std::string& dir) {
+  const auto table = runs_in_table(dir);
   Works out;
-  for (const std::string& run : runs_of_study(dir)) {
+  for (const std::string& run : finished_runs(dir)) {
+    if (table && !table->contains(run)) continue;
     try {
       Works with_run = out;
-      add_run(run, with_run);
+      add_run(dir + "/runs/" + run, with_run);
       out = std::move(with_run);
     } catch (const InputError&) {
       continue;

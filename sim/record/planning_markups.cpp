@@ -24,10 +24,7 @@ constexpr double kPlane_mm = 40;
 /// Length of the axis of the reamer out of the bone.
 constexpr double kAxis_mm = 60;
 
-struct LabelledPoint {
-  std::string label;
-  Vec3 position_mm;
-};
+using LabelledPoint = std::pair<std::string, Vec3>;
 
 OrderedJson list_of(const Vec3& v) {
   return OrderedJson::array({v.x() + 0.0, v.y() + 0.0, v.z() + 0.0});  // no negative zeros
@@ -43,12 +40,12 @@ OrderedJson matrix_json(const Rigid& transform) {
 OrderedJson markup_json(const char* type, const std::string& name, const std::vector<LabelledPoint>& points,
                         const std::array<double, 3>& color) {
   OrderedJson control = OrderedJson::array();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    control.push_back({{"id", std::to_string(i + 1)},
-                       {"label", points[i].label},
+  for (const auto& [label, position_mm] : points) {
+    control.push_back({{"id", std::to_string(control.size() + 1)},
+                       {"label", label},
                        {"description", ""},
                        {"associatedNodeID", ""},
-                       {"position", list_of(points[i].position_mm)},
+                       {"position", list_of(position_mm)},
                        {"orientation", {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}},
                        {"selected", true},
                        {"locked", true},

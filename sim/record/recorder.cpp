@@ -136,7 +136,10 @@ Recorder::Recorder(const std::string& dir, double voxel_mm, bool force_basis, Po
       removed_(std::move(removed)) {
   if (force_basis) basis_.emplace(dir + "/" + kForceBasisName, logs.basis_bytes);
   if (logs.forces_bytes == 0) return;
-  remove_snapshots_after(dir_, frame);
+  for (const std::int64_t later : snapshot_frames(dir_)) {
+    std::error_code ignored;
+    if (later > frame) std::filesystem::remove(snapshot_path(dir_, later), ignored);
+  }
   for_each_result(dir_ + "/forces.csv", feedback, [&](const FrameResult& result) { totals_.add(result); });
   const std::vector<std::string_view> columns = csv_cells(kTimingColumns);
   std::vector<double> row;
@@ -175,13 +178,6 @@ std::string tool_path(const std::string& dir, int pass) {
 
 std::string snapshot_path(const std::string& dir, std::int64_t frame) {
   return fmt::format("{}/snapshots/{:06}.vdb", dir, frame);
-}
-
-void remove_snapshots_after(const std::string& dir, std::int64_t frame) {
-  std::error_code ignored;
-  for (const std::int64_t later : snapshot_frames(dir)) {
-    if (later > frame) std::filesystem::remove(snapshot_path(dir, later), ignored);
-  }
 }
 
 void write_snapshot(const std::string& dir, std::int64_t frame, FillBricks& fill) {

@@ -96,7 +96,6 @@ std::string tool_path(const std::string& dir, int pass);
 
 /// DIR/snapshots/NNNNNN.vdb
 std::string snapshot_path(const std::string& dir, std::int64_t frame);
-void remove_snapshots_after(const std::string& dir, std::int64_t frame);
 
 std::vector<std::int64_t> snapshot_frames(const std::string& dir);
 

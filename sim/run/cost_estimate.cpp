@@ -131,14 +131,10 @@ constexpr double kLeafBytes = 2'200;
 /// The serial engine's dense grades and fill, per voxel.
 constexpr double kSerialBytes = 3;
 
-/// A long run thins poses and rows; until then it holds all, and vectors double as they grow.
-double path_bytes(double frames) {
-  return 2 * sizeof(PathSample) * std::min(frames, static_cast<double>(BoundedPath::kMost));
-}
-
-/// The rows of the log; vectors double as they grow.
-double log_bytes(double frames) {
-  return 2 * sizeof(ForceRow) * std::min(frames, static_cast<double>(LogOptions{}.most_rows));
+/// A long run thins poses and rows to `most`; until then it holds all, and vectors double as they grow.
+template <class Item>
+double bytes_of_frames(double frames, std::size_t most) {
+  return 2 * sizeof(Item) * std::min(frames, static_cast<double>(most));
 }
 
 struct BrickCounts {
@@ -275,8 +271,10 @@ MemoryPlan plan_memory(const SimulationInput& scene) {
   const double resident = static_cast<double>(voxmap.grade.bytes()) + fill;
   const auto frames = static_cast<double>(scene.motion.poses.size());
   // What is held of the frames uses the memory that the compiler has left.
-  const double held = std::max(serial ? 0 : kCompilerBytes, path_bytes(frames) + log_bytes(frames)) +
-                      2 * static_cast<double>(scene.motion.key_bytes);
+  const double of_frames = bytes_of_frames<PathSample>(frames, BoundedPath::kMost) +
+                           bytes_of_frames<ForceRow>(frames, LogOptions{}.most_rows);
+  const double held =
+      std::max(serial ? 0 : kCompilerBytes, of_frames) + 2 * static_cast<double>(scene.motion.key_bytes);
   // The engine is freed before the results are written.
   const double most = std::max(loading, resident + held + std::max(engine, results_bytes(bricks)));
   plan.process_bytes = static_cast<std::size_t>(kProgramBytes + most);

@@ -154,8 +154,7 @@ void FrameStepper::start(const FrameMotion& motion) {
       enqueue(rest, args, nullptr, pending);
     }
   }
-  collect();
-  record();
+  finish_batch();
 }
 
 void FrameStepper::add(const FrameMotion& motion, const std::shared_ptr<const MotionWindow>& window) {

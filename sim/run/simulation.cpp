@@ -165,18 +165,17 @@ SimulationState simulate(SimulationInput& scene, Engine& engine, FrameSink& sink
   return feed->state();
 }
 
-RunCost estimate_cost(const SimulationInput& scene) {
+std::int64_t count_all_substeps(const SimulationInput& scene) {
   const double max_step_mm = scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm;
-  RunCost cost{.frames = scene.last_frame()};
+  std::int64_t out = 0;
   const auto add = [&](const Tool& tool, const PoseSequence& poses) {
     for (std::size_t k = 1; k < poses.size(); ++k) {
-      cost.substeps +=
-          count_substeps(poses[k - 1], poses[k], tool, is_moved_by_spin(scene.scenario, tool), max_step_mm);
+      out += count_substeps(poses[k - 1], poses[k], tool, is_moved_by_spin(scene.scenario, tool), max_step_mm);
     }
   };
   add(scene.tool, scene.motion.poses);
   for (const Pass& pass : scene.later_passes) add(pass.tool, pass.motion.poses);
-  return cost;
+  return out;
 }
 
 void warn_of_peaks(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report) {

@@ -51,11 +51,8 @@ std::unique_ptr<Engine> load_engine(const SimulationInput& scene);
 SimulationState simulate(SimulationInput& scene, Engine& engine, FrameSink& sink, const RunControl& control,
                          Diagnostics& report);
 
-struct RunCost {
-  std::int64_t frames = 0;
-  std::int64_t substeps = 0;
-};
-RunCost estimate_cost(const SimulationInput& scene);
+/// Of all passes, along the planned poses.
+std::int64_t count_all_substeps(const SimulationInput& scene);
 
 /// Warns where `exact` gives too large peaks of single frames: tiny advances, or resolved edges along the voxels.
 void warn_of_peaks(const SimulationInput& scene, const RunTotals& totals, Diagnostics& report);

@@ -163,11 +163,6 @@ RunSummary read_run_summary(const std::string& run_dir) {
   return out;
 }
 
-const char* name_of(RunState state) {
-  static const char* const names[] = {"missing", "interrupted", "failed", "done"};  // in the order of RunState
-  return names[static_cast<std::size_t>(state)];
-}
-
 std::vector<bool> runs_of_table(std::size_t all, std::size_t most) {
   std::vector<bool> taken(all, all <= most);
   // Every k-th run would miss levels of the parameters that change fastest. Selection sampling (Knuth, The Art of

@@ -40,17 +40,12 @@ ForceConstants force_constants(const CuttingSettings& cutting, const std::option
   return out;
 }
 
-std::span<const BasisRow> ForceBasis::of(std::int64_t frame) const {
-  const auto begin = std::ranges::lower_bound(rows_, frame, {}, &BasisRow::frame);
-  return {begin, std::ranges::upper_bound(begin, rows_.end(), frame, {}, &BasisRow::frame)};
-}
-
 FrameForces ForceBasis::forces(std::int64_t frame, const ForceConstants& constants) const {
   const auto vector_of = [](const float* values) -> Vec3 {
     return Eigen::Map<const Eigen::Vector3f>(values).cast<double>();
   };
   FrameForces out;
-  for (const BasisRow& row : of(frame)) {
+  for (const BasisRow& row : std::ranges::equal_range(rows_, frame, {}, &BasisRow::frame)) {
     const bool edge = row.grade == 0;
     const double u =
         edge ? constants.edge_tangential_n_mm : constants.specific_energy_n_mm2[static_cast<std::size_t>(row.grade)];
@@ -72,9 +67,7 @@ std::array<double, 256> ForceBasis::volume_mm3() const {
   return out;
 }
 
-namespace {
-
-double voxel_of(const std::string& dir) {
+double voxel_mm_of(const std::string& dir) {
   const std::string path = dir + "/summary.json";
   const auto json = parse_result_json(read_file(path, "the summary of a run"));
   const nlohmann::ordered_json::json_pointer key("/bone/voxel_mm");
@@ -84,6 +77,8 @@ double voxel_of(const std::string& dir) {
   }
   return json[key].get<double>();
 }
+
+namespace {
 
 [[noreturn]] void fail_for(const std::string& key, const std::string& why) {
   throw InputError({}, "--set", key + " is part of the force basis" + why, "run the scenario again with it");
@@ -111,7 +106,7 @@ BasisRun open_basis_run(const std::string& dir) {
     throw InputError({dir + "/scenario.yaml", 0, 0}, "output.force_basis", "is false: the run has no force basis",
                      "run the scenario again with --set output.force_basis=true");
   }
-  return {dir, std::move(law), ForceBasis(read_force_basis(dir + "/" + kForceBasisName)), voxel_of(dir)};
+  return {dir, std::move(law), ForceBasis(read_force_basis(dir + "/" + kForceBasisName)), voxel_mm_of(dir)};
 }
 
 LawSettings changed_law(const BasisRun& run, const std::vector<std::string>& overrides) {

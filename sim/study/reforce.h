@@ -5,7 +5,6 @@
 
 #include <array>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -51,8 +50,6 @@ class ForceBasis {
   explicit ForceBasis(std::vector<BasisRow> rows) : rows_(std::move(rows)) {}
 
   [[nodiscard]] const std::vector<BasisRow>& rows() const { return rows_; }
-  /// Those of a frame; none without contact.
-  [[nodiscard]] std::span<const BasisRow> of(std::int64_t frame) const;
   [[nodiscard]] FrameForces forces(std::int64_t frame, const ForceConstants& constants) const;
   /// Removed volume by grade over all frames, mm³; with a size effect, weighted by its factor.
   [[nodiscard]] std::array<double, 256> volume_mm3() const;
@@ -68,6 +65,9 @@ struct BasisRun {
   ForceBasis basis;
   double voxel_mm = 0;
 };
+
+/// bone.voxel_mm in the summary.json of a run. Throws InputError.
+double voxel_mm_of(const std::string& dir);
 
 /// Throws InputError where a file of the run is missing or damaged, or it has no force basis.
 BasisRun open_basis_run(const std::string& dir);

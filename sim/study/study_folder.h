@@ -9,12 +9,15 @@
 #include <utility>
 #include <vector>
 
+#include "sim/scenario/choices.h"
 #include "sim/study/study_plan.h"
 
 namespace reamsim {
 
 /// What became of a run of a study.
 enum class RunState { missing, interrupted, failed, done };
+template <>
+inline constexpr auto kChoiceNames<RunState> = name_list("missing", "interrupted", "failed", "done");
 
 /// The folder of a study:
 ///
@@ -82,8 +85,6 @@ struct RunTable {
   std::size_t all = 0;                  ///< runs of the study
 };
 
-const char* name_of(RunState state);
-
 /// Which of `all` runs a table has: all, or `most` of them drawn at random, the same on every machine.
 std::vector<bool> runs_of_table(std::size_t all, std::size_t most);
 
@@ -141,8 +142,6 @@ StudyCounts count_runs(const StudyFolder& folder, const std::vector<IdentifiedRu
 
 RunMessages warnings_of_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs);
 
-inline constexpr std::size_t kMostRunsOfTable = 50'000;
-
 struct CollectedStudy {
   StudyCounts counts;
   RunTable table;
@@ -152,7 +151,7 @@ struct CollectedStudy {
 /// Writes DIR/runs.csv (docs/study-files.md), a row for each run of the plan. Reads one summary at a time. Returns the
 /// rows, at most `most_in_table` (runs_of_table()). Throws RunError.
 CollectedStudy collect_runs(const StudyFolder& folder, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
-                            std::size_t most_in_table = kMostRunsOfTable);
+                            std::size_t most_in_table = 50'000);
 
 /// What the tables of a study take from summary.json.
 struct RunSummary {
