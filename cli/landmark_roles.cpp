@@ -248,10 +248,14 @@ Landmarks find_landmarks(const std::vector<std::string>& files, const std::vecto
   };
   take("rim", rim, kLeastRimPoints, out.glenoid.rim_mm);
   take("face", face, kLeastFacePoints, version.face_mm);
-  version.anterior_margin_mm = roles.point(Role::anterior);
-  version.posterior_margin_mm = roles.point(Role::posterior);
-  version.medial_tip_mm = roles.point(Role::medial_tip);
-  version.vault_tip_mm = roles.point(Role::vault_tip);
+  const auto take_one = [&](Role role, std::optional<Vec3>& to) {
+    if (roles.points(role).size() > 1) return unused(name_of(role), "several points may be it");
+    to = roles.point(role);
+  };
+  take_one(Role::anterior, version.anterior_margin_mm);
+  take_one(Role::posterior, version.posterior_margin_mm);
+  take_one(Role::medial_tip, version.medial_tip_mm);
+  take_one(Role::vault_tip, version.vault_tip_mm);
   return out;
 }
 

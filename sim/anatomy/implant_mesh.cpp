@@ -18,7 +18,8 @@ namespace reamsim {
 namespace {
 
 constexpr double kStationVoxels = 0.1;    // between circumferences
-constexpr double kPointVoxels = 0.2;      // between points of a mesh
+constexpr double kPointVoxels = 0.2;      // between points of a mesh, at least:
+constexpr double kPointsOfPeg = 20000;    // of equal spacing on the surface of a peg
 constexpr int kDirections = 72;           // around the axis of a capsule
 constexpr int kLatitudes = 18;            // of the hemisphere at its end
 constexpr int kCircumferencesPerFan = 5;  // rays start at every fifth circumference
@@ -40,15 +41,19 @@ void add_points(const Corners& t, double spacing_mm, std::vector<PegPoint>& out)
   }
 }
 
-/// Points at most `step_mm` apart, in layers across z as thick.
+/// Points at most `step_mm` apart, or farther on a large surface, in layers across z as thick.
 PegSurface surface_of(const std::vector<Corners>& triangles, double step_mm) {
   Aabb box = Aabb::none();
-  PegSurface out;
+  double area_mm2 = 0;
   for (const Corners& t : triangles) {
     for (const Vec3& corner : t) box.extend(corner);
-    add_points(t, step_mm, out.rays);
+    area_mm2 += (t[1] - t[0]).cross(t[2] - t[0]).norm() / 2;
   }
-  const double count = std::ceil((box.max.z() - box.min.z()) / step_mm);
+  step_mm = std::max(step_mm, std::sqrt(area_mm2 / kPointsOfPeg));
+  PegSurface out;
+  for (const Corners& t : triangles) add_points(t, step_mm, out.rays);
+  if (out.rays.empty()) return out;
+  const double count = std::max(std::ceil((box.max.z() - box.min.z()) / step_mm), 1.0);
   const double length_mm = (box.max.z() - box.min.z()) / count;
   out.circumferences.resize(static_cast<std::size_t>(count));
   for (const PegPoint& p : out.rays) {
@@ -111,17 +116,27 @@ std::vector<PegSurface> pegs_of_mesh(const TriangleMesh& mesh, const ImplantShap
     triangles[parts[i]].push_back(pegs.corners(pegs.triangles[i]));
   }
   std::vector<PegSurface> out;
-  for (const auto& part : triangles) out.push_back(surface_of(part, step_mm));
+  for (const auto& part : triangles) {
+    PegSurface peg = surface_of(part, step_mm);
+    if (!peg.rays.empty()) out.push_back(std::move(peg));  // an empty one has no area
+  }
   return out;
 }
 
 }  // namespace
 
 TriangleMesh read_implant_mesh(const ImplantSettings& settings, Diagnostics& report) {
-  constexpr double kLeastBack = 0.5;
+  constexpr double kLeastBack = 0.5, kLargest_mm = 200;
   const ImplantMeshSettings& given = *settings.mesh;
   const PartFile file{given.path, given.scale, "metrics.implant.mesh.path", "metrics.implant.mesh.scale", "implant"};
   TriangleMesh mesh = read_closed_part(file, report);
+  const Aabb box = mesh.bounds();
+  if (box.min.head<2>().maxCoeff() >= 0 || box.max.head<2>().minCoeff() <= 0 ||
+      (box.max - box.min).maxCoeff() > kLargest_mm) {
+    throw file.error(fmt::format("it reaches from ({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm", box.min.x(),
+                                 box.min.y(), box.min.z(), box.max.x(), box.max.y(), box.max.z()),
+                     "expected at most 200 mm, with the axis of the implant, x = y = 0, inside");
+  }
   const double back = ImplantShape(settings, &mesh).back_fraction();
   if (back < kLeastBack) {
     throw file.error(fmt::format("{:.0f} % of its underside lie within {:.4g} mm (pegs_below_mm) of the plain back",

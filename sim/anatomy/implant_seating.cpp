@@ -29,7 +29,7 @@ std::optional<double> sphere_bottom(const Vec3& center, double radius, const Vec
 constexpr double kYieldingFraction = 0.01;
 /// Columns per voxel: a finer map locates the edges of footprint and contact.
 constexpr double kColumnsPerVoxel = 2;
-/// A back that changes by more than this within a voxel, voxels, has a wall there; the steepest wedge changes by 1.7.
+/// A stepped back or a mesh that changes by more than this within a voxel, voxels, has a wall there.
 constexpr double kWallVoxels = 2;
 /// The map exceeds the footprint, so that cores and holes at its edge are known, voxels.
 constexpr double kMapMarginVoxels = 4;
@@ -77,7 +77,8 @@ std::vector<FootprintColumn> footprint_of(const ColumnMap& map, const ImplantSha
       return std::abs(shape.back_mm(center_mm + voxel_mm * step).value_or(*back_mm) - *back_mm) >
              kWallVoxels * voxel_mm;
     };
-    const bool beside_wall = is_steep({1, 0}) || is_steep({-1, 0}) || is_steep({0, 1}) || is_steep({0, -1});
+    const bool beside_wall =
+        shape.may_have_walls() && (is_steep({1, 0}) || is_steep({-1, 0}) || is_steep({0, 1}) || is_steep({0, -1}));
     out.push_back({place, weight, *back_mm, holes[map.index(place)] != 0, beside_wall});
   };
   if (!shape.has_outline()) {

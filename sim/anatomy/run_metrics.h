@@ -53,6 +53,8 @@ struct BoneAxes {
   std::vector<Vec3> rim_mm{};            ///< of the articular face, in order; empty: unknown
   std::optional<Rigid> bone_from_glenoid{};
   VersionLandmarks version{};
+  bool side_known = false;  ///< of the shoulder: anterior is not a guess
+  bool axial_z = false;     ///< axial slices lie across z
 
   /// The scapular frame, or else the glenoid frame.
   [[nodiscard]] const std::optional<ScapularAxes>& known() const { return scapula ? scapula : glenoid; }
@@ -192,6 +194,10 @@ class ImplantShape {
 
   /// Whether the footprint has an outline of its own; otherwise it is the reamed face.
   [[nodiscard]] bool has_outline() const { return half_width_mm_ > 0; }
+  /// Whether the back is one with steps.
+  [[nodiscard]] bool may_have_walls() const {
+    return mesh_.has_value() || (augment_ && augment_->shape == AugmentShape::step);
+  }
   /// Whether a place lies within the outline; true without one.
   [[nodiscard]] bool covers(const Vec2& place) const;
   /// The fraction of a square cell within the outline, from 8 × 8 points; of a mesh 4 × 4.
@@ -278,7 +284,8 @@ struct Seating {
   double overhang_percent = 0;
   std::optional<double> dense_percent;  ///< dense fraction of the bone in the supporting layer; nullopt: no bone
   double unreamed_mm2 = 0;              ///< of the footprint, over bone that was not reamed
-  std::optional<HeldOff> held_off;      ///< nullopt: it rests on reamed bone, or was not seated
+  std::optional<HeldOff>
+      held_off;  ///< nullopt: it rests on reamed bone, no reamed face is under it, or it was not seated
 
   /// What to warn of: a footprint wider than what was reamed; "" where it is not.
   [[nodiscard]] std::string warning() const;

@@ -4,6 +4,7 @@
 // Version of a face by the definitions of the literature, as SciKit-SurgeryGlenoid implements them
 // (github.com/SciKit-Surgery/glenoidplanefitting, commit 9c770a9): friedman.py, vault.py, plane_fitting.py.
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/anatomy/run_metrics.h"
@@ -37,16 +38,21 @@ Measured<double> two_planes_version(const BoneAxes& axes) {
 
 /// Friedman and vault: the angle at the middle of the margins, from the anterior margin to `medial`, less 90 degrees.
 Measured<double> slice_version(const BoneAxes& axes, const std::optional<Vec3>& medial_mm, const char* medial_key) {
+  constexpr double kApart_mm = 1, kSlice_mm = 0.5;
   const auto& anterior = axes.version.anterior_margin_mm;
   const auto& posterior = axes.version.posterior_margin_mm;
   const std::string missing = missing_points({{"version_landmarks.anterior_margin_mm", anterior.has_value()},
                                               {"version_landmarks.posterior_margin_mm", posterior.has_value()},
                                               {medial_key, medial_mm.has_value()}});
   if (!missing.empty()) return Missing{missing};
-  if (axes.scapula && (*anterior - *posterior).dot(axes.scapula->anterior) < 0)
+  const Vec3 across = *anterior - *posterior, middle_mm = *posterior + across / 2, medial = *medial_mm - middle_mm;
+  if (across.norm() < kApart_mm || medial.norm() < kApart_mm)
+    return Missing{"the margins, or their middle and the medial point, lie less than 1 mm apart"};
+  if (axes.axial_z && std::max(std::abs(across.z()), std::abs(medial.z())) > kSlice_mm)
+    return Missing{"the points do not lie in one axial slice: they differ by more than 0.5 mm along z"};
+  if (axes.side_known && axes.known() && across.dot(axes.known()->anterior) < 0)
     return Missing{"anterior_margin_mm lies posterior to posterior_margin_mm: swap them, or correct bone.side"};
-  const Vec3 middle_mm = (*anterior + *posterior) / 2;
-  return angle_deg(*anterior - middle_mm, *medial_mm - middle_mm) - 90;
+  return angle_deg(across, medial) - 90;
 }
 
 }  // namespace

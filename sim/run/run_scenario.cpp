@@ -30,7 +30,10 @@ void measure(RunFacts& facts, const SimulationInput& scene, const FillBricks& fi
   const ReamedBone bone{*scene.bone.voxmap, fill_before, scene.bone.fill};
   const Rigid bone_from_tool = totals.deepest_pose.bone_from_tool();
   BoneAxes axes{.scapula = scene.bone.scapula, .glenoid = {}};
+  const BoneSource source = scene.scenario.bone.source;
   axes.version = scene.scenario.bone.glenoid.version_landmarks;
+  axes.side_known = scene.bone.side != BodySide::unknown;
+  axes.axial_z = source == BoneSource::ct || source == BoneSource::phantom;
   axes.rim_mm = scene.bone.rim_mm;
   if (scene.bone.glenoid) {
     axes.glenoid = axes_of(*scene.bone.glenoid, scene.bone.side);

@@ -17,7 +17,7 @@ void describe_landmarks(KeyVisitor& v, LandmarkSettings& landmarks) {
 }
 
 void describe_version_landmarks(KeyVisitor& v, VersionLandmarks& marks) {
-  v.point("face_mm", marks.face_mm, "Points on the rim of the unreamed face, bone frame, for two_planes",
+  v.point("face_mm", marks.face_mm, "At least 3 points on the rim of the unreamed face, bone frame, for two_planes",
           {.least_points = 3});
   v.point("anterior_margin_mm", marks.anterior_margin_mm,
           "Anterior margin of the face, bone frame, for friedman_2d and vault_2d; the points below in the same axial "

@@ -3,8 +3,6 @@
 
 #include "sim/scenario/parse_steps.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string_view>
@@ -49,21 +47,6 @@ void check_glenoid(const Scenario& s, const KeyLocations& at) {
     at.fail(std::string("bone.glenoid.") + missing, "missing", "center_mm, normal and superior together");
   if (are_parallel(*glenoid.normal, *glenoid.superior)) {
     at.fail("bone.glenoid.superior", "found the direction of normal", "a direction across it");
-  }
-}
-
-/// Points of the 2D definitions lie apart, and in one axial slice where z is known to be superior.
-void check_version_landmarks(const Scenario& s, const KeyLocations& at) {
-  constexpr double kLeast_mm = 1, kSlice_mm = 0.5;
-  const auto points = s.bone.glenoid.version_landmarks.in_slice();
-  const bool z_superior = s.bone.source == BoneSource::ct || s.bone.source == BoneSource::phantom;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const Vec3 apart = points[i].second - points[0].second;
-    if (apart.norm() >= kLeast_mm && (!z_superior || std::abs(apart.z()) <= kSlice_mm)) continue;
-    at.fail(std::string("bone.glenoid.version_landmarks.") + points[i].first,
-            fmt::format("found a point {:.3g} mm from {}, of it {:.3g} mm along z", apart.norm(), points[0].first,
-                        std::abs(apart.z())),
-            "points at least 1 mm apart, and of a scan or phantom in one axial slice (0.5 mm along z)");
   }
 }
 
@@ -267,7 +250,6 @@ const std::vector<Rule> kRules{
     {{"name"}, check_name},
     {{"bone.glenoid"}, check_glenoid},
     {{"bone.glenoid.rim_mm"}, check_rim},
-    {{"bone.source", "bone.glenoid.version_landmarks"}, check_version_landmarks},
     {{"bone.source", "bone.side", "bone.glenoid", "bone.phantom.shape", "bone.pilot_hole", "motion.frame"}, check_side},
     {{"bone.source", "bone.glenoid", "motion.frame"},
      [](const Scenario& s, const KeyLocations& at) {

@@ -59,12 +59,21 @@ TEST(Version, SaysWhichPointsAreMissing) {
             "landmarks are missing: set bone.glenoid.version_landmarks.anterior_margin_mm, "
             "bone.glenoid.version_landmarks.posterior_margin_mm, bone.glenoid.version_landmarks.vault_tip_mm");
   axes.scapula.emplace();  // +z is anterior
+  axes.side_known = true;
   axes.version.anterior_margin_mm = Vec3(0, 0, -12);
   axes.version.posterior_margin_mm = Vec3(0, 0, 12);
   axes.version.medial_tip_mm = Vec3(-100, 0, 0);
   found = versions_of(axes);
   EXPECT_THAT(found.at("two_planes").reason, HasSubstr("face_mm lie on one line"));
   EXPECT_THAT(found.at("friedman_2d").reason, HasSubstr("anterior_margin_mm lies posterior to posterior_margin_mm"));
+  axes.version.posterior_margin_mm = Vec3(0, 0, -11.5);
+  EXPECT_THAT(versions_of(axes).at("friedman_2d").reason, HasSubstr("less than 1 mm apart"));
+  axes.version.posterior_margin_mm = Vec3(0, 0, -36);
+  axes.version.medial_tip_mm = Vec3(0.5, 0, -24);  // at the middle of the margins
+  EXPECT_THAT(versions_of(axes).at("friedman_2d").reason, HasSubstr("less than 1 mm apart"));
+  axes.axial_z = true;
+  axes.version.medial_tip_mm = Vec3(-100, 0, -24);
+  EXPECT_THAT(versions_of(axes).at("friedman_2d").reason, HasSubstr("one axial slice"));
 }
 
 /// Points and expected versions: github.com/SciKit-Surgery/glenoidplanefitting, commit 9c770a9 (BSD 3-clause),
@@ -82,6 +91,7 @@ TEST(Version, PublishedPointsOfARightGlenoid) {
   marks.landmarks = {.glenoid_center_mm = points[3], .trigonum_spinae_mm = points[4], .inferior_angle_mm = points[5]};
   BoneAxes axes;
   axes.scapula = axes_of(*glenoid_frame(marks, BodySide::right), BodySide::right);
+  axes.side_known = axes.axial_z = true;
   axes.version = {.face_mm = {points.begin(), points.begin() + 3},
                   .anterior_margin_mm = slice[1],
                   .posterior_margin_mm = slice[0],
