@@ -176,7 +176,7 @@ class BrickedEngine final : public Engine {
     for (std::size_t i = 0; i < words.size(); i += 2) {
       RemovedBlock block;
       std::memcpy(&block, &words[i], sizeof block);
-      append_removed(block, grid_, batch_.args_of(static_cast<int>(block.detail >> 3)).frame, removed_);
+      batch_.append_removed(block, grid_, removed_);
     }
   }
 

@@ -45,7 +45,6 @@ class DeviceBatch {
   void write_args();
   /// Writes a substep's arguments to the next slot, and returns the slot.
   int begin(const SubstepArgs& args);
-  [[nodiscard]] const SubstepArgs& args_of(int slot) const { return host_args_[static_cast<std::size_t>(slot)]; }
   /// By slot.
   [[nodiscard]] std::span<const SubstepArgs> args_used() const {
     return {host_args_.data(), static_cast<std::size_t>(used_)};
@@ -66,6 +65,9 @@ class DeviceBatch {
   std::vector<SubstepSums> collect();
   /// The list of removed voxels of the last batch, in no particular order. The next begin() clears it.
   std::vector<cl_ulong> take_removed();
+
+  /// Appends the voxels of a block that a substep of the batch removed.
+  void append_removed(const RemovedBlock& block, const VoxelGrid& grid, RemovedFrames& removed) const;
 
   /// Device memory of a batch, bytes.
   static std::size_t bytes(const RemovedList& removed);
@@ -103,8 +105,5 @@ std::vector<StageTimes> stage_times(cl::SlotKernel& detect, cl::SlotKernel& cut)
 /// Copies every fill of a dense array (an entry per voxel, in the order of VoxelGrid::index) that is not whole into
 /// `fill`. Air is unchanged.
 void copy_fill(const std::vector<std::uint16_t>& dense, const Voxmap& voxmap, FillBricks& fill);
-
-/// Appends the voxels of a block, which were removed in `frame`.
-void append_removed(const RemovedBlock& block, const VoxelGrid& grid, std::int32_t frame, RemovedFrames& removed);
 
 }  // namespace reamsim

@@ -202,9 +202,7 @@ class ExactEngine final : public Engine {
     fill_.used = counts.pages;
     std::vector<RemovedBlock> blocks(counts.removed);
     if (!blocks.empty()) records_.read(device_, blocks.data(), blocks.size());
-    for (const RemovedBlock& block : blocks) {
-      append_removed(block, grid_, batch_.args_of(static_cast<int>(block.detail >> 3)).frame, removed_);
-    }
+    for (const RemovedBlock& block : blocks) batch_.append_removed(block, grid_, removed_);
   }
 
   cl::Device device_;
