@@ -185,8 +185,8 @@ std::optional<std::set<std::string, std::less<>>> runs_in_table(const std::strin
   return out;
 }
 
-/// What its finished runs used; those of an older plan are not in its table. A damaged run is left out: the study writes
-/// its citation, and must not end with it.
+/// What its finished runs used; those of an older plan are not in its table. A damaged run is left out: the study
+/// writes its citation, and must not end with it.
 Works works_of_study(const std::string& dir) {
   const auto table = runs_in_table(dir);
   Works out;
