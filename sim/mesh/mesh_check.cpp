@@ -29,12 +29,20 @@ bool flat(const TriangleMesh& mesh, const MeshTriangle& t) {
   return ab.cross(ac).norm() <= 1e-9 * std::max(ab.squaredNorm(), ac.squaredNorm());
 }
 
-/// The middle of the edge with the smallest triangle index.
-std::optional<Vec3> middle_of_first(const std::vector<EdgeSide>& edges, const TriangleMesh& mesh) {
-  if (edges.empty()) return std::nullopt;
-  const EdgeSide& first = *std::ranges::min_element(edges, {}, &EdgeSide::triangle);
-  return 0.5 * (mesh.vertex(first.low) + mesh.vertex(first.high));
-}
+/// Counts edges, and keeps the first with the smallest triangle index.
+struct EdgeCount {
+  std::size_t edges = 0;
+  std::optional<EdgeSide> first;
+
+  void add(const EdgeSide& side) {
+    ++edges;
+    if (!first || side.triangle < first->triangle) first = side;
+  }
+  [[nodiscard]] std::optional<Vec3> middle_mm(const TriangleMesh& mesh) const {
+    if (!first) return std::nullopt;
+    return 0.5 * (mesh.vertex(first->low) + mesh.vertex(first->high));
+  }
+};
 
 std::string at_text(const std::optional<Vec3>& point) {
   if (!point) return "";
@@ -218,21 +226,21 @@ std::vector<std::size_t> components_of(const TriangleMesh& mesh) {
 
 MeshDiagnosis diagnose(const TriangleMesh& mesh) {
   MeshDiagnosis out;
-  std::vector<EdgeSide> boundary, nonmanifold;
+  EdgeCount boundary, nonmanifold;
   for_each_edge(mesh.triangles, [&](std::span<const EdgeSide> sides) {
-    if (sides.size() == 1) boundary.push_back(sides[0]);
-    if (sides.size() > 2) nonmanifold.push_back(sides[0]);
+    if (sides.size() == 1) boundary.add(sides[0]);
+    if (sides.size() > 2) nonmanifold.add(sides[0]);
     if (sides.size() == 2 && sides[0].forward == sides[1].forward) ++out.inconsistent_edges;
   });
-  out.boundary_edges = boundary.size();
-  out.nonmanifold_edges = nonmanifold.size();
+  out.boundary_edges = boundary.edges;
+  out.nonmanifold_edges = nonmanifold.edges;
   out.degenerate_triangles = static_cast<std::size_t>(std::ranges::count_if(
       mesh.triangles, [&mesh](const MeshTriangle& t) { return is_collapsed(t) || flat(mesh, t); }));
   const std::vector<std::size_t> components = components_of(mesh);
   out.components = components.empty() ? 0 : 1 + *std::ranges::max_element(components);
   out.volume_mm3 = mesh.volume_mm3();
-  out.first_hole_mm = middle_of_first(boundary, mesh);
-  out.first_nonmanifold_mm = middle_of_first(nonmanifold, mesh);
+  out.first_hole_mm = boundary.middle_mm(mesh);
+  out.first_nonmanifold_mm = nonmanifold.middle_mm(mesh);
   return out;
 }
 
