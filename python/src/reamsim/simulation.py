@@ -126,6 +126,7 @@ class Simulation:
                 os.fsencode(path), [text.encode() for text in assignments(keys, overrides)])
         self._step, self._peek = self._native.step, self._native.peek
         self._fill: Grid | None = None
+        self._density: Grid | None = None
 
     def start(self, position_mm: ArrayLike, quaternion: ArrayLike, spin_rpm: float,
               spin_angle_rad: float | None = None) -> Step:
@@ -203,10 +204,12 @@ class Simulation:
             self._fill = _grid(self._native.fill(), "")
         return self._fill
 
-    @functools.cached_property
+    @property
     def density(self) -> Grid:
         """Density of the bone before reaming, g/cm³; 0 without bone. Read-only."""
-        return _grid(self._native.density(), "g/cm³")
+        if self._density is None:
+            self._density = _grid(self._native.density(), "g/cm³")
+        return self._density
 
     def state(self) -> State:
         """The present state. It shares the memory of bone that no later step changes."""
