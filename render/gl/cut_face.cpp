@@ -50,13 +50,14 @@ Rectangle visible_rectangle(const Aabb& bone, const Camera& camera) {
 
 /// The texels at most `reach` columns and rows from a marked one.
 std::vector<std::uint8_t> dilated(const std::vector<std::uint8_t>& marked, int width, int height, int reach) {
-  const Vec3i dims(width, height, 1), around(reach, reach, 0);
   std::vector<std::uint8_t> out(marked.size(), 0);
   for (std::size_t i = 0; i < marked.size(); ++i) {
     if (marked[i] == 0) continue;
-    const Vec3i at = cell_at(dims, i);
-    for_each_voxel((at - around).cwiseMax(0), (at + around).cwiseMin(dims - Vec3i::Ones()),
-                   [&](const Vec3i& near) { out[index_in(dims, near)] = 1; });
+    const int column = static_cast<int>(i) % width, row = static_cast<int>(i) / width;
+    const int first = std::max(column - reach, 0), last = std::min(column + reach, width - 1);
+    for (int line = std::max(row - reach, 0); line <= std::min(row + reach, height - 1); ++line) {
+      std::fill_n(out.begin() + line * width + first, last - first + 1, std::uint8_t{1});
+    }
   }
   return out;
 }
