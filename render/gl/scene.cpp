@@ -154,8 +154,8 @@ Scene::Scene(const Gl& gl)
       density_colors_(color_texture(gl, reamsim::density_colors())),
       empty_array_(gl.GenVertexArrays, gl.DeleteVertexArrays) {}
 
-void Scene::add_tool(const BoneSurface& tool) {
-  tools_.emplace_back(gl_, tool.vertices, BoneSurface::kAttributeSizes, tool.indices);
+void Scene::add_tool(const ToolSurface& tool) {
+  tools_.emplace_back(gl_, tool.vertices, ToolSurface::kAttributeSizes, tool.indices);
 }
 
 void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed) {

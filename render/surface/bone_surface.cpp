@@ -163,9 +163,9 @@ BoneSurface extract_owned(const BoneSurface& all, const std::vector<bool>& owned
   for (std::size_t i = 0; i < all.indices.size(); ++i) {
     if (owned[i / 3]) out.indices.push_back(all.indices[i]);
   }
-  const std::size_t used = meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(),
-                                                       all.vertices.data(), all.count(), BoneSurface::kVertexBytes);
-  out.vertices.resize(used * BoneSurface::kStride);
+  constexpr std::size_t kStride = BoneSurface::kStride;
+  out.vertices.resize(kStride * meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(),
+                                                            all.vertices.data(), all.count(), kStride * sizeof(float)));
   out.vertices.shrink_to_fit();  // without the room for the halo
   return out;
 }

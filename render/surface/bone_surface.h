@@ -86,13 +86,12 @@ class AmbientOcclusion {
   std::vector<Probe> probes_;
 };
 
-/// The bone as a triangle mesh for OpenGL; or a tool, in T and without what the bone has beside its normals.
+/// The bone as a triangle mesh for OpenGL.
 struct BoneSurface {
   /// Floats per vertex: position in B (mm), outward normal, and (depth below the unreamed surface in mm; 0…1, above ½
   /// on the reamed face; density in g/cm³; ambient accessibility 0…1).
   static constexpr std::array kAttributeSizes{3, 3, 4};
   static constexpr std::size_t kStride = 10;
-  static constexpr std::size_t kVertexBytes = kStride * sizeof(float);
   static constexpr std::size_t kNormal = 3, kDepth = 6, kReamed = 7, kDensity = 8, kAccessibility = 9;  ///< offsets
 
   [[nodiscard]] std::size_t count() const { return vertices.size() / kStride; }
@@ -105,9 +104,18 @@ struct BoneSurface {
   double deepest_mm = 0;  ///< of the reamed vertices, before smoothing; 0 when nothing is reamed
 };
 
+/// The tool as a triangle mesh for OpenGL.
+struct ToolSurface {
+  /// Floats per vertex: position in T (mm), outward normal.
+  static constexpr std::array kAttributeSizes{3, 3};
+  static constexpr std::size_t kStride = 6;
+
+  std::vector<float> vertices;
+  std::vector<std::uint32_t> indices;
+};
+
 /// Each corner gets the mean normal of adjacent triangles within the crease angle, so that cutting edges stay sharp.
-/// Equal corners share a vertex.
-BoneSurface make_tool_surface(const TriangleMesh& mesh);
+ToolSurface make_tool_surface(const TriangleMesh& mesh);
 
 /// The current bone and the fields derived from its fill, from which its surface is extracted.
 struct BoneFields {

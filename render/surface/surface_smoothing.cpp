@@ -3,7 +3,6 @@
 
 #include "render/surface/bone_surface.h"
 
-#include <meshoptimizer.h>
 #include <algorithm>
 
 #include "sim/base/parallel.h"
@@ -131,7 +130,7 @@ void smooth_values(const Neighbours& neighbours, const std::vector<float>& edge_
   });
 }
 
-BoneSurface make_tool_surface(const TriangleMesh& mesh) {
+ToolSurface make_tool_surface(const TriangleMesh& mesh) {
   constexpr double kToolCreaseCosine = 0.80;  // 37°
   const std::size_t count = mesh.triangles.size();
   std::vector<Vec3> areas(count);  // normal times twice the area
@@ -141,8 +140,8 @@ BoneSurface make_tool_surface(const TriangleMesh& mesh) {
     areas[t] = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
     for (const std::int32_t corner : mesh.triangles[t]) around[corner].push_back(static_cast<std::uint32_t>(t));
   }
-  std::vector<float> split;  // a vertex for each corner
-  split.reserve(count * 3 * BoneSurface::kStride);
+  ToolSurface out;
+  out.vertices.reserve(count * 3 * ToolSurface::kStride);
   for (std::size_t t = 0; t < count; ++t) {
     const Vec3 own = areas[t].normalized();
     for (const std::int32_t corner : mesh.triangles[t]) {
@@ -152,17 +151,11 @@ BoneSurface make_tool_surface(const TriangleMesh& mesh) {
       }
       const Eigen::Vector3f normal = (sum.norm() > 0 ? sum.normalized() : own).cast<float>();
       const Eigen::Vector3f position = mesh.vertices[corner].cast<float>();
-      split.insert(split.end(), position.data(), position.data() + 3);
-      split.insert(split.end(), normal.data(), normal.data() + 3);
-      split.resize(split.size() + BoneSurface::kStride - BoneSurface::kDepth);
+      out.indices.push_back(static_cast<std::uint32_t>(out.vertices.size() / ToolSurface::kStride));
+      out.vertices.insert(out.vertices.end(), position.data(), position.data() + 3);
+      out.vertices.insert(out.vertices.end(), normal.data(), normal.data() + 3);
     }
   }
-  BoneSurface out{.vertices = {}, .indices = std::vector<std::uint32_t>(3 * count)};
-  const std::size_t used = meshopt_generateVertexRemap(out.indices.data(), nullptr, 3 * count, split.data(), 3 * count,
-                                                       BoneSurface::kVertexBytes);
-  out.vertices.resize(used * BoneSurface::kStride);
-  meshopt_remapVertexBuffer(out.vertices.data(), split.data(), 3 * count, BoneSurface::kVertexBytes,
-                            out.indices.data());
   return out;
 }
 

@@ -24,6 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kMaxDensityCells = 2'500'000;
+constexpr std::size_t kVertexBytes = BoneSurface::kStride * sizeof(float);  // of a vertex
 constexpr int kNormalSteps = 254, kAttributeSteps = 255;
 
 /// Appends the triangles of `indices` to `out`, simplified to at most `most`.
@@ -36,7 +37,7 @@ void simplify(const BoneSurface& surface, const std::vector<std::uint32_t>& indi
   constexpr float kAnyError = 1;  // only the number of triangles limits
   std::vector<std::uint32_t> kept(indices.size());
   kept.resize(meshopt_simplify(kept.data(), indices.data(), indices.size(), surface.vertices.data(), surface.count(),
-                               BoneSurface::kVertexBytes, 3 * most, kAnyError, meshopt_SimplifyLockBorder, nullptr));
+                               kVertexBytes, 3 * most, kAnyError, meshopt_SimplifyLockBorder, nullptr));
   out.insert(out.end(), kept.begin(), kept.end());
 }
 
@@ -229,6 +230,25 @@ Json reaming_data(const RunData& run, const BoneSurface& after) {
 
 constexpr std::size_t kMaxToolTriangles = 12'000;
 
+/// The tool with shared vertices, as a surface without attributes: zeros take no room when compressed.
+BoneSurface tool_surface(const TriangleMesh& mesh) {
+  const ToolSurface split = make_tool_surface(mesh);
+  const std::size_t corners = split.indices.size();
+  constexpr std::size_t kBytes = ToolSurface::kStride * sizeof(float);
+  std::vector<std::uint32_t> remap(corners);
+  const std::size_t count =
+      meshopt_generateVertexRemap(remap.data(), nullptr, corners, split.vertices.data(), corners, kBytes);
+  BoneSurface out;
+  out.vertices.resize(count * BoneSurface::kStride);
+  for (std::size_t corner = 0; corner < corners; ++corner) {
+    for (std::size_t part = 0; part < ToolSurface::kStride; ++part) {
+      out.vertices[remap[corner] * BoneSurface::kStride + part] = split.vertices[corner * ToolSurface::kStride + part];
+    }
+  }
+  out.indices = std::move(remap);
+  return out;
+}
+
 /// `poses` of tool_data().
 Json poses_json(const ForceLog& log, const std::vector<std::size_t>& rows) {
   Aabb box = Aabb::none();
@@ -269,9 +289,8 @@ BoneSurface simplified(const BoneSurface& surface, const MeshBudget& budget) {
   if (out.indices.empty()) return out;
   meshopt_optimizeVertexCache(out.indices.data(), out.indices.data(), out.indices.size(), surface.count());
   out.vertices.resize(surface.vertices.size());
-  const std::size_t used =
-      meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(), surface.vertices.data(),
-                                  surface.count(), BoneSurface::kVertexBytes);
+  const std::size_t used = meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(),
+                                                       surface.vertices.data(), surface.count(), kVertexBytes);
   out.vertices.resize(used * BoneSurface::kStride);
   return out;
 }
@@ -357,7 +376,7 @@ Json tool_data(const std::vector<ToolPass>& passes, const ForceLog& log, const R
   Json tools = Json::array();
   for (int pass = 1; const ToolPass& each : passes) {
     if (each.tool.triangles.empty()) return nullptr;
-    const BoneSurface surface = simplified(make_tool_surface(each.tool), {.unreamed_triangles = kMaxToolTriangles});
+    const BoneSurface surface = simplified(tool_surface(each.tool), {.unreamed_triangles = kMaxToolTriangles});
     const Eigen::AlignedBox3f box = bounds_of(surface);
     const auto first = std::ranges::find_if(rows, [&](std::size_t row) { return log.rows[row].pass >= pass; });
     tools.push_back({{"row", first - rows.begin()},
