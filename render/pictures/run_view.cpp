@@ -337,10 +337,11 @@ PredictedRun predict_run(const RunInputs& run) {
     const ToolPass& pass = run.passes[i];
     try {
       const Profile tool = envelope_of_revolution(pass.tool).profile;
-      const ToolPath path(pass.path, tool_reach_mm(pass.tool));
-      const auto contact = forecast_contact_frames(*run.voxmap, out.bone.fill, tool, path);
+      const auto contact =
+          forecast_contact_frames(*run.voxmap, out.bone.fill, tool, ToolPath(pass.path, tool_reach_mm(pass.tool)));
       if (contact) out.contact.push_back(*contact);
       std::vector<ToolPose> poses;
+      poses.reserve(pass.path.size());
       for (const PathSample& at : pass.path) poses.push_back(at.pose);
       PredictedBone bone = predict_swept_bone(*run.voxmap, out.bone.fill, tool, poses, run.whole_voxels);
       if (!bone.touches) continue;

@@ -54,6 +54,7 @@ std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
     for (const std::int32_t corner : triangle) sums[static_cast<std::size_t>(corner)] += normal;
   }
   std::vector<Eigen::Vector3f> out;
+  out.reserve(sums.size());
   for (const Vec3& sum : sums) out.emplace_back((sum.norm() > 0 ? sum.normalized() : Vec3::UnitZ()).cast<float>());
   return out;
 }
