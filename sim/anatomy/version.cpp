@@ -38,7 +38,7 @@ Measured<double> two_planes_version(const BoneAxes& axes) {
 
 /// Friedman and vault: the angle at the middle of the margins, from the anterior margin to `medial`, less 90 degrees.
 Measured<double> slice_version(const BoneAxes& axes, const std::optional<Vec3>& medial_mm, const char* medial_key) {
-  constexpr double kApart_mm = 1, kSlice_mm = 0.5;
+  constexpr double kLeastApart_mm = 1, kSlice_mm = 0.5;
   const auto& anterior = axes.version.anterior_margin_mm;
   const auto& posterior = axes.version.posterior_margin_mm;
   const std::string missing = missing_points({{"version_landmarks.anterior_margin_mm", anterior.has_value()},
@@ -46,7 +46,7 @@ Measured<double> slice_version(const BoneAxes& axes, const std::optional<Vec3>& 
                                               {medial_key, medial_mm.has_value()}});
   if (!missing.empty()) return Missing{missing};
   const Vec3 across = *anterior - *posterior, middle_mm = *posterior + across / 2, medial = *medial_mm - middle_mm;
-  if (across.norm() < kApart_mm || medial.norm() < kApart_mm)
+  if (across.norm() < kLeastApart_mm || medial.norm() < kLeastApart_mm)
     return Missing{"the margins, or their middle and the medial point, lie less than 1 mm apart"};
   if (axes.axial_z && std::max(std::abs(across.z()), std::abs(medial.z())) > kSlice_mm)
     return Missing{"the points do not lie in one axial slice: they differ by more than 0.5 mm along z"};
