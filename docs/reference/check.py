@@ -21,7 +21,7 @@ import tempfile
 
 SCENARIOS = ("default", "half_space", "push", "compliance", "several_passes", "plan_implant", "foam_uniconcave_flat",
              "foam_biconcave_convex", "study_concentric", "study_eccentric_10deg")
-STUDIES = ("drilling", "foam")  # trajectories/validation/NAME.yaml
+STUDIES = ("drilling", "foam", "pegs", "augments")  # trajectories/validation/NAME.yaml
 SUMS = ("removed_mm3", "energy_mj", "axial_force_n", "spin_torque_nmm", "force_x_n", "force_y_n", "force_z_n", "contacts")
 STUDY_TOLERANCE = 1e-9  # relative
 PLAIN = ("render.enabled=false", "output.vti=false", "output.meshes=false", "output.plots=false")

@@ -127,8 +127,10 @@ def compare(path: str, folder: str, parameters: Sequence[str]) -> Comparison:
     for r, row in enumerate(rows):
         where = f"{path}:{row.line}"
         pairs = [(runs[name], cell) for name, cell in row.place.items() if name in parameters]
-        found = [i for i in range(len(of_run)) if all(values[i] == cell or math.isclose(_number(values[i]), _number(cell), rel_tol=1e-9)
-                                                      for values, cell in pairs)]
+        # runs.csv has an apostrophe before a text that a spreadsheet would take for a formula.
+        found = [i for i in range(len(of_run))
+                 if all(values[i] in (cell, "'" + cell) or math.isclose(_number(values[i]), _number(cell), rel_tol=1e-9)
+                        for values, cell in pairs)]
         if not found or len({of_run[i] for i in found}) < len(found):
             raise _fail(where, f"{len(found)} runs for this row", "one run of each model; see the parameters in its runs.csv")
         for i in found:
