@@ -151,6 +151,8 @@ SECTIONS = {
     "bone.density": ct_bone(),
     "bone.glenoid": merged(mesh_bone(), {"bone": {"side": "left"}, "motion": {"frame": "glenoid"}}),
     "bone.glenoid.landmarks": merged(mesh_bone(), {"bone": {"side": "left"}, "motion": {"frame": "glenoid"}}),
+    "bone.glenoid.version_landmarks": merged(
+        glenoid(), {"bone": {"glenoid": {"version_landmarks": {"face_mm": [[0, 12, 0], [0, -12, 0], [0, 0, 15]]}}}}),
     "bone.phantom": {},
     "bone.ct": ct_bone(),
     "bone.ct.hu": ct_bone(hu={"slope": 1}),

@@ -134,6 +134,12 @@ def test_mistakes_of_results_and_parameters(study):
     (out / "runs.csv").write_text("\n".join(map(",".join, table)) + "\n")
     path.write_text("result,value,low,high,unit\nremoved_mm3,1,0,2,mm3\n")
     assert "found 2 runs for this row; expected one run of each model" in mistake(compare, str(path), str(out), ["label", *keys])
+    # In a table runs.csv escapes names that a spreadsheet would take for formulas.
+    for cells, label in zip(table, ("label", "'+3 mm", "'+5 mm")):
+        cells[4] = label
+    (out / "runs.csv").write_text("\n".join(map(",".join, table)) + "\n")
+    path.write_text("label,result,value,low,high,unit\n+3 mm,removed_mm3,1,0,2,mm3\n")
+    assert compare(str(path), str(out), ["label"]).simulated.shape == (1, 1)
     for forces in out.glob("runs/*/forces.csv"):
         forces.unlink()
     path.write_text(head + row.format("mean(axial_force_n; 0..1 mm)"))
