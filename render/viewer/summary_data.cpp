@@ -50,6 +50,7 @@ constexpr Line kKeyFigures[]{{"/removed_mm3", "Bone removed", "mm³"},
                              {"/balance", "Energy balance", ""}};
 
 constexpr const char* kScapula = "/metrics/orientation/reamer/inclination_deg";  // of a known scapular frame
+constexpr const char* kVersions = "/metrics/version/by_landmarks";               // more than one definition
 
 constexpr Table kMeasurements[]{
     {"Bone",
@@ -103,14 +104,17 @@ constexpr Table kMeasurements[]{
       {"/metrics/orientation/turned_deg", "Angle between native and reamed axis", "°"},
       {"/metrics/orientation/inclination_convention", "Convention of the inclination", "", kScapula}}},
     {"Version before reaming, by definition",
-     {{"/metrics/version/face_axis_deg", "Axis of the face", "°"},
-      {"/metrics/version/two_planes_deg", "Two planes: rim against scapular plane (Ganapathi et al. 2011)", "°"},
-      {"/metrics/version/friedman_2d_deg", "Axial slice: margins against medial tip (Friedman et al. 1992)", "°"},
-      {"/metrics/version/vault_2d_deg", "Axial slice: margins against tip of the vault (Matsumura et al. 2014)", "°"},
-      {"/metrics/version/face_axis_reason", "Axis of the face unknown", "", kScapula},
-      {"/metrics/version/two_planes_reason", "Two planes unknown", "", kScapula},
-      {"/metrics/version/friedman_2d_reason", "Margins against medial tip unknown", ""},
-      {"/metrics/version/vault_2d_reason", "Margins against tip of the vault unknown", ""}}},
+     {{"/metrics/version/face_axis_deg", "Axis of the face", "°", kVersions},
+      {"/metrics/version/two_planes_deg", "Two planes: rim against scapular plane (Ganapathi et al. 2011)", "°",
+       kVersions},
+      {"/metrics/version/friedman_2d_deg", "Axial slice: margins against medial tip (Friedman et al. 1992)", "°",
+       kVersions},
+      {"/metrics/version/vault_2d_deg", "Axial slice: margins against tip of the vault (Matsumura et al. 2014)", "°",
+       kVersions},
+      {"/metrics/version/face_axis_reason", "Axis of the face unknown", "", kVersions},
+      {"/metrics/version/two_planes_reason", "Two planes unknown", "", kVersions},
+      {"/metrics/version/friedman_2d_reason", "Margins against medial tip unknown", "", kVersions},
+      {"/metrics/version/vault_2d_reason", "Margins against tip of the vault unknown", "", kVersions}}},
     {"Remaining bone under the face",
      {{"/metrics/dense_bone_left/mean_mm", "Dense bone, mean", "mm"},
       {"/metrics/dense_bone_left/p05_mm", "Dense bone, 5th percentile", "mm"},

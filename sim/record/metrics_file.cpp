@@ -171,6 +171,9 @@ Json versions_json(const std::vector<FaceVersion>& versions) {
     out[name + "_deg"] = version.deg.value;
     out[name + "_reason"] = reason_json(version.deg);
   }
+  const auto known = std::ranges::count_if(versions, [](const FaceVersion& one) { return one.deg.value.has_value(); });
+  const auto of_face = !versions.empty() && versions.front().deg.value ? 1 : 0;
+  out["by_landmarks"] = known > of_face ? Json(known - of_face) : Json();
   return out;
 }
 

@@ -77,8 +77,10 @@ TEST(SummaryData, VersionsStandSideBySide) {
       "two_planes_deg": 7.35, "two_planes_reason": null, "vault_2d_deg": null, "vault_2d_reason": "set it"}})");
   const std::string planes = "Two planes: rim against scapular plane (Ganapathi et al. 2011)";
   ordered_json expected{{"title", "Version before reaming, by definition"}, {"rows", {{planes, 7.35, "°"}}}};
-  EXPECT_EQ(tables_of(metrics)["measurements"].back(), expected) << "no reasons without a scapula";
-  metrics["orientation"]["reamer"]["inclination_deg"] = 3;
+  EXPECT_FALSE(tables_of(metrics).contains("measurements") &&
+               tables_of(metrics)["measurements"].dump().find(planes) != std::string::npos)
+      << "nothing stands beside the axis of the face";
+  metrics["version"]["by_landmarks"] = 1;
   expected["rows"].push_back({"Axis of the face unknown", "no rim", ""});
   expected["rows"].push_back({"Margins against tip of the vault unknown", "set it", ""});
   EXPECT_EQ(tables_of(metrics)["measurements"].back(), expected);
