@@ -193,6 +193,7 @@ SECTIONS = {
 PHANTOM = "bone.phantom."
 KEYS = {
     "bone.ct.hu.intercept@min": ct_bone(hu={"slope": 100}),
+    "bone.ct.hu.slope@min": ct_bone(threshold_hu=0.5),
     "motion.csv.skip_lines": merged(RECORDED, {"motion": {"csv": {"path": "late.csv"}}, "files": {"late.csv": "#\n" * 10000 + POSES}}),
     "bone.voxel_mm@min": merged(shape("half_space", size_mm=[0.5] * 3), plunge(1000, approach_mm=0.01, depth_mm=0.02, retract_mm=0.01)),
     PHANTOM + "size_mm@min": {"bone": {"voxel_mm": 0.1}},
