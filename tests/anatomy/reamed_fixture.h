@@ -36,18 +36,25 @@ inline Solid without(const Solid& a, const Solid& b) {
   return [=](const Vec3& p) { return std::max(a(p), -b(p)); };
 }
 
+/// How many of points³ points in a cube, evenly apart, lie outside a solid. `points`: a product of twos and threes.
+inline int points_outside(const Solid& solid, const Vec3& center, double edge, int points) {
+  constexpr double kHalfDiagonal = 0.8661;
+  const double distance = solid(center);
+  if (points == 1 || std::abs(distance) > kHalfDiagonal * edge) return distance > 0 ? points * points * points : 0;
+  const int parts = points % 2 == 0 ? 2 : 3;
+  int outside = 0;
+  for (int n = 0; n < parts * parts * parts; ++n) {
+    const Vec3i at(n % parts, n / parts % parts, n / parts / parts);
+    const Vec3 offset = (at.cast<double>() + Vec3::Constant(0.5)) / parts - Vec3::Constant(0.5);
+    outside += points_outside(solid, center + edge * offset, edge / parts, points / parts);
+  }
+  return outside;
+}
+
 /// The fraction of a voxel that lies outside a solid, from 12³ points.
 inline double fraction_outside(const Solid& solid, const Vec3& center, double voxel) {
-  const double distance = solid(center);
-  if (std::abs(distance) > voxel) return distance > 0 ? 1 : 0;
   constexpr int kPoints = 12;
-  int outside = 0;
-  for (int n = 0; n < kPoints * kPoints * kPoints; ++n) {
-    const Vec3i at(n % kPoints, n / kPoints % kPoints, n / kPoints / kPoints);
-    const Vec3 offset = (at.cast<double>() + Vec3::Constant(0.5)) / kPoints - Vec3::Constant(0.5);
-    outside += solid(center + voxel * offset) > 0 ? 1 : 0;
-  }
-  return static_cast<double>(outside) / (kPoints * kPoints * kPoints);
+  return static_cast<double>(points_outside(solid, center, voxel, kPoints)) / (kPoints * kPoints * kPoints);
 }
 
 /// A block that can be reamed; its top face is z = 0, its middle x = y = 0.

@@ -177,7 +177,7 @@ TEST(GlenoidPhantom, TrabecularBoneThinsOutBehindThePlate) {
 }
 
 TEST(GlenoidPhantom, LeftAndRightAreMirrorImages) {
-  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.8);
   settings.phantom.version_deg = 7;
   settings.phantom.inclination_deg = 9;
   const Bone left = make(settings);
@@ -218,7 +218,7 @@ TEST(GlenoidPhantom, VersionAndInclinationTurnTheFace) {
 }
 
 TEST(GlenoidPhantom, SameSeedSameBoneOtherSeedOtherTexture) {
-  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.8);
   const FilledVoxmap first = make(settings).copy_voxels();
   EXPECT_EQ(first.grade, make(settings).voxmap->grade);
   settings.phantom.seed = 2;
@@ -228,7 +228,7 @@ TEST(GlenoidPhantom, SameSeedSameBoneOtherSeedOtherTexture) {
 }
 
 TEST(GlenoidPhantom, SkippedBricksHoldNoBone) {
-  BoneSettings settings = phantom(PhantomShape::glenoid, 0.5);
+  BoneSettings settings = phantom(PhantomShape::glenoid, 0.8);
   settings.phantom.version_deg = 25;
   settings.phantom.inclination_deg = -20;
   const FilledVoxmap voxmap = make(settings).copy_voxels();

@@ -20,6 +20,7 @@ using ::testing::HasSubstr;
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kVoxel_mm = 0.25;
+constexpr double kCoarse_mm = 0.8;  // where no length is measured
 
 BoneSettings walch(Walch type, double voxel_mm = kVoxel_mm) {
   BoneSettings settings = phantom(PhantomShape::glenoid, voxel_mm);
@@ -279,10 +280,10 @@ TEST(Walch, PlateFollowsTheWornFace) {
 
 TEST(Walch, WearOnlyTakes) {
   for (const Walch type : {Walch::a1, Walch::a2, Walch::b2}) {
-    BoneSettings healthy = walch(type, 0.5);
+    BoneSettings healthy = walch(type, kCoarse_mm);
     healthy.phantom.walch = Walch::none;
     const FilledVoxmap before = make(healthy).copy_voxels();
-    const FilledVoxmap worn = make(walch(type, 0.5)).copy_voxels();
+    const FilledVoxmap worn = make(walch(type, kCoarse_mm)).copy_voxels();
     ASSERT_EQ(before.grid.dims, worn.grid.dims);
     std::int64_t gone = 0;
     for (std::int64_t i = 0; i < before.grid.size(); ++i) {
@@ -298,7 +299,7 @@ TEST(Walch, WearOnlyTakes) {
 
 TEST(Walch, RightIsTheMirrorImage) {
   for (const Walch type : {Walch::b2, Walch::c}) {
-    BoneSettings settings = walch(type, 0.5);
+    BoneSettings settings = walch(type, kCoarse_mm);
     const Bone left = make(settings);
     settings.side = BodySide::right;
     const Bone right = make(settings);
@@ -317,7 +318,7 @@ TEST(Walch, RightIsTheMirrorImage) {
 
 TEST(Walch, LatticeHoldsAllOfIt) {
   for (const Walch type : {Walch::a1, Walch::a2, Walch::b2, Walch::c}) {
-    const BoneSettings settings = walch(type, 0.5);
+    const BoneSettings settings = walch(type, kCoarse_mm);
     const FilledVoxmap voxmap = make(settings).copy_voxels();
     const GlenoidShape shape(settings.phantom);
     for (std::int64_t e = 0; e < voxmap.grid.size(); ++e) {

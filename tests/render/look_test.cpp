@@ -24,7 +24,7 @@ class Look : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     dir_ = new test::TempDir;
-    write_results(dir_->path(), {});
+    write_results(dir_->path(), {.voxel_mm = 1, .every = 40});
   }
   static void TearDownTestSuite() { delete dir_; }
   void SetUp() override {

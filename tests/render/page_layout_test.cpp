@@ -60,7 +60,7 @@ class Page : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     dir_ = new test::TempDir;
-    write_results(dir_->path(), {});
+    write_results(dir_->path(), {.voxel_mm = 1});
   }
   static void TearDownTestSuite() { delete dir_; }
 
