@@ -6,6 +6,7 @@
 #include <meshoptimizer.h>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "render/surface/scalar_grid.h"
@@ -76,8 +77,9 @@ void for_each_vertex(const VoxelGrid& grid, BoneSurface& surface, const Action& 
   });
 }
 
-/// Moves the vertices of `iso` by up to 0.4 voxel until they fit their normals, and adds normals, depth and reaming.
-BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& fields) {
+/// Moves the vertices of `iso` by up to 0.4 voxel until they fit their normals, and adds normals, and, in `where`
+/// (voxel index space), depth and reaming.
+BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& fields, const Eigen::AlignedBox3f& where) {
   const VoxelGrid& grid = fields.voxmap.grid;
   BoneSurface out;
   out.indices = iso.indices;
@@ -89,7 +91,7 @@ BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& field
   // Removal is read on the surface: the fitted vertices lie beside it by a part of a voxel.
   const auto removal_at = [&](const ReamingSampler& sampler, std::size_t i) {
     const Vec3d p = vdb_point(points[i]);
-    return sampler.removed(p) > 0 ? sampler.removal(sampler.on_surface(p)) : Removal();
+    return where.contains(iso.points[i]) && sampler.removed(p) > 0 ? sampler.removal(sampler.on_surface(p)) : Removal();
   };
   Reaming reaming = reaming_at(points.size(), fields.unreamed, fields.solid.grid(), removal_at, [&](std::size_t i) {
     return vdb_point(Eigen::Vector3f(points[i] * static_cast<float>(grid.voxel_mm)));
@@ -300,7 +302,8 @@ std::vector<Vec3i> BoneFields::update() {
 }
 
 BoneSurface make_bone_surface(const BoneFields& fields) {
-  BoneSurface out = add_vertex_attributes(extract_surface(*fields.solid.grid().vdb, 0), fields);
+  const auto far = Eigen::Vector3f::Constant(std::numeric_limits<float>::max());
+  BoneSurface out = add_vertex_attributes(extract_surface(*fields.solid.grid().vdb, 0), fields, {-far, far});
   add_density_and_ambient(fields, out);
   return out;
 }
@@ -331,7 +334,10 @@ BoneSurface BoneTiles::mesh(const BoneFields& fields, std::size_t tile) const {
   std::vector<bool> owned(iso.indices.size() / 3);
   for (std::size_t i = 0; i < owned.size(); ++i) owned[i] = owns(lower, iso, i);
   if (std::find(owned.begin(), owned.end(), true) == owned.end()) return {};
-  BoneSurface out = extract_owned(add_vertex_attributes(iso, fields), owned);
+  // The vertices that it owns, and those whose reaming is smoothed into them.
+  const Vec3i reach = Vec3i::Constant(kDepthRounds);
+  const Eigen::AlignedBox3i where(lower - reach, lower + Vec3i::Constant(kTileVoxels + 1) + reach);
+  BoneSurface out = extract_owned(add_vertex_attributes(iso, fields, where.cast<float>()), owned);
   add_density_and_ambient(fields, out);
   return out;
 }
