@@ -35,7 +35,7 @@ inline double sample(const openvdb::FloatGrid::ConstAccessor& accessor, const op
   const openvdb::Coord in_leaf = base & kLast;
   // Corner i is one cell further along x, y and z where bits 2, 1 and 0 of i are set.
   const int leaving = (in_leaf.x() == kLast) << 2 | (in_leaf.y() == kLast) << 1 | int{in_leaf.z() == kLast};
-  const float* leaves[8];
+  const float* leaves[8] = {};
   float corners[2][2][2];
   for (int i = 0; i < 8; ++i) {
     const openvdb::Coord at = base.offsetBy(i >> 2, i >> 1 & 1, i & 1);
