@@ -28,7 +28,9 @@ constexpr double kToolOffset_mm = 0.6, kToolCutOffset_mm = 0.05, kLineLift_mm = 
 constexpr double kHaze_per_mm = 0.04;
 
 GlProgram program_of(const Gl& gl, const char* name, const char* shaders) {
-  return {gl, name, {"#version 450 core\n#define VERTEX\n", shaders}, {embedded::shader_lighting, shaders}};
+  const char* const lighting = embedded::shader_lighting;
+  return {
+      gl, name, {"#version 450 core\n#define VERTEX\n", lighting, shaders}, {"#version 450 core\n", lighting, shaders}};
 }
 
 GlTexture color_texture(const Gl& gl, const ColorMap& map) {

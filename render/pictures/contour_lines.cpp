@@ -198,12 +198,14 @@ double RasterField::at(const Vec2& place_mm) const {
          y * ((1 - x) * values[raster.index(i, next_j)] + x * values[raster.index(next_i, next_j)]);
 }
 
-RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known) {
+RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known,
+                      const std::vector<std::uint8_t>& wanted) {
   const double sigma = std::max(kLeastSigma, kWeightSigma_mm / field.spacing_mm);
   const auto inside = gaussian(sigma, std::min(kMaxReach, static_cast<int>(std::ceil(2.2 * sigma))));
   const auto outside = gaussian(kOutsideSigma, kOutsideReach);
   RasterField out = field;
   parallel_items(known.size(), [&](std::size_t n) {
+    if (!wanted.empty() && wanted[n] == 0) return;
     const auto [value, count] =
         known[n] != 0 ? fit_in<6>(field, known, inside, n) : fit_in<3>(field, known, outside, n);
     out.values[n] = known[n] != 0 || count >= kMinKnown ? value : std::numeric_limits<double>::quiet_NaN();

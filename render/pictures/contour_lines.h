@@ -49,8 +49,9 @@ struct RasterField {
 
 /// Smooths by local least squares with Gaussian weights (Cleveland and Devlin 1988,
 /// doi:10.1080/01621459.1988.10478639): a quadratic in known columns, which has no bias at slopes and ends; a plane in
-/// others a few columns away; NaN beyond.
-RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known);
+/// others a few columns away; NaN beyond. Only columns in `wanted`, if it is not empty; the others keep their values.
+RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>& known,
+                      const std::vector<std::uint8_t>& wanted = {});
 
 /// The smoothed depth of reamed columns, with negative values in all others, so that contours of values ≥ 0 are closed.
 RasterField signed_depth(const RasterField& depth_mm, const std::vector<std::uint8_t>& reamed);

@@ -21,7 +21,8 @@ constexpr double kClear_voxels = 2;      // bone this near the face does not hid
 constexpr double kCutMargin_mm = 0.8;    // nearer to the cut a line has no number
 constexpr std::size_t kHeightReach = 4;  // points of a line over which its height is smoothed, to each side
 constexpr int kHeightRounds = 2;
-constexpr double kMaxHiding_mm = 60;  // bone farther in front of the face is not looked for
+constexpr std::size_t kTestedPoints = 4;  // one of so many points of a line, two voxels apart, is tested for hiding
+constexpr double kMaxHiding_mm = 60;      // bone farther in front of the face is not looked for
 
 /// A vertex in the map, mm, with its depth and the certainty of its removal.
 struct MapVertex {
@@ -133,6 +134,20 @@ void smooth_heights(std::vector<Vec3>& line) {
   }
 }
 
+/// Marks the columns around the points of lines.
+std::vector<std::uint8_t> columns_at(const std::vector<ContourLine>& lines, const RasterField& field) {
+  std::vector<std::uint8_t> out(field.raster.count(), 0);
+  for (const ContourLine& line : lines) {
+    for (const Vec2& p : line.points_mm) {
+      const Vec2 at = ((p - field.corner_mm) / field.spacing_mm).array().round();
+      const int i = static_cast<int>(at.x()), j = static_cast<int>(at.y());
+      if (field.raster.contains(i, j))
+        field.raster.for_each_near(field.raster.index(i, j), 1, [&](std::size_t n) { out[n] = 1; });
+    }
+  }
+  return out;
+}
+
 /// The contours of the depth of a reamed surface at the ticks of a legend, as in the depth map: the depth of the
 /// vertices is sampled on a raster across +z of the map, from above, smoothed, and its lines are laid on the face.
 std::vector<SurfaceLine> face_contours(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone,
@@ -140,9 +155,10 @@ std::vector<SurfaceLine> face_contours(const std::vector<BoneSurface>& tiles, co
   const FaceRaster face = rasterized(tiles, map_from_bone, spacing_mm);
   std::vector<SurfaceLine> out;
   if (std::ranges::count(face.reamed, std::uint8_t{1}) == 0) return out;
-  const RasterField height = local_fit(face.height_mm, face.reamed);
+  const std::vector<ContourLine> lines = depth_contours(signed_depth(face.depth_mm, face.reamed), scale);
+  const RasterField height = local_fit(face.height_mm, face.reamed, columns_at(lines, face.height_mm));
   const Rigid bone_from_map = map_from_bone.inverse();
-  for (const ContourLine& line : depth_contours(signed_depth(face.depth_mm, face.reamed), scale)) {
+  for (const ContourLine& line : lines) {
     SurfaceLine& contour = out.emplace_back(SurfaceLine{{}, contour_style(line.value, scale).light, line.value});
     for (const Vec2& p : line.points_mm) {
       const double z = height.at(p);
@@ -193,8 +209,9 @@ std::vector<SeenContour> Renderer::contours(const Camera& camera) const {
   for (const SurfaceLine& contour : contours_) {
     SeenContour& seen = out.emplace_back(contour_style(contour.value, view_.depth_scale()));
     for (const Vec3& p : contour.points_mm) {
+      const bool tested = seen.points_px.size() % kTestedPoints == 0;
       seen.points_px.push_back(camera.pixel(p));
-      seen.visible.push_back(is_visible(p, camera, fields_));
+      seen.visible.push_back(tested ? is_visible(p, camera, fields_) : seen.visible.back());
     }
   }
   return out;

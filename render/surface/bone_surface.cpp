@@ -6,6 +6,7 @@
 #include <meshoptimizer.h>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "render/surface/scalar_grid.h"
@@ -76,8 +77,9 @@ void for_each_vertex(const VoxelGrid& grid, BoneSurface& surface, const Action& 
   });
 }
 
-/// Moves the vertices of `iso` by up to 0.4 voxel until they fit their normals, and adds normals, depth and reaming.
-BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& fields) {
+/// Moves the vertices of `iso` by up to 0.4 voxel until they fit their normals, and adds normals, and, in `where`
+/// (voxel index space), depth and reaming.
+BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& fields, const Eigen::AlignedBox3f& where) {
   const VoxelGrid& grid = fields.voxmap.grid;
   BoneSurface out;
   out.indices = iso.indices;
@@ -89,7 +91,7 @@ BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& field
   // Removal is read on the surface: the fitted vertices lie beside it by a part of a voxel.
   const auto removal_at = [&](const ReamingSampler& sampler, std::size_t i) {
     const Vec3d p = vdb_point(points[i]);
-    return sampler.removed(p) > 0 ? sampler.removal(sampler.on_surface(p)) : Removal();
+    return where.contains(iso.points[i]) && sampler.removed(p) > 0 ? sampler.removal(sampler.on_surface(p)) : Removal();
   };
   Reaming reaming = reaming_at(points.size(), fields.unreamed, fields.solid.grid(), removal_at, [&](std::size_t i) {
     return vdb_point(Eigen::Vector3f(points[i] * static_cast<float>(grid.voxel_mm)));
@@ -141,32 +143,37 @@ static_assert(kAttributeReach + 2 <= kSide, "the one-brick halo of a tile must c
 /// How far a changed voxel affects vertices: three voxels each by field and gradient, the rest by smoothing.
 constexpr int kChangeReach_bricks = 2;
 
-/// The cells in which a tile with a one-brick halo has the same surface as the whole field.
-openvdb::BoolGrid::Ptr cells_of(const Vec3i& lower) {
+/// The first voxel of a tile.
+Vec3i lower_of(const Vec3i& tile) {
+  return tile * kTileVoxels - Vec3i::Constant(kSide);
+}
+
+/// The cells in which the bricks of `voxels` with a one-brick halo have the same surface as the whole field.
+openvdb::BoolGrid::Ptr cells_of(const VoxelBox& voxels) {
   auto cells = make_bool_grid(false);
-  const Vec3i first = lower - Vec3i::Constant(kSide - 1);
-  const Vec3i last = lower + Vec3i::Constant(kTileVoxels + kSide - 2);
+  const Vec3i first = voxels.first - Vec3i::Constant(kSide - 1), last = voxels.last + Vec3i::Constant(kSide - 1);
   cells->denseFill({vdb_coord(first), vdb_coord(last)}, true, true);
   return cells;
 }
 
-/// Does a triangle belong to this tile? The lowest cell of its corners decides, so that every tile agrees.
-bool owns(const Vec3i& lower, const IsoSurface& iso, std::size_t triangle) {
+/// The tile of a triangle. The lowest cell of its corners decides, so that all agree.
+Vec3i owner_of(const IsoSurface& iso, std::size_t triangle) {
   const auto at = [&](std::size_t corner) { return iso.points[iso.indices[3 * triangle + corner]].array(); };
-  const Eigen::Array3i cell = at(0).min(at(1)).min(at(2)).floor().cast<int>() - lower.array();
-  return (cell >= 0).all() && (cell < kTileVoxels).all();
+  return (at(0).min(at(1)).min(at(2)).floor().cast<int>() + kSide) / kTileVoxels;
 }
 
-/// The triangles of `all` that are `owned`, and only their vertices, in the order of their first use.
-BoneSurface extract_owned(const BoneSurface& all, const std::vector<bool>& owned) {
-  BoneSurface out{.vertices = std::vector<float>(all.vertices.size()), .indices = {}};
+/// The triangles of `all` whose owner is `tile`, and only their vertices, in the order of their first use.
+BoneSurface extract_owned(const BoneSurface& all, const std::vector<Vec3i>& owners, const Vec3i& tile) {
+  BoneSurface out;
   for (std::size_t i = 0; i < all.indices.size(); ++i) {
-    if (owned[i / 3]) out.indices.push_back(all.indices[i]);
+    if (owners[i / 3] == tile) out.indices.push_back(all.indices[i]);
   }
+  if (out.indices.empty()) return out;
+  out.vertices.resize(all.vertices.size());
   constexpr std::size_t kStride = BoneSurface::kStride;
   out.vertices.resize(kStride * meshopt_optimizeVertexFetch(out.vertices.data(), out.indices.data(), out.indices.size(),
                                                             all.vertices.data(), all.count(), kStride * sizeof(float)));
-  out.vertices.shrink_to_fit();  // without the room for the halo
+  out.vertices.shrink_to_fit();  // without the room for the others
   return out;
 }
 
@@ -300,7 +307,8 @@ std::vector<Vec3i> BoneFields::update() {
 }
 
 BoneSurface make_bone_surface(const BoneFields& fields) {
-  BoneSurface out = add_vertex_attributes(extract_surface(*fields.solid.grid().vdb, 0), fields);
+  const auto far = Eigen::Vector3f::Constant(std::numeric_limits<float>::max());
+  BoneSurface out = add_vertex_attributes(extract_surface(*fields.solid.grid().vdb, 0), fields, {-far, far});
   add_density_and_ambient(fields, out);
   return out;
 }
@@ -309,7 +317,7 @@ BoneTiles::BoneTiles(const BoneFields& fields) {
   const Vec3i bricks = (fields.voxmap.grid.dims.array() + kSide - 1) / kSide;
   tiles_ = {(bricks.array() + 2 + kSideBricks - 1) / kSideBricks};
   surfaces_.resize(tiles_.count());
-  parallel_items(surfaces_.size(), [&](std::size_t tile) { surfaces_[tile] = mesh(fields, tile); });
+  mesh(fields, std::vector<bool>(surfaces_.size(), true));
 }
 
 std::vector<bool> BoneTiles::tiles_within(const std::vector<Vec3i>& bricks, int reach) const {
@@ -322,18 +330,39 @@ std::vector<bool> BoneTiles::tiles_within(const std::vector<Vec3i>& bricks, int 
   return near;
 }
 
-BoneSurface BoneTiles::mesh(const BoneFields& fields, std::size_t tile) const {
-  const Vec3i lower = tiles_.coord(tile) * kTileVoxels - Vec3i::Constant(kSide);
-  const Vec3i first = lower / kSide - Vec3i::Ones(), last = first + Vec3i::Constant(kSideBricks + 1);
-  const openvdb::FloatGrid::Ptr part = bricks_of(*fields.solid.grid().vdb, first, last);
-  if (part->tree().leafCount() == 0) return {};
-  const IsoSurface iso = extract_surface(*part, 0, cells_of(lower));
-  std::vector<bool> owned(iso.indices.size() / 3);
-  for (std::size_t i = 0; i < owned.size(); ++i) owned[i] = owns(lower, iso, i);
-  if (std::find(owned.begin(), owned.end(), true) == owned.end()) return {};
-  BoneSurface out = extract_owned(add_vertex_attributes(iso, fields), owned);
-  add_density_and_ambient(fields, out);
-  return out;
+void BoneTiles::mesh(const BoneFields& fields, const std::vector<bool>& wanted) {
+  // Neighbours together, because what lies around them is meshed as well.
+  constexpr int kBlockTiles = 3;
+  const BrickLattice blocks{(tiles_.dims.array() + kBlockTiles - 1) / kBlockTiles};
+  std::vector<std::vector<Vec3i>> parts(blocks.count());
+  for (std::size_t tile = 0; tile < wanted.size(); ++tile) {
+    if (wanted[tile]) parts[blocks.index(tiles_.coord(tile) / kBlockTiles)].push_back(tiles_.coord(tile));
+  }
+  std::erase_if(parts, [](const std::vector<Vec3i>& part) { return part.empty(); });
+  parallel_items(parts.size(), [&](std::size_t i) { mesh_together(fields, parts[i]); });
+}
+
+void BoneTiles::mesh_together(const BoneFields& fields, const std::vector<Vec3i>& tiles) {
+  Eigen::AlignedBox3i box;
+  for (const Vec3i& tile : tiles) {
+    box.extend(tile);
+    surfaces_[tiles_.index(tile)] = {};
+  }
+  const Vec3i ones = Vec3i::Ones();
+  const VoxelBox voxels{lower_of(box.min()), lower_of(box.max() + ones) - ones};
+  const openvdb::FloatGrid::Ptr part =
+      bricks_of(*fields.solid.grid().vdb, voxels.first / kSide - ones, (voxels.last + ones) / kSide);
+  if (part->tree().leafCount() == 0) return;
+  const IsoSurface iso = extract_surface(*part, 0, cells_of(voxels));
+  std::vector<Vec3i> owners(iso.indices.size() / 3);
+  for (std::size_t i = 0; i < owners.size(); ++i) owners[i] = owner_of(iso, i);
+  // The vertices that they own, and those whose reaming is smoothed into them.
+  const Eigen::AlignedBox3i where(voxels.first - kDepthRounds * ones, voxels.last + (2 + kDepthRounds) * ones);
+  const BoneSurface all = add_vertex_attributes(iso, fields, where.cast<float>());
+  for (const Vec3i& tile : tiles) {
+    BoneSurface& own = surfaces_[tiles_.index(tile)] = extract_owned(all, owners, tile);
+    add_density_and_ambient(fields, own);
+  }
 }
 
 std::vector<std::size_t> BoneTiles::update(const BoneFields& fields, const std::vector<Vec3i>& bricks) {
@@ -344,10 +373,9 @@ std::vector<std::size_t> BoneTiles::update(const BoneFields& fields, const std::
   for (std::size_t tile = 0; tile < surfaces_.size(); ++tile) {
     if (changed[tile] || (lit[tile] && !surfaces_[tile].indices.empty())) out.push_back(tile);
   }
+  mesh(fields, changed);
   parallel_items(out.size(), [&](std::size_t i) {
-    const std::size_t tile = out[i];
-    if (!changed[tile]) return update_ambient(fields, surfaces_[tile]);
-    surfaces_[tile] = mesh(fields, tile);
+    if (!changed[out[i]]) update_ambient(fields, surfaces_[out[i]]);
   });
   return out;
 }

@@ -156,7 +156,8 @@ class BoneTiles {
  private:
   /// Marks tiles at most `reach` bricks from any of `bricks`.
   [[nodiscard]] std::vector<bool> tiles_within(const std::vector<Vec3i>& bricks, int reach) const;
-  [[nodiscard]] BoneSurface mesh(const BoneFields& fields, std::size_t tile) const;
+  void mesh(const BoneFields& fields, const std::vector<bool>& wanted);
+  void mesh_together(const BoneFields& fields, const std::vector<Vec3i>& tiles);
 
   BrickLattice tiles_;  ///< the first tile begins one brick below the lattice, as the surface may
   std::vector<BoneSurface> surfaces_;

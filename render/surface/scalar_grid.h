@@ -26,27 +26,29 @@ IsoSurface extract_surface(const openvdb::FloatGrid& field, double level, openvd
 /// A copy of the bricks `first` to `last` of a field; the background elsewhere.
 openvdb::FloatGrid::Ptr bricks_of(const openvdb::FloatGrid& field, const Vec3i& first, const Vec3i& last);
 
-/// Trilinear interpolation at a point in index space: the bytes of openvdb::tools::BoxSampler::sample(), but without a
-/// look-up per corner where all eight are in one leaf or tile.
+/// Trilinear interpolation at a point in index space: the bytes of openvdb::tools::BoxSampler::sample(), but with one
+/// look-up for all corners that are in one leaf or tile.
 inline double sample(const openvdb::FloatGrid::ConstAccessor& accessor, const openvdb::Vec3d& point) {
-  using openvdb::tools::BoxSampler;
   using Leaf = openvdb::FloatTree::LeafNodeType;
   constexpr openvdb::Int32 kLast = Leaf::DIM - 1;
   const openvdb::Coord base = openvdb::Coord::floor(point);
   const openvdb::Coord in_leaf = base & kLast;
+  // Corner i is one cell further along x, y and z where bits 2, 1 and 0 of i are set.
+  const int leaving = (in_leaf.x() == kLast) << 2 | (in_leaf.y() == kLast) << 1 | int{in_leaf.z() == kLast};
+  const float* leaves[8] = {};
   float corners[2][2][2];
-  if (in_leaf.x() == kLast || in_leaf.y() == kLast || in_leaf.z() == kLast) {
-    BoxSampler::getValues(corners, accessor, base);
-  } else if (const Leaf* leaf = accessor.probeConstLeaf(base)) {
-    const float* first = leaf->buffer().data() + Leaf::coordToOffset(base);
-    for (int i = 0; i < 8; ++i) {
-      const int x = i >> 2, y = i >> 1 & 1, z = i & 1;
-      corners[x][y][z] = first[(x * Leaf::DIM + y) * Leaf::DIM + z];
+  for (int i = 0; i < 8; ++i) {
+    const openvdb::Coord at = base.offsetBy(i >> 2, i >> 1 & 1, i & 1);
+    float& corner = corners[i >> 2][i >> 1 & 1][i & 1];
+    if ((i & leaving) == i) {
+      const Leaf* leaf = accessor.probeConstLeaf(at);
+      leaves[i] = leaf == nullptr ? nullptr : leaf->buffer().data();
+      if (leaf == nullptr && leaving == 0) return accessor.getValue(at);
     }
-  } else {
-    return accessor.getValue(base);
+    const float* leaf = leaves[i & leaving];
+    corner = leaf == nullptr ? accessor.getValue(at) : leaf[Leaf::coordToOffset(at)];
   }
-  return BoxSampler::trilinearInterpolation(corners, point - base.asVec3d());
+  return openvdb::tools::BoxSampler::trilinearInterpolation(corners, point - base.asVec3d());
 }
 
 /// The central differences of `value` along each axis; not divided by the step.

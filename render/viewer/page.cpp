@@ -43,7 +43,7 @@ std::string base64(std::span<const std::uint8_t> bytes) {
 std::string compressed_base64(std::span<const std::uint8_t> bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::vector<std::uint8_t> packed(size);
-  if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION) != Z_OK) {
+  if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), Z_DEFAULT_COMPRESSION) != Z_OK) {
     throw std::bad_alloc();  // the room suffices, so memory is all that can be missing
   }
   return base64({packed.data(), size});

@@ -14,11 +14,11 @@
 
 namespace reamsim::test {
 
-/// A ball of radius 10 mm about the origin, 0.5 mm voxels, whole voxels by their centres.
-inline FilledVoxmap ball() {
+/// A ball of radius 10 mm about the origin, whole voxels by their centres.
+inline FilledVoxmap ball(double voxel_mm = 0.5) {
   VoxelGrid grid;
-  grid.voxel_mm = 0.5;
-  grid.dims = Vec3i(46, 45, 47);  // no multiples of a brick
+  grid.voxel_mm = voxel_mm;
+  grid.dims = (Vec3(46, 45, 47) * (0.5 / voxel_mm)).cast<int>();  // no multiples of a brick
   grid.origin_mm = Vec3(-11.5, -11.2, -11.7);
   FilledVoxmap voxmap(grid);
   for (int k = 0; k < grid.dims.z(); ++k) {
@@ -70,8 +70,8 @@ inline BoneSurface surface_of(const FilledVoxmap& voxmap) {
 }
 
 /// The ball with partial voxels at its surface.
-inline FilledVoxmap smooth_ball() {
-  FilledVoxmap voxmap = ball();
+inline FilledVoxmap smooth_ball(double voxel_mm = 0.5) {
+  FilledVoxmap voxmap = ball(voxel_mm);
   const auto distance = [](const Vec3& point) { return point.norm() - 10; };
   const auto sample = [&](const Vec3i& voxel, std::uint8_t) -> SurfaceVoxel {
     const Vec3 center = voxmap.grid.center_mm(voxel);

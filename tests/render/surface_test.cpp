@@ -205,10 +205,11 @@ double worst_attribute(const BoneSurface& a, const BoneSurface& b) {
 }
 
 TEST(BoneTilesTest, TogetherTheyAreTheWholeSurfaceAlsoAfterChanges) {
-  FilledVoxmap last = smooth_ball();
+  constexpr double kVoxel_mm = 0.25;  // four tiles along each axis, more than are meshed together
+  FilledVoxmap last = smooth_ball(kVoxel_mm);
   plane_off(last.grid, 6.3, last.fill);
   const UnreamedSurface unreamed(last, FillBricks(last.grid.dims), last.fill);
-  const FilledVoxmap voxmap = smooth_ball();
+  const FilledVoxmap voxmap = smooth_ball(kVoxel_mm);
   BoneFields fields(voxmap, voxmap.fill, unreamed);
   BoneTiles tiles(fields);
   EXPECT_EQ(triangles_of(joined(tiles)), triangles_of(make_bone_surface(fields)));

@@ -1,9 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Before the text of each fragment shader: light in eye space (x right, y up, z towards the viewer), linear colours.
-#version 450 core
-
+// Before the text of each shader: light in eye space (x right, y up, z towards the viewer), linear colours.
 uniform vec3 key_direction;  // towards the key light
 uniform float samples_per_px;  // along a side; 1 without supersampling
 
