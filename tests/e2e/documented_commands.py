@@ -95,8 +95,11 @@ class Place:
         self.printed = {}  # the output that pages show, by command
         for page in documented.pages(root):
             self.printed.update(documented.printed((root / page).read_text()))
-        for name in ("build/release/cli", "bin", "home/scans"):
+        for name in ("build/release/cli", "bin", "home/scans", "home/.cache"):
             (folder / name).mkdir(parents=True)
+        # Compiled kernels and lists of fonts of the real home; the store of bones is one of this folder.
+        for cache in ("pocl", "mesa_shader_cache", "fontconfig", "matplotlib"):
+            (folder / "home/.cache" / cache).symlink_to(pathlib.Path.home() / ".cache" / cache)
         # A copy, so that the names of shipped scenarios are those of this folder.
         shutil.copy(program, folder / "build/release/cli/reamsim")
         (folder / "bin/reamsim").symlink_to(folder / "build/release/cli/reamsim")
@@ -134,8 +137,8 @@ class Place:
         (self.folder / name).write_text(yaml.safe_dump(scenario, sort_keys=False))
 
     def shrink_scenarios(self):
-        drilling = self.folder / "trajectories/validation/drilling_base.yaml"
-        drilling.write_text(re.sub(r"voxel_mm: .*", "voxel_mm: 0.4", drilling.read_text()))
+        drilling = self.folder / "trajectories/validation/drilling_models.csv"
+        drilling.write_text("".join(line for line in drilling.open() if line.startswith(("label,", "plain law,"))))
         for path in (self.folder / "trajectories").glob("*.yaml"):
             scenario = yaml.safe_load(path.read_text())
             scenario["render"] = {**(scenario.get("render") or {}), **SMALL}
