@@ -27,7 +27,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 BENCH = HERE / "bench.json"
 PAPER = HERE / "paper.md"
-PLAIN = ["--set", "render.enabled=false", "--set", "output.meshes=false", "--set", "output.vti=false"]
+PLAIN = ["--set", "render.enabled=false", "--set", "output.meshes=false", "--set", "output.vti=false", "--set", "output.plots=false"]
 HALF_SPACE = ["run", "trajectories/half_space.yaml", *PLAIN]
 # What makes the numbers: a command of reamsim, without the folder or file that it writes.
 RUNS = {

@@ -13,10 +13,14 @@ import tempfile
 import real_data
 
 
+# 30 mm about the glenoid, which is as far as the reamer reaches.
+CROP = ["--set=bone.ct.crop_min_mm=[96, 145, -471]", "--set=bone.ct.crop_max_mm=[157, 206, -410]"]
+
+
 def run(program, scenario, out, voxel_mm):
     sets = [f"--set=bone.voxel_mm={voxel_mm}", "--set=motion.plunge.depth_mm=2.2", "--set=motion.frame_rate_hz=250",
             "--set=render.enabled=false", "--set=output.meshes=false", "--set=output.vti=false", "--set=output.plots=false"]
-    subprocess.run([program, "run", scenario, "-o", str(out), "--quiet", *sets], check=True)
+    subprocess.run([program, "run", scenario, "-o", str(out), "--quiet", *CROP, *sets], check=True)
     return json.loads((out / "summary.json").read_text())
 
 

@@ -18,6 +18,7 @@ import real_data
 import yaml
 
 NEAR_MM = [126.9, 175.9, -440.6]
+CROP = [85, 135, -485], [170, 215, -404]  # the glenoid with its vault, and the head of the humerus
 LANDMARKS = {"glenoid_center_mm": [126.9, 175.9, -440.6], "trigonum_spinae_mm": [66, 238.5, -459],
              "inferior_angle_mm": [108, 201, -567]}
 IMPLANT = {"backside_radius_mm": 29, "width_mm": 23, "height_mm": 30, "footprint": "pear", "thickness_mm": 4,
@@ -60,11 +61,12 @@ def run(program, scenario, folder, mirror):
     ct.pop("cut_spheres")
     ct["separate"] = "humerus"
     ct["seed_mm"] = at(ct["seed_mm"])
+    low, high = CROP
     if mirror:
         mirror_scan(ct["path"], folder / "mirror.nrrd")
         ct["path"] = "mirror.nrrd"
-        low, high = ct["crop_min_mm"], ct["crop_max_mm"]
-        ct["crop_min_mm"], ct["crop_max_mm"] = [-high[0], *low[1:]], [-low[0], *high[1:]]
+        low, high = [-high[0], *low[1:]], [-low[0], *high[1:]]
+    ct["crop_min_mm"], ct["crop_max_mm"] = low, high
     content["bone"]["side"] = "right" if mirror else "left"
     content["bone"]["glenoid"] = {"near_mm": at(NEAR_MM), "landmarks": {k: at(v) for k, v in LANDMARKS.items()}}
     content["tool"]["mesh"] = str((pathlib.Path(scenario).parent / content["tool"]["mesh"]).resolve())

@@ -5,7 +5,8 @@
 
 Runs the scenario on oclgrind, a simulator of an OpenCL device that interprets kernels and watches every access, for each
 engine, given as NAME or as NAME:key=value,... with further settings (tuning.NAME=value: REAMSIM_ENGINE_TUNING). Results have to equal those of the serial engine.
-With ENGINE --planted a defect is planted in a copy of KERNELS instead, and oclgrind has to find it.
+With ENGINE --planted a defect is planted in a copy of KERNELS instead, and oclgrind has to find it. With --windows before the engines
+the scenario must have windows of smooth motion.
 """
 
 import json
@@ -37,7 +38,7 @@ def simulate(program, scenario, out, settings, folder, oclgrind=None, kernels=No
     log = pathlib.Path(folder) / "oclgrind.log"
     log.unlink(missing_ok=True)
     if oclgrind is None:
-        return run([*command, "--device", "serial"], folder), ""
+        return run([*command, "--device", "serial"], folder, REAMSIM_ENGINE_TUNING=tuning), ""
     # --uninitialized is of no use: oclgrind does not count clEnqueueFillBuffer as a write.
     # Unoptimised: it does not know all that the optimiser makes of vectors and structs.
     watch = [oclgrind, "--data-races", "--build-options", "-cl-opt-disable", "--max-errors", "20", "--log", str(log)]
@@ -68,6 +69,13 @@ def check_engine(engine, oclgrind, program, scenario, folder):
     print(f"{engine}: clean; {summary['tool']['shell_points']} points, {summary['frames']} frames")
 
 
+def check_windows(program, scenario, folder):
+    """Without windows the last digits of forces differ."""
+    for windows in ("true", "false"):
+        simulate(program, scenario, folder / windows, [], folder, tuning=f"windows={windows}")
+    assert (folder / "true/forces.csv").read_bytes() != (folder / "false/forces.csv").read_bytes(), "no window of smooth motion"
+
+
 def check_planted(oclgrind, program, scenario, kernels, folder):
     for name, (file, passage, defect, complaint) in PLANTED.items():
         planted = folder / name
@@ -89,6 +97,9 @@ def main():
         if engines == ["--planted"]:
             check_planted(oclgrind, program, scenario, kernels, folder)
             return
+        if engines[0] == "--windows":
+            check_windows(program, scenario, folder)
+            engines.pop(0)
         for engine in engines:
             check_engine(engine, oclgrind, program, scenario, folder)
 

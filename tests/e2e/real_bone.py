@@ -18,7 +18,7 @@ def main():
     real_data.require(scenario)
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
-        sets = ["--set=render.enabled=false", "--set=output.plots=false", "--set=bone.voxel_mm=0.6", "--set=motion.frame_rate_hz=200"]
+        sets = ["--set=render.enabled=false", "--set=output.plots=false", "--set=output.meshes=false", "--set=output.vti=false", "--set=bone.voxel_mm=0.6", "--set=motion.frame_rate_hz=200"]
         command = [program, "run", scenario, "-o", str(out), "--quiet", *sets]
         subprocess.run(command, check=True)
         rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader((out / "forces.csv").open())]

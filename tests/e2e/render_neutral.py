@@ -13,8 +13,8 @@ import grids
 WAYS = {
     "upright": {"width_px": 333, "height_px": 777, "cameras": "[overview]", "supersampling": 2, "every_frames": 100000,
                 "background": "transparent", "report": "false"},
-    "many": {"width_px": 96, "height_px": 64, "every_frames": 7, "cameras": "[section]", "report": "false"},
-    "film": {"width_px": 160, "height_px": 100, "film": "webp", "turntable_pictures": 3, "tool": "false"},
+    "many": {"width_px": 96, "height_px": 64, "every_frames": 70, "cameras": "[section]", "report": "false"},
+    "film": {"width_px": 160, "height_px": 100, "every_frames": 100, "film": "webp", "turntable_pictures": 3, "tool": "false"},
 }
 
 

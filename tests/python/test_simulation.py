@@ -68,7 +68,7 @@ def test_a_run_of_poses_gives_the_forces_of_a_run(block, block_run):
 
 def test_a_shipped_scenario_by_its_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    keys = {"device": "serial", "bone__voxel_mm": 1, "motion__frame_rate_hz": 50}
+    keys = {"device": "serial", "bone__voxel_mm": 1, "motion__frame_rate_hz": 50, "motion__plunge__feed_mm_s": 5}
     named = reamsim.Simulation("half_space", **keys)
     given = reamsim.Simulation(ROOT / "trajectories/half_space.yaml", **keys)
     assert numpy.array_equal(values_of(named.run(named.planned_poses())), values_of(given.run(given.planned_poses())))
@@ -278,7 +278,7 @@ def test_other_threads_go_on_while_it_computes(block):
     """A second thread sees that the first one computes, so it does not hold the interpreter."""
     simulation = reamsim.Simulation(block)
     done = []
-    worker = threading.Thread(target=lambda: done.append(simulation.run(descent(simulation, 20_000))))
+    worker = threading.Thread(target=lambda: done.append(simulation.run(descent(simulation, 5_000))))
     worker.start()
     refused = 0
     while worker.is_alive():
@@ -288,7 +288,7 @@ def test_other_threads_go_on_while_it_computes(block):
             assert "use one thread at a time" in str(error)
             refused += 1
     worker.join()
-    assert refused > 0 and len(done[0]) == 20_000 and simulation.frame == 19_999
+    assert refused > 0 and len(done[0]) == 5_000 and simulation.frame == 4_999
 
 
 def test_an_interrupt_ends_a_run_between_two_frames(block):

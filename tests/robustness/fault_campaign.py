@@ -269,7 +269,7 @@ def spaced(first, last, count):
 def points_of(name, calls, length):
     """The calls that fail, one in each run."""
     if length == "short":
-        return spaced(1, calls, 4)
+        return spaced(1, calls, 3)
     if not name.startswith("allocation"):
         return range(1, calls + 1)
     first = FIRST_ALLOCATIONS if name == "allocation" else 0
