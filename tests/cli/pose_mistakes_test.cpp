@@ -135,6 +135,7 @@ TEST_F(PoseMistakes, MemoryStaysPlannedWhateverThePose) {
     const std::vector<std::string> sets{"--set",      std::string("motion.plunge.entry_mm=") + entry,
                                         "--set",      "motion.plunge.depth_mm=20",
                                         "--set",      "bone.voxel_mm=0.25",
+                                        "--set",      "motion.frame_rate_hz=10",
                                         "--overwrite"};
     expect_done(run(yaml, sets));
     const ProgramResult checked = check(yaml, {sets.begin(), sets.end() - 1});
@@ -187,9 +188,9 @@ TEST_F(PoseMistakes, OnARealShoulder) {
   const std::string scan = data_file("shoulder_ct/shoulder_left.nrrd");
   if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << "; set REAMSIM_DATA";
   const auto said = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"check", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml",
-                                       "--set", "bone.voxel_mm=0.8",
-                                       "--set", "render.enabled=false"};
+    std::vector<std::string> arguments{"check", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml", "--set",
+                                       "bone.voxel_mm=1.2"};
+    arguments.insert(arguments.end(), kQuickShoulder.begin(), kQuickShoulder.end());
     for (const std::string& set : more) arguments.insert(arguments.end(), {"--set", set});
     return reamsim({.arguments = arguments, .environment = {}, .folder = "", .interrupt_when = {}});
   };
