@@ -223,7 +223,7 @@ TEST_F(Overwrite, FinishedResultsStayWhenSomethingTakesTheirPlace) {
 TEST_F(Overwrite, EveryFileOfARunWithEverythingIsKnown) {
   plots_ = true;
   const std::string all = with(kSmall, "render:\n  enabled: false\n",
-                               "render:\n  width_px: 64\n  height_px: 48\n  film: apng\n  turntable_pictures: 2\n"
+                               "render:\n  width_px: 64\n  height_px: 64\n  film: apng\n  turntable_pictures: 2\n"
                                "  cameras: [oblique, glenoid, section, overview]\n"
                                "  user_cameras: [{name: rim-2_b, position_mm: [60, 35, 70]}]\n") +
                           "cutting: {erosion: remove}\n";
