@@ -70,7 +70,7 @@ TEST_F(PushCommand, BoneHoldsTheThrustAndColumnsAndSummarySaySo) {
 TEST_F(PushCommand, BreaksThroughTheFarSideAndTheOvershootIsTheLimitOfTheFeed) {
   // A plate: beyond it is air.
   const std::string yaml =
-      with(pushed("    until: time\n    time_s: 3\n"), "    size_mm: [10, 10, 6]\n", "    size_mm: [10, 10, 1.5]\n");
+      with(pushed("    until: time\n    time_s: 6\n"), "    size_mm: [10, 10, 6]\n", "    size_mm: [10, 10, 1.5]\n");
   expect_done(run(yaml));
   const auto push = summary()["push"];
   EXPECT_NEAR(push["overshoot_mm"].get<double>(), 5 * 0.2, 0.06);
@@ -130,7 +130,7 @@ TEST_F(PushCommand, ProfileSetsTheThrust) {
 
 TEST_F(PushCommand, ContinuesWithTheSameBytes) {
   const std::string yaml = with(
-      with(pushed("    until: time\n    time_s: 6\n"), "  enabled: false\n", "  enabled: false\n  every_frames: 999\n"),
+      with(pushed("    until: time\n    time_s: 3\n"), "  enabled: false\n", "  enabled: false\n  every_frames: 999\n"),
       "engine:\n  device: serial\n", "output:\n  checkpoint_s: 1\n");
   expect_done(run(yaml));
   const std::string forces = read("out/forces.csv"), events = read("out/events.csv"), vdb = read("out/reamed.vdb");
