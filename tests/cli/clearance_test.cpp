@@ -45,12 +45,11 @@ TEST_F(Clearance, IsReportedAndWarnedOf) {
 TEST_F(Clearance, FromTheAcromionOfAScan) {
   if (!std::filesystem::exists(data_file("shoulder_ct/shoulder_left.nrrd"))) GTEST_SKIP() << "set REAMSIM_DATA";
   const auto check_mm = [&](const std::string& diameter_mm) {
+    std::vector<std::string> arguments{"check", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml", "--set",
+                                       "tool.holder=[{from_z_mm: 20, to_z_mm: 180, diameter_mm: " + diameter_mm + "}]"};
+    arguments.insert(arguments.end(), kQuickShoulder.begin(), kQuickShoulder.end());
     const ProgramResult checked =
-        reamsim({.arguments = {"check", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml", "--set",
-                               "tool.holder=[{from_z_mm: 20, to_z_mm: 180, diameter_mm: " + diameter_mm + "}]"},
-                 .environment = {},
-                 .folder = "",
-                 .interrupt_when = {}});
+        reamsim({.arguments = arguments, .environment = {}, .folder = "", .interrupt_when = {}});
     EXPECT_EQ(checked.status, 0) << checked.err;
     return number_after(checked.out, "clearance of the holder: at least ");
   };

@@ -70,15 +70,15 @@ TEST_F(ComplianceCommand, ContinuesWithTheSameBytes) {
   expect_done(run(yaml, rate));
   const std::string forces = read("out/forces.csv"), vdb = read("out/reamed.vdb");
   std::filesystem::remove_all(path("out"));
-  const auto third_written = [&] {
+  const auto is_underway = [&] {
     std::error_code none_yet;
     const auto bytes = std::filesystem::file_size(path("out.partial/forces.csv"), none_yet);
-    return !none_yet && bytes > forces.size() / 3;
+    return !none_yet && bytes > forces.size() / 8;
   };
   ProgramCall call{.arguments = {"run", "s.yaml", "-o", "out", "--quiet"},
                    .environment = {},
                    .folder = "",
-                   .interrupt_when = third_written};
+                   .interrupt_when = is_underway};
   call.arguments.insert(call.arguments.end(), rate.begin(), rate.end());
   call.interrupt_signal = SIGINT;
   const ProgramResult cut = reamsim(call);

@@ -19,7 +19,7 @@ using ::testing::Pair;
 
 std::string with_erosion(const std::string& erosion) {
   return with(kSmall, "  enabled: false\n",
-              "  enabled: true\n  width_px: 320\n  height_px: 240\n  every_frames: 40\n"
+              "  enabled: true\n  width_px: 96\n  height_px: 72\n  every_frames: 40\n"
               "  cameras: [oblique]\n  before_after: false\n  contact_sheet: false\n") +
          "cutting:\n  erosion: " + erosion + "\n";
 }

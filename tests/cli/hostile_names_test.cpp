@@ -46,20 +46,21 @@ class HostileNames : public CliTest {
 TEST_F(HostileNames, OfFilesAndRunsStayTextInEveryOutput) {
   fs::create_directory(path(kHostile));
   fs::copy(REAMSIM_ROOT "/assets/reamer_flat.stl", path(kHostile + "/" + kHostile + ".stl"));
-  const std::string drawn = with(kSmall, "  enabled: false\n", "  width_px: 320\n  height_px: 240\n  report: true\n");
+  const std::string drawn =
+      with(kSmall, "  enabled: false\n", "  width_px: 64\n  height_px: 64\n  cameras: [oblique]\n  report: true\n");
   const std::string mesh = REAMSIM_ROOT "/assets/reamer_flat.stl";
   const std::string escaped = with(kHostile, "$(", "$(");  // only ${ would name a variable
   const std::string yaml = with(drawn, mesh, quoted(escaped + ".stl")) + "name: " + quoted(kHostile) + "\n";
   write(kHostile + "/" + kHostile + ".yaml", yaml);
   const std::string scenario = kHostile + "/" + kHostile + ".yaml", first = kHostile + "/" + kHostile + "1";
-  for (const std::string& out : {first, kHostile + "/" + kHostile + "2"}) {
-    const ProgramResult result = call({"run", scenario, "-o", out});
-    ASSERT_EQ(result.status, 0) << result.err;
-  }
+  const ProgramResult result = call({"run", scenario, "-o", first});
+  ASSERT_EQ(result.status, 0) << result.err;
+  fs::copy(path(first), path(kHostile + "/" + kHostile + "2"), fs::copy_options::recursive);
   EXPECT_EQ(call({"compare", first, kHostile + "/" + kHostile + "2", "-o", kHostile + "/cmp"}).status, 0);
   EXPECT_EQ(call({"render", first, "--camera", "oblique"}).status, 0);
   // The scenario that the run wrote is the same run.
-  const ProgramResult again = call({"run", first + "/scenario.yaml", "-o", "again"});
+  const ProgramResult again = call({"run", first + "/scenario.yaml", "-o", "again", "--set", "render.enabled=false",
+                                    "--set", "output.plots=false", "--set", "output.meshes=false"});
   EXPECT_EQ(again.status, 0) << again.err;
   EXPECT_EQ(read("again/forces.csv"), read(first + "/forces.csv"));
   expect_only_text();
@@ -87,19 +88,21 @@ TEST_F(HostileNames, ThatAreNoUtf8OnOneLineAreRefusedAndShownAsBytes) {
     fs::create_directory(path(name));
     write(name + "/s.yaml", kSmall);
     fs::copy(REAMSIM_ROOT "/assets/reamer_flat.stl", path(name + "/m.stl"));
-    const std::vector<std::vector<std::string>> commands{
+    std::vector<std::vector<std::string>> commands{
         {"run", name + "/s.yaml", "-o", "out"},
+        {"run", "s.yaml", "-o", "out", "--set", "name=" + name},
+        {name},
         {"check", name + "/s.yaml"},
         {"run", "s.yaml", "-o", name + "/out"},
         {"run", "s.yaml", "-o", "out", "--set", name + "=1"},
-        {"run", "s.yaml", "-o", "out", "--set", "name=" + name},
         {"run", "s.yaml", "-o", "out", "--set", "tool.mesh=" + name + "/m.stl"},
         {"run", "s.yaml", "-o", "out", "--engine", name},
         {"run", "s.yaml", "-o", "out", "--device", name},
         {"import", name + "/m.stl", "-o", "b.vdb"},
         {"render", name},
-        {"compare", name, name},
-        {name}};
+        {"compare", name, name}};
+    // Every command looks at one name, every kind of name is looked at in a file, a key and a command.
+    if (name != kUnprintable.front()) commands.resize(3);
     for (const std::vector<std::string>& arguments : commands) {
       const ProgramResult result = call(arguments);
       EXPECT_EQ(result.status, 2) << ::testing::PrintToString(arguments) << result.err;

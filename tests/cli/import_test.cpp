@@ -75,16 +75,17 @@ TEST_F(ImportTest, NamesTheStagesOfTheRealBones) {
   const std::string scan = data_file("shoulder_ct/shoulder_left.nrrd");
   const std::string mesh = data_file("scapula_mesh/scapula_left.stl");
   if (!std::filesystem::exists(scan) || !std::filesystem::exists(mesh)) GTEST_SKIP() << "set REAMSIM_DATA";
-  EXPECT_EQ(stages_of({scan, "--set", "bone.voxel_mm=1"}).size(), 6U);
-  EXPECT_EQ(stages_of({mesh, "--set", "bone.voxel_mm=1", "--set", "bone.mesh.scale=55"}).size(), 5U);
+  EXPECT_EQ(stages_of({scan, "--set", "bone.voxel_mm=2"}).size(), 6U);
+  EXPECT_EQ(stages_of({mesh, "--set", "bone.voxel_mm=2", "--set", "bone.mesh.scale=55"}).size(), 5U);
 }
 
 TEST_F(ImportTest, QuietSaysNothing) {
   write("cube.stl", cube_stl(30));
-  const ProgramResult result = reamsim({.arguments = {"import", "cube.stl", "-o", "bone.vdb", "--quiet"},
-                                        .environment = {},
-                                        .folder = "",
-                                        .interrupt_when = {}});
+  const ProgramResult result =
+      reamsim({.arguments = {"import", "cube.stl", "-o", "bone.vdb", "--quiet", "--set", "bone.voxel_mm=1"},
+               .environment = {},
+               .folder = "",
+               .interrupt_when = {}});
   EXPECT_EQ(result.out + result.err, "");
 }
 

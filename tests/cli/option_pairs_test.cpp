@@ -67,7 +67,7 @@ TEST_F(OptionPairs, OfAFit) {
 }
 
 TEST_F(OptionPairs, OfPicturesDrawnAgain) {
-  expect_done(run(kSmall, {"--set", "output.meshes=false"}));
+  expect_done(run(kSmall));
   const auto render = [](std::vector<std::string> more) {
     more.insert(more.begin(), {"render", "out"});
     return more;

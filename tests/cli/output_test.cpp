@@ -39,7 +39,8 @@ TEST_F(Output, IsComplete) {
 }
 
 TEST_F(Output, OfADraftIsCoarseAndSaysSo) {
-  write("s.yaml", with(kSmall, "  enabled: false\n", "  width_px: 160\n  height_px: 120\n"));
+  meshes_ = true;
+  write("s.yaml", with(kSmall, "  enabled: false\n", "  width_px: 96\n  height_px: 72\n"));
   const auto draft = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"run", "s.yaml", "--draft", "--overwrite"});
     return reamsim({.arguments = std::move(more), .environment = {}, .folder = "", .interrupt_when = {}});
@@ -61,7 +62,7 @@ TEST_F(Output, OfADraftIsCoarseAndSaysSo) {
 TEST_F(Output, CheckForetellsTheMemoryThatARunTakes) {
   const std::string sphere =
       with_bone("  source: phantom\n  voxel_mm: 0.1\n  phantom:\n    shape: sphere\n    radius_mm: 7\n");
-  expect_done(run(sphere, {"--set", "output.meshes=false"}));
+  expect_done(run(sphere));
   const ProgramResult check =
       reamsim({.arguments = {"check", "s.yaml"}, .environment = {}, .folder = "", .interrupt_when = {}});
   EXPECT_EQ(check.status, 0) << check.err;

@@ -128,7 +128,7 @@ TEST_F(Passes, TheSameBytesOnEveryDeviceAndForEveryBatch) {
 TEST_F(Passes, APictureShowsTheToolOfItsFrame) {
   const std::string drawn =
       with(with_passes(pass(0.4, 0.5) + pass(0.9, 0.5)), "  enabled: false\n",
-           "  every_frames: 40\n  width_px: 320\n  height_px: 240\n  tool_look: steel\n  report: false\n");
+           "  every_frames: 40\n  width_px: 96\n  height_px: 72\n  tool_look: steel\n  report: false\n");
   expect_done(run(drawn));
   EXPECT_TRUE(exists("out/snapshots/tool_2.stl"));
   const std::string first = read("out/frames/000040.png"), last = read("out/reamed.png");

@@ -56,7 +56,7 @@ TEST_F(PlungeContact, ASecondReamerOfTheSameSizeMeetsTheFloor) {
   const std::string tool = "tool: {mesh: " REAMSIM_ROOT "/assets/reamer_flat.stl}\n";
   const std::string plunge =
       "motion: {plunge: {from: contact, approach_mm: 1, feed_mm_s: 10, depth_mm: 2, retract_mm: 4}}\n";
-  const std::string rest = tool + plunge + "render: {enabled: false}\noutput: {meshes: false}\n";
+  const std::string rest = tool + plunge + "render: {enabled: false}\n";
   write("first.yaml",
         "version: 2\nbone: {source: phantom, voxel_mm: 0.5, phantom: {shape: half_space, size_mm: [60, 60, 12]}}\n" +
             rest);
@@ -103,11 +103,14 @@ TEST_F(PlungeContact, ReamersCompareAtEqualDepthOnAScan) {
   const std::string scan = data_file("shoulder_ct/shoulder_left.nrrd");
   if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << "; set REAMSIM_DATA";
   for (const std::string reamer : {"convex", "flat"}) {
-    const ProgramResult done =
-        call({"run", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml", "-o", reamer, "--set",
-              "tool.mesh=" REAMSIM_ROOT "/assets/reamer_" + reamer + ".stl", "--set", "render.enabled=false", "--set",
-              "output.meshes=false", "--set", "motion.frame_rate_hz=100", "--set",
-              "motion.plunge={from: contact, approach_mm: 1, depth_mm: 2, feed_mm_s: 2, retract_mm: 4}"});
+    std::vector<std::string> arguments{
+        "run",   REAMSIM_ROOT "/trajectories/ct_shoulder.yaml",
+        "-o",    reamer,
+        "--set", "tool.mesh=" REAMSIM_ROOT "/assets/reamer_" + reamer + ".stl",
+        "--set", "motion.frame_rate_hz=100",
+        "--set", "motion.plunge={from: contact, approach_mm: 1, depth_mm: 2, feed_mm_s: 2, retract_mm: 4}"};
+    arguments.insert(arguments.end(), kQuickShoulder.begin(), kQuickShoulder.end());
+    const ProgramResult done = call(arguments);
     ASSERT_EQ(done.status, 0) << done.err;
     EXPECT_NEAR(number_after(read(reamer + "/summary.json"), "\"max_depth_mm\": "), 2, 0.04) << "0.1 voxel; " << reamer;
   }

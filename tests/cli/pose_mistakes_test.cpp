@@ -135,6 +135,7 @@ TEST_F(PoseMistakes, MemoryStaysPlannedWhateverThePose) {
     const std::vector<std::string> sets{"--set",      std::string("motion.plunge.entry_mm=") + entry,
                                         "--set",      "motion.plunge.depth_mm=20",
                                         "--set",      "bone.voxel_mm=0.25",
+                                        "--set",      "motion.frame_rate_hz=10",
                                         "--overwrite"};
     expect_done(run(yaml, sets));
     const ProgramResult checked = check(yaml, {sets.begin(), sets.end() - 1});
@@ -186,19 +187,20 @@ TEST_F(PoseMistakes, AMeshHasNoSidesOfItsOwn) {
 TEST_F(PoseMistakes, OnARealShoulder) {
   const std::string scan = data_file("shoulder_ct/shoulder_left.nrrd");
   if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << "; set REAMSIM_DATA";
-  const auto said = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"check", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml",
-                                       "--set", "bone.voxel_mm=0.8",
-                                       "--set", "render.enabled=false"};
-    for (const std::string& set : more) arguments.insert(arguments.end(), {"--set", set});
-    return reamsim({.arguments = arguments, .environment = {}, .folder = "", .interrupt_when = {}});
+  const auto said = [&](const std::string& voxel_mm, std::vector<std::string> options,
+                        const std::vector<std::string>& more) {
+    options.insert(options.begin(),
+                   {"check", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml", "--set", "bone.voxel_mm=" + voxel_mm});
+    for (const std::string& set : more) options.insert(options.end(), {"--set", set});
+    return reamsim({.arguments = options, .environment = {}, .folder = "", .interrupt_when = {}});
   };
-  EXPECT_EQ(said({}).err, "") << "as it is, there is nothing to be said";
-  EXPECT_THAT(said({"bone.side=right", "bone.glenoid.superior=[0.54, -0.24, -0.81]"}).err,
+  const auto wrong = [&](const std::vector<std::string>& more) { return said("1.2", kQuickShoulder, more); };
+  EXPECT_EQ(said("0.8", {}, {"render.enabled=false"}).err, "") << "as it is, there is nothing to be said";
+  EXPECT_THAT(wrong({"bone.side=right", "bone.glenoid.superior=[0.54, -0.24, -0.81]"}).err,
               AllOf(HasSubstr("points to the patient's left"), HasSubstr("x = 0.61"),
                     HasSubstr("superior direction points down")));
-  expect_refused(said({"bone.glenoid.normal=[-0.611, 0.548, -0.572]"}), 2, {"bone.glenoid.normal", "into the bone"});
-  expect_refused(said({"bone.glenoid.center_mm=[139.1, 165, -429.2]"}), 2, {"bone.glenoid.center_mm", "mm outside"});
+  expect_refused(wrong({"bone.glenoid.normal=[-0.611, 0.548, -0.572]"}), 2, {"bone.glenoid.normal", "into the bone"});
+  expect_refused(wrong({"bone.glenoid.center_mm=[139.1, 165, -429.2]"}), 2, {"bone.glenoid.center_mm", "mm outside"});
 }
 
 TEST_F(PoseMistakes, FindingsComeBeforeTheScenario) {

@@ -63,6 +63,7 @@ class Reforce : public CliTest {
 };
 
 TEST_F(Reforce, ARunWithABasisHasTheSameResults) {
+  meshes_ = true;
   expect_done(run(kSmall));
   fs::rename(path("out"), path("plain"));
   expect_done(run(kSmall, {"--set", "output.force_basis=true"}));

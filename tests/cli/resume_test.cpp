@@ -109,7 +109,8 @@ TEST_F(Resume, EndsWithTheSameBytesForEveryErosionAndEngine) {
       {"force basis", with(passes, "output:\n", "output:\n  force_basis: true\n")},
       {"force basis of removed voxels",
        with(kLong, "output:\n", "output:\n  force_basis: true\n") + "cutting: {erosion: remove}\n"},
-      {"exact with teeth", with(teeth, "plunge:\n", "plunge:\n    spin_rpm: 100\n")},
+      {"exact with teeth",
+       with(with(teeth, "plunge:\n", "plunge:\n    spin_rpm: 100\n"), "feed_mm_s: 0.06", "feed_mm_s: 0.4")},
       {"serial", with(kLong, "batch_frames: 10\n", "batch_frames: 10\n  device: serial\n")},
       {"bricked", kLong + "cutting: {erosion: remove}\n"},
       {"wear", kLong + "cutting: {erosion: wear, wear_g_cm3_per_s: 2}\n"},
@@ -152,8 +153,9 @@ TEST_F(Resume, KilledRunsContinueFromTheirLastCheckpoint) {
 }
 
 TEST_F(Resume, AnUnfinishedRunCanBeRenderedAndCompared) {
-  plots_ = true;
-  const std::string drawn = with(kLong, "enabled: false", "width_px: 160\n  height_px: 120\n  report: false");
+  meshes_ = true;
+  const std::string drawn =
+      with(kLong, "enabled: false", "width_px: 96\n  height_px: 72\n  cameras: [oblique]\n  report: false");
   write("s.yaml", with(drawn, "voxel_mm: 0.5", "voxel_mm: 0.2"));  // slow enough to be interrupted
   ASSERT_EQ(call({"-o", "whole"}).status, 0);
   const auto has_pictures = [this] { return exists("cut.partial/frames/000999.png"); };

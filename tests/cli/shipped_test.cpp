@@ -18,8 +18,7 @@ class Shipped : public CliTest {
   /// run of half_space in a fraction of a second.
   ProgramResult run_quickly(const std::string& scenario) const {
     return call({"run", scenario, "--device", "serial", "--set", "bone.voxel_mm=1", "--set", "motion.frame_rate_hz=50",
-                 "--set", "motion.plunge.feed_mm_s=5", "--set", "render.enabled=false", "--set",
-                 "output.meshes=false"});
+                 "--set", "motion.plunge.feed_mm_s=5", "--set", "render.enabled=false"});
   }
 };
 

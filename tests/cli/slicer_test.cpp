@@ -82,6 +82,7 @@ class SlicerTest : public CliTest {
 const Point kTop{-19.5, -29.5, 44.5};
 
 TEST_F(SlicerTest, ARunWithMarkupsIsTheRunWithTheNumbers) {
+  meshes_ = true;
   write("scan.nrrd", moved_nrrd());
   const std::string bone = "  source: ct\n  voxel_mm: 0.5\n  ct: {path: scan.nrrd, closing_mm: 0}\n";
   const auto scenario = [&](const std::string& entry) {
@@ -112,6 +113,7 @@ TEST_F(SlicerTest, ARunWithMarkupsIsTheRunWithTheNumbers) {
 }
 
 TEST_F(SlicerTest, ResultsLieOverTheScan) {
+  meshes_ = true;
   write("scan.nrrd", moved_nrrd());
   write("m.fcsv", fcsv("RAS", {{"Top", kTop}}));
   expect_done(run(with(with_bone("  source: ct\n  voxel_mm: 0.5\n  ct: {path: scan.nrrd, closing_mm: 0}\n"),
@@ -243,16 +245,18 @@ class InitMarkupsTest : public SlicerTest {
  protected:
   /// The surface of the glenoid phantom, whose face is about the origin.
   void write_glenoid_mesh() {
-    write("phantom.yaml", with(with(with_bone("  source: phantom\n  side: left\n  voxel_mm: 0.8\n  phantom:\n"
+    meshes_ = true;
+    write("phantom.yaml", with(with(with_bone("  source: phantom\n  side: left\n  voxel_mm: 1.2\n  phantom:\n"
                                               "    shape: glenoid\n"),
                                     "  plunge:\n", "  plunge:\n    entry_mm: [200, 0, 0]\n"),
                                "render:\n", "output:\n  vti: false\nrender:\n"));
     ASSERT_EQ(call({"run", "phantom.yaml", "-o", "phantom"}).status, 0);
+    meshes_ = false;
     std::filesystem::copy_file(path("phantom/reamed.stl"), path("bone.stl"));
   }
   ProgramResult init(const std::vector<std::string>& more) const {
     std::vector<std::string> arguments{"init", "bone.stl",   "-o",  "my.yaml",    "--side",
-                                       "left", "--voxel-mm", "0.8", "--overwrite"};
+                                       "left", "--voxel-mm", "1.2", "--overwrite"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return call(arguments);
   }

@@ -12,13 +12,13 @@
 
 namespace reamsim::test {
 
-/// 8 runs of 40 frames.
+/// 4 runs of 40 frames.
 inline const std::string kStudy =
     "version: 1\n"
     "base: s.yaml\n"
     "vary:\n"
     "  - motion.plunge.depth_mm: [0.5, 1]\n"
-    "sample: {n: 4, seed: 3, of: {cutting.specific_energy_j_mm3: {lognormal: [0.15, 0.3]}}}\n"
+    "sample: {n: 2, seed: 3, of: {cutting.specific_energy_j_mm3: {lognormal: [0.15, 0.3]}}}\n"
     "keep: [summary, forces]\n";
 
 /// A study of kSmall in a folder of its own.

@@ -123,7 +123,8 @@ TEST_F(Uq, SweepAndAnalysisLeaveTheFolderOfTheOtherAlone) {
   }
   EXPECT_EQ(contents(), before) << "the study of its own runs";
   uq("{n: 4, of: {motion.plunge.depth_mm: {uniform: [0.5, 1]}}}");
-  EXPECT_EQ(sweep({"run", "study.yaml", "-o", "swept"}).status, 0);
+  write("one.yaml", "version: 1\nbase: s.yaml\nset: {motion.plunge.depth_mm: 0.5}\n");
+  EXPECT_EQ(sweep({"run", "one.yaml", "-o", "swept"}).status, 0);
   const std::string table = read("swept/runs.csv");
   expect_refused(
       reamsim({.arguments = {"uq", "uq.yaml", "-o", "swept"}, .environment = {}, .folder = "", .interrupt_when = {}}),
