@@ -17,7 +17,7 @@ inline std::string data_file(const std::string& name) {
 }
 
 /// Arguments for trajectories/ct_shoulder.yaml: glenoid and acromion alone, unfiltered, without pictures, which load in
-/// a sixth of the time. Thin walls of the blade, which the filter keeps, are outside.
+/// a quarter of the time. Thin walls of the blade, which the filter keeps, are outside.
 inline const std::vector<std::string> kQuickShoulder{"--set", "bone.ct.crop_min_mm=[95, 150, -485]",
                                                      "--set", "bone.ct.crop_max_mm=[150, 205, -404]",
                                                      "--set", "bone.ct.filter=none",
