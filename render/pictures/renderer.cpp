@@ -104,16 +104,23 @@ FaceRaster rasterized(const std::vector<BoneSurface>& tiles, const Rigid& map_fr
   return out;
 }
 
+bool is_kept(const Vec3& point_mm, const Camera& camera) {
+  return !camera.cut_plane || camera.cut_plane->dot(point_mm.homogeneous()) >= 0;
+}
+
+bool is_beside_cut(const Vec3& point_mm, const Camera& camera) {
+  return camera.cut_plane &&
+         !is_kept(point_mm - kCutMargin_mm * Vec3(camera.cut_plane->head<3>().normalized()), camera);
+}
+
+/// Is there no bone in front of a point on the face?
 bool is_visible(const Vec3& point_mm, const Camera& camera, const BoneFields& bone) {
-  const auto kept = [&](const Vec3& p) { return !camera.cut_plane || camera.cut_plane->dot(p.homogeneous()) >= 0; };
-  if (camera.cut_plane && !kept(point_mm - kCutMargin_mm * Vec3(camera.cut_plane->head<3>().normalized())))
-    return false;
   const VoxelGrid& grid = bone.voxmap.grid;
   const Vec3 way = camera.eye_from_bone.linear().transpose() * camera.towards_viewer(camera.eye_from_bone * point_mm);
   std::vector<Vec3> points;
   for (double mm = kClear_voxels * grid.voxel_mm; mm < kMaxHiding_mm; mm += grid.voxel_mm) {
     const Vec3 p = point_mm + mm * way;
-    if (!kept(p)) break;
+    if (!is_kept(p, camera)) break;
     points.emplace_back((p - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5));
   }
   const std::vector<float> fields = bone.solid.at(points);
@@ -208,10 +215,11 @@ std::vector<SeenContour> Renderer::contours(const Camera& camera) const {
   std::vector<SeenContour> out;
   for (const SurfaceLine& contour : contours_) {
     SeenContour& seen = out.emplace_back(contour_style(contour.value, view_.depth_scale()));
+    bool visible = false;
     for (const Vec3& p : contour.points_mm) {
-      const bool tested = seen.points_px.size() % kTestedPoints == 0;
+      if (seen.points_px.size() % kTestedPoints == 0) visible = is_visible(p, camera, fields_);
       seen.points_px.push_back(camera.pixel(p));
-      seen.visible.push_back(tested ? is_visible(p, camera, fields_) : seen.visible.back());
+      seen.visible.push_back(visible && !is_beside_cut(p, camera));
     }
   }
   return out;

@@ -159,7 +159,7 @@ openvdb::BoolGrid::Ptr cells_of(const VoxelBox& voxels) {
 /// The tile of a triangle. The lowest cell of its corners decides, so that all agree.
 Vec3i owner_of(const IsoSurface& iso, std::size_t triangle) {
   const auto at = [&](std::size_t corner) { return iso.points[iso.indices[3 * triangle + corner]].array(); };
-  return (at(0).min(at(1)).min(at(2)).floor().cast<int>() + kSide) / kTileVoxels;
+  return (at(0).min(at(1)).min(at(2)).floor().cast<int>() + kSide + kTileVoxels) / kTileVoxels - 1;
 }
 
 /// The triangles of `all` whose owner is `tile`, and only their vertices, in the order of their first use.

@@ -135,7 +135,7 @@ struct Reaming {
   /// Smooths the voxel steps of depth and edge. `points`: vertices in voxels.
   void smooth(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points, int depth_rounds,
               int edge_rounds) {
-    if (std::ranges::all_of(certainty, [](float c) { return c == 0; })) return;
+    if (std::ranges::all_of(reamed, [](float r) { return r == 0; })) return;
     const std::vector<float> weights = mean_value_weights(neighbours, points);
     smooth_values(neighbours, weights, certainty, depth_mm, depth_rounds);
     smooth_values(neighbours, weights, std::vector<float>(reamed.size(), 1), reamed, edge_rounds);

@@ -90,9 +90,11 @@ TEST_F(Environment, KernelsAreInAFolderOfTheUserWhereACacheCannotBeWrittenOrTher
     EXPECT_FALSE(std::filesystem::is_empty(private_kernels()));
     remove_results();
   }
+  std::filesystem::remove_all(private_kernels());
   const ProgramResult result = shell("unset HOME; reamsim run --verbose -o out opencl.yaml", none);
   expect_done(result);
   EXPECT_THAT(result.out, HasSubstr("HOME is not set; compiled kernels are in " + private_kernels()));
+  EXPECT_FALSE(std::filesystem::is_empty(private_kernels()));
   using std::filesystem::perms;
   EXPECT_EQ(std::filesystem::status(private_kernels()).permissions(), perms::owner_all) << "nobody else may add code";
 }

@@ -131,7 +131,7 @@ TEST_F(PushCommand, ProfileSetsTheThrust) {
 TEST_F(PushCommand, ContinuesWithTheSameBytes) {
   const std::string yaml = with(
       with(pushed("    until: time\n    time_s: 3\n"), "  enabled: false\n", "  enabled: false\n  every_frames: 999\n"),
-      "engine:\n  device: serial\n", "output:\n  checkpoint_s: 1\n");
+      "engine:\n  device: serial\n", "output:\n  checkpoint_s: 1\nengine:\n  batch_frames: 8\n");
   expect_done(run(yaml));
   const std::string forces = read("out/forces.csv"), events = read("out/events.csv"), vdb = read("out/reamed.vdb");
   std::filesystem::remove_all(path("out"));
@@ -145,7 +145,12 @@ TEST_F(PushCommand, ContinuesWithTheSameBytes) {
                    .folder = "",
                    .interrupt_when = is_underway};
   call.interrupt_signal = SIGINT;
-  const ProgramResult cut = reamsim(call);
+  ProgramResult cut = reamsim(call);
+  // On a busy machine the signal may come after the last frame.
+  for (int again = 0; again < 3 && cut.status == 0; ++again) {
+    std::filesystem::remove_all(path("out"));
+    cut = reamsim(call);
+  }
   EXPECT_EQ(cut.status, 75) << cut.err;
   const ProgramResult render =
       reamsim({.arguments = {"render", "out.partial", "--only", "pictures", "--width", "96", "--height", "72"},

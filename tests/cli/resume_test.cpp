@@ -153,7 +153,7 @@ TEST_F(Resume, KilledRunsContinueFromTheirLastCheckpoint) {
 }
 
 TEST_F(Resume, AnUnfinishedRunCanBeRenderedAndCompared) {
-  meshes_ = true;
+  plots_ = true;  // and meshes
   const std::string drawn =
       with(kLong, "enabled: false", "width_px: 96\n  height_px: 72\n  cameras: [oblique]\n  report: false");
   write("s.yaml", with(drawn, "voxel_mm: 0.5", "voxel_mm: 0.2"));  // slow enough to be interrupted

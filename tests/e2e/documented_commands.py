@@ -99,7 +99,7 @@ class Place:
             (folder / name).mkdir(parents=True)
         # Compiled kernels and lists of fonts of the real home; the store of bones is one of this folder.
         for cache in ("pocl", "mesa_shader_cache", "fontconfig", "matplotlib"):
-            if (real := pathlib.Path.home() / ".cache" / cache).is_dir():
+            if (real := pathlib.Path(os.path.expanduser("~/.cache"), cache).absolute()).is_dir():
                 (folder / "home/.cache" / cache).symlink_to(real)
         # A copy, so that the names of shipped scenarios are those of this folder.
         shutil.copy(program, folder / "build/release/cli/reamsim")

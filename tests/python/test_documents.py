@@ -5,7 +5,6 @@
 
 import json
 import os
-import pathlib
 import re
 import shutil
 import subprocess
@@ -70,7 +69,7 @@ def test_notebooks_have_no_outputs():
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebooks_run_from_top_to_bottom(path, checkout):
-    caches = os.environ.get("XDG_CACHE_HOME", f"{pathlib.Path.home()}/.cache")  # of compiled kernels and fonts
+    caches = os.environ.get("XDG_CACHE_HOME", os.path.expanduser("~/.cache"))  # of compiled kernels and fonts
     environment = {**os.environ, "XDG_CACHE_HOME": caches, "HOME": str(checkout), "JUPYTER_PATH": "/usr/share/jupyter", "IPYTHONDIR": str(checkout)}
     done = subprocess.run(["/usr/bin/jupyter-nbconvert", "--to", "notebook", "--execute", "--output", "executed",
                            "--ExecutePreprocessor.timeout=600", str(checkout / "docs/notebooks" / path.name)],

@@ -50,9 +50,11 @@ class Golden : public ::testing::Test {
     dir_ = new TempDir;
     write_results(dir_->path(), {});
   }
-  static void TearDownTestSuite() {
+  static void TearDownTestSuite() { delete dir_; }
+  // Its OpenGL context is current until another is made.
+  void TearDown() override {
     delete opened_;
-    delete dir_;
+    opened_ = nullptr;
   }
 
   static std::string path(const std::string& name) { return dir_->path() + "/" + name + ".png"; }

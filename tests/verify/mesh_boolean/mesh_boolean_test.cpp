@@ -140,6 +140,7 @@ class MeshBoolean : public CliTest {
   }
 
   Errors errors_of_reamsim(const Plunge& plunge, const Exact& exact, double voxel_mm) {
+    meshes_ = true;
     write_stl(path("bone.stl"), plunge.bone);
     expect_done(run(fmt::format("version: 2\n"
                                 "bone: {{source: mesh, voxel_mm: {}, cache: false, mesh: {{path: bone.stl}}}}\n"
