@@ -350,7 +350,7 @@ void Film::add(PixelImage bone, const ForceRow& row) {
                    {"removed", fixed_text(row.removed_mm3, 1) + " mm³"}};
   labels.force = captions_.arrow(row);
   PixelImage frame = plain_image(layout_.width_px, layout_.height_px, kBackground_rgb);
-  frame.paste(labelled_page(std::move(bone), page_of(layout_), camera_, labels, view_.settings().background), 0, 0);
+  frame.paste(annotated_picture(std::move(bone), page_of(layout_), camera_, labels, view_.settings().background), 0, 0);
   if (panel_) frame.paste(panel_->at(row), static_cast<int>(layout_.panel.x), static_cast<int>(layout_.panel.y));
   encoder_.add(frame);
 }

@@ -281,7 +281,7 @@ class PictureComposer {
   [[nodiscard]] PixelImage labelled(RenderedFrame& frame, Labels labels) const {
     labels.contours = std::move(frame.contours);
     const PageLayout page = frame.kind == Shot::Kind::frame ? view_.frame_page() : view_.page();
-    return labelled_page(std::move(frame.image), page, frame.camera, labels, view_.settings().background);
+    return annotated_picture(std::move(frame.image), page, frame.camera, labels, view_.settings().background);
   }
 
   void add_frame(RenderedFrame& frame) {

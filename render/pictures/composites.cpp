@@ -76,7 +76,7 @@ PixelImage before_and_after(const RunView& view, const Camera& half, const Pixel
   draw_half_title(both, page, "After reaming", right_px, plate);
   Labels labels = view.labels(half, std::nullopt);
   labels.values = values;
-  return labelled_page(std::move(both), page, half, labels, background);
+  return annotated_picture(std::move(both), page, half, labels, background);
 }
 
 SheetGrid sheet_grid(int cells, int width_px, int height_px) {
@@ -160,7 +160,7 @@ PixelImage ContactSheet::finish() {
   Labels labels = view_.labels(camera_, std::nullopt);
   labels.title = title();
   labels.scale_bar_fraction = 0.5 * camera_.width_px / page_.width_px;
-  return labelled_page(std::move(page_), view_.page(), camera_, labels, Background::studio);
+  return annotated_picture(std::move(page_), view_.page(), camera_, labels, Background::studio);
 }
 
 }  // namespace reamsim

@@ -185,7 +185,7 @@ void write_depth_picture(const RunData& run, double depth_max_mm) {
   Labels labels = map_labels(field, run.inputs(), scale);
   labels.contours = map_contours(field, camera, scale);
   draw_contours(image, page.unit, labels.contours);
-  image = labelled_page(std::move(image), page, camera, labels, Background::studio);
+  image = annotated_picture(std::move(image), page, camera, labels, Background::studio);
   write_png(run.dir() + "/depth_map.png", image);
 }
 

@@ -281,8 +281,8 @@ PixelImage blank_page(int width_px, int height_px, Background background) {
   return page;
 }
 
-PixelImage labelled_page(PixelImage view, const PageLayout& layout, const Camera& camera, const Labels& labels,
-                         Background background) {
+PixelImage annotated_picture(PixelImage view, const PageLayout& layout, const Camera& camera, const Labels& labels,
+                             Background background) {
   if (!layout.labelled()) return view;
   draw_marks(view, camera, layout.unit, labels);
   PixelImage page = blank_page(layout.width_px, layout.height_px, background);

@@ -109,8 +109,8 @@ struct Labels {
 
 /// The page of a view: the view with its marks, and the column of all other labels beside it. `view` has the size of
 /// the layout's view, `camera` that of the view or of one of several pictures in it. Throws RunError.
-PixelImage labelled_page(PixelImage view, const PageLayout& layout, const Camera& camera, const Labels& labels,
-                         Background background);
+PixelImage annotated_picture(PixelImage view, const PageLayout& layout, const Camera& camera, const Labels& labels,
+                             Background background);
 /// An empty page: the colour of the column of labels, or nothing on a transparent background.
 PixelImage blank_page(int width_px, int height_px, Background background);
 

@@ -62,8 +62,9 @@ Program build_program(const DeviceInfo& info, cl_context context, const std::str
   check(status, "clCreateProgramWithSource");
   const std::string rounding = info.rounds_division ? "-cl-fp32-correctly-rounded-divide-sqrt " : "";
   const std::string atomics = info.int64_atomics ? "-DRS_INT64_ATOMICS " : "";
+  // Without warnings (-w), whose number PoCL would print on the console.
   const std::string all_options =
-      "-cl-std=CL1.2 -cl-single-precision-constant " + folder_option + rounding + atomics + options;
+      "-cl-std=CL1.2 -cl-single-precision-constant -w " + folder_option + rounding + atomics + options;
   status = clBuildProgram(program.get(), 1, &info.id, all_options.c_str(), nullptr, nullptr);
   if (status == CL_SUCCESS) return program;
   throw DeviceError("kernel " + name + " does not build on " + info.name + " (" + info.platform_name + ", driver " +

@@ -38,7 +38,7 @@ PixelImage picture(OpenedRun& run, const Camera& camera, const ForceRow& row, bo
   PixelImage image = run.renderer.render(camera, tool, filtered);
   Labels labels = run.view.labels(camera, tool);
   labels.force = run.captions.arrow(row);
-  return labelled_page(std::move(image), run.view.page(), camera, labels, Background::studio);
+  return annotated_picture(std::move(image), run.view.page(), camera, labels, Background::studio);
 }
 
 /// From the results on disk to the first picture.

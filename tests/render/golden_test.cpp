@@ -78,7 +78,7 @@ class Golden : public ::testing::Test {
     PixelImage image = opened_->renderer.render(camera, std::nullopt);
     Labels labels = opened_->view.labels(camera, std::nullopt);
     spoil(image, labels);
-    PixelImage page = labelled_page(image, opened_->view.page(), camera, labels, Background::studio);
+    PixelImage page = annotated_picture(image, opened_->view.page(), camera, labels, Background::studio);
     const std::string file = dir_->path() + "/spoiled.png";
     write_png(file, page);
     return difference(test::read_picture(file), name);

@@ -91,7 +91,7 @@ TEST_F(Page, NoPanelCoversTheBone) {
     const Camera camera = run.camera(name);
     const PixelImage bone = run.renderer.render(camera, std::nullopt);
     const PixelImage page =
-        labelled_page(bone, run.view.page(), camera, column_labels(run, camera), Background::transparent);
+        annotated_picture(bone, run.view.page(), camera, column_labels(run, camera), Background::transparent);
     ASSERT_EQ(page.width_px, kWidth);
     ASSERT_EQ(page.height_px, kHeight);
     int hidden = 0;
@@ -165,7 +165,7 @@ TEST_F(Page, LabelsInTheColumnAreLegibleOnAnySlide) {
   const Camera camera = run.camera("section");
   const PageLayout layout = run.view.page();
   const PixelImage view = run.renderer.render(camera, std::nullopt);
-  const PixelImage page = labelled_page(view, layout, camera, column_labels(run, camera), Background::transparent);
+  const PixelImage page = annotated_picture(view, layout, camera, column_labels(run, camera), Background::transparent);
   const Box labels = layout.labels();
   const double u = layout.unit;
   const Box bar = layout.legend_bar(1);
