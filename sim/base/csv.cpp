@@ -171,7 +171,7 @@ bool CsvReader::next_line() {
     in_.getline(buffer.data(), buffer.size());
     // getline() also swallows exceptions of the memory.
     if (in_.bad()) throw RunError(path_ + ": cannot be read to its end; is the disk damaged, or the memory exhausted?");
-    if (in_.eof() && in_.gcount() == 0) return false;
+    if (in_.eof() && (in_.gcount() == 0 || layout_.killed_writer)) return false;
     ++line_;
     if (in_.fail() && !in_.eof())
       throw InputError(where(), "", "a line of more than " + std::to_string(kMostLine - 1) + " bytes",

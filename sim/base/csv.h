@@ -27,6 +27,7 @@ struct CsvLayout {
   bool decimal_comma = false;  ///< numbers have a comma for the point
   bool comments = false;       ///< lines that begin with # are skipped; one of them may be the header
   bool missing_cells = false;  ///< a cell that is empty, "nan" or "missing" is NaN
+  bool killed_writer = false;  ///< a last line without a line end is the part of a row that a killed process left: skipped
   int skip_lines = 0;          ///< before the header
 };
 
@@ -88,8 +89,8 @@ std::string csv_text(std::string_view text);
 std::string quoted_cell(std::string_view text);
 
 /// Writes a CSV file with a header line. Numbers have the fewest digits that read back to the same value, and
-/// integers no exponent, so the same run gives the same bytes; NaN is an empty cell. Only whole rows are written, so
-/// that a process that is killed leaves none incomplete.
+/// integers no exponent, so the same run gives the same bytes; NaN is an empty cell. Each write() ends with a row, but
+/// Linux may cut a write at the end of a page where SIGKILL meets it: see CsvLayout::killed_writer.
 class CsvWriter {
  public:
   /// `bytes`: continues a file of so many bytes, by sync(), and removes what follows; 0: begins a new one. Throws

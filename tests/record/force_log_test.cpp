@@ -66,6 +66,15 @@ TEST_F(ForceLogFile, ColumnsMayStandAnywhere) {
   EXPECT_DOUBLE_EQ(log.rows[0].time_s, 0.5);
 }
 
+// As SIGKILL within a write leaves it. The row may even have all its cells, the last without some digits.
+TEST_F(ForceLogFile, ARowThatAKilledRunLeftIncompleteIsNotRead) {
+  const std::string whole = std::string(kLogHeader) + "1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n";
+  for (const char* part : {"2", "2,0,0,0", "2,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,-0.00"}) {
+    EXPECT_EQ(read(whole + part).rows.size(), 1U) << part;
+  }
+  expect_complaint(kLogHeader + std::string("1,0,0"), "no row");
+}
+
 TEST_F(ForceLogFile, MistakesAreNamedWithTheirLine) {
   EXPECT_THROW((void)read_force_log(dir_.path() + "/none.csv"), InputError);
   expect_complaint("", "forces.csv");
