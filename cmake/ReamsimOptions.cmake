@@ -70,12 +70,12 @@ function(reamsim_library name)
   endif()
 endfunction()
 
-# reamsim_test(NAME SOURCES ... LINK ... [SHARED ...] [HOST_THREADS] [COST n]): a GoogleTest program whose cases CTest lists one by
-# one, each a process of its own. SHARED: suites whose cases share something that takes long to make; CTest runs each of
-# them as one test. HOST_THREADS: they use the host's threads and no OpenCL, so that the thread sanitizer can judge them.
-# COST: tests of a higher one begin earlier, so that short ones are left for the end, when cores become free.
+# reamsim_test(NAME SOURCES ... LINK ... [HOST_THREADS] [COST n]): a GoogleTest program whose suites CTest lists, each a process:
+# what a process needs to start (libraries, OpenCL, kernels) takes longer than most cases. HOST_THREADS: they use the host's
+# threads and no OpenCL, so that the thread sanitizer can judge them. COST: tests of a higher one begin earlier, so that short
+# ones are left for the end, when cores become free.
 function(reamsim_test name)
-  cmake_parse_arguments(ARG "HOST_THREADS" "COST" "SOURCES;LINK;SHARED" ${ARGN})
+  cmake_parse_arguments(ARG "HOST_THREADS" "COST" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE reamsim_options ${ARG_LINK} test_main GTest::gmock)
   target_compile_options(${name} PRIVATE ${REAMSIM_QUICK_TO_COMPILE})
@@ -90,13 +90,13 @@ function(reamsim_test name)
   if(ARG_COST)
     list(APPEND properties COST ${ARG_COST})
   endif()
-  foreach(suite ${ARG_SHARED})
-    add_test(NAME ${suite} COMMAND ${name} --gtest_filter=${suite}.*)
-    set_tests_properties(${suite} PROPERTIES ${properties}
-      SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]" FAIL_REGULAR_EXPRESSION "\\[  FAILED  \\]")  # else a skipped case hides a failed one
-  endforeach()
-  list(TRANSFORM ARG_SHARED APPEND ".*")
-  list(JOIN ARG_SHARED ":" shared)
-  gtest_discover_tests(${name}
-    TEST_FILTER "*-${shared}" DISCOVERY_TIMEOUT ${REAMSIM_PROGRAM_TIMEOUT_S} PROPERTIES ${properties})
+  set(suites "${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake")
+  list(JOIN properties " " properties)
+  add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS "${suites}"
+    COMMAND ${CMAKE_COMMAND} "-DPROGRAM=$<TARGET_FILE:${name}>" "-DFOLDER=${CMAKE_CURRENT_BINARY_DIR}" "-DPROPERTIES=${properties}"
+    "-DOUT=${suites}" -P "${PROJECT_SOURCE_DIR}/cmake/DiscoverSuites.cmake")
+  set(include "${CMAKE_CURRENT_BINARY_DIR}/${name}_include.cmake")
+  file(WRITE "${include}" "if(EXISTS \"${suites}\")\n  include(\"${suites}\")\nelse()\n"
+    "  add_test(${name}_NOT_BUILT ${name}_NOT_BUILT)\nendif()\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${include}")
 endfunction()

@@ -191,8 +191,7 @@ void write_depth_picture(const RunData& run, double depth_max_mm) {
 
 void write_meshes(const RunData& run, double depth_max_mm, Diagnostics& report) {
   const std::string& dir = run.dir();
-  const double remaining_mm3 = BoneView(run.voxmap(), run.last_fill()).bone_mm3();
-  const ReamedMesh reamed = make_reamed_mesh(dir + "/reamed.vdb", run.voxmap().grid, remaining_mm3, run.unreamed());
+  const ReamedMesh reamed = make_reamed_mesh(dir + "/reamed.vdb", {run.voxmap(), run.last_fill()}, run.unreamed());
   if (reamed.mesh.triangles.empty()) {
     std::filesystem::remove(dir + "/reamed.glb");
     std::filesystem::remove(dir + "/reamed.stl");

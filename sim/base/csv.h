@@ -27,7 +27,7 @@ struct CsvLayout {
   bool decimal_comma = false;  ///< numbers have a comma for the point
   bool comments = false;       ///< lines that begin with # are skipped; one of them may be the header
   bool missing_cells = false;  ///< a cell that is empty, "nan" or "missing" is NaN
-  bool killed_writer = false;  ///< a last line without a line end is the part of a row that a killed process left: skipped
+  bool killed_writer = false;  ///< a last line without its end, as SIGKILL leaves it, is skipped
   int skip_lines = 0;          ///< before the header
 };
 

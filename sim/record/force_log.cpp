@@ -224,7 +224,8 @@ void for_each_force_row(const std::string& path, const std::function<void(const 
     const bool optional = layout.columns.size() >= push || std::ranges::count(kOptional, name) > 0;
     layout.columns.push_back({.name = name, .number = 0, .may_be_missing = optional});
   }
-  layout.killed_writer = true;
+  std::error_code ignored;
+  layout.killed_writer = std::filesystem::weakly_canonical(path, ignored).parent_path().extension() == ".partial";
   CsvReader table(path, layout, "the forces.csv of a run");
   double removed_mm3 = 0, energy_mj = 0, floor_mj = 0;
   std::int64_t before = -1;

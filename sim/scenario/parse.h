@@ -56,12 +56,6 @@ BoneSettings parse_bone_settings(const std::string& source, const std::string& p
 std::string to_yaml(const Scenario& scenario,
                     const std::function<std::string(const std::string& path)>& path_text = recorded_path);
 
-/// assets/scenario.schema.json, generated from the same description of keys that the parser uses.
-std::string scenario_json_schema();
-
-/// The table of keys for docs/keys.md (Markdown), generated from the same description.
-std::string scenario_key_table();
-
 /// Every file or DICOM folder that the scenario names as an input: (its key, absolute path).
 std::vector<std::pair<std::string, std::string>> input_files(const Scenario& scenario);
 

@@ -81,9 +81,6 @@ struct Study {
 /// Throws InputError with all mistakes. Whether values of keys are valid is known only from each run's scenario.
 Study read_study(const std::string& path);
 
-/// assets/study.schema.json with the keys that a scenario has now.
-std::string study_json_schema(const std::string& schema);
-
 /// The value of a scenario key that a study has; `folder`: of the study file, the base of relative paths. Throws
 /// InputError: unknown key, or a text that names no input file.
 KeyValue value_of_node(const std::string& key, const YamlNode& node, const std::string& folder,

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "sim/base/error.h"
@@ -68,11 +69,16 @@ TEST_F(ForceLogFile, ColumnsMayStandAnywhere) {
 
 // As SIGKILL within a write leaves it. The row may even have all its cells, the last without some digits.
 TEST_F(ForceLogFile, ARowThatAKilledRunLeftIncompleteIsNotRead) {
+  const std::string finished = path_, dir = dir_.path() + "/run.partial";
+  std::filesystem::create_directory(dir);
+  path_ = dir + "//./forces.csv";
   const std::string whole = std::string(kLogHeader) + "1,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n";
   for (const char* part : {"2", "2,0,0,0", "2,0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,-0.00"}) {
     EXPECT_EQ(read(whole + part).rows.size(), 1U) << part;
   }
   expect_complaint(kLogHeader + std::string("1,0,0"), "no row");
+  path_ = finished;
+  expect_complaint(whole + "2,0,0,0", "forces.csv:3");
 }
 
 TEST_F(ForceLogFile, MistakesAreNamedWithTheirLine) {

@@ -208,9 +208,51 @@ TEST_F(Meshes, BoneThatTheLatticeCutsIsClosedThere) {
   }
   write_bone_vdb(dir_.path() + "/reamed.vdb", voxmap, {}, {});
   const UnreamedSurface unreamed(voxmap, voxmap.fill, voxmap.fill);
-  const ReamedMesh reamed = make_reamed_mesh(dir_.path() + "/reamed.vdb", voxmap.grid, voxmap.bone_mm3(), unreamed);
+  const ReamedMesh reamed = make_reamed_mesh(dir_.path() + "/reamed.vdb", {voxmap, voxmap.fill}, unreamed);
   expect_solid(reamed.mesh, voxmap.bone_mm3());
   EXPECT_NEAR(diagnose(reamed.mesh).volume_mm3, 24 * 20 * 17 * 0.125, 0.001 * 24 * 20 * 17 * 0.125);
+}
+
+// A corner of a block is removed, between voxels: two convex edges, and a concave one.
+TEST_F(Meshes, EdgesOfTheReamingAreSharp) {
+  VoxelGrid grid;
+  grid.voxel_mm = 0.5;
+  grid.dims = Vec3i(40, 36, 30);
+  FilledVoxmap voxmap(grid);
+  const double wall = 20.3, floor = 14.4, top = 24.2;  // voxels: removed is x > wall and floor < z < top
+  const auto part = [](double from, double to, int voxel) {
+    return std::clamp(to, double(voxel), voxel + 1.0) - std::clamp(from, double(voxel), voxel + 1.0);
+  };
+  const auto set_fill = [&](bool reamed) {
+    for (int i = 0; i < grid.dims.prod(); ++i) {
+      const Vec3i voxel(i % 40, i / 40 % 36, i / (40 * 36));
+      const double whole = part(5, 35, voxel.x()) * part(5, 31, voxel.y()) * part(5, top, voxel.z());
+      const double lost = part(wall, 35, voxel.x()) * part(5, 31, voxel.y()) * part(floor, top, voxel.z());
+      const double fill = whole - (reamed ? lost : 0);
+      voxmap.grade.set(voxel, whole > 0 ? 200 : 0);
+      voxmap.fill.set(voxel, static_cast<std::uint16_t>(std::lround(fill * FillBricks::kWhole)));
+    }
+  };
+  set_fill(false);
+  const FillBricks before = voxmap.fill;
+  set_fill(true);
+  write_bone_vdb(dir_.path() + "/reamed.vdb", voxmap, {}, {});
+  const UnreamedSurface unreamed(voxmap, before, voxmap.fill);
+  const ReamedMesh reamed = make_reamed_mesh(dir_.path() + "/reamed.vdb", {voxmap, voxmap.fill}, unreamed);
+  EXPECT_TRUE(diagnose(reamed.mesh).closed_manifold());
+  int at_concave = 0, at_convex = 0;
+  for (const Vec3& mm : reamed.mesh.vertices) {
+    const Vec3 p = (mm - grid.origin_mm) / grid.voxel_mm;  // voxels from the lattice's corner
+    if (p.x() < wall - 2 || p.x() > 30 || p.y() < 10 || p.y() > 26 || p.z() < floor - 2) continue;
+    const double from_wall = p.z() > floor ? std::abs(p.x() - wall) : 1e9;
+    const double from_floor = p.x() > wall - 0.1 ? std::abs(p.z() - floor) : 1e9;
+    const double from_top = p.x() < wall + 0.1 ? std::abs(p.z() - top) : 1e9;
+    EXPECT_LT(std::min({from_wall, from_floor, from_top}), 0.01) << p.transpose();
+    at_concave += std::hypot(p.x() - wall, p.z() - floor) < 0.01 ? 1 : 0;
+    at_convex += std::hypot(p.x() - wall, p.z() - top) < 0.01 ? 1 : 0;
+  }
+  EXPECT_GT(at_concave, 10);
+  EXPECT_GT(at_convex, 10);
 }
 
 TEST_F(Meshes, WithoutBoneLeftThereAreNoneAndTheReportSaysSo) {

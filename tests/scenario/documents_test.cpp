@@ -11,6 +11,7 @@
 
 #include "sim/scenario/show.h"
 #include "sim/scenario/yaml_tree.h"
+#include "tests/scenario/key_documents.h"
 #include "tests/scenario/scenario_fixture.h"
 
 namespace reamsim::test {
@@ -86,6 +87,11 @@ class SchemaTest : public ScenarioTest {
 TEST(Documents, SchemaFileIsInStep) {
   EXPECT_TRUE(file_text(kRoot + "/assets/scenario.schema.json") == scenario_json_schema())
       << "run: ninja -C BUILD generate_scenario_docs";
+}
+
+TEST(Documents, SchemaOfStudiesIsInStep) {
+  const std::string schema = file_text(kRoot + "/assets/study.schema.json");
+  EXPECT_TRUE(schema == study_json_schema(schema)) << "run: ninja -C BUILD generate_scenario_docs";
 }
 
 TEST(Documents, KeyTableIsInStep) {

@@ -44,10 +44,5 @@ TEST_F(RunId, CountsPicturesOnlyWhereTheyAreKept) {
   EXPECT_NE(id("base.yaml", {"render.width_px=640"}, with_pictures), id("base.yaml", {}, with_pictures));
 }
 
-TEST_F(RunId, TheSchemaOfStudiesNamesTheKeysOfTheProgram) {
-  const std::string schema = file_bytes(REAMSIM_ROOT "/assets/study.schema.json");
-  EXPECT_EQ(schema, study_json_schema(schema)) << "run ninja -C build/release generate_scenario_docs";
-}
-
 }  // namespace
 }  // namespace reamsim::test

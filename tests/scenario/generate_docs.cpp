@@ -8,8 +8,7 @@
 #include <string>
 
 #include "sim/base/file.h"
-#include "sim/scenario/parse.h"
-#include "sim/study/study_plan.h"
+#include "tests/scenario/key_documents.h"
 
 namespace {
 
@@ -32,9 +31,10 @@ int main(int argc, char** argv) {
   }
   try {
     const std::string page = argv[2], study = argv[3];
-    reamsim::write_file(argv[1], reamsim::scenario_json_schema());
-    reamsim::write_file(page, with_table(reamsim::read_file(page, "the page of keys"), reamsim::scenario_key_table()));
-    reamsim::write_file(study, reamsim::study_json_schema(reamsim::read_file(study, "the schema of studies")));
+    reamsim::write_file(argv[1], reamsim::test::scenario_json_schema());
+    reamsim::write_file(page,
+                        with_table(reamsim::read_file(page, "the page of keys"), reamsim::test::scenario_key_table()));
+    reamsim::write_file(study, reamsim::test::study_json_schema(reamsim::read_file(study, "the schema of studies")));
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
