@@ -83,7 +83,7 @@ function(reamsim_test name)
   # Names of tests, which are short, must differ within a unit.
   set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 12)
   # Tests load their bones themselves, and leave nothing in the home of who runs them.
-  set(properties TIMEOUT ${REAMSIM_TEST_TIMEOUT_S} ENVIRONMENT REAMSIM_CACHE=off)
+  set(properties TIMEOUT ${REAMSIM_TEST_TIMEOUT_S} SKIP_RETURN_CODE 77 ENVIRONMENT REAMSIM_CACHE=off)
   if(ARG_HOST_THREADS)
     list(APPEND properties LABELS host_threads)
   endif()
@@ -93,7 +93,7 @@ function(reamsim_test name)
   set(suites "${CMAKE_CURRENT_BINARY_DIR}/${name}_suites.cmake")
   list(JOIN properties " " properties)
   add_custom_command(TARGET ${name} POST_BUILD VERBATIM BYPRODUCTS "${suites}"
-    COMMAND ${CMAKE_COMMAND} "-DPROGRAM=$<TARGET_FILE:${name}>" "-DFOLDER=${CMAKE_CURRENT_BINARY_DIR}" "-DPROPERTIES=${properties}"
+    COMMAND ${CMAKE_COMMAND} "-DPROGRAM=$<TARGET_FILE:${name}>" -DTIMEOUT=${REAMSIM_PROGRAM_TIMEOUT_S} "-DFOLDER=${CMAKE_CURRENT_BINARY_DIR}" "-DPROPERTIES=${properties}"
     "-DOUT=${suites}" -P "${PROJECT_SOURCE_DIR}/cmake/DiscoverSuites.cmake")
   set(include "${CMAKE_CURRENT_BINARY_DIR}/${name}_include.cmake")
   file(WRITE "${include}" "if(EXISTS \"${suites}\")\n  include(\"${suites}\")\nelse()\n"

@@ -191,7 +191,8 @@ void write_depth_picture(const RunData& run, double depth_max_mm) {
 
 void write_meshes(const RunData& run, double depth_max_mm, Diagnostics& report) {
   const std::string& dir = run.dir();
-  const ReamedMesh reamed = make_reamed_mesh(dir + "/reamed.vdb", {run.voxmap(), run.last_fill()}, run.unreamed());
+  const ReamedMesh reamed =
+      make_reamed_mesh(dir + "/reamed.vdb", {run.voxmap(), run.last_fill()}, run.unreamed(), run.inputs().whole_voxels);
   if (reamed.mesh.triangles.empty()) {
     std::filesystem::remove(dir + "/reamed.glb");
     std::filesystem::remove(dir + "/reamed.stl");

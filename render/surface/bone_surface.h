@@ -172,14 +172,14 @@ struct ReamedMesh {
 };
 
 /// Meshes the level set `surface` of the VDB file `path`, with depths below `unreamed`, at the level near 0 at which it
-/// encloses the volume of `bone`; closed where its lattice cuts the bone; with sharpen_edges(). Throws InputError when
-/// the level set is missing or damaged.
-ReamedMesh make_reamed_mesh(const std::string& path, const BoneView& bone, const UnreamedSurface& unreamed);
+/// encloses the volume of `bone`; closed where its lattice cuts the bone; with sharpen_edges() unless the erosion
+/// removed `whole_voxels`. Throws InputError when the level set is missing or damaged.
+ReamedMesh make_reamed_mesh(const std::string& path, const BoneView& bone, const UnreamedSurface& unreamed,
+                            bool whole_voxels);
 
-/// Moves the vertices of a smoothed mesh (B, mm), at reamed bone and up to three vertices from it, to where columns of
+/// Moves the vertices of a smoothed mesh (B, mm) at reamed bone, and up to three vertices from it, to where columns of
 /// voxels end and, at edges, to where the faces beside them meet: two quadratics, fitted to the surface up to 5.5
-/// voxels away. Keeps them where whole voxels were removed, or faces are rounder than a radius of 5 voxels. Turns no
-/// triangle.
+/// voxels away. Where these disagree with the fill, vertices stay. Turns no triangle over.
 void sharpen_edges(TriangleMesh& mesh, const BoneView& bone, const UnreamedSurface& unreamed);
 
 /// Writes a binary glTF 2.0, not by assimp, which exports no _DEPTH_MM: one mesh in B, mm, with depth colours up to

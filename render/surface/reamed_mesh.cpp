@@ -193,11 +193,12 @@ void write_chunks(const std::string& path, const std::string& json, const std::v
 
 }  // namespace
 
-ReamedMesh make_reamed_mesh(const std::string& path, const BoneView& bone, const UnreamedSurface& unreamed) {
+ReamedMesh make_reamed_mesh(const std::string& path, const BoneView& bone, const UnreamedSurface& unreamed,
+                            bool whole_voxels) {
   const VoxelGrid& grid = bone.voxmap.grid;
   ReamedMesh out;
   out.mesh = mesh_of_volume(*read_vdb_grid(path, "surface"), bone.bone_mm3(), grid.voxel_mm);
-  sharpen_edges(out.mesh, bone, unreamed);
+  if (!whole_voxels) sharpen_edges(out.mesh, bone, unreamed);
   out.normals = vertex_normals(out.mesh);
   add_reaming(out, grid, unreamed);
   return out;

@@ -43,15 +43,16 @@ class HeightFunctions {
     auto found = along(axes[0], normal[axes[0]] > 0 ? 1 : -1, near);
     return found ? found : along(axes[1], normal[axes[1]] > 0 ? 1 : -1, near);
   }
-  /// Whether the eight voxels about a point have some bone and some air.
-  [[nodiscard]] bool is_near_surface(const Vec3& point) const {
-    const Vec3i first = point.array().floor().cast<int>();
-    double least = 1, most = 0;
-    for_each_voxel(first, first + Vec3i::Ones(), [&](const Vec3i& voxel) {
-      least = std::min(least, fraction(voxel));
-      most = std::max(most, fraction(voxel));
+  /// Whether the 27 voxels about a point have as much bone as distance(point) from it says: not at a rounded edge.
+  template <class Distance>
+  [[nodiscard]] bool agree(const Vec3& about, const Distance& distance) const {
+    constexpr double kMost = 1.5;  // voxels; 2.6 at an edge of 90° rounded with a radius of 2
+    const Vec3i middle = about.array().round().cast<int>();
+    double more = 0;
+    for_each_voxel(middle - Vec3i::Ones(), middle + Vec3i::Ones(), [&](const Vec3i& voxel) {
+      more += std::clamp(0.5 - distance(voxel.cast<double>()), 0.0, 1.0) - fraction(voxel);
     });
-    return least < 1 && most > 0;
+    return std::abs(more) < kMost;
   }
 
  private:
@@ -180,13 +181,13 @@ struct Target {
   std::optional<Vec3> edge;
 };
 
-/// The target of a vertex from the points of the faces around it, the closest first.
-Target target_of(const Vec3& vertex, const std::vector<SurfacePoint>& around) {
+/// The target of a vertex from the points of the faces around it, the closest first; none where the voxels disagree.
+Target target_of(const Vec3& vertex, const std::vector<SurfacePoint>& around, const HeightFunctions& heights) {
   if (around.empty()) return {};
   const SurfacePoint& first = around[0];
   const auto other = std::ranges::find_if(around, [&](const SurfacePoint& p) {
     const double bend = std::min(first.curvature, p.curvature) * (p.point - first.point).norm();
-    return std::acos(std::min(1.0, p.normal.dot(first.normal))) > kEdgeAngle + bend;
+    return std::acos(std::clamp(p.normal.dot(first.normal), -1.0, 1.0)) > kEdgeAngle + bend;
   });
   const bool edge = other != around.end();
   std::array<std::vector<SurfacePoint>, 2> parts;
@@ -199,20 +200,28 @@ Target target_of(const Vec3& vertex, const std::vector<SurfacePoint>& around) {
     return fitted.misfit() < kMaxMisfit ? fitted : Face({closest}, vertex, closest.normal);
   };
   const Face a = face_through(parts[0], first);
-  if (!edge) return {a.closest(vertex), {}};
+  const SurfacePoint on_a = a.closest(vertex);
+  const auto onto_a = [&] {
+    return heights.agree(on_a.point, [&](const Vec3& p) { return a.distance(p); }) ? Target{on_a, {}} : Target{};
+  };
+  if (!edge) return onto_a();
   const Face b = face_through(parts[1], *other);
-  double side = 0;  // negative: convex bone
+  const Vec3 edge_point = meeting(a, b, vertex);
+  if (!((edge_point - vertex).norm() < 2 * kMaxShift)) return onto_a();  // or it is NaN
+  double side = 0;                                                       // negative: convex bone
   for (const SurfacePoint& p : parts[1]) side += a.distance(p.point);
-  const SurfacePoint on_a = a.closest(vertex), on_b = b.closest(vertex);
+  const auto distance = [&](const Vec3& p) {
+    return side < 0 ? std::max(a.distance(p), b.distance(p)) : std::min(a.distance(p), b.distance(p));
+  };
+  const SurfacePoint on_b = b.closest(vertex);
   const bool is_a = b.distance(on_a.point) * side >= 0, is_b = a.distance(on_b.point) * side >= 0;
   const bool a_is_closer = (on_a.point - vertex).norm() < (on_b.point - vertex).norm();
-  Target out{(is_a && (a_is_closer || !is_b)) ? on_a : on_b, meeting(a, b, vertex)};
-  if ((*out.edge - vertex).norm() > 2 * kMaxShift) out.edge.reset();
-  if (!is_a && !is_b && out.edge) out.face->point = *out.edge;
-  return out;
+  Target out{(is_a && (a_is_closer || !is_b)) ? on_a : on_b, edge_point};
+  if (!is_a && !is_b) out.face->point = edge_point;
+  return heights.agree(edge_point, distance) && heights.agree(out.face->point, distance) ? out : Target{};
 }
 
-/// A mesh in voxel index space while its vertices move.
+/// A part of a mesh in voxel index space while its vertices move.
 struct MovingMesh {
   const std::vector<MeshTriangle>& triangles;
   const Neighbours& neighbours;
@@ -237,8 +246,7 @@ struct MovingMesh {
     return out;
   }
   /// The points after the move. Of two neighbours on different faces the one closer to the edge goes there, so that no
-  /// triangle cuts it off. The corners of triangles that would turn over go to the mean of
-  /// their neighbours.
+  /// triangle cuts it off. The corners of triangles that would turn over go to the mean of their neighbours, or stay.
   [[nodiscard]] std::vector<Vec3> moved(const std::vector<Target>& targets) const {
     std::vector<Vec3> out = points;
     const auto from_edge = [&](const Target& t) { return t.edge ? (*t.edge - t.face->point).norm() : 1e9; };
@@ -254,15 +262,19 @@ struct MovingMesh {
       const Vec3& to = to_edge ? *own.edge : own.face->point;
       if ((to - points[i]).norm() < 2 * kMaxShift) out[i] = to;
     }
-    constexpr int kRounds = 4;  // a corner that is moved may turn another triangle
-    for (int round = 0; round < kRounds; ++round) {
+    constexpr int kRounds = 4;  // of means; one that turns another triangle is moved again
+    bool turned = true;
+    for (int round = 0; turned; ++round) {
+      turned = false;
       const std::vector<Vec3> before = out;
       for (const MeshTriangle& t : triangles) {
-        if (area(t, before).dot(area(t, points)) > 0) continue;
+        const bool is_moved = std::ranges::any_of(t, [&](std::int32_t i) { return before[i] != points[i]; });
+        if (!is_moved || area(t, before).dot(area(t, points)) > 0) continue;
+        turned = true;
         for (const std::int32_t corner : t) {
           Vec3 sum = Vec3::Zero();
           for (const std::uint32_t next : neighbours.of(corner)) sum += before[next];
-          out[corner] = sum / static_cast<double>(neighbours.of(corner).size());
+          out[corner] = round < kRounds ? sum / static_cast<double>(neighbours.of(corner).size()) : points[corner];
         }
       }
     }
@@ -270,46 +282,67 @@ struct MovingMesh {
   }
 };
 
+/// The vertices within kRings triangles of removed bone. `points` in voxel index space.
+std::vector<std::uint8_t> near_reaming(const TriangleMesh& mesh, const std::vector<Vec3>& points, const BoneView& bone,
+                                       const FillBricks& before) {
+  std::vector<std::uint8_t> near(points.size(), 0);
+  parallel_items(points.size(), [&](std::size_t i) {
+    const Vec3i first = points[i].array().floor().cast<int>();
+    for_each_voxel(first, first + Vec3i::Ones(), [&](const Vec3i& voxel) {
+      if (bone.voxmap.grid.contains(voxel) && bone.fill.get(voxel) < before.get(voxel)) near[i] = 1;
+    });
+  });
+  for (int ring = 0; ring < kRings; ++ring) {
+    const std::vector<std::uint8_t> inner = near;
+    for (const MeshTriangle& t : mesh.triangles) {
+      if (inner[t[0]] == 0 && inner[t[1]] == 0 && inner[t[2]] == 0) continue;
+      for (const std::int32_t corner : t) near[corner] = 1;
+    }
+  }
+  return near;
+}
+
 }  // namespace
 
 void sharpen_edges(TriangleMesh& mesh, const BoneView& bone, const UnreamedSurface& unreamed) {
-  constexpr float kInside = -0.03F;  // of the unreamed bone
   const VoxelGrid& grid = bone.voxmap.grid;
-  std::vector<std::uint32_t> corners;
-  for (const MeshTriangle& triangle : mesh.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
-  const Neighbours neighbours(mesh.vertices.size(), corners);
-  MovingMesh moving{mesh.triangles, neighbours, {}};
-  for (const Vec3& p : mesh.vertices)
-    moving.points.emplace_back((p - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5));
-  std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
-  for (const MeshTriangle& t : mesh.triangles)
-    for (const std::int32_t corner : t) normals[corner] += MovingMesh::area(t, moving.points);
-  std::vector<float> field = unreamed.field.at(moving.points);
-  for (int ring = 0; ring < kRings; ++ring) {
-    const std::vector<float> before = field;
-    for (std::size_t i = 0; i < field.size(); ++i)
-      for (const std::uint32_t next : neighbours.of(i)) field[i] = std::min(field[i], before[next]);
+  std::vector<Vec3> all;
+  for (const Vec3& p : mesh.vertices) all.emplace_back((p - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5));
+  const std::vector<std::uint8_t> near = near_reaming(mesh, all, bone, unreamed.before);
+  std::vector<std::size_t> vertices;  // of the part
+  std::vector<std::int32_t> slots(all.size(), -1);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (near[i] == 0) continue;
+    slots[i] = static_cast<std::int32_t>(points.size());
+    vertices.push_back(i);
+    points.push_back(all[i]);
   }
-  const auto for_each_near_reaming = [&](const auto& visit) {
-    parallel_ranges(field.size(), 512, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        if (field[i] < kInside) visit(i);
-    });
-  };
+  std::vector<MeshTriangle> triangles;
+  std::vector<std::uint32_t> corners;
+  std::vector<Vec3> normals(points.size(), Vec3::Zero());
+  for (const MeshTriangle& whole : mesh.triangles) {
+    const MeshTriangle t{slots[whole[0]], slots[whole[1]], slots[whole[2]]};
+    if (std::ranges::min(t) < 0) continue;
+    triangles.push_back(t);
+    corners.insert(corners.end(), t.begin(), t.end());
+    for (const std::int32_t corner : t) normals[corner] += MovingMesh::area(t, points);
+  }
+  const Neighbours neighbours(points.size(), corners);
+  const MovingMesh moving{triangles, neighbours, points};
   const HeightFunctions heights(bone);
-  std::vector<Target> smooth(field.size());
-  for_each_near_reaming([&](std::size_t i) { smooth[i].face = heights.at(moving.points[i], normals[i].normalized()); });
+  std::vector<Target> smooth(points.size());
+  parallel_items(points.size(),
+                 [&](std::size_t i) { smooth[i].face = heights.at(points[i], normals[i].normalized()); });
   std::vector<Target> targets = smooth;
-  for_each_near_reaming([&](std::size_t i) {
-    if (smooth[i].face) return;
-    Target& target = targets[i] = target_of(moving.points[i], moving.faces_around(i, smooth));
-    if (target.edge && !heights.is_near_surface(*target.edge)) target = {};
-    if (target.face && !heights.is_near_surface(target.face->point)) target = {};
+  parallel_items(points.size(), [&](std::size_t i) {
+    if (!smooth[i].face) targets[i] = target_of(points[i], moving.faces_around(i, smooth), heights);
   });
   const std::vector<Vec3> moved = moving.moved(targets);
-  for (std::size_t i = 0; i < moved.size(); ++i)
-    if (moved[i] != moving.points[i])
-      mesh.vertices[i] = grid.origin_mm + grid.voxel_mm * (moved[i] + Vec3::Constant(0.5));
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    if (moved[i] == points[i]) continue;
+    mesh.vertices[vertices[i]] = grid.origin_mm + grid.voxel_mm * (moved[i] + Vec3::Constant(0.5));
+  }
 }
 
 }  // namespace reamsim

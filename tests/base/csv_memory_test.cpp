@@ -56,7 +56,7 @@ bool write_with_failure(const std::string& path, long n) {
   return false;
 }
 
-TEST(CsvWriter, RowsAreWholeWhereMemoryIsExhausted) {
+TEST(CsvMemory, RowsAreWholeWhereMemoryIsExhausted) {
   const std::string path = testing::TempDir() + "exhausted.csv";
   long failures = 0;
   while (write_with_failure(path, failures)) {

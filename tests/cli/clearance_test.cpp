@@ -17,9 +17,9 @@ const std::string kWithHolder = with(kSmall, "motion:\n",
                                      "    - {from_z_mm: 60, to_z_mm: 100, diameter_mm: 30, end_diameter_mm: 40}\n"
                                      "clearance: {least_mm: 10.9}\nmotion:\n");
 
-class Clearance : public CliTest {};
+class ClearanceCommand : public CliTest {};
 
-TEST_F(Clearance, IsReportedAndWarnedOf) {
+TEST_F(ClearanceCommand, IsReportedAndWarnedOf) {
   const ProgramResult done = run(kWithHolder);
   expect_done(done);
   EXPECT_THAT(done.out, HasSubstr("clearance of the holder: at least 11.00 mm, shaft from the bone at ("));
@@ -42,7 +42,7 @@ TEST_F(Clearance, IsReportedAndWarnedOf) {
                     HasSubstr("end_diameter_mm: 40")));
 }
 
-TEST_F(Clearance, FromTheAcromionOfAScan) {
+TEST_F(ClearanceCommand, FromTheAcromionOfAScan) {
   if (!std::filesystem::exists(data_file("shoulder_ct/shoulder_left.nrrd"))) GTEST_SKIP() << "set REAMSIM_DATA";
   const auto check_mm = [&](const std::string& diameter_mm) {
     std::vector<std::string> arguments{"check", REAMSIM_ROOT "/trajectories/ct_shoulder.yaml", "--set",
@@ -57,7 +57,7 @@ TEST_F(Clearance, FromTheAcromionOfAScan) {
   EXPECT_NEAR(check_mm("30") - check_mm("40"), 5, 0.04);
 }
 
-TEST_F(Clearance, MistakesAreInputErrors) {
+TEST_F(ClearanceCommand, MistakesAreInputErrors) {
   expect_refused(run(with(kWithHolder, "to_z_mm: 60,", "to_z_mm: 12,")), 2,
                  {"tool.holder.0.to_z_mm", "found 12", "more than from_z_mm, 12"});
   expect_refused(run(with(kWithHolder, "{least_mm: 10.9}", "{least_mm: 1, envelope: {path: none.stl}}")), 2,

@@ -9,8 +9,10 @@
 namespace reamsim::test {
 namespace {
 
+using DeepReam = CliTest;
+
 // A ream through the whole vault opens a breach of thousands of columns, which the depth map sorts into hole and rim.
-TEST_F(CliTest, AReamThroughTheVaultOfARealShoulderStaysWithinTwoGigabytes) {
+TEST_F(DeepReam, AReamThroughTheVaultOfARealShoulderStaysWithinTwoGigabytes) {
   const std::string scan = data_file("shoulder_ct/shoulder_left.nrrd");
   if (!std::filesystem::exists(scan)) GTEST_SKIP() << "no " << scan << "; set REAMSIM_DATA";
   std::vector<std::string> arguments{"run",   REAMSIM_ROOT "/trajectories/ct_shoulder.yaml",

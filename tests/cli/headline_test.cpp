@@ -87,7 +87,9 @@ TEST_P(HeadlineTest, IsTheSameEverywhere) {
   EXPECT_THAT(report, HasSubstr("[\"" + depth_name + "\",\"" + depth + "\",\"mm\"]"));
 }
 
-TEST_F(CliTest, HeadlineTorqueDoesNotDependOnTheSenseOfTheSpin) {
+using HeadlineOfARun = CliTest;
+
+TEST_F(HeadlineOfARun, TorqueDoesNotDependOnTheSenseOfTheSpin) {
   const auto headline = [&](const std::string& spin_rpm) {
     expect_done(run(with(kSmall, "    depth_mm: 1\n", "    depth_mm: 1\n    spin_rpm: " + spin_rpm + "\n")));
     std::filesystem::remove_all(path("before"));

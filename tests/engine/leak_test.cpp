@@ -110,7 +110,7 @@ double measured_leak(double spacing_voxels) {
   return static_cast<double>(left) / static_cast<double>(swept);
 }
 
-TEST(Leak, IsAboutWhatIsWarnedOf) {
+TEST(LeakOfAShell, IsAboutWhatIsWarnedOf) {
   for (const double spacing : {0.6, 0.7}) EXPECT_EQ(measured_leak(spacing), 0) << spacing;
   for (const double spacing : {1.0, 1.5}) {
     const double factor = measured_leak(spacing) / expected_leak(spacing);

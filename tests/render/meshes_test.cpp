@@ -208,51 +208,100 @@ TEST_F(Meshes, BoneThatTheLatticeCutsIsClosedThere) {
   }
   write_bone_vdb(dir_.path() + "/reamed.vdb", voxmap, {}, {});
   const UnreamedSurface unreamed(voxmap, voxmap.fill, voxmap.fill);
-  const ReamedMesh reamed = make_reamed_mesh(dir_.path() + "/reamed.vdb", {voxmap, voxmap.fill}, unreamed);
+  const ReamedMesh reamed = make_reamed_mesh(dir_.path() + "/reamed.vdb", {voxmap, voxmap.fill}, unreamed, false);
   expect_solid(reamed.mesh, voxmap.bone_mm3());
   EXPECT_NEAR(diagnose(reamed.mesh).volume_mm3, 24 * 20 * 17 * 0.125, 0.001 * 24 * 20 * 17 * 0.125);
 }
 
-// A corner of a block is removed, between voxels: two convex edges, and a concave one.
-TEST_F(Meshes, EdgesOfTheReamingAreSharp) {
-  VoxelGrid grid;
-  grid.voxel_mm = 0.5;
-  grid.dims = Vec3i(40, 36, 30);
-  FilledVoxmap voxmap(grid);
-  const double wall = 20.3, floor = 14.4, top = 24.2;  // voxels: removed is x > wall and floor < z < top
-  const auto part = [](double from, double to, int voxel) {
-    return std::clamp(to, double(voxel), voxel + 1.0) - std::clamp(from, double(voxel), voxel + 1.0);
-  };
-  const auto set_fill = [&](bool reamed) {
-    for (int i = 0; i < grid.dims.prod(); ++i) {
-      const Vec3i voxel(i % 40, i / 40 % 36, i / (40 * 36));
-      const double whole = part(5, 35, voxel.x()) * part(5, 31, voxel.y()) * part(5, top, voxel.z());
-      const double lost = part(wall, 35, voxel.x()) * part(5, 31, voxel.y()) * part(floor, top, voxel.z());
-      const double fill = whole - (reamed ? lost : 0);
-      voxmap.grade.set(voxel, whole > 0 ? 200 : 0);
-      voxmap.fill.set(voxel, static_cast<std::uint16_t>(std::lround(fill * FillBricks::kWhole)));
+// A block of which a corner is removed, between voxels: two convex edges, and a concave one, rounded or not.
+class NotchedBlock : public Meshes {
+ protected:
+  static constexpr double kWall = 20.3, kFloor = 14.4, kTop = 24.2;  // voxels: removed is x > kWall, z > kFloor
+
+  /// Its mesh, in voxels. `radius`: of the fillet between wall and floor.
+  TriangleMesh mesh(double radius, bool whole_voxels = false) {
+    VoxelGrid grid;
+    grid.voxel_mm = 0.5;
+    grid.dims = Vec3i(40, 36, 30);
+    FilledVoxmap voxmap(grid);
+    const auto part = [](double from, double to, int voxel) {
+      return std::clamp(to, double(voxel), voxel + 1.0) - std::clamp(from, double(voxel), voxel + 1.0);
+    };
+    const auto set_fill = [&](bool reamed) {
+      for (int i = 0; i < grid.dims.prod(); ++i) {
+        const Vec3i voxel(i % 40, i / 40 % 36, i / (40 * 36));
+        const double along_y = part(5, 31, voxel.y());
+        const double whole = part(5, 35, voxel.x()) * part(5, kTop, voxel.z());
+        const double lost = part(kWall, 35, voxel.x()) * part(kFloor, kTop, voxel.z()) - fillet(voxel, radius);
+        voxmap.grade.set(voxel, whole * along_y > 0 ? 200 : 0);
+        const double fill = along_y * (whole - (reamed ? lost : 0));
+        voxmap.fill.set(voxel, static_cast<std::uint16_t>(std::lround(fill * FillBricks::kWhole)));
+      }
+    };
+    set_fill(false);
+    const FillBricks before = voxmap.fill;
+    set_fill(true);
+    write_bone_vdb(dir_.path() + "/reamed.vdb", voxmap, {}, {});
+    const UnreamedSurface unreamed(voxmap, before, voxmap.fill);
+    const BoneView bone(voxmap, voxmap.fill);
+    TriangleMesh out = make_reamed_mesh(dir_.path() + "/reamed.vdb", bone, unreamed, whole_voxels).mesh;
+    EXPECT_TRUE(diagnose(out).closed_manifold());
+    for (Vec3& p : out.vertices) p = (p - grid.origin_mm) / grid.voxel_mm;
+    return out;
+  }
+  /// The part of a voxel in the fillet, by 32² samples.
+  static double fillet(const Vec3i& voxel, double radius) {
+    int inside = 0;
+    for (int i = 0; i < 32 * 32; ++i) {
+      const double x = voxel.x() + (i % 32 + 0.5) / 32 - kWall, z = voxel.z() + (i / 32 + 0.5) / 32 - kFloor;
+      const bool near = x > 0 && z > 0 && x < radius && z < radius;
+      inside += near && std::hypot(radius - x, radius - z) > radius ? 1 : 0;
     }
-  };
-  set_fill(false);
-  const FillBricks before = voxmap.fill;
-  set_fill(true);
-  write_bone_vdb(dir_.path() + "/reamed.vdb", voxmap, {}, {});
-  const UnreamedSurface unreamed(voxmap, before, voxmap.fill);
-  const ReamedMesh reamed = make_reamed_mesh(dir_.path() + "/reamed.vdb", {voxmap, voxmap.fill}, unreamed);
-  EXPECT_TRUE(diagnose(reamed.mesh).closed_manifold());
+    return inside / (32.0 * 32);
+  }
+  /// Whether a vertex is within two voxels of the notch's faces, away from its ends.
+  static bool is_near(const Vec3& p) {
+    return p.x() > kWall - 2 && p.x() < 30 && p.y() > 10 && p.y() < 26 && p.z() > kFloor - 2;
+  }
+};
+
+TEST_F(NotchedBlock, HasSharpEdges) {
   int at_concave = 0, at_convex = 0;
-  for (const Vec3& mm : reamed.mesh.vertices) {
-    const Vec3 p = (mm - grid.origin_mm) / grid.voxel_mm;  // voxels from the lattice's corner
-    if (p.x() < wall - 2 || p.x() > 30 || p.y() < 10 || p.y() > 26 || p.z() < floor - 2) continue;
-    const double from_wall = p.z() > floor ? std::abs(p.x() - wall) : 1e9;
-    const double from_floor = p.x() > wall - 0.1 ? std::abs(p.z() - floor) : 1e9;
-    const double from_top = p.x() < wall + 0.1 ? std::abs(p.z() - top) : 1e9;
+  for (const Vec3& p : mesh(0).vertices) {
+    if (!is_near(p)) continue;
+    const double from_wall = p.z() > kFloor ? std::abs(p.x() - kWall) : 1e9;
+    const double from_floor = p.x() > kWall - 0.1 ? std::abs(p.z() - kFloor) : 1e9;
+    const double from_top = p.x() < kWall + 0.1 ? std::abs(p.z() - kTop) : 1e9;
     EXPECT_LT(std::min({from_wall, from_floor, from_top}), 0.01) << p.transpose();
-    at_concave += std::hypot(p.x() - wall, p.z() - floor) < 0.01 ? 1 : 0;
-    at_convex += std::hypot(p.x() - wall, p.z() - top) < 0.01 ? 1 : 0;
+    at_concave += std::hypot(p.x() - kWall, p.z() - kFloor) < 0.01 ? 1 : 0;
+    at_convex += std::hypot(p.x() - kWall, p.z() - kTop) < 0.01 ? 1 : 0;
   }
   EXPECT_GT(at_concave, 10);
   EXPECT_GT(at_convex, 10);
+}
+
+TEST_F(NotchedBlock, KeepsAFillet) {
+  for (const double radius : {2.0, 3.0, 6.0}) {
+    const auto largest_error = [&](bool whole_voxels) {
+      double largest = 0;
+      for (const Vec3& p : mesh(radius, whole_voxels).vertices) {
+        const double x = p.x() - kWall - radius, z = p.z() - kFloor - radius;
+        if (is_near(p) && x < 0 && z < 0) largest = std::max(largest, std::abs(std::hypot(x, z) - radius));
+      }
+      return largest;
+    };
+    const double smooth = largest_error(true), sharp = largest_error(false);
+    EXPECT_LE(sharp, smooth) << radius;
+    EXPECT_LT(smooth, 0.4) << radius;
+  }
+}
+
+TEST_F(NotchedBlock, StaysSmoothWhereVoxelsWereRemovedWhole) {
+  double nearest = 1e9;
+  for (const Vec3& p : mesh(0, true).vertices) {
+    if (is_near(p)) nearest = std::min(nearest, std::hypot(p.x() - kWall, p.z() - kTop));
+  }
+  EXPECT_GT(nearest, 0.1);
 }
 
 TEST_F(Meshes, WithoutBoneLeftThereAreNoneAndTheReportSaysSo) {

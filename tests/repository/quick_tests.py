@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""quick_tests.py ROOT BUILD: every name of tests/quick.txt is a suite or a test of the build. quick_tests.py ROOT: prints the regular
+"""quick_tests.py ROOT BUILD: every name of tests/quick.txt is a suite or a test of the build, whose names differ. quick_tests.py ROOT: prints the regular
 expression of these tests for CTest."""
 
 import json
@@ -24,6 +24,7 @@ def main():
     listed = subprocess.run(["ctest", "--test-dir", sys.argv[2], "--show-only=json-v1"], capture_output=True, text=True, check=True)
     tests = [test["name"] for test in json.loads(listed.stdout)["tests"]]
     assert len(tests) > 250, len(tests)
+    assert len(set(tests)) == len(tests), "CTest mixes up tests of one name: " + ", ".join(sorted({name for name in tests if tests.count(name) > 1}))
     there = {*tests, *(test.split("/")[-1] for test in tests)}
     stale = [name for name in chosen if name not in there]
     assert not stale, f"tests/quick.txt names no test of the build: {stale}"
