@@ -33,14 +33,15 @@ TriangleMesh mesh_at(const openvdb::FloatGrid& surface, double level_mm) {
   return mesh;
 }
 
-/// The mesh at the level where it encloses `volume_mm3`, by Newton's method: dV/dlevel is the surface area.
-TriangleMesh mesh_of_volume(const openvdb::FloatGrid& surface, double volume_mm3, double voxel_mm) {
+/// The mesh by mesh_at(level) that encloses `volume_mm3`, by Newton's method: dV/dlevel is the surface area, nearly.
+template <class MeshAt>
+TriangleMesh mesh_of_volume(const MeshAt& mesh_at, double volume_mm3, double voxel_mm) {
   double level_mm = 0;
-  TriangleMesh mesh = mesh_at(surface, level_mm);
+  TriangleMesh mesh = mesh_at(level_mm);
   for (int i = 0; i < kNewtonSteps && !mesh.triangles.empty(); ++i) {
     const double max_mm = kMaxShift_voxels * voxel_mm;
     level_mm = std::clamp(level_mm + (volume_mm3 - mesh.volume_mm3()) / mesh.area_mm2(), -max_mm, max_mm);
-    mesh = mesh_at(surface, level_mm);
+    mesh = mesh_at(level_mm);
   }
   return mesh;
 }
@@ -197,8 +198,13 @@ ReamedMesh make_reamed_mesh(const std::string& path, const BoneView& bone, const
                             bool whole_voxels) {
   const VoxelGrid& grid = bone.voxmap.grid;
   ReamedMesh out;
-  out.mesh = mesh_of_volume(*read_vdb_grid(path, "surface"), bone.bone_mm3(), grid.voxel_mm);
-  if (!whole_voxels) sharpen_edges(out.mesh, bone, unreamed);
+  const auto surface = read_vdb_grid(path, "surface");
+  const auto sharp_mesh_at = [&](double level_mm) {
+    TriangleMesh mesh = mesh_at(*surface, level_mm);
+    if (!whole_voxels) sharpen_edges(mesh, bone, unreamed);
+    return mesh;
+  };
+  out.mesh = mesh_of_volume(sharp_mesh_at, bone.bone_mm3(), grid.voxel_mm);
   out.normals = vertex_normals(out.mesh);
   add_reaming(out, grid, unreamed);
   return out;
