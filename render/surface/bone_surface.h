@@ -179,7 +179,8 @@ ReamedMesh make_reamed_mesh(const std::string& path, const BoneView& bone, const
 
 /// Moves the vertices of a smoothed mesh (B, mm) at reamed bone, and up to three vertices from it, to where columns of
 /// voxels end and, at edges, to where the faces beside them meet: two quadratics, fitted to the surface up to 5.5
-/// voxels away. Where these disagree with the fill, vertices stay. Turns no triangle over.
+/// voxels away. Where these disagree with the fill, vertices stay; on rough bone, those at all edges. Turns no triangle
+/// over.
 void sharpen_edges(TriangleMesh& mesh, const BoneView& bone, const UnreamedSurface& unreamed);
 
 /// Writes a binary glTF 2.0, not by assimp, which exports no _DEPTH_MM: one mesh in B, mm, with depth colours up to

@@ -175,13 +175,13 @@ Vec3 meeting(const Face& a, const Face& b, const Vec3& start) {
   return out;
 }
 
-/// Where a vertex goes: onto its face, or to the edge near it.
+/// Target positions of a vertex: on its face, and on the nearby edge.
 struct Target {
   std::optional<SurfacePoint> face;
   std::optional<Vec3> edge;
 };
 
-/// The target of a vertex from the points of the faces around it, the closest first; none where the voxels disagree.
+/// The target of a vertex, given the points of the faces around it, the closest first; none if the fill disagrees.
 Target target_of(const Vec3& vertex, const std::vector<SurfacePoint>& around, const HeightFunctions& heights) {
   if (around.empty()) return {};
   const SurfacePoint& first = around[0];
@@ -245,8 +245,9 @@ struct MovingMesh {
     std::ranges::stable_sort(out, {}, [&](const auto& p) { return (p.point - points[vertex]).squaredNorm(); });
     return out;
   }
-  /// The points after the move. Of two neighbours on different faces the one closer to the edge goes there, so that no
-  /// triangle cuts it off. The corners of triangles that would turn over go to the mean of their neighbours, or stay.
+  /// The vertex positions after the move. If two neighbours lie on different faces, the one closer to the edge moves to
+  /// the edge, so that no triangle cuts the edge off. Corners of triangles that would turn over move to the mean of
+  /// their neighbours, or stay.
   [[nodiscard]] std::vector<Vec3> moved(const std::vector<Target>& targets) const {
     std::vector<Vec3> out = points;
     const auto from_edge = [&](const Target& t) { return t.edge ? (*t.edge - t.face->point).norm() : 1e9; };
@@ -338,6 +339,10 @@ void sharpen_edges(TriangleMesh& mesh, const BoneView& bone, const UnreamedSurfa
   parallel_items(points.size(), [&](std::size_t i) {
     if (!smooth[i].face) targets[i] = target_of(points[i], moving.faces_around(i, smooth), heights);
   });
+  // On rough bone, as from a CT, a quarter of the vertices at edges have no target, and the others would make it
+  // ragged.
+  const auto none = [](const Target& target) { return !target.face; };
+  if (10 * std::ranges::count_if(targets, none) > std::ranges::count_if(smooth, none)) targets = smooth;
   const std::vector<Vec3> moved = moving.moved(targets);
   for (std::size_t i = 0; i < moved.size(); ++i) {
     if (moved[i] == points[i]) continue;
