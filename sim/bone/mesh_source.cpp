@@ -139,8 +139,7 @@ std::size_t close_surface(const MeshBoneSettings& settings, const MeshDiagnosis&
   RepairResult done = clean(mesh);
   if (const std::size_t opposite = diagnose(mesh).inconsistent_edges; opposite > 0) {
     refuse_file(settings.path, "the triangles cannot be turned alike",
-                fmt::format("orient the triangles of the mesh alike: {} between triangles with opposite orientation",
-                            opposite == 1 ? "1 edge lies" : fmt::format("{} edges lie", opposite)));
+                fmt::format("orient them alike; edges between triangles of opposite orientation: {}", opposite));
   }
   const std::vector<MeshHole> holes = holes_of(mesh);
   const double area_mm2 = mesh.area_mm2();

@@ -2,16 +2,17 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""What a user waits for: user_waits.py REAMSIM [OLD] [--repeats N]
+"""What a user waits for: user_waits.py REAMSIM [OLD] [--repeats N] [--store]
 
 Prints a table of wall time and processor time (medians) of the commands below: the first time on a bone, with an empty
-store of bones and compiled kernels, and again. With OLD, another reamsim, its figures too, measured alternately, and
-the ratios. Needs REAMSIM_DATA for the rows of a CT. Run it on an idle machine; it is no test.
+store of bones and compiled kernels, and again; then peak memory, MB, and the ratio of the wall time to that in
+user_waits.json, which --store replaces. With OLD, another reamsim, its figures too, measured alternately, and the
+ratios. Needs REAMSIM_DATA for the rows of a CT. Run it on an idle machine; it is no test.
 """
 
 import argparse
+import json
 import os
-import resource
 import shutil
 import statistics
 import subprocess
@@ -19,6 +20,7 @@ import tempfile
 import time
 from pathlib import Path
 
+STORED = Path(__file__).with_suffix(".json")
 TRAJECTORIES = Path(__file__).resolve().parents[2] / "trajectories"
 WITHOUT_PICTURES = ["--set", "render.enabled=false", "--set", "output.vti=false", "--set", "output.meshes=false"]
 
@@ -38,26 +40,28 @@ def rows(data):
 
 
 def seconds(program, arguments, cache, folder):
-    """Wall time and processor time of a command."""
+    """Wall time, processor time and peak memory, MB, of a command."""
     out = Path(tempfile.mkdtemp(dir=folder)) / "out"
     command = [program] + [text.replace("OUT", str(out)) for text in arguments]
     environment = {**os.environ, "XDG_CACHE_HOME": cache}
     for variable in ("POCL_CACHE_DIR", "MESA_SHADER_CACHE_DIR"):  # compiled kernels and shaders stay
         environment[variable] = f"{folder}/{variable}"
         os.makedirs(environment[variable], exist_ok=True)
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begin = time.monotonic()
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
-    wall_s = time.monotonic() - begin
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    if done.returncode != 0:
-        raise SystemExit(f"{' '.join(command)}: exit status {done.returncode}: {done.stderr}")
+    with tempfile.TemporaryFile("w+") as errors:
+        process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=errors)
+        _, status, used = os.wait4(process.pid, 0)
+        wall_s = time.monotonic() - begin
+        process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode != 0:
+            errors.seek(0)
+            raise SystemExit(f"{' '.join(command)}: exit status {process.returncode}: {errors.read()}")
     shutil.rmtree(out.parent)
-    return wall_s, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return wall_s, used.ru_utime + used.ru_stime, used.ru_maxrss / 1000
 
 
 def measure(programs, arguments, repeats, folder):
-    """By program and turn (first, again): the medians of wall and processor time."""
+    """By program and turn (first, again): the medians of seconds()."""
     found = {}
     for program in programs:
         seconds(program, arguments, tempfile.mkdtemp(dir=folder), folder)  # compiles kernels
@@ -74,20 +78,28 @@ def main():
     parser.add_argument("program")
     parser.add_argument("old", nargs="?")
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--store", action="store_true")
     options = parser.parse_args()
     programs = [options.program] + ([options.old] if options.old else [])
-    print("| command | turn | wall, s | processor, s |" + (" old wall, s | ratio |" if options.old else ""))
-    print("|---|---|---|---|" + ("---|---|" if options.old else ""))
+    stored = json.loads(STORED.read_text()) if STORED.exists() else {}
+    measured = {}
+    print("| command | turn | wall, s | processor, s | peak, MB | of stored |" + (" old wall, s | ratio |" if options.old else ""))
+    print("|---|---|---|---|---|---|" + ("---|---|" if options.old else ""))
     with tempfile.TemporaryDirectory() as folder:
         for name, arguments in rows(os.environ.get("REAMSIM_DATA")):
             old = options.old if "--draft" not in arguments else None
             times = measure(programs if old else programs[:1], arguments, options.repeats, folder)
             for turn in ("first", "again"):
-                wall_s, processor_s = times[options.program, turn]
-                line = f"| `{name}` | {turn} | {wall_s:.2f} | {processor_s:.2f} |"
+                wall_s, processor_s, peak_mb = times[options.program, turn]
+                measured[f"{name}, {turn}"] = round(wall_s, 2)
+                before = stored.get(f"{name}, {turn}")
+                ratio = f"{wall_s / before:.2f}" if before else "none"
+                line = f"| `{name}` | {turn} | {wall_s:.2f} | {processor_s:.2f} | {peak_mb:.0f} | {ratio} |"
                 if old:
                     line += f" {times[old, turn][0]:.2f} | {wall_s / times[old, turn][0]:.2f} |"
                 print(line, flush=True)
+    if options.store:
+        STORED.write_text(json.dumps(measured, indent=1) + "\n")
 
 
 if __name__ == "__main__":

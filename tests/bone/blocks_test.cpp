@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "bone_fixture.h"
@@ -56,6 +57,11 @@ TEST(Cup, TakesTheCapOutOfTheBlock) {
   EXPECT_NEAR(bone.view().bone_mm3(), 32 * 32 * 8 - cap_mm3, 0.005 * cap_mm3);
   EXPECT_EQ(grade_at(bone, {0, 0, -3.8}), 0);
   EXPECT_NE(grade_at(bone, {0, 0, -4.2}), 0);
+  for (const Vec2& away : {Vec2(6, 0), Vec2(-6, 0), Vec2(0, 6), Vec2(0, -6)}) {
+    const double bottom_mm = (20 - 4) - std::sqrt(20 * 20 - away.squaredNorm());
+    EXPECT_EQ(grade_at(bone, {away.x(), away.y(), bottom_mm + 0.2}), 0) << away.transpose();
+    EXPECT_NE(grade_at(bone, {away.x(), away.y(), bottom_mm - 0.2}), 0) << away.transpose();
+  }
 }
 
 TEST(Cup, ItsRimLiesOnTheTopFaceAndTheSphere) {

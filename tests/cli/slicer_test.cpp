@@ -174,6 +174,9 @@ TEST_F(SlicerTest, ASegmentationOfTheReamedBoneLiesOverTheScan) {
   std::array<int, 3> size{};
   Point origin{};
   ASSERT_EQ(std::sscanf(header.c_str() + header.find("sizes:"), "sizes: %d %d %d", size.data(), &size[1], &size[2]), 3);
+  const std::string extent = "Extent:=0 " + std::to_string(size[0] - 1) + " 0 " + std::to_string(size[1] - 1) + " 0 " +
+                             std::to_string(size[2] - 1) + "\n";
+  EXPECT_THAT(header + "\n", AllOf(HasSubstr("\nSegment0_" + extent), HasSubstr("\nSegment1_" + extent)));
   ASSERT_EQ(std::sscanf(header.c_str() + header.find("space origin:"), "space origin: (%lf,%lf,%lf)", origin.data(),
                         &origin[1], &origin[2]),
             3);

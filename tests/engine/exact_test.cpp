@@ -75,6 +75,27 @@ TEST(Exact, EqualsTheSerialReference) {
   expect_all_shapes_give(serial, [](const std::string& device) { return exact(oblique_scene(device)); });
 }
 
+TEST(Exact, EqualsTheSerialReferenceFarFromTheOriginOfTheLattice) {
+  // The end of a bar of 64 superbricks along each axis: their places are multiples of their index.
+  constexpr double kLength_mm = 409.6, kWidth_mm = 6.4, kVoxel_mm = 0.2;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto scene = [&](const std::string& device) {
+      SimulationInput out;
+      out.scenario = quiet_scenario(device);
+      Vec3 size_mm = Vec3::Constant(kWidth_mm), end = Vec3::Zero();
+      size_mm[axis] = kLength_mm;
+      if (axis < 2) end[axis] = kLength_mm / 2 - 1;
+      out.bone.set_voxels(block(size_mm, kVoxel_mm, 1.2));
+      out.tool = make_tool(cap_profile(5, 6, 3, 0.6), 64);
+      out.motion = straight(end + Vec3(0, 0, 0.3), end - Vec3(0, 0, 0.5), 20, 1000, 250);
+      return exact(out);
+    };
+    const Outcome serial = run(scene("serial"));
+    EXPECT_GT(serial.removed.size(), 100U) << "axis " << axis;
+    expect_same(run(scene("auto")), serial);
+  }
+}
+
 /// Bone of all densities, with sharp corners, size effect and edge force: 200 frames of feed and tilt, most of them in
 /// windows of smooth motion, and a stroke through several substeps before the last.
 SimulationInput slow_scene(const std::string& device) {

@@ -151,6 +151,28 @@ TEST(EnergyTable, IsConstantBeyondItsEnds) {
   EXPECT_DOUBLE_EQ(out.energy_mj[250], 160);
 }
 
+TEST(SizeEffect, TheAdvanceIsTheVelocityOfTheSurfaceAlongItsNormal) {
+  constexpr unsigned kSeed = 31;
+  std::cout << "seed " << kSeed << '\n';
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 velocity(u(random), u(random), u(random)), turn(u(random), u(random), 20 * u(random));
+    const Vec3 point(10 * u(random), 10 * u(random), 10 * u(random));
+    const Vec3 radial = Vec3(point.x(), point.y(), 0).normalized();
+    const Vec3 n = (u(random) * radial + u(random) * Vec3::UnitZ()).normalized();  // of a surface of revolution
+    SubstepArgs args{};
+    rs_real at[3], along[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      args.origin_velocity[axis] = static_cast<float>(velocity[axis]);
+      args.angular_velocity[axis] = static_cast<float>(turn[axis]);
+      at[axis] = static_cast<float>(point[axis]);
+      along[axis] = static_cast<float>(n[axis]);
+    }
+    EXPECT_NEAR(rs_advance(&args, along, at), n.dot(velocity + turn.cross(point)), 2e-5);
+  }
+}
+
 TEST(SizeEffect, ScalesTheTorqueOfAPlunge) {
   constexpr double kExponent = 0.4;
   for (const Face& face : {flat(), convex()}) {
