@@ -53,8 +53,8 @@ class RunConsole : public RunMonitor {
 /// Makes pictures, plots, meshes and report of a run. A thread renders frames as soon as their snapshots are written.
 class Outputs : public PictureSink {
  public:
-  /// For a run that is simulated, with all outputs that its scenario asks for.
-  explicit Outputs(const Console& console) : console_(console) {}
+  /// For a run that is simulated, with all outputs that its scenario asks for; of a draft only the plot of the forces.
+  Outputs(const Console& console, bool draft) : console_(console), draft_(draft) {}
   /// For a finished run.
   Outputs(const Console& console, RunData run, OutputOptions options)
       : console_(console), options_(std::move(options)), run_(std::move(run)) {}
@@ -77,6 +77,7 @@ class Outputs : public PictureSink {
   [[nodiscard]] RenderSettings report_settings() const;
 
   const Console& console_;
+  bool draft_ = false;
   OutputOptions options_;
   std::optional<RunData> run_;
   std::string render_context_;

@@ -86,7 +86,7 @@ void run_command(const RunOptions& options, const Console& console) {
   if (options.scenario.draft) {
     const BoneSettings& bone = request.scenario.bone;
     request.warnings.push_back(
-        "a draft with few pictures, without report, meshes and reamed.vti" +
+        "a draft with few pictures, one plot, and without report, meshes and reamed.vti" +
         (bone.source == BoneSource::vdb
              ? ""
              : fmt::format("; with voxels of {:g} mm, forces and volumes differ from those of the run without --draft",
@@ -96,7 +96,7 @@ void run_command(const RunOptions& options, const Console& console) {
   const auto kernels = prepare_opencl(request.scenario.engine.device, console);
   RunResources resources;
   RunConsole monitor(console);
-  Outputs pictures(console);
+  Outputs pictures(console, options.scenario.draft);
   run_scenario(request, resources, monitor, &pictures);
 }
 
@@ -348,8 +348,8 @@ void add_run_command(CLI::App& app, Console& console) {
   command->add_flag("--resume", options->resume,
                     "Continue an interrupted run from its last checkpoint; without one, start at the first frame");
   command->add_flag("--draft", options->scenario.draft,
-                    "A quick look: voxels twice as large, the first camera at the start and the end only, no report, "
-                    "meshes or reamed.vti; --set takes precedence. Default folder: out/NAME-draft");
+                    "A quick look: voxels twice as large, the first camera at the start and the end only, one plot, no "
+                    "report, meshes or reamed.vti; --set takes precedence. Default folder: out/NAME-draft");
   auto* quiet = command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->add_flag("--verbose", console.verbose, "Print what each stage did")->excludes(quiet);
   command->callback([options, &console] { run_command(*options, console); });

@@ -345,7 +345,7 @@ class RunWorker {
     request.keep = study_.keep;
     request.durable = false;
     RunConsole monitor(console_);
-    Outputs pictures(console_);
+    Outputs pictures(console_, false);
     const auto continued_after = run_scenario(request, resources_, monitor, &pictures);
     return continued_after ? "continued after frame " + std::to_string(*continued_after) : "";
   }

@@ -49,8 +49,9 @@ TEST_F(Output, OfADraftIsCoarseAndSaysSo) {
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr("with voxels of 1 mm, forces and volumes differ"));
   EXPECT_THAT(read("out/s-draft/summary.json"), HasSubstr("a draft with few pictures"));
-  EXPECT_TRUE(exists("out/s-draft/reamed.png"));
-  for (const char* file : {"report.html", "reamed.vti", "reamed.stl", "reamed_section.png", "contact_sheet.png"}) {
+  for (const char* file : {"reamed.png", "forces.png"}) EXPECT_TRUE(exists(std::string("out/s-draft/") + file)) << file;
+  for (const char* file : {"report.html", "reamed.vti", "reamed.stl", "reamed_section.png", "contact_sheet.png",
+                           "plots/energy.png", "plots/removed_density.png"}) {
     EXPECT_FALSE(exists(std::string("out/s-draft/") + file)) << file;
   }
   EXPECT_EQ(draft({"--set", "bone.voxel_mm=0.7", "--set", "output.vti=true"}).status, 0);
