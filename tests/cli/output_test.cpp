@@ -39,7 +39,7 @@ TEST_F(Output, IsComplete) {
 }
 
 TEST_F(Output, OfADraftIsCoarseAndSaysSo) {
-  meshes_ = true;
+  meshes_ = plots_ = true;
   write("s.yaml", with(kSmall, "  enabled: false\n", "  width_px: 96\n  height_px: 72\n"));
   const auto draft = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"run", "s.yaml", "--draft", "--overwrite"});
