@@ -138,10 +138,10 @@ void Outputs::end(const SimulationInput& scene, const std::string& dir) {
 
 void Outputs::make_figures(Diagnostics& report) const {
   const std::string& dir = run_->dir();
-  if (options_.plots) write_force_plots(dir, run_->log());
+  if (options_.plots || draft_) write_force_plots(dir, run_->log());
   if (options_.depth_map && options_.finished) write_depth_picture(*run_, options_.pictures.settings.depth_max_mm);
   if (options_.meshes && options_.finished) write_meshes(*run_, options_.pictures.settings.depth_max_mm, report);
-  if (!options_.plots || draft_ || !options_.pictures.settings.enabled) return;
+  if (!options_.plots || !options_.pictures.settings.enabled) return;
   write_depth_and_energy_plots(dir, run_->log());
   // Only a push has events.
   write_feedback_plots(dir, {.push = std::filesystem::exists(dir + "/events.csv"),

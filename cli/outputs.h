@@ -53,7 +53,7 @@ class RunConsole : public RunMonitor {
 /// Makes pictures, plots, meshes and report of a run. A thread renders frames as soon as their snapshots are written.
 class Outputs : public PictureSink {
  public:
-  /// For a run that is simulated, with all outputs that its scenario asks for; of a draft only the plot of the forces.
+  /// For a run that is simulated, with the outputs that its scenario asks for; a draft always plots its forces.
   Outputs(const Console& console, bool draft) : console_(console), draft_(draft) {}
   /// For a finished run.
   Outputs(const Console& console, RunData run, OutputOptions options)

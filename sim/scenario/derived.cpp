@@ -200,7 +200,7 @@ std::vector<std::pair<std::string, std::string>> input_files(const Scenario& sce
 
 std::vector<std::string> draft_overrides(const Scenario& scenario) {
   std::vector<std::string> out{"name=" + json_string(scenario.name + "-draft"), "output.vti=false",
-                               "output.meshes=false"};
+                               "output.meshes=false", "output.plots=false"};
   if (scenario.bone.source != BoneSource::vdb) {
     out.push_back("bone.voxel_mm=" + shortest_text(std::min(2 * scenario.bone.voxel_mm, BoneSettings::kMostVoxel_mm)));
   }

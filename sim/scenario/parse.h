@@ -20,8 +20,7 @@ namespace reamsim {
 Scenario parse_scenario(const std::string& path, const std::vector<std::string>& overrides);
 
 /// The overrides that make a quick look of a scenario: its name with "-draft", voxels twice as large (a VDB
-/// keeps its own),
-/// pictures of its first camera at the start and the end only, and no report, meshes or reamed.vti.
+/// keeps its own), pictures of its first camera at the start and the end only, no report, plots, meshes or reamed.vti.
 std::vector<std::string> draft_overrides(const Scenario& scenario);
 
 /// The settings of a run's scenario.yaml that pictures, plots and reports need.

@@ -54,9 +54,10 @@ TEST_F(Output, OfADraftIsCoarseAndSaysSo) {
                            "plots/energy.png", "plots/removed_density.png"}) {
     EXPECT_FALSE(exists(std::string("out/s-draft/") + file)) << file;
   }
-  EXPECT_EQ(draft({"--set", "bone.voxel_mm=0.7", "--set", "output.vti=true"}).status, 0);
+  EXPECT_EQ(draft({"--set", "bone.voxel_mm=0.7", "--set", "output.vti=true", "--set", "output.plots=true"}).status, 0);
   EXPECT_THAT(read("out/s-draft/scenario.yaml"), HasSubstr("voxel_mm: 0.7"));
   EXPECT_TRUE(exists("out/s-draft/reamed.vti"));
+  EXPECT_TRUE(exists("out/s-draft/plots/energy.png"));
 }
 
 #ifndef __SANITIZE_ADDRESS__  // whose own memory would be measured

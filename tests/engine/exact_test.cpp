@@ -76,8 +76,8 @@ TEST(Exact, EqualsTheSerialReference) {
 }
 
 TEST(Exact, EqualsTheSerialReferenceFarFromTheOriginOfTheLattice) {
-  // The end of a bar of 64 superbricks along each axis: their places are multiples of their index.
-  constexpr double kLength_mm = 409.6, kWidth_mm = 6.4, kVoxel_mm = 0.2;
+  // The end of a bar of 128 superbricks along each axis: their places are multiples of their index.
+  constexpr double kLength_mm = 819.2, kWidth_mm = 6.4, kVoxel_mm = 0.2;
   for (int axis = 0; axis < 3; ++axis) {
     const auto scene = [&](const std::string& device) {
       SimulationInput out;

@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: the reamsim authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""mutation_campaign.py BUILD [--seed N] [--mutants N] [--again RESULTS]: how many small faults do the tests of ./test.sh find?
+"""mutation_campaign.py BUILD [--seed N] [--mutants N] [--again RESULTS]: mutation testing with the tests of ./test.sh.
 
 Draws mutants of the sources in FOLDERS by a seed (mutants.py: one operator, number, truth value, min or max each) and builds
 all of them at once in BUILD/tree, a worktree of HEAD at the first start, in place of one build per mutant. Three steps follow:
 1. every test without a mutant: it must pass, and tells which mutants it executes (of kernels: whether it uses a device);
 2. each mutant by itself: quick ones among the tests that execute it, until one fails or exceeds its time;
 3. the other tests with all remaining mutants at once, and where one fails, with halves of them.
-Results are appended to BUILD/results.jsonl as they come; an interrupted campaign goes on. --again: only the survivors of an
+Results are appended to BUILD/results.jsonl as they come; an interrupted campaign continues from them. --again: only the survivors of an
 earlier campaign, whose sources must not have changed. Needs python3-clang and libclang; on two cores about an hour and a half."""
 
 import argparse
