@@ -262,6 +262,17 @@ void check_input(const InitOptions& options) {
   }
 }
 
+/// Writes the scenario. Where the options make it invalid, throws InputError and leaves an older file as it is.
+void write_scenario_file(const std::string& path, const std::string& text) {
+  try {
+    replace_file(path, text, [](const std::string& unfinished) { parse_scenario(unfinished, {}); });
+  } catch (const InputError& error) {
+    std::vector<Mistake> mistakes = error.mistakes();
+    for (Mistake& mistake : mistakes) mistake.where = {};  // the file is gone
+    throw InputError(std::move(mistakes));
+  }
+}
+
 void init_command(InitOptions options, const Console& console) {
   options.scale = scale_of(options.scale, options.overrides);
   if (options.side.empty()) options.side = value_set(options.overrides, "bone.side").value_or("");
@@ -284,10 +295,9 @@ void init_command(InitOptions options, const Console& console) {
                       .plunge = first_plunge()};
   check_plunge(loaded, first.plunge, tool, report);
   first.bone.side = side_of(options, loaded);
-  replace_file(options.output, with_keys(text_of(first), options.overrides));
+  write_scenario_file(options.output, with_keys(text_of(first), options.overrides));
   for (const std::string& note : report.notes) console.say(note);
   console.print(report);
-  parse_scenario(options.output, {});
   console.say("wrote " + options.output + "; next: reamsim check " + options.output + ", then reamsim run " +
               options.output);
 }

@@ -146,7 +146,7 @@ void Outputs::make_figures(Diagnostics& report) const {
   // Only a push has events.
   write_feedback_plots(dir, {.push = std::filesystem::exists(dir + "/events.csv"),
                              .springs = run_->log().rows.front().deflection_mm.has_value()});
-  write_removed_density(dir, run_->voxmap(), run_->inputs().fill, run_->last_fill());
+  write_removed_density(dir, {run_->voxmap(), run_->last_fill(), run_->inputs().fill});
   if (options_.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
 }
 
@@ -164,10 +164,13 @@ void Outputs::make(Diagnostics& report) {
   const RenderSettings& settings = options_.pictures.settings;
   Diagnostics of_figures;
   std::future<void> figures = std::async(std::launch::async, [&] { make_figures(of_figures); });
+  std::future<nlohmann::ordered_json> bone;  // of the report, which needs no picture for it
+  const bool reports = settings.enabled && settings.report && options_.finished;
+  if (reports) bone = std::async(std::launch::async, [&] { return bone_data(*run_, report_settings()); });
   if (settings.enabled) make_pictures(report);
   figures.get();
   report.warnings.insert(report.warnings.end(), of_figures.warnings.begin(), of_figures.warnings.end());
-  if (settings.enabled && settings.report && options_.finished) report_ = report_parts(*run_, report_settings());
+  if (reports) report_ = report_parts(*run_, report_settings(), bone.get());
 }
 
 RenderSettings Outputs::report_settings() const {

@@ -5,8 +5,7 @@
 # ITK first: since 5.4 it brings VTK, whose FindTBB stops where that of OpenVDB has defined TBB::tbb before.
 find_package(ITK REQUIRED QUIET COMPONENTS
   ITKCommon ITKIOImageBase ITKIONRRD ITKIONIFTI ITKIOMeta ITKIOGDCM ITKSmoothing ITKAnisotropicSmoothing ITKCurvatureFlow
-  ITKImageGrid ITKImageFunction ITKThresholding ITKConnectedComponents ITKMathematicalMorphology
-  ITKBinaryMathematicalMorphology ITKDistanceMap ITKLabelMap)
+  ITKImageGrid ITKImageFunction ITKThresholding ITKConnectedComponents ITKDistanceMap ITKLabelMap)
 # Since ITK 5.4 its smoothing filters link Fourier transforms, and these FFTW, whose development files ITK does not bring. None of
 # them is used.
 if(TARGET ITKFFT)

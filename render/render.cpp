@@ -101,11 +101,11 @@ void RenderThread::render(const RunView& view, const std::vector<Shot>& shots) {
     std::optional<PlacedTool> tool;
     const bool along_run = shot.kind == Kind::frame || shot.kind == Kind::sheet || shot.kind == Kind::film;
     if (along_run) tool = view.tool_at(shot.frame);
-    // By samples in small and final pictures, and where the user asks for the smoothest edges.
+    // By samples in final pictures, and where the user asks for the smoothest edges.
     // The filter finds edges by brightness, which transparent pixels lack.
     const RenderSettings& settings = view.settings();
     const bool fast = settings.supersampling == 1 && settings.background != Background::transparent;
-    const bool filtered = shot.kind == Kind::film || (shot.kind == Kind::frame && fast);
+    const bool filtered = shot.kind == Kind::film || ((shot.kind == Kind::frame || shot.kind == Kind::sheet) && fast);
     out.image = renderer.render(shot.camera, tool, filtered);
     const bool numbered = shot.kind != Kind::sheet && !(tool && shot.camera.shows_tool);
     if (numbered) out.contours = renderer.contours(shot.camera);
@@ -134,7 +134,7 @@ std::vector<Shot> shots_of(const RunView& view, const PictureOptions& options) {
   const RenderSettings& settings = view.settings();
   const PageLayout page = view.page(), frame_page = view.frame_page();
   const std::vector<std::string> names = camera_names(settings);
-  std::vector<Camera> cameras, frame_cameras, halves, cell, film, turntable;
+  std::vector<Camera> cameras, frame_cameras, halves, film, turntable;
   for (const std::string& name : names) {
     cameras.push_back(view.camera(name, page.view_width_px, page.height_px));
     frame_cameras.push_back(view.camera(name, frame_page.view_width_px, frame_page.height_px));
@@ -142,10 +142,7 @@ std::vector<Shot> shots_of(const RunView& view, const PictureOptions& options) {
   }
   std::vector<std::int64_t> stills, cells;
   if (options.stills) stills = still_frames(view.frames(), settings, view.run().contact());
-  if (settings.contact_sheet) {
-    cells = ContactSheet::frames_on(view);
-    cell = {ContactSheet::cell_camera(view, names.front())};
-  }
+  if (settings.contact_sheet) cells = ContactSheet::frames_on(view);
   if (options.film && settings.film != FilmFormat::none) film = {film_camera(view, names.front())};
   for (int i = 0; i < settings.turntable_pictures; ++i) {
     const double turn = static_cast<double>(i) / settings.turntable_pictures;
@@ -157,8 +154,9 @@ std::vector<Shot> shots_of(const RunView& view, const PictureOptions& options) {
   };
   add(Kind::before, view.frames().front(), halves);
   for (const std::int64_t frame : view.frames()) {
-    if (std::ranges::binary_search(stills, frame)) add(Kind::frame, frame, frame_cameras);
-    if (std::ranges::binary_search(cells, frame)) add(Kind::sheet, frame, cell);
+    const bool still = std::ranges::binary_search(stills, frame);
+    if (still) add(Kind::frame, frame, frame_cameras);
+    if (!still && std::ranges::binary_search(cells, frame)) add(Kind::sheet, frame, {frame_cameras.front()});
     add(Kind::film, frame, film);
   }
   const std::int64_t last = view.frames().back();
@@ -222,6 +220,7 @@ class PictureComposer {
                                                                      : options.camera_without_suffix),
         captions_(run.log(), options.settings.force_arrow),
         report_(report),
+        cells_(options.settings.contact_sheet ? ContactSheet::frames_on(view_) : std::vector<std::int64_t>()),
         writer_(progress, count_pictures(options, view_.frames(), run.contact())) {
     std::filesystem::create_directories(dir_ + "/frames");
     if (turns() == 0) return;
@@ -240,9 +239,7 @@ class PictureComposer {
         add_frame(frame);
         break;
       case Shot::Kind::sheet:
-        if (!sheet_) sheet_.emplace(view_, frame.camera);
-        sheet_->add(std::move(frame.image), view_.run().row_of(frame.frame));
-        if (sheet_->is_full()) writer_.write(dir_ + "/contact_sheet.png", sheet_->finish());
+        add_cell(frame, std::move(frame.image));
         break;
       case Shot::Kind::film:
         if (!film_) film_.emplace(film_path("reamed"), view_, captions_, frame.camera);
@@ -284,8 +281,16 @@ class PictureComposer {
     return annotated_picture(std::move(frame.image), page, frame.camera, labels, view_.settings().background);
   }
 
+  void add_cell(const Shot& shot, PixelImage image) {
+    if (!sheet_) sheet_.emplace(view_, shot.camera);
+    sheet_->add(std::move(image), view_.run().row_of(shot.frame));
+    if (sheet_->is_full()) writer_.write(dir_ + "/contact_sheet.png", sheet_->finish());
+  }
+
   void add_frame(RenderedFrame& frame) {
     const ForceRow& row = view_.run().row_of(frame.frame);
+    const bool first = frame.camera.name == camera_names(view_.settings()).front();
+    if (first && std::ranges::binary_search(cells_, frame.frame)) add_cell(frame, frame.image);
     Labels labels = view_.labels(frame.camera, view_.tool_at(frame.frame));
     labels.values = captions_.at(row);
     labels.force = captions_.arrow(row);
@@ -323,6 +328,7 @@ class PictureComposer {
   std::string camera_without_suffix_;
   Captions captions_;
   Diagnostics* report_;
+  std::vector<std::int64_t> cells_;           ///< frames on the contact sheet
   std::map<std::string, PixelImage> before_;  ///< by camera
   std::optional<ContactSheet> sheet_;
   std::optional<Film> film_;

@@ -29,7 +29,7 @@ struct Shot {
   enum class Kind {
     before,      ///< left half of a before/after picture
     frame,       ///< a frame of the run
-    sheet,       ///< a cell of the contact sheet
+    sheet,       ///< a frame of the run that only the contact sheet shows
     film,        ///< a frame of the film
     after,       ///< the final state
     after_half,  ///< right half of a before/after picture

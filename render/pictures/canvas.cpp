@@ -74,6 +74,24 @@ void Canvas::finish() const {
   check();
 }
 
+PixelImage scaled_middle(cairo_surface_t* picture, int width_px, int height_px) {
+  const double width = cairo_image_surface_get_width(picture), height = cairo_image_surface_get_height(picture);
+  const double scale = std::max(width_px / width, height_px / height);
+  PixelImage out = plain_image(width_px, height_px, 0xffffff);
+  const Canvas canvas(out);
+  cairo_t* pen = canvas.get();
+  cairo_translate(pen, 0.5 * width_px, 0.5 * height_px);
+  cairo_scale(pen, scale, scale);
+  cairo_set_source_surface(pen, picture, -0.5 * width, -0.5 * height);
+  cairo_pattern_set_filter(cairo_get_source(pen), CAIRO_FILTER_GOOD);
+  cairo_pattern_set_extend(cairo_get_source(pen), CAIRO_EXTEND_PAD);
+  cairo_paint(pen);
+  // Without memory Cairo only sets the status.
+  if (cairo_status(pen) == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
+  canvas.finish();
+  return out;
+}
+
 TextLine::TextLine(const Canvas& canvas, const std::string& text, double size_px, bool bold, double wrap_px)
     : cairo_(canvas.get()), layout_(pango_cairo_create_layout(canvas.get()), g_object_unref) {
   PangoFontDescription* font = pango_font_description_new();

@@ -44,13 +44,17 @@ void draw_half_title(PixelImage& image, const PageLayout& page, const std::strin
 
 constexpr std::size_t kMaxFrames = 20;
 constexpr std::uint32_t kPage_rgb = 0xf4f6f9;
-constexpr double kMinAspect = 0.8, kMaxAspect = 1.6;     // of a cell: width over height
 constexpr double kMargin = 24, kGap = 8, kCaption = 20;  // pixels of a page 1080 high and at least 1440 wide
 constexpr int kMinCaptioned_px = 80;                     // captions of lower cells would be illegible
 
-SheetGrid grid_of(const RunView& view) {
-  const auto cells = static_cast<int>(ContactSheet::frames_on(view).size());
-  return sheet_grid(cells, view.settings().width_px, view.settings().height_px);
+/// The camera of a cell that scaled_middle() makes of a picture.
+Camera cell_camera(const SheetGrid& grid, const Camera& picture) {
+  Camera out = picture;
+  out.width_px = grid.cell_width_px;
+  out.height_px = grid.cell_height_px;
+  out.mm_per_px *= std::min(static_cast<double>(picture.width_px) / out.width_px,
+                            static_cast<double>(picture.height_px) / out.height_px);
+  return out;
 }
 
 }  // namespace
@@ -84,17 +88,18 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px) {
   const double u = page.labelled() ? page.unit : 0;
   const Box area{kMargin * u, kMargin * u, page.view_width_px - 2 * kMargin * u, height_px - 2 * kMargin * u};
   SheetGrid best{cells, 1, cells, 1, 1, area, static_cast<int>(kGap * u)};
+  const double aspect = static_cast<double>(page.view_width_px) / height_px;  // of the pictures along the run
   double largest = 0;
   for (int columns = 1; columns <= cells; ++columns) {
     const int rows = (cells + columns - 1) / columns;
-    double width = (area.width - (columns - 1) * best.gap_px) / columns;
-    double height = (area.height - (rows - 1) * best.gap_px) / rows;
-    width = std::min(width, kMaxAspect * height);
-    height = std::min(height, width / kMinAspect);
-    if (width * height <= largest) continue;
-    largest = width * height;
-    best = {cells, columns,    rows, std::max(1, static_cast<int>(width)), std::max(1, static_cast<int>(height)),
-            area,  best.gap_px};
+    const double across = (area.width - (columns - 1) * best.gap_px) / columns;
+    const double down = (area.height - (rows - 1) * best.gap_px) / rows;
+    const double height = std::min(down, across / aspect);
+    if (height <= largest) continue;
+    largest = height;
+    best = {
+        cells, columns,    rows, std::max(1, static_cast<int>(aspect * height)), std::max(1, static_cast<int>(height)),
+        area,  best.gap_px};
   }
   return best;
 }
@@ -103,18 +108,14 @@ std::vector<std::int64_t> ContactSheet::frames_on(const RunView& view) {
   return evenly_among(in_contact(view.frames(), view.run().contact()), kMaxFrames);
 }
 
-Camera ContactSheet::cell_camera(const RunView& view, const std::string& name) {
-  const SheetGrid grid = grid_of(view);
-  return view.camera(name, grid.cell_width_px, grid.cell_height_px);
-}
-
-ContactSheet::ContactSheet(const RunView& view, const Camera& cell)
+ContactSheet::ContactSheet(const RunView& view, const Camera& camera)
     : view_(view),
-      grid_(grid_of(view)),
-      camera_(cell),
+      grid_(sheet_grid(static_cast<int>(frames_on(view).size()), view.settings().width_px, view.settings().height_px)),
+      camera_(cell_camera(grid_, camera)),
       page_(plain_image(view.page().view_width_px, view.page().height_px, kPage_rgb)) {}
 
-void ContactSheet::add(PixelImage cell, const ForceRow& row) {
+void ContactSheet::add(PixelImage picture, const ForceRow& row) {
+  PixelImage cell = scaled_middle(Canvas(picture).surface(), grid_.cell_width_px, grid_.cell_height_px);
   draw_marks(cell, camera_, picture_unit(cell.width_px, cell.height_px),
              view_.labels(camera_, view_.tool_at(row.frame)));
   if (cell.height_px >= kMinCaptioned_px) {

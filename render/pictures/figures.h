@@ -59,19 +59,17 @@ struct SheetGrid {
 /// The layout with the largest cells that leaves room for title, legend and scale.
 SheetGrid sheet_grid(int cells, int width_px, int height_px);
 
-/// The run in contact on one page: up to twenty small pictures of one camera. The title says what is not shown.
+/// The run in contact on one page: up to twenty pictures of one camera, reduced. The title says what is not shown.
 class ContactSheet {
  public:
   /// The frames with a cell, ascending.
   static std::vector<std::int64_t> frames_on(const RunView& view);
-  /// The camera `name` for a cell.
-  static Camera cell_camera(const RunView& view, const std::string& name);
 
-  /// `cell`: camera of the cells. The page has the settings' size. `view` outlives the sheet.
-  ContactSheet(const RunView& view, const Camera& cell);
+  /// `camera`: of the pictures. The page has the settings' size. `view` outlives the sheet.
+  ContactSheet(const RunView& view, const Camera& camera);
 
-  /// Adds the next cell: the frame of this row of the log.
-  void add(PixelImage cell, const ForceRow& row);
+  /// Adds the next cell: a picture without labels, of the frame of this row of the log.
+  void add(PixelImage picture, const ForceRow& row);
   /// Whether it has all cells.
   [[nodiscard]] bool is_full() const { return done_ == grid_.cells; }
   [[nodiscard]] PixelImage finish();

@@ -139,7 +139,7 @@ constexpr int kGradesPerClass = 5;
 constexpr std::size_t kClasses = 250 / kGradesPerClass;
 using Histogram = std::array<double, kClasses>;  // mm³
 
-Histogram removed_by_density(const ReamedBone& bone) {
+Histogram removed_by_density(const BoneView& bone) {
   Histogram out{};
   for_each_cut_voxel(bone, [&](const Vec3i&, int grade, int before, int after) {
     const std::size_t density_class = std::min<std::size_t>((grade - 1) / kGradesPerClass, kClasses - 1);
@@ -222,9 +222,8 @@ void write_feedback_plots(const std::string& dir, PoseFeedback feedback) {
   if (feedback.springs) draw_plot(dir, "plots/deflection", data, embedded::script_deflection);
 }
 
-void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
-                           const FillBricks& after) {
-  const Histogram removed = removed_by_density({voxmap, before, after});
+void write_removed_density(const std::string& dir, const BoneView& bone) {
+  const Histogram removed = removed_by_density(bone);
   CsvWriter csv = plot_csv(dir, "removed_density.csv", "density_from_g_cm3,density_to_g_cm3,removed_mm3");
   for (std::size_t i = 0; i < kClasses; ++i) {
     // In thousandths, so that the bounds are round numbers.

@@ -33,9 +33,8 @@ void write_depth_and_energy_plots(const std::string& dir, const ForceLog& log);
 /// Draws DIR/plots/push and deflection, from the columns of forces.csv that a push or a tool on springs adds.
 void write_feedback_plots(const std::string& dir, PoseFeedback feedback);
 
-/// Writes the removed volume per density class as DIR/plots/removed_density.csv and draws it. `before`, `after`: fill.
-void write_removed_density(const std::string& dir, const Voxmap& voxmap, const FillBricks& before,
-                           const FillBricks& after);
+/// Writes the removed volume per density class as DIR/plots/removed_density.csv and draws it.
+void write_removed_density(const std::string& dir, const BoneView& bone);
 
 /// What the spectrum needs of a row of forces.csv.
 struct TorqueSample {

@@ -70,22 +70,24 @@ OffsetSurface offset_outwards(const IsoSurface& surface, double voxel_mm, double
 }
 
 /// Was at least half of this bone voxel removed?
-bool removed(const Voxmap& voxmap, const FillBricks& after, const FillBricks& before, const Vec3i& voxel) {
-  return voxmap.grid.contains(voxel) && voxmap.grade.get(voxel) != 0 && 2 * after.get(voxel) < before.get(voxel);
+bool removed(const BoneView& bone, const Vec3i& voxel) {
+  return bone.voxmap.is_bone(voxel) && 2 * bone.fill.get(voxel) < bone.fill_before.get(voxel);
 }
 
-/// Was material removed from any voxel of this brick?
-bool reamed(const FillBricks::Brick& fill, const FillBricks::Brick* before) {
-  for (std::size_t i = 0; i < fill.size(); ++i) {
-    if (fill[i] < (before == nullptr ? FillBricks::kWhole : (*before)[i])) return true;
-  }
-  return false;
+/// Calls visit(coord) for the bricks in which material was removed from any voxel.
+template <class Visit>
+void for_each_reamed_brick(const BoneView& bone, const Visit& visit) {
+  bone.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
+    const FillBricks::Brick* before = bone.fill_before.brick(coord);
+    for (std::size_t i = 0; i < fill.size(); ++i) {
+      if (fill[i] < (before == nullptr ? FillBricks::kWhole : (*before)[i])) return visit(coord);
+    }
+  });
 }
 
 /// Marks the points of the offset surface below which bone was removed.
-std::vector<std::uint8_t> above_removed_bone(const OffsetSurface& offset, const Voxmap& voxmap,
-                                             const FillBricks& before, const FillBricks& after) {
-  const double voxel_mm = voxmap.grid.voxel_mm;
+std::vector<std::uint8_t> above_removed_bone(const OffsetSurface& offset, const BoneView& bone) {
+  const double voxel_mm = bone.voxmap.grid.voxel_mm;
   const auto accessor = offset.distance_mm->getConstAccessor();
   const auto distance_at = [&](const Vec3d& mm) { return sample(accessor, offset.distance_mm->worldToIndex(mm)); };
   std::vector<std::uint8_t> marked(offset.surface.points.size(), 0);
@@ -95,7 +97,7 @@ std::vector<std::uint8_t> above_removed_bone(const OffsetSurface& offset, const 
     if (slope.length() < 1e-9) continue;
     const Vec3d below = (p - slope.unit() * (kClosing_mm + 0.75 * voxel_mm)) / voxel_mm;
     const Vec3i voxel = Vec3(below.x(), below.y(), below.z()).array().round().cast<int>();
-    marked[i] = removed(voxmap, after, before, voxel) ? 1 : 0;
+    marked[i] = removed(bone, voxel) ? 1 : 0;
   }
   return marked;
 }
@@ -131,18 +133,15 @@ bool has_cavity(const IsoSurface& surface) {
 /// The surface of the unreamed bone wherever it may affect a depth: below the offset surface above removed bone, with
 /// the mouths of holes that the marks are dilated over. Flat faces close it beyond. None where that saves little, or
 /// where the part might open a cavity, from whose walls no depth is measured.
-std::optional<IsoSurface> surface_near_changes(const UnreamedSurface& unreamed, const Voxmap& voxmap,
-                                               const FillBricks& after, double cell_mm) {
+std::optional<IsoSurface> surface_near_changes(const UnreamedSurface& unreamed, const BoneView& bone, double cell_mm) {
   const double reach_mm = 8 * kClosing_mm + 6 * cell_mm;
   Eigen::AlignedBox3i changed;
-  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
-    if (reamed(fill, unreamed.before.brick(coord))) changed.extend(coord);
-  });
-  const double brick_mm = FillBricks::kSide * voxmap.grid.voxel_mm;
+  for_each_reamed_brick(bone, [&](const Vec3i& coord) { changed.extend(coord); });
+  const double brick_mm = FillBricks::kSide * bone.voxmap.grid.voxel_mm;
   const Vec3i reach = Vec3i::Constant(1 + static_cast<int>(std::ceil(reach_mm / brick_mm)));
   const Vec3i first = (changed.min() - reach).cwiseMax(-1);
-  const Vec3i last = (changed.max() + reach).cwiseMin(after.brick_dims());
-  const double fraction = (last - first).cast<double>().prod() / after.brick_dims().cast<double>().prod();
+  const Vec3i dims = bone.fill.brick_dims(), last = (changed.max() + reach).cwiseMin(dims);
+  const double fraction = (last - first).cast<double>().prod() / dims.cast<double>().prod();
   if (fraction > 0.5 || has_cavity(unreamed.surface)) return std::nullopt;
   const openvdb::FloatGrid::Ptr part = bricks_of(*unreamed.field.grid().vdb, first, last);
   // OpenVDB finds no surface between two constant bricks.
@@ -155,13 +154,11 @@ std::optional<IsoSurface> surface_near_changes(const UnreamedSurface& unreamed, 
 }
 
 /// A grid whose active cells cover every changed brick, plus a margin for interpolation.
-openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBricks& after, const FillBricks& before,
-                                                double cell_mm) {
+openvdb::FloatGrid::Ptr cells_of_changed_bricks(const BoneView& bone, double cell_mm) {
   auto grid = make_float_grid(0.0F);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(cell_mm));
-  const double brick_cells = FillBricks::kSide * voxel_mm / cell_mm;
-  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
-    if (!reamed(fill, before.brick(coord))) return;
+  const double brick_cells = FillBricks::kSide * bone.voxmap.grid.voxel_mm / cell_mm;
+  for_each_reamed_brick(bone, [&](const Vec3i& coord) {
     const Vec3d lower = brick_cells * vdb_point(coord);
     const openvdb::Coord from = openvdb::Coord::floor(lower - Vec3d(2));
     const openvdb::Coord to = openvdb::Coord::ceil(lower + Vec3d(brick_cells + 2));
@@ -170,14 +167,15 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(double voxel_mm, const FillBrick
   return grid;
 }
 
-openvdb::FloatGrid::Ptr depth_grid(const UnreamedSurface& unreamed, const Voxmap& voxmap, const FillBricks& after) {
-  const double bone_mm3 = static_cast<double>(voxmap.grade.count()) * voxmap.grid.voxel_mm3();
-  const double cell_mm = std::max(voxmap.grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
-  auto depth = cells_of_changed_bricks(voxmap.grid.voxel_mm, after, unreamed.before, cell_mm);
+openvdb::FloatGrid::Ptr depth_grid(const UnreamedSurface& unreamed, const BoneView& bone) {
+  const VoxelGrid& grid = bone.voxmap.grid;
+  const double bone_mm3 = static_cast<double>(bone.voxmap.grade.count()) * grid.voxel_mm3();
+  const double cell_mm = std::max(grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
+  auto depth = cells_of_changed_bricks(bone, cell_mm);
   if (depth->empty()) return depth;
-  const std::optional<IsoSurface> part = surface_near_changes(unreamed, voxmap, after, cell_mm);
-  const OffsetSurface offset = offset_outwards(part ? *part : unreamed.surface, voxmap.grid.voxel_mm, cell_mm);
-  std::vector<std::uint8_t> marked = above_removed_bone(offset, voxmap, unreamed.before, after);
+  const std::optional<IsoSurface> part = surface_near_changes(unreamed, bone, cell_mm);
+  const OffsetSurface offset = offset_outwards(part ? *part : unreamed.surface, grid.voxel_mm, cell_mm);
+  std::vector<std::uint8_t> marked = above_removed_bone(offset, bone);
   dilate(marked, {offset.surface.points.size(), offset.surface.indices},
          static_cast<int>(std::ceil(2 * kClosing_mm / cell_mm)));
   std::vector<Vec3> sources;
@@ -201,24 +199,22 @@ openvdb::FloatGrid::Ptr depth_grid(const UnreamedSurface& unreamed, const Voxmap
 
 /// The greatest depth, from pairs of neighbouring voxels of which one was removed: the surface lies above the centre of
 /// the remaining one by (its fill − ½) voxels, or, if that one is whole, by (½ + fill of the removed one) voxels.
-double max_depth_mm(const openvdb::FloatGrid& depth, const Voxmap& voxmap, const FillBricks& after,
-                    const FillBricks& before) {
-  const double voxel_mm = voxmap.grid.voxel_mm;
+double max_depth_mm(const openvdb::FloatGrid& depth, const BoneView& bone) {
+  const double voxel_mm = bone.voxmap.grid.voxel_mm;
   const auto depths = depth.getConstAccessor();
-  const auto fraction = [&](const Vec3i& voxel) { return static_cast<double>(after.get(voxel)) / FillBricks::kWhole; };
+  const auto fraction = [&](const Vec3i& voxel) { return double{1} * bone.fill.get(voxel) / FillBricks::kWhole; };
   double deepest_mm = 0;
-  const auto measure = [&](const Vec3i& cut, const Vec3i& bone) {
-    if (!voxmap.grid.contains(bone) || voxmap.grade.get(bone) == 0 || fraction(bone) < 0.5) return;
-    const double above_voxels = fraction(bone) < 1 ? fraction(bone) - 0.5 : 0.5 + fraction(cut);
-    const Vec3d mm = voxel_mm * vdb_point(bone);
+  const auto measure = [&](const Vec3i& cut, const Vec3i& kept) {
+    if (!bone.voxmap.is_bone(kept) || fraction(kept) < 0.5) return;
+    const double above_voxels = fraction(kept) < 1 ? fraction(kept) - 0.5 : 0.5 + fraction(cut);
+    const Vec3d mm = voxel_mm * vdb_point(kept);
     const double depth_mm = sample(depths, depth.worldToIndex(mm));
     deepest_mm = std::max(deepest_mm, depth_mm - above_voxels * voxel_mm);
   };
-  after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& fill) {
-    if (!reamed(fill, before.brick(coord))) return;
+  for_each_reamed_brick(bone, [&](const Vec3i& coord) {
     for (int offset = 0; offset < BrickLattice::kVoxels; ++offset) {
       const Vec3i voxel = BrickLattice::voxel_at(coord, offset);
-      if (!removed(voxmap, after, before, voxel)) continue;
+      if (!removed(bone, voxel)) continue;
       for (int axis = 0; axis < 3; ++axis) {
         measure(voxel, voxel + Vec3i::Unit(axis));
         measure(voxel, voxel - Vec3i::Unit(axis));
@@ -234,8 +230,8 @@ UnreamedSurface::UnreamedSurface(const Voxmap& voxmap, FillBricks fill_before, c
     : before(std::move(fill_before)),
       field(Occupancy(voxmap, before)),
       surface(extract_surface(*field.grid().vdb, 0)),
-      depth(new ScalarGrid{depth_grid(*this, voxmap, after)}),
-      deepest_mm(max_depth_mm(*depth->vdb, voxmap, after, before)) {}
+      depth(new ScalarGrid{depth_grid(*this, {voxmap, after, before})}),
+      deepest_mm(max_depth_mm(*depth->vdb, {voxmap, after, before})) {}
 
 LayerBoundary::LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unreamed, const Vec3& a, const Vec3& b,
                              const Vec3& c)

@@ -70,9 +70,9 @@ struct ReportParts {
   nlohmann::ordered_json pictures, bone;  ///< pictures along the run; bone_data()
 };
 
-/// From the run, and where present from frames/, reamed*.png, depth_map.png and segmentation.png in DIR. Throws
-/// InputError for a result that is missing or damaged.
-ReportParts report_parts(const RunData& run, const RenderSettings& settings);
+/// From the run, its bone_data(), and where present from frames/, reamed*.png, depth_map.png and segmentation.png in
+/// DIR. Throws InputError for a result that is missing or damaged.
+ReportParts report_parts(const RunData& run, const RenderSettings& settings, nlohmann::ordered_json bone);
 
 /// Writes DIR/report.html, a self-contained page of a run, from its parts and results, and where present from
 /// forces.png and verification.json. Deterministic. Throws InputError (a result missing or damaged), RunError (the page

@@ -13,7 +13,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
-#include <future>
 #include <memory>
 #include <new>
 #include <set>
@@ -100,21 +99,10 @@ Png read_png(const std::string& path) {
 
 /// Scaled down to at most `most_px` wide, on white.
 PixelImage scaled(const Png& image, int most_px) {
-  const int width = cairo_image_surface_get_width(image.get());
-  const int height = cairo_image_surface_get_height(image.get());
+  const int width = cairo_image_surface_get_width(image.get()), height = cairo_image_surface_get_height(image.get());
   const double scale = std::min(1.0, static_cast<double>(most_px) / width);
-  PixelImage out = plain_image(std::max(1, static_cast<int>(std::lround(width * scale))),
-                               std::max(1, static_cast<int>(std::lround(height * scale))), 0xffffff);
-  const Canvas canvas(out);
-  cairo_t* pen = canvas.get();
-  cairo_scale(pen, static_cast<double>(out.width_px) / width, static_cast<double>(out.height_px) / height);
-  cairo_set_source_surface(pen, image.get(), 0, 0);
-  cairo_pattern_set_filter(cairo_get_source(pen), CAIRO_FILTER_GOOD);
-  cairo_paint(pen);
-  // Without memory Cairo only sets the status.
-  if (cairo_status(pen) == CAIRO_STATUS_NO_MEMORY) throw std::bad_alloc();
-  canvas.finish();
-  return out;
+  const auto reduced = [&](int pixels) { return std::max(1, static_cast<int>(std::lround(pixels * scale))); };
+  return scaled_middle(image.get(), reduced(width), reduced(height));
 }
 
 std::string jpeg_base64(PixelImage& image) {
@@ -306,15 +294,11 @@ nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm) {
   return json;
 }
 
-ReportParts report_parts(const RunData& run, const RenderSettings& settings) {
-  if (settings.cameras.empty()) {
-    throw InputError({}, "render.cameras", "found none", "expected at least one camera");
-  }
+ReportParts report_parts(const RunData& run, const RenderSettings& settings, Json bone) {
   ReportParts out;
-  auto bone = std::async(std::launch::async, [run, &settings, &out] { out.bone = bone_data(run, settings); });
+  out.bone = std::move(bone);
   add_figures(run.dir(), name_of(settings.cameras.front()), out.figures);
   out.pictures = frames_json(run, names_of(settings.cameras));
-  bone.get();
   return out;
 }
 

@@ -17,7 +17,7 @@ int least_dense_grade(double dense_g_cm3) {
   return static_cast<int>(std::ceil(dense_g_cm3 / DensityMapping::kGradeStep_g_cm3 - kSlack));
 }
 
-BoneFractions::BoneFractions(const ReamedBone& bone, double dense_g_cm3)
+BoneFractions::BoneFractions(const BoneView& bone, double dense_g_cm3)
     : bone_(bone),
       voxels_per_mm_(1 / bone.voxmap.grid.voxel_mm),
       bricks_(BrickLattice::over(bone.voxmap.grid.dims)),
@@ -29,7 +29,7 @@ void BoneFractions::select_brick(const Vec3i& brick) {
   if (!bricks_.contains(brick)) return;
   view_.grade = bone_.voxmap.grade.brick(brick);
   view_.before = bone_.fill_before.brick(brick);
-  view_.after = bone_.fill_after.brick(brick);
+  view_.after = bone_.fill.brick(brick);
 }
 
 void BoneFractions::add(int offset, double weight, Fractions& sum) const {
@@ -72,7 +72,7 @@ constexpr int kSheetVoxels = 2;
 /// The fractions of bone along one column, from the top down, and the surfaces that follow from them.
 class ColumnScan {
  public:
-  ColumnScan(const ReamedBone& bone, double top_mm, double bottom_mm)
+  ColumnScan(const BoneView& bone, double top_mm, double bottom_mm)
       : fractions_(bone, DensityMapping::kMaxDensity_g_cm3), voxel_mm_(bone.voxmap.grid.voxel_mm), top_mm_(top_mm) {
     step_mm_ = voxel_mm_ / kSamplesPerVoxel;
     const double steps = std::ceil((top_mm - bottom_mm) / step_mm_);
@@ -186,14 +186,14 @@ class ColumnScan {
 
 }  // namespace
 
-SurfaceProbe probe_surface(const ReamedBone& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm) {
+SurfaceProbe probe_surface(const BoneView& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm) {
   return [scan = std::make_shared<ColumnScan>(bone, top_mm, bottom_mm), bone_from_map, top_mm](const Vec2& place_mm) {
     const Vec3 top = bone_from_map * Vec3(place_mm.x(), place_mm.y(), top_mm);
     return scan->scan_surface(top, -bone_from_map.linear().col(2));
   };
 }
 
-ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const MapExtent& extent) {
+ColumnMap map_columns(const BoneView& bone, const Rigid& bone_from_map, const MapExtent& extent) {
   ColumnMap map;
   map.bone_from_map = bone_from_map;
   const Rigid map_from_bone = bone_from_map.inverse();
@@ -231,7 +231,7 @@ ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const 
   return map;
 }
 
-ColumnBone::ColumnBone(const ReamedBone& bone, const ColumnMap& map, double dense_g_cm3)
+ColumnBone::ColumnBone(const BoneView& bone, const ColumnMap& map, double dense_g_cm3)
     : map_(map), fractions_(bone, dense_g_cm3), voxel_mm_(bone.voxmap.grid.voxel_mm) {}
 
 template <class Visit>

@@ -12,13 +12,6 @@
 
 namespace reamsim {
 
-/// A bone before and after reaming, on one lattice and with one set of grades.
-struct ReamedBone {
-  const Voxmap& voxmap;
-  const FillBricks& fill_before;
-  const FillBricks& fill_after;
-};
-
 struct Fractions {
   double before = 0;
   double after = 0;
@@ -29,7 +22,7 @@ struct Fractions {
 class BoneFractions {
  public:
   /// `dense_g_cm3`: the least density of dense bone.
-  BoneFractions(const ReamedBone& bone, double dense_g_cm3);
+  BoneFractions(const BoneView& bone, double dense_g_cm3);
 
   [[nodiscard]] Fractions at(const Vec3& point_mm);
 
@@ -44,7 +37,7 @@ class BoneFractions {
   void select_brick(const Vec3i& brick);
   void add(int offset, double weight, Fractions& sum) const;
 
-  const ReamedBone bone_;
+  const BoneView bone_;
   double voxels_per_mm_;
   BrickLattice bricks_;
   int dense_grade_;
@@ -131,15 +124,15 @@ struct SurfaceColumn {
 using SurfaceProbe = std::function<std::optional<SurfaceColumn>(const Vec2& place_mm)>;
 
 /// Lines of sight along −z of `bone_from_map`, from `top_mm` down to `bottom_mm`.
-SurfaceProbe probe_surface(const ReamedBone& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm);
+SurfaceProbe probe_surface(const BoneView& bone, const Rigid& bone_from_map, double top_mm, double bottom_mm);
 
 /// The map of the region that lost bone. It has no columns when none was lost.
-ColumnMap map_columns(const ReamedBone& bone, const Rigid& bone_from_map, const MapExtent& extent);
+ColumnMap map_columns(const BoneView& bone, const Rigid& bone_from_map, const MapExtent& extent);
 
 /// Calls visit(voxel, grade, fill before, fill after) for every voxel that lost bone.
 template <class Visit>
-void for_each_cut_voxel(const ReamedBone& bone, const Visit& visit) {
-  bone.fill_after.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& after) {
+void for_each_cut_voxel(const BoneView& bone, const Visit& visit) {
+  bone.fill.for_each_brick([&](const Vec3i& coord, const FillBricks::Brick& after) {
     const GradeBricks::Brick* grades = bone.voxmap.grade.brick(coord);
     if (grades == nullptr) return;
     const FillBricks::Brick* before = bone.fill_before.brick(coord);
@@ -156,7 +149,7 @@ void for_each_cut_voxel(const ReamedBone& bone, const Visit& visit) {
 class ColumnBone {
  public:
   /// `map` must outlive the object. `dense_g_cm3`: the least density of dense bone.
-  ColumnBone(const ReamedBone& bone, const ColumnMap& map, double dense_g_cm3);
+  ColumnBone(const BoneView& bone, const ColumnMap& map, double dense_g_cm3);
 
   [[nodiscard]] double voxel_mm() const { return voxel_mm_; }
 

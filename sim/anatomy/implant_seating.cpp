@@ -34,7 +34,7 @@ constexpr double kWallVoxels = 2;
 /// The map exceeds the footprint, so that cores and holes at its edge are known, voxels.
 constexpr double kMapMarginVoxels = 4;
 
-ColumnMap map_under(const ReamedBone& bone, const Rigid& bone_from_implant, const ImplantShape& shape) {
+ColumnMap map_under(const BoneView& bone, const Rigid& bone_from_implant, const ImplantShape& shape) {
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
   return map_columns(bone, bone_from_implant,
                      {.margin_mm = voxel_mm,
@@ -311,7 +311,7 @@ std::optional<Rigid> implant_pose(const ImplantSettings& settings, const Rigid& 
   return bone_from_implant;
 }
 
-std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& bone_from_implant,
+std::optional<SeatedImplant> place_implant(const BoneView& bone, const Rigid& bone_from_implant,
                                            const ImplantShape& shape, const ImplantSettings& settings) {
   SeatedImplant out;
   out.map = map_under(bone, bone_from_implant, shape);
@@ -323,7 +323,7 @@ std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& 
   return out;
 }
 
-Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, const ImplantSettings& settings,
+Seating measure_seating(const BoneView& bone, const SeatedImplant& implant, const ImplantSettings& settings,
                         double dense_g_cm3) {
   double footprint = 0, covered = 0, overhang = 0, seated = 0;  // sums of columns
   double gaps_mm = 0, bone_mm = 0, dense_mm = 0;

@@ -39,7 +39,7 @@ Vec2 centroid_of(const std::vector<Vec2>& corners) {
 /// The heights of the face on a regular grid in the plane of the outline.
 class FaceGrid {
  public:
-  FaceGrid(const ReamedBone& bone, const FaceOutline& outline) : outline_(outline) {
+  FaceGrid(const BoneView& bone, const FaceOutline& outline) : outline_(outline) {
     const Aabb& box = outline.box_mm;
     const double voxel_mm = bone.voxmap.grid.voxel_mm;
     pitch_mm_ = std::max({voxel_mm, kFacePitch_mm, (box.max - box.min).head<2>().maxCoeff() / kMaxColumns});
@@ -216,7 +216,7 @@ double FaceOutline::inside_mm(const Vec2& place) const {
   return inside ? distance : -distance;
 }
 
-NativeFace measure_native_face(const ReamedBone& bone, const FaceOutline& outline) {
+NativeFace measure_native_face(const BoneView& bone, const FaceOutline& outline) {
   FaceGrid grid(bone, outline);
   const double cell_mm2 = grid.pitch_mm() * grid.pitch_mm();
   const double margin_mm = std::min(kRimMargin_mm, outline.inner_radius_mm() / 4);
@@ -258,8 +258,7 @@ Measured<Vec3> point_on_native_face(const JointLine& line, const BoneAxes& axes)
   return *point;
 }
 
-JointLine measure_joint_line(const ReamedBone& bone, const ColumnMap& map, const ReamedFace& face,
-                             const BoneAxes& axes) {
+JointLine measure_joint_line(const BoneView& bone, const ColumnMap& map, const ReamedFace& face, const BoneAxes& axes) {
   JointLine out;
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
   const Vec3 reamer = map.bone_from_map.linear().col(2);

@@ -21,7 +21,7 @@ constexpr double kSurfaceVoxels = 0.5;    // a gap between back and bone begins 
 /// The bone around a seated implant; points are in its frame.
 class BoneAround {
  public:
-  BoneAround(const ReamedBone& bone, const SeatedImplant& implant, const ImplantShape& shape)
+  BoneAround(const BoneView& bone, const SeatedImplant& implant, const ImplantShape& shape)
       : implant_(implant),
         shape_(shape),
         fractions_(bone, DensityMapping::kMaxDensity_g_cm3),
@@ -193,7 +193,7 @@ VaultColumn vault_column(ColumnBone& bone, const SeatedImplant& implant, const F
 }
 
 /// The vault behind the back of the implant on its axis: the mean of the columns around it, which lies between four.
-std::optional<double> axis_depth(const ReamedBone& bone, const SeatedImplant& implant, const ImplantShape& shape,
+std::optional<double> axis_depth(const BoneView& bone, const SeatedImplant& implant, const ImplantShape& shape,
                                  const MetricSettings& settings) {
   const ColumnPlace first = (-implant.map.corner_mm / implant.map.pitch_mm).array().floor().cast<int>();
   const double back_mm = shape.back_mm(Vec2::Zero()).value_or(0);
@@ -209,7 +209,7 @@ std::optional<double> axis_depth(const ReamedBone& bone, const SeatedImplant& im
   return columns > 0 ? std::optional(sum_mm / columns) : std::nullopt;
 }
 
-Vault measure_vault(const ReamedBone& bone, const SeatedImplant& implant, const ImplantShape& shape,
+Vault measure_vault(const BoneView& bone, const SeatedImplant& implant, const ImplantShape& shape,
                     const MetricSettings& settings) {
   const double depth_mm = settings.implant->vault_depth_mm;
   std::vector<VaultColumn> columns(implant.footprint.size());
@@ -235,7 +235,7 @@ Vault measure_vault(const ReamedBone& bone, const SeatedImplant& implant, const 
 
 }  // namespace
 
-std::optional<Planning> measure_planning(const ReamedBone& bone, const Rigid& bone_from_tool, const JointLine& line,
+std::optional<Planning> measure_planning(const BoneView& bone, const Rigid& bone_from_tool, const JointLine& line,
                                          const BoneAxes& axes, const MetricSettings& settings,
                                          const TriangleMesh* implant_mesh) {
   const auto pose = implant_pose(*settings.implant, bone_from_tool, axes);

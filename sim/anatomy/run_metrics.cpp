@@ -123,7 +123,7 @@ Perforation find_perforation(const ColumnMap& map, double voxel_mm) {
 
 }  // namespace
 
-std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, const ColumnMap& map,
+std::optional<RemainingDenseBone> remaining_dense_bone(const BoneView& bone, const ColumnMap& map,
                                                        const ReamedFace& face, double dense_g_cm3) {
   if (!face.plane) return std::nullopt;
   const VoxelGrid& grid = bone.voxmap.grid;
@@ -142,7 +142,7 @@ std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, c
                             .exposed_percent = 100 * static_cast<double>(bare) / static_cast<double>(lengths.size())};
 }
 
-RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
+RemovedVolume removed_volume(const BoneView& bone, double dense_g_cm3) {
   const int dense_grade = least_dense_grade(dense_g_cm3);
   std::int64_t trabecular = 0;  // in 1/65535 of a voxel: integers, so that the order of summation does not matter
   std::int64_t dense = 0;
@@ -155,7 +155,7 @@ RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3) {
           .dense_mm3 = static_cast<double>(dense) * unit_mm3};
 }
 
-BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, const BoneAxes& axes,
+BoneMetrics measure_bone(const BoneView& bone, const Rigid& bone_from_tool, const BoneAxes& axes,
                          const MetricSettings& settings, const TriangleMesh* implant_mesh) {
   BoneMetrics out;
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
@@ -175,7 +175,7 @@ BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, co
   return out;
 }
 
-ColumnMap depth_map(const ReamedBone& bone, const std::optional<GlenoidFrame>& glenoid, const Rigid& bone_from_tool) {
+ColumnMap depth_map(const BoneView& bone, const std::optional<GlenoidFrame>& glenoid, const Rigid& bone_from_tool) {
   return map_columns(bone, glenoid ? glenoid->bone_from_glenoid : bone_from_tool, {.margin_mm = kDepthMapMargin_mm});
 }
 

@@ -43,7 +43,7 @@ struct NativeFace {
 
 /// Measures the unreamed surface within the outline, along the normal of the outline's plane. Heights are integrals of
 /// fill, as in ColumnMap. Areas use the slope of a plane through the heights within 1.5 mm.
-NativeFace measure_native_face(const ReamedBone& bone, const FaceOutline& outline);
+NativeFace measure_native_face(const BoneView& bone, const FaceOutline& outline);
 
 /// Anatomical directions and points of a bone, as far as they are known.
 struct BoneAxes {
@@ -109,8 +109,7 @@ Measured<FaceAngles> angles_of(const Measured<FaceAxis>& axis, const std::option
 Measured<Vec3> point_on_native_face(const JointLine& line, const BoneAxes& axes);
 
 /// `map`: along the reamer's axis, of the region that lost bone; `face`: from find_face(map).
-JointLine measure_joint_line(const ReamedBone& bone, const ColumnMap& map, const ReamedFace& face,
-                             const BoneAxes& axes);
+JointLine measure_joint_line(const BoneView& bone, const ColumnMap& map, const ReamedFace& face, const BoneAxes& axes);
 
 /// Thickness of the dense bone under the reamed face, along its normal. Less than about half a voxel counts as none.
 struct RemainingDenseBone {
@@ -120,7 +119,7 @@ struct RemainingDenseBone {
   double exposed_percent = 0;  ///< of the face without dense bone
 };
 /// nullopt where the face has no columns. `dense_g_cm3`: the least density of dense bone.
-std::optional<RemainingDenseBone> remaining_dense_bone(const ReamedBone& bone, const ColumnMap& map,
+std::optional<RemainingDenseBone> remaining_dense_bone(const BoneView& bone, const ColumnMap& map,
                                                        const ReamedFace& face, double dense_g_cm3);
 
 /// Reaming through the bone, as areas projected along z of the map.
@@ -264,7 +263,7 @@ inline constexpr double kOverhangDepth_mm = 5;
 /// ImplantSettings::seat it stays there. The footprint is its outline, or without one the reamed face. In an outline,
 /// unreamed bone supports the implant, but no core of a cannulated reamer. nullopt where the footprint contains no
 /// bone.
-std::optional<SeatedImplant> place_implant(const ReamedBone& bone, const Rigid& bone_from_implant,
+std::optional<SeatedImplant> place_implant(const BoneView& bone, const Rigid& bone_from_implant,
                                            const ImplantShape& shape, const ImplantSettings& settings);
 
 /// Unreamed bone on which an implant rests.
@@ -292,7 +291,7 @@ struct Seating {
 };
 
 /// `dense_g_cm3`: the least density of dense bone.
-Seating measure_seating(const ReamedBone& bone, const SeatedImplant& implant, const ImplantSettings& settings,
+Seating measure_seating(const BoneView& bone, const SeatedImplant& implant, const ImplantSettings& settings,
                         double dense_g_cm3);
 
 /// A point of the surface of a peg, in the frame of the implant.
@@ -358,7 +357,7 @@ struct Planning {
 };
 
 /// nullopt where the footprint of the implant contains no bone, or its frame is unknown.
-std::optional<Planning> measure_planning(const ReamedBone& bone, const Rigid& bone_from_tool, const JointLine& line,
+std::optional<Planning> measure_planning(const BoneView& bone, const Rigid& bone_from_tool, const JointLine& line,
                                          const BoneAxes& axes, const MetricSettings& settings,
                                          const TriangleMesh* implant_mesh);
 
@@ -375,13 +374,13 @@ struct BoneMetrics {
   std::optional<Planning> planning;  ///< only with an implant
 };
 
-RemovedVolume removed_volume(const ReamedBone& bone, double dense_g_cm3);
+RemovedVolume removed_volume(const BoneView& bone, double dense_g_cm3);
 
 /// `bone_from_tool`: the deepest pose of the tool; depths are measured along its −z. `implant_mesh`: of the settings.
-BoneMetrics measure_bone(const ReamedBone& bone, const Rigid& bone_from_tool, const BoneAxes& axes,
+BoneMetrics measure_bone(const BoneView& bone, const Rigid& bone_from_tool, const BoneAxes& axes,
                          const MetricSettings& settings, const TriangleMesh* implant_mesh = nullptr);
 
 /// The depth map: columns along −z of the glenoid frame, or else of the deepest pose of the tool.
-ColumnMap depth_map(const ReamedBone& bone, const std::optional<GlenoidFrame>& glenoid, const Rigid& bone_from_tool);
+ColumnMap depth_map(const BoneView& bone, const std::optional<GlenoidFrame>& glenoid, const Rigid& bone_from_tool);
 
 }  // namespace reamsim

@@ -70,8 +70,7 @@ struct Simulation::Core {
       : scene(load(parse_scenario(path, set), report)),
         engine(load_engine(scene)),
         stepper(scene, *engine, rows, report),
-        identity(identity_of(scene.bone)),
-        fill_before(scene.bone.fill) {}
+        identity(identity_of(scene.bone)) {}
 
   static SimulationInput load(const Scenario& scenario, Diagnostics& report) {
     SimulationInput out = load_scene(scenario, report);
@@ -185,9 +184,8 @@ struct Simulation::Core {
   Rows rows;
   FrameStepper stepper;
   BoneIdentity identity;
-  FillBricks fill_before;  ///< the first step
-  Progress progress;       ///< but for `step`, which the stepper has
-  bool failed = false;     ///< a step did not end
+  Progress progress;    ///< but for `step`, which the stepper has
+  bool failed = false;  ///< a step did not end
 };
 
 Simulation::Simulation(const std::string& scenario, const std::vector<std::string>& set)
@@ -297,7 +295,7 @@ Simulation::State Simulation::state() {
     core_->stepper.read_fill();
     auto parts = std::make_shared<State::Parts>(State::Parts{.bone = core_->identity,
                                                              .progress = core_->progress,
-                                                             .before = core_->fill_before,
+                                                             .before = core_->scene.bone.fill_before,
                                                              .fill = core_->scene.bone.fill});
     parts->progress.step = core_->stepper.state();
     return State(std::move(parts));
@@ -309,7 +307,7 @@ void Simulation::restore(const State& state) {
     if (core_->failed) throw RunFailure(kFailed);
     const State::Parts& saved = state.parts();
     if (saved.bone != core_->identity) throw BadInput("the state is one of another bone");
-    core_->scene.bone.fill = saved.fill_on(core_->fill_before);
+    core_->scene.bone.fill = saved.fill_on(core_->scene.bone.fill_before);
     core_->engine->restore(core_->scene.bone);
     core_->stepper.resume(saved.progress.step);
     core_->progress = saved.progress;

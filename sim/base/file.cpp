@@ -55,15 +55,17 @@ void write_file(const std::string& path, std::string_view content) {
   close_file(out, path);
 }
 
-void replace_file(const std::string& path, std::string_view content) {
+void replace_file(const std::string& path, std::string_view content,
+                  const std::function<void(const std::string& unfinished)>& check) {
   const std::string unfinished = path + ".tmp";
   std::error_code error;
   try {
     write_file(unfinished, content);
+    if (check) check(unfinished);
     sync_to_disk(unfinished);
     std::filesystem::rename(unfinished, path, error);
     if (error) fail_to_write(path);
-  } catch (const RunError&) {
+  } catch (...) {
     std::filesystem::remove(unfinished, error);
     throw;
   }

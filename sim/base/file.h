@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <fstream>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -22,8 +23,10 @@ std::string read_file_start(const std::string& path, std::size_t most_bytes);
 /// Writes a file, replacing an older one. Throws RunError.
 void write_file(const std::string& path, std::string_view content);
 
-/// As write_file(); the file has either the old or the new content, and the new one is on the disk on return.
-void replace_file(const std::string& path, std::string_view content);
+/// As write_file(); the file has either the old or the new content, and the new one is on the disk on return. `check`
+/// gets a file with the new content; where it throws, the old one stays.
+void replace_file(const std::string& path, std::string_view content,
+                  const std::function<void(const std::string& unfinished)>& check = {});
 
 /// Shortens the file of a run to its `bytes` at a checkpoint, which are at least `head_bytes`. Throws InputError where
 /// it is shorter, RunError.

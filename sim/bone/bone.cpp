@@ -119,7 +119,7 @@ GlenoidFrame frame_from_landmarks(const LandmarkSettings& marks) {
 }  // namespace
 
 void Bone::set_voxels(FilledVoxmap&& voxels) {
-  fill = std::move(voxels.fill);
+  fill = fill_before = std::move(voxels.fill);
   voxmap = std::make_shared<Voxmap>(std::move(static_cast<Voxmap&>(voxels)));
 }
 

@@ -18,6 +18,7 @@ namespace reamsim {
 struct Bone {
   std::shared_ptr<const Voxmap> voxmap;                      ///< before reaming; shared with readers
   FillBricks fill;                                           ///< current fill of each voxel
+  FillBricks fill_before;                                    ///< that before the run
   std::optional<GlenoidFrame> glenoid;                       ///< of the scenario, the phantom or the VDB
   std::optional<LandmarkSettings> landmarks = std::nullopt;  ///< in B; likewise
   std::optional<ScapularAxes> scapula = std::nullopt;        ///< from the landmarks
@@ -30,7 +31,7 @@ struct Bone {
     set_voxels(std::move(voxels));
   }
 
-  [[nodiscard]] BoneView view() const { return {*voxmap, fill}; }
+  [[nodiscard]] BoneView view() const { return {*voxmap, fill, fill_before}; }
   operator BoneView() const { return view(); }  // not explicit on purpose
   void set_voxels(FilledVoxmap&& voxels);
   /// A copy of voxmap and fill, to change them for set_voxels().

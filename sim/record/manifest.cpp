@@ -139,8 +139,8 @@ void write_manifest(const std::string& dir, const Manifest& manifest, bool durab
   json["kind"] = manifest.kind;
   json["complete"] = manifest.complete;
   json["files"] = manifest.files;
-  const auto write = durable ? replace_file : write_file;
-  write(dir + "/" + kManifestName, json.dump(2) + "\n");
+  const std::string path = dir + "/" + kManifestName, text = json.dump(2) + "\n";
+  durable ? replace_file(path, text) : write_file(path, text);
 }
 
 std::optional<std::string> foreign_entry(const std::string& dir, ResultKind kind) {

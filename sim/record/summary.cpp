@@ -203,10 +203,10 @@ bool is_result_of(const std::string& dir, const Scenario& scenario) {
 }
 
 void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
-                   const FillBricks& fill_before, const RunFacts& facts) {
+                   const RunFacts& facts) {
   write_bone_vdb(dir + "/reamed.vdb", scene.bone, recorder.removed_frames(), provenance(scene, facts));
   if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone);
-  if (scene.scenario.output.segmentation) write_segmentation(dir + "/reamed.seg.nrrd", scene.bone, fill_before);
+  if (scene.scenario.output.segmentation) write_segmentation(dir + "/reamed.seg.nrrd", scene.bone);
   write_depth_map(dir + "/depth_map.csv", facts.depth_map);
   write_file(dir + "/planning.mrk.json", planning_markups(scene, facts.metrics, recorder.totals().deepest_pose));
   if (recorder.totals().push) write_push_events(dir, *recorder.totals().push);

@@ -54,10 +54,10 @@ void write_scenario(const std::string& dir, const SimulationInput& scene, const 
 /// Whether the scenario.yaml in `dir` is that of this scenario, with the same inputs. Throws InputError.
 bool is_result_of(const std::string& dir, const Scenario& scenario);
 
-/// Writes reamed.vdb, reamed.vti, reamed.seg.nrrd, depth_map.csv and planning.mrk.json into `dir`. `fill_before`: the
-/// fill before the run. Throws RunError when the disk is full.
+/// Writes reamed.vdb, reamed.vti, reamed.seg.nrrd, depth_map.csv and planning.mrk.json into `dir`. Throws RunError
+/// when the disk is full.
 void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
-                   const FillBricks& fill_before, const RunFacts& facts);
+                   const RunFacts& facts);
 
 /// The markups of a run for 3D Slicer, in LPS, mm (its schema 1.0.3): the plane of the face before and after reaming,
 /// the axis of the reamer, entry and deepest point, pegs, landmarks and rim, as far as the run has them. `deepest`: the
@@ -81,7 +81,7 @@ void write_vti(const std::string& path, const BoneView& bone);
 
 /// Writes a segmentation for 3D Slicer, which reads no VTI: an NRRD of labels in LPS, 1 where more than half of a voxel
 /// remains, 2 where it did before the run, else 0. Throws RunError.
-void write_segmentation(const std::string& path, const BoneView& bone, const FillBricks& fill_before);
+void write_segmentation(const std::string& path, const BoneView& bone);
 
 /// Writes summary.json into `dir`. `finished` false: of the frames so far, without metrics and times.
 void write_summary(const std::string& dir, const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts,

@@ -134,7 +134,7 @@ std::string nrrd_header(const VoxelGrid& grid) {
 }
 
 /// The labels of the voxels of a layer of bricks, x fastest.
-std::vector<std::uint8_t> labels_in_layer(const BoneView& bone, const FillBricks& fill_before, int layer) {
+std::vector<std::uint8_t> labels_in_layer(const BoneView& bone, int layer) {
   const VoxelGrid& grid = bone.voxmap.grid;
   const int first = layer * GradeBricks::kSide, planes = std::min(GradeBricks::kSide, grid.dims.z() - first);
   std::vector<std::uint8_t> out(static_cast<std::size_t>(grid.index({0, 0, planes})));
@@ -143,7 +143,7 @@ std::vector<std::uint8_t> labels_in_layer(const BoneView& bone, const FillBricks
   for_each_voxel({0, 0, layer}, {last.x(), last.y(), layer}, [&](const Vec3i& brick) {
     if (bone.voxmap.grade.brick(brick) == nullptr) return;
     for_each_bone_voxel_in(bone, brick, [&](const Vec3i& voxel, int, int fill) {
-      const std::uint8_t label = fill > kHalf ? 1 : fill_before.get(voxel) > kHalf ? 2 : 0;
+      const std::uint8_t label = fill > kHalf ? 1 : bone.fill_before.get(voxel) > kHalf ? 2 : 0;
       out[static_cast<std::size_t>(grid.index(voxel - Vec3i(0, 0, first)))] = label;
     });
   });
@@ -152,12 +152,12 @@ std::vector<std::uint8_t> labels_in_layer(const BoneView& bone, const FillBricks
 
 }  // namespace
 
-void write_segmentation(const std::string& path, const BoneView& bone, const FillBricks& fill_before) {
+void write_segmentation(const std::string& path, const BoneView& bone) {
   write_file(path, nrrd_header(bone.voxmap.grid));
   std::unique_ptr<gzFile_s, decltype(&gzclose)> out(gzopen(path.c_str(), "ab"), &gzclose);
   bool written = out != nullptr;
   for (int layer = 0; written && layer < bone.fill.brick_dims().z(); ++layer) {
-    const std::vector<std::uint8_t> labels = labels_in_layer(bone, fill_before, layer);
+    const std::vector<std::uint8_t> labels = labels_in_layer(bone, layer);
     written = gzfwrite(labels.data(), 1, labels.size(), out.get()) == labels.size();
   }
   if (!written || gzclose(out.release()) != Z_OK) fail_to_write(path);

@@ -154,7 +154,6 @@ void RunCheckpoints::use_device(const std::string& device, Diagnostics& report) 
 }
 
 void RunCheckpoints::restore(FillBricks& fill) {
-  before_ = fill;
   if (!last_) return;
   restore_fill(*last_, fill, dir_);
   last_->fill.clear();
@@ -178,7 +177,7 @@ Recorder RunCheckpoints::open_logs(double voxel_mm, const Scenario& scenario, Di
           std::move(last_->removed)};
 }
 
-bool RunCheckpoints::save(const SimulationState& state, Recorder& recorder, const FillBricks& fill,
+bool RunCheckpoints::save(const SimulationState& state, Recorder& recorder, const BoneView& bone,
                           const Diagnostics& report) {
   if (every_s_ <= 0 || saved_frame_ == state.frame) return false;
   const Stopwatch watch;
@@ -187,8 +186,8 @@ bool RunCheckpoints::save(const SimulationState& state, Recorder& recorder, cons
                                           .logs = recorder.sync(),
                                           .warnings = report.warnings,
                                           .removed = recorder.removed_frames(),
-                                          .fill = reamed_bricks(before_, fill),
-                                          .changed = fill.changed()});
+                                          .fill = reamed_bricks(bone.fill_before, bone.fill),
+                                          .changed = bone.fill.changed()});
   saved_frame_ = state.frame;
   since_last_ = Stopwatch();
   ++written_;

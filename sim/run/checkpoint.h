@@ -75,7 +75,7 @@ class RunCheckpoints {
   void identify(const Scenario& scenario, const std::vector<InputSum>& inputs);
   /// Notes the device of the run. Warns where the checkpoint to continue is from another one.
   void use_device(const std::string& device, Diagnostics& report);
-  /// Sets the fill of the bone, before the engine is made. Keeps a copy of the fill before the run.
+  /// Sets the fill of the bone, before the engine is made.
   void restore(FillBricks& fill);
   /// The logs of the run, new or those of the checkpoint, with what its scenario asks for. `report` gets its warnings.
   Recorder open_logs(double voxel_mm, const Scenario& scenario, Diagnostics& report);
@@ -86,7 +86,7 @@ class RunCheckpoints {
 
   [[nodiscard]] bool due() const { return every_s_ > 0 && since_last_.seconds() >= every_s_; }
   /// Saves the state, unless no checkpoints are wanted. Returns whether it did. Throws RunError.
-  bool save(const SimulationState& state, Recorder& recorder, const FillBricks& fill, const Diagnostics& report);
+  bool save(const SimulationState& state, Recorder& recorder, const BoneView& bone, const Diagnostics& report);
   /// The frame of the last checkpoint, or nullopt.
   [[nodiscard]] std::optional<std::int64_t> saved_frame() const { return saved_frame_; }
   [[nodiscard]] std::string cost() const;
@@ -99,7 +99,6 @@ class RunCheckpoints {
   CheckpointFiles files_;
   std::optional<Checkpoint> last_;
   RunIdentity identity_;
-  FillBricks before_;
   Stopwatch since_last_;
   std::optional<std::int64_t> saved_frame_;
   int written_ = 0;

@@ -24,10 +24,10 @@ namespace reamsim {
 
 namespace {
 
-/// Measures the reamed bone: metrics, depth map, and the time of measuring. `fill_before`: the fill before the run.
-void measure(RunFacts& facts, const SimulationInput& scene, const FillBricks& fill_before, const RunTotals& totals) {
+/// Measures the reamed bone: metrics, depth map, and the time of measuring.
+void measure(RunFacts& facts, const SimulationInput& scene, const RunTotals& totals) {
   const Stopwatch watch;
-  const ReamedBone bone{*scene.bone.voxmap, fill_before, scene.bone.fill};
+  const BoneView bone = scene.bone.view();
   const Rigid bone_from_tool = totals.deepest_pose.bone_from_tool();
   BoneAxes axes{.scapula = scene.bone.scapula, .glenoid = {}};
   const BoneSource source = scene.scenario.bone.source;
@@ -99,11 +99,7 @@ class ScenarioRun {
     tell_report();
     facts_.bone_before_mm3 = scene_.bone.view().bone_mm3();
     if (keep_.pictures) write_tools(dir_, scene_);
-    if (draws_during_run()) {
-      pictures_->begin(scene_, dir_);
-    } else {
-      fill_before_ = scene_.bone.fill;
-    }
+    if (draws_during_run()) pictures_->begin(scene_, dir_);
     checkpoints_.restore(scene_.bone.fill);
     skip_finished_passes();
     engine_ = load_engine(scene_, resources_.devices);
@@ -120,7 +116,7 @@ class ScenarioRun {
     simulates_ = true;
     const auto until_saved = monitor_.saving();
     const auto save = [&](const SimulationState& state) {
-      const bool saved = checkpoints_.save(state, recorder, scene_.bone.fill, report_);
+      const bool saved = checkpoints_.save(state, recorder, scene_.bone, report_);
       if (saved) write_summary(dir_, scene_, recorder.totals(), facts_, /*finished=*/false);
     };
     RunControl control{.save_due = [this] { return checkpoints_.due(); }, .save = save, .from = checkpoints_.state()};
@@ -205,15 +201,14 @@ class ScenarioRun {
   }
 
   void write(const Recorder& recorder) {
-    const FillBricks& fill_before = draws_during_run() ? pictures_->fill_before() : fill_before_;
-    measure(facts_, scene_, fill_before, recorder.totals());
+    measure(facts_, scene_, recorder.totals());
     const auto& planning = facts_.metrics.planning;
     if (std::string warning = planning ? planning->seating.warning() : ""; !warning.empty())
       report_.warn(std::move(warning));
     engine_.reset();  // its copy of the fill is not needed any more, and writing needs memory
     return_free_memory();
     const Stopwatch watch;
-    if (keep_.grids || keep_.pictures) write_results(dir_, scene_, recorder, fill_before, facts_);
+    if (keep_.grids || keep_.pictures) write_results(dir_, scene_, recorder, facts_);
     return_free_memory();
     facts_.write_s = watch.seconds();
     if (pictures_ != nullptr) pictures_->end(scene_, dir_);
@@ -276,7 +271,6 @@ class ScenarioRun {
   RunFacts facts_;
   SimulationInput scene_;
   std::vector<ContactForecast> contacts_;  ///< by pass
-  FillBricks fill_before_;                 ///< of the bone, unless the pictures have it
   std::unique_ptr<Engine> engine_;
   bool simulates_ = false;
 };

@@ -44,8 +44,6 @@ class PictureSink {
   virtual void begin(const SimulationInput& scene, const std::string& dir) = 0;
   /// After begin(): all snapshots up to and including this frame's are on disk.
   virtual void snapshots_written(std::int64_t frame) = 0;
-  /// After begin(): the fill of the bone before the run.
-  [[nodiscard]] virtual const FillBricks& fill_before() const = 0;
   /// The run has ended, and all its results are on disk. Called without begin() where the poses were not known.
   virtual void end(const SimulationInput& scene, const std::string& dir) = 0;
   /// Makes everything but the report, of which it makes what takes time. `report` gets the warnings. Throws RunError

@@ -3,12 +3,9 @@
 
 #include "sim/scan/segment.h"
 
-#include <itkBinaryBallStructuringElement.h>
-#include <itkBinaryMorphologicalClosingImageFilter.h>
 #include <itkConnectedComponentImageFilter.h>
 #include <itkCurvatureAnisotropicDiffusionImageFilter.h>
 #include <itkDiscreteGaussianImageFilter.h>
-#include <itkFlatStructuringElement.h>
 #include <itkImportImageFilter.h>
 #include <itkMedianImageFilter.h>
 #include <itkRelabelComponentImageFilter.h>
@@ -50,19 +47,26 @@ void apply(Filter& filter, AlignedImage& image) {
   std::copy_n(filter.GetOutput()->GetBufferPointer(), image.value.size(), image.value.begin());
 }
 
-/// Gives every voxel the greatest value within `radius` along one axis.
-Mask dilated_along(const Mask& mask, const Lattice& lattice, int axis, int radius) {
-  const int length = lattice.dims[axis];
-  const std::size_t stride = axis == 0 ? 1 : lattice.index(Vec3i::Unit(axis));
-  Mask out(mask.size());
-  for (std::size_t at = 0; at < mask.size(); ++at) {
-    const int here = static_cast<int>(at / stride % static_cast<std::size_t>(length));
-    const int first = std::max(here - radius, 0), last = std::min(here + radius, length - 1);
-    const std::size_t line = at - stride * static_cast<std::size_t>(here);
-    std::uint8_t value = 0;
-    for (int n = first; n <= last; ++n) value = std::max(value, mask[line + stride * static_cast<std::size_t>(n)]);
-    out[at] = value;
-  }
+/// Marks every voxel at one of some offsets from a marked one. `rows`: the offsets, symmetric about each axis, as rows
+/// along x: half the width, and the place, of each. The mask grows from its boundary, the voxels with a neighbour
+/// outside: those farther inside add nothing, where the set contains all that is nearer along each axis.
+Mask dilated(const Mask& mask, const Lattice& lattice, const std::vector<Vec3i>& rows) {
+  Mask out = mask;
+  lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+    if (mask[at] == 0) return;
+    bool inside = true;
+    for (int side = 0; side < 6 && inside; ++side) {
+      const Vec3i near = voxel + (side % 2 == 0 ? 1 : -1) * Vec3i::Unit(side / 2);
+      inside = !lattice.contains(near) || mask[lattice.index(near)] != 0;
+    }
+    if (inside) return;
+    for (const Vec3i& row : rows) {
+      const Vec3i first(std::max(voxel.x() - row.x(), 0), voxel.y() + row.y(), voxel.z() + row.z());
+      if (!lattice.contains(first)) continue;
+      const int last = std::min(voxel.x() + row.x(), lattice.dims.x() - 1);
+      std::fill_n(&out[lattice.index(first)], last - first.x() + 1, std::uint8_t{1});
+    }
+  });
   return out;
 }
 
@@ -116,9 +120,11 @@ Mask eroded(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
   return complement(dilated(complement(mask), lattice, radius));
 }
 
-Mask dilated(Mask mask, const Lattice& lattice, const Vec3i& radius) {
-  for (int axis = 0; axis < 3; ++axis) mask = dilated_along(mask, lattice, axis, radius[axis]);
-  return mask;
+Mask dilated(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
+  std::vector<Vec3i> box;
+  for_each_voxel({0, -radius.y(), -radius.z()}, {0, radius.y(), radius.z()},
+                 [&](const Vec3i& place) { box.emplace_back(radius.x(), place.y(), place.z()); });
+  return dilated(mask, lattice, box);
 }
 
 void median_filter(AlignedImage& image, int radius_voxels) {
@@ -169,21 +175,21 @@ Pieces connected_pieces(const Mask& mask, const Lattice& lattice) {
 }
 
 void close_mask(Mask& mask, const Lattice& lattice, double radius_mm) {
-  using Ball = itk::FlatStructuringElement<3>;
-  Ball::RadiusType radius;
-  bool moves = false;
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    radius[axis] = static_cast<itk::SizeValueType>(std::lround(radius_mm / lattice.spacing_mm[axis]));
-    moves = moves || radius[axis] > 0;
-  }
-  if (!moves) return;
-  const auto filter = itk::BinaryMorphologicalClosingImageFilter<MaskImage, MaskImage, Ball>::New();
-  filter->SetInput(view(mask, lattice.dims));
-  filter->SetKernel(Ball::Ball(radius));
-  filter->SetForegroundValue(1);
-  filter->SafeBorderOn();
-  filter->Update();
-  std::copy_n(filter->GetOutput()->GetBufferPointer(), mask.size(), mask.begin());
+  const Vec3i radius = (radius_mm * lattice.spacing_mm.cwiseInverse()).array().round().cast<int>();
+  if (radius.isZero()) return;
+  std::vector<Vec3i> ball;
+  const auto reach2 = [&](int n, int axis) { return std::pow(n / (radius[axis] + 0.5), 2); };
+  for_each_voxel({0, -radius.y(), -radius.z()}, {0, radius.y(), radius.z()}, [&](const Vec3i& place) {
+    const double rest = 1 - reach2(place.y(), 1) - reach2(place.z(), 2);
+    if (rest >= 0) ball.emplace_back(static_cast<int>(std::sqrt(rest) * (radius.x() + 0.5)), place.y(), place.z());
+  });
+  // With room for what the dilation adds beyond the lattice: the erosion needs it.
+  Lattice room = lattice;
+  room.dims += 2 * radius;
+  Mask wide(static_cast<std::size_t>(room.size()), 0);
+  lattice.for_each([&](const Vec3i& voxel, std::size_t at) { wide[room.index(voxel + radius)] = mask[at]; });
+  wide = complement(dilated(complement(dilated(wide, room, ball)), room, ball));
+  lattice.for_each([&](const Vec3i& voxel, std::size_t at) { mask[at] = wide[room.index(voxel + radius)]; });
 }
 
 std::int64_t fill_holes(Mask& mask, const Lattice& lattice) {

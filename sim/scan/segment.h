@@ -31,7 +31,7 @@ Mask complement(const Mask& mask);
 /// The voxels whose box of ±`radius` voxels lies in the mask. Beyond the image the values of its border hold.
 Mask eroded(const Mask& mask, const Lattice& lattice, const Vec3i& radius);
 /// The voxels whose box of ±`radius` voxels meets the mask.
-Mask dilated(Mask mask, const Lattice& lattice, const Vec3i& radius);
+Mask dilated(const Mask& mask, const Lattice& lattice, const Vec3i& radius);
 
 /// A connected component; its voxels share faces.
 struct Piece {

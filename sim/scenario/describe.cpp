@@ -200,7 +200,8 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
   v.key("width_px", render.width_px, "Picture width", between(64, 16384));
   v.key("height_px", render.height_px, "Picture height", between(64, 16384));
   v.key("frame_height_px", render.frame_height_px,
-        "Height of the pictures along the run, in the proportions of the others; at most height_px",
+        "Height of the pictures along the run, in the proportions of the others; at most height_px. The contact sheet "
+        "shows them reduced",
         between(64, 16384));
   v.key("every_frames", render.every_frames,
         "Frames between pictures; 0: eleven pictures, nine of them during expected contact, and 150 for a film",

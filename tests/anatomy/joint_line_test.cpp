@@ -27,7 +27,6 @@ struct Glenoid {
   explicit Glenoid(const BoneSettings& settings) {
     Diagnostics report;
     bone = load_bone(settings, report);
-    before = bone.fill;
   }
 
   /// A direction out of the face with this version and inclination, in B.
@@ -67,12 +66,11 @@ struct Glenoid {
     return out;
   }
   [[nodiscard]] BoneMetrics measure(const BoneAxes& known, const MetricSettings& settings = {}) const {
-    return measure_bone({*bone.voxmap, before, bone.fill}, pose, known, settings);
+    return measure_bone(bone, pose, known, settings);
   }
   [[nodiscard]] BoneMetrics measure() const { return measure(axes()); }
 
   Bone bone;
-  FillBricks before;
   Rigid pose = Rigid::Identity();
 };
 
@@ -146,7 +144,7 @@ TEST_P(SphericalFace, TheNativeJointLineIsWhereWearHasMovedIt) {
   const Glenoid phantom(settings);
   const auto outline = FaceOutline::of(phantom.bone.rim_mm, phantom.bone.scapula->lateral);
   ASSERT_TRUE(outline);
-  const NativeFace face = measure_native_face({*phantom.bone.voxmap, phantom.before, phantom.bone.fill}, *outline);
+  const NativeFace face = measure_native_face(phantom.bone, *outline);
   const Vec3& lateral = phantom.bone.scapula->lateral;
   const auto meets = meeting_point(*face.surface, Vec3::Zero(), lateral);
   ASSERT_TRUE(meets);

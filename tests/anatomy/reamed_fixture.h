@@ -101,7 +101,7 @@ struct Block {
     changed.clear();
   }
 
-  [[nodiscard]] ReamedBone reamed() const { return {after, before, after.fill}; }
+  [[nodiscard]] BoneView reamed() const { return {after, after.fill, before}; }
   [[nodiscard]] BoneMetrics measure(const Rigid& bone_from_tool = Rigid::Identity(),
                                     const MetricSettings& settings = {}, const BoneAxes& axes = {},
                                     const TriangleMesh* implant_mesh = nullptr) const {

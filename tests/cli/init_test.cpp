@@ -302,6 +302,9 @@ TEST_F(InitTest, MistakesAreInputErrorsAndWriteNothing) {
          "bone.glenoid.near_mm: (90.0, 0.0, 0.0): no surface of the bone within 15 mm");
   refuse({"none.stl", "--near=0,0,0", "--side", "left"}, "none.stl");
   refuse({"bone.stl", "--near=0,0,0", "--side", "left", "--tool", "none.stl"}, "none.stl");
+  refuse({"bone.stl", "--near=0,0,0", "--side", "left", "--set", "motion.plunge.depth_mm=-5"},
+         "reamsim: error: motion.plunge.depth_mm: found -5");
+  EXPECT_FALSE(exists("my.yaml.tmp"));
 }
 
 TEST_F(InitTest, AScanOfTheOtherSideNamesTheSide) {

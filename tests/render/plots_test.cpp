@@ -267,7 +267,7 @@ TEST_F(Plots, WhatWasRemovedIsCountedByDensity) {
   const double after_mm3 = after.bone_mm3();
   after.fill = FillBricks(after.grid.dims);
   const RunData run(dir_.path());
-  write_removed_density(dir_.path(), run.voxmap(), run.inputs().fill, run.last_fill());
+  write_removed_density(dir_.path(), {run.voxmap(), run.last_fill(), run.inputs().fill});
   std::ifstream csv(dir_.path() + "/plots/removed_density.csv");
   std::string line;
   ASSERT_TRUE(std::getline(csv, line));
@@ -296,7 +296,7 @@ TEST_F(Plots, BoneOfOneDensityGetsASentenceInPlaceOfAHistogram) {
   const FillBricks before(bone.grid.dims);
   FillBricks after = before;
   const auto svg = [&] {
-    write_removed_density(dir_.path(), bone, before, after);
+    write_removed_density(dir_.path(), {bone, after, before});
     return test::file_bytes(dir_.path() + "/plots/removed_density.svg");
   };
   EXPECT_THAT(svg(), ::testing::HasSubstr("No bone was removed"));

@@ -90,7 +90,9 @@ class ReportPage : public ::testing::Test {
   }
 
   [[nodiscard]] std::string dir() const { return copy_.path(); }
-  void write_page(const RunData& run) { write_report(run, settings_, report_parts(run, settings_)); }
+  void write_page(const RunData& run) {
+    write_report(run, settings_, report_parts(run, settings_, bone_data(run, settings_)));
+  }
   std::string page() {
     write_page(dir());
     return read(dir() + "/report.html");

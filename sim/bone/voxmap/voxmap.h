@@ -161,12 +161,15 @@ struct Voxmap {
   [[nodiscard]] bool is_bone(const Vec3i& voxel) const { return grid.contains(voxel) && grade.get(voxel) != 0; }
 };
 
-/// A bone for reading: its voxmap, and the current fill of each voxel. Both must outlive the view.
+/// A bone for reading: its voxmap, and the fill of each voxel. All must outlive the view.
 struct BoneView {
   const Voxmap& voxmap;
-  const FillBricks& fill;
+  const FillBricks& fill;         ///< current
+  const FillBricks& fill_before;  ///< before the run
 
-  BoneView(const Voxmap& voxels, const FillBricks& current) : voxmap(voxels), fill(current) {}
+  BoneView(const Voxmap& voxels, const FillBricks& current) : BoneView(voxels, current, current) {}
+  BoneView(const Voxmap& voxels, const FillBricks& current, const FillBricks& before)
+      : voxmap(voxels), fill(current), fill_before(before) {}
 
   /// Voxels with remaining bone: grade ≠ 0 and fill ≠ 0.
   [[nodiscard]] std::int64_t count_bone() const;

@@ -25,8 +25,7 @@ constexpr std::size_t kFillBytes = sizeof(rs_u16) * RS_BRICK_VOXELS;
 
 /// The place in a brick of the device of the voxel with that offset on the host.
 std::size_t device_place(int offset) {
-  const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
-  return static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()));
+  return static_cast<std::size_t>(rs_brick_offset(offset & 7, offset >> 3 & 7, offset >> 6));
 }
 
 /// Writes a brick in the device's layout. Returns whether it has bone.
