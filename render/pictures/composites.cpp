@@ -87,19 +87,15 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px) {
   const PageLayout page = page_layout(width_px, height_px);
   const double u = page.labelled() ? page.unit : 0;
   const Box area{kMargin * u, kMargin * u, page.view_width_px - 2 * kMargin * u, height_px - 2 * kMargin * u};
-  SheetGrid best{cells, 1, cells, 1, 1, area, static_cast<int>(kGap * u)};
+  SheetGrid best{.cells = cells, .area = area, .gap_px = static_cast<int>(kGap * u)};
   const double aspect = static_cast<double>(page.view_width_px) / height_px;  // of the pictures along the run
-  double largest = 0;
   for (int columns = 1; columns <= cells; ++columns) {
     const int rows = (cells + columns - 1) / columns;
     const double across = (area.width - (columns - 1) * best.gap_px) / columns;
     const double down = (area.height - (rows - 1) * best.gap_px) / rows;
-    const double height = std::min(down, across / aspect);
-    if (height <= largest) continue;
-    largest = height;
-    best = {
-        cells, columns,    rows, std::max(1, static_cast<int>(aspect * height)), std::max(1, static_cast<int>(height)),
-        area,  best.gap_px};
+    const int height = std::max(1, static_cast<int>(std::min(down, across / aspect)));
+    if (height <= best.cell_height_px) continue;
+    best = {cells, columns, rows, std::max(1, static_cast<int>(aspect * height)), height, area, best.gap_px};
   }
   return best;
 }
