@@ -162,15 +162,17 @@ void Outputs::make_pictures(Diagnostics& report) {
 
 void Outputs::make(Diagnostics& report) {
   const RenderSettings& settings = options_.pictures.settings;
-  Diagnostics of_figures;
-  std::future<void> figures = std::async(std::launch::async, [&] { make_figures(of_figures); });
-  std::future<nlohmann::ordered_json> bone;  // of the report, which needs no picture for it
   const bool reports = settings.enabled && settings.report && options_.finished;
-  if (reports) bone = std::async(std::launch::async, [&] { return bone_data(*run_, report_settings()); });
+  Diagnostics of_figures;
+  nlohmann::ordered_json bone;  // of the report, which needs no picture for it
+  std::future<void> figures = std::async(std::launch::async, [&] {
+    make_figures(of_figures);
+    if (reports) bone = bone_data(*run_, report_settings());
+  });
   if (settings.enabled) make_pictures(report);
   figures.get();
   report.warnings.insert(report.warnings.end(), of_figures.warnings.begin(), of_figures.warnings.end());
-  if (reports) report_ = report_parts(*run_, report_settings(), bone.get());
+  if (reports) report_ = report_parts(*run_, report_settings(), std::move(bone));
 }
 
 RenderSettings Outputs::report_settings() const {

@@ -103,7 +103,7 @@ void run_command(const RunOptions& options, const Console& console) {
 /// Duration of the timed part of the simulation.
 constexpr double kCheckTiming_s = 1;
 /// Time of a picture of 1920 × 1080, measured on two cores as docs/scenario.md describes.
-constexpr double kPicture_s = 0.4;
+constexpr double kPicture_s = 0.47;
 
 void note_compliance(const ComplianceSettings& springs, Diagnostics& report) {
   const Vec3& k = springs.stiffness_n_mm;

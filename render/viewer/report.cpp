@@ -295,8 +295,7 @@ nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm) {
 }
 
 ReportParts report_parts(const RunData& run, const RenderSettings& settings, Json bone) {
-  ReportParts out;
-  out.bone = std::move(bone);
+  ReportParts out{{}, {}, std::move(bone)};
   add_figures(run.dir(), name_of(settings.cameras.front()), out.figures);
   out.pictures = frames_json(run, names_of(settings.cameras));
   return out;
