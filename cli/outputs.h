@@ -63,8 +63,8 @@ class Outputs : public PictureSink {
   void begin(const SimulationInput& scene, const std::string& dir) override;
   void snapshots_written(std::int64_t frame) override;
   void end(const SimulationInput& scene, const std::string& dir) override;
-  /// Another thread makes plots, meshes and the bone of the report meanwhile. Throws InputError for a missing or damaged
-  /// result, RunError and Interrupted, always after both threads have ended.
+  /// Another thread makes plots, meshes and the bone of the report meanwhile. Throws InputError for a missing or
+  /// damaged result, RunError and Interrupted, always after both threads have ended.
   void make(Diagnostics& report) override;
   [[nodiscard]] std::string render_context() const override { return render_context_; }
   /// Writes report.html if the options ask for it.

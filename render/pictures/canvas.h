@@ -55,8 +55,8 @@ class Canvas {
   std::unique_ptr<cairo_t, decltype(&cairo_destroy)> cairo_;
 };
 
-/// A picture, cropped about its middle to the proportions of `width_px` × `height_px` and scaled to that size, on white.
-/// Throws RunError and bad_alloc.
+/// A picture, cropped about its middle to the proportions of `width_px` × `height_px` and scaled to that size, on
+/// white. Throws RunError and bad_alloc.
 PixelImage scaled_middle(cairo_surface_t* picture, int width_px, int height_px);
 
 /// Text with its measured size; one line unless it is wrapped.
