@@ -268,7 +268,7 @@ void write_scenario_file(const std::string& path, const std::string& text) {
     replace_file(path, text, [](const std::string& unfinished) { parse_scenario(unfinished, {}); });
   } catch (const InputError& error) {
     std::vector<Mistake> mistakes = error.mistakes();
-    for (Mistake& mistake : mistakes) mistake.where = {};  // the file is gone
+    for (Mistake& mistake : mistakes) mistake.where = {};  // in the temporary file, which is removed
     throw InputError(std::move(mistakes));
   }
 }
