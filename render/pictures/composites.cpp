@@ -42,7 +42,7 @@ void draw_half_title(PixelImage& image, const PageLayout& page, const std::strin
   canvas.finish();
 }
 
-constexpr std::size_t kMaxFrames = 20;
+constexpr std::size_t kMaxFrames = 16;  // four rows of four fill the page
 constexpr std::uint32_t kPage_rgb = 0xf4f6f9;
 constexpr double kMargin = 24, kGap = 8, kCaption = 20;  // pixels of a page 1080 high and at least 1440 wide
 constexpr int kMinCaptioned_px = 80;                     // captions of lower cells would be illegible

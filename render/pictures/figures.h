@@ -59,7 +59,7 @@ struct SheetGrid {
 /// The layout with the largest cells that leaves room for title, legend and scale.
 SheetGrid sheet_grid(int cells, int width_px, int height_px);
 
-/// The run in contact on one page: up to twenty pictures of one camera, reduced. The title says what is not shown.
+/// The run in contact on one page: up to sixteen pictures of one camera, reduced. The title says what is not shown.
 class ContactSheet {
  public:
   /// The frames with a cell, ascending.

@@ -210,7 +210,7 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
   v.list("user_cameras", render.user_cameras, describe_user_camera, "User cameras; their files end in _NAME");
   v.key("before_after", render.before_after, "Render before_after.png per camera: bone before and after, side by side");
   v.key("contact_sheet", render.contact_sheet,
-        "Render contact_sheet.png: up to twenty small pictures of the contact phase");
+        "Render contact_sheet.png: up to sixteen small pictures of the contact phase");
   v.key("turntable_pictures", render.turntable_pictures,
         "Turntable pictures (turntable/NNN.png), 360° about the superior axis; 0: none", between(0, 3600));
   v.key("film", render.film,

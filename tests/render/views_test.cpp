@@ -225,6 +225,9 @@ TEST(ContactSheetTest, EveryCellHasItsPlaceOnThePage) {
       EXPECT_LE(bottom, height);
     }
   }
+  const SheetGrid full = sheet_grid(16, 1920, 1080);  // the most that a sheet has
+  EXPECT_EQ(full.columns, 4);
+  EXPECT_EQ(full.rows, 4);
 }
 
 /// With the pictures along the run its cells are these, reduced; without them they are rendered.
