@@ -3,12 +3,18 @@
 
 #include "render/surface/solid_field.h"
 
+#include <openvdb/math/Proximity.h>
+
 #include <algorithm>
+#include <boost/geometry/geometries/point.hpp>
+#include <boost/geometry/index/rtree.hpp>
+#include <boost/geometry/strategies/strategies.hpp>
 #include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <cstdint>
+#include <memory>
+#include <numbers>
 #include <optional>
-#include <unsupported/Eigen/BVH>
 #include <utility>
 
 #include "render/surface/scalar_grid.h"
@@ -19,54 +25,145 @@ namespace reamsim {
 namespace {
 
 using openvdb::Vec3d;
+namespace index = boost::geometry::index;
 
-/// The distance to the nearest of some points, at least one.
-std::function<double(const Vec3&)> distance_to_nearest(const std::vector<Vec3>& points) {
-  const std::vector<Eigen::AlignedBox3d> boxes(points.begin(), points.end());
-  const auto tree =
-      std::make_shared<const Eigen::KdBVH<double, 3, Vec3>>(points.begin(), points.end(), boxes.begin(), boxes.end());
-  return [tree](const Vec3& from) {
-    /// For Eigen::BVMinimize: the squared distance to a point, and its lower bound in a box.
-    struct Query {
-      using Scalar = double;
-      const Vec3& from;
+/// The nearest of some points, at least one.
+class NearestPoint {
+ public:
+  explicit NearestPoint(const std::vector<Vec3>& points) : tree_(entries(points)) {}
 
-      double minimumOnVolume(const Eigen::AlignedBox3d& box) const { return box.squaredExteriorDistance(from); }
-      double minimumOnObject(const Vec3& point) const { return (point - from).squaredNorm(); }
-    } query{from};
-    return std::sqrt(Eigen::BVMinimize(*tree, query));
+  struct Found {
+    std::uint32_t index;
+    double distance;
   };
-}
+  [[nodiscard]] Found operator()(const Vec3& from) const {
+    Entry entry;
+    tree_.query(index::nearest(Point(from.x(), from.y(), from.z()), 1), &entry);
+    const Vec3 point(entry.first.get<0>(), entry.first.get<1>(), entry.first.get<2>());
+    return {entry.second, (from - point).norm()};
+  }
+
+ private:
+  using Point = boost::geometry::model::point<double, 3, boost::geometry::cs::cartesian>;
+  using Entry = std::pair<Point, std::uint32_t>;
+
+  static std::vector<Entry> entries(const std::vector<Vec3>& points) {
+    std::vector<Entry> out;
+    for (const Vec3& p : points) out.emplace_back(Point(p.x(), p.y(), p.z()), static_cast<std::uint32_t>(out.size()));
+    return out;
+  }
+
+  index::rtree<Entry, index::quadratic<8>> tree_;
+};
 
 /// Depth is not measured from the walls of holes and slits up to twice this wide.
 constexpr double kClosing_mm = 1.8;
 /// Number of depth cells inside the bone. More cost time without benefit, because a distance varies smoothly.
 constexpr double kInteriorCells = 400'000;
 
-/// The surface offset outwards by kClosing_mm, which closes narrow holes (morphological closing).
-struct OffsetSurface {
-  openvdb::FloatGrid::Ptr distance_mm;  ///< from the surface
-  IsoSurface surface;                   ///< in the space of voxel indices times voxel_mm
+/// Marks the vertices on the wall of a closed cavity: a part of the surface that encloses a negative volume.
+std::vector<bool> walls_of_cavities(const IsoSurface& surface) {
+  std::vector<std::uint32_t> rank(surface.points.size()), parent(surface.points.size());
+  boost::disjoint_sets components(rank.data(), parent.data());
+  for (std::uint32_t i = 0; i < parent.size(); ++i) components.make_set(i);
+  for (std::size_t i = 0; i < surface.indices.size(); ++i) {
+    components.union_set(surface.indices[i - i % 3], surface.indices[i]);
+  }
+  std::vector<double> volumes(surface.points.size());  // six times, by the component's first point
+  for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
+    const auto at = [&](std::size_t k) -> Vec3 { return surface.points[surface.indices[i + k]].cast<double>(); };
+    volumes[components.find_set(surface.indices[i])] += at(0).dot(at(1).cross(at(2)));
+  }
+  std::vector<bool> out(surface.points.size());
+  for (std::uint32_t i = 0; i < out.size(); ++i) out[i] = volumes[components.find_set(i)] < 0;
+  return out;
+}
+
+/// The distance from the unreamed surface, which has vertices; negative inside the bone and its closed cavities. In the
+/// space of voxel indices times voxel_mm.
+class SurfaceDistance {
+ public:
+  SurfaceDistance(const UnreamedSurface& unreamed, double voxel_mm)
+      : voxel_mm_(voxel_mm),
+        field_(*unreamed.field.grid().vdb),
+        cavity_(walls_of_cavities(unreamed.surface)),
+        triangles_(unreamed.surface.points.size(), unreamed.surface.indices) {
+    for (const Eigen::Vector3f& p : unreamed.surface.points) points_.emplace_back(voxel_mm * p.cast<double>());
+    nearest_.emplace(points_);
+  }
+
+  [[nodiscard]] double at(const Vec3& mm) const {
+    const std::uint32_t vertex = (*nearest_)(mm).index;
+    const double distance = (closest_point(vertex, mm) - mm).norm();
+    const bool inside = cavity_[vertex] || sample(field_.getConstAccessor(), vdb_point(mm) / voxel_mm_) < 0;
+    return inside ? -distance : distance;
+  }
+  [[nodiscard]] Vec3 closest_point(const Vec3& mm) const { return closest_point((*nearest_)(mm).index, mm); }
+
+ private:
+  /// On the triangles at the nearest vertex.
+  [[nodiscard]] Vec3 closest_point(std::uint32_t vertex, const Vec3& mm) const {
+    Vec3 best = points_[vertex];
+    const auto second = triangles_.of(vertex), third = triangles_.opposite(vertex);
+    for (std::size_t i = 0; i < second.size(); ++i) {
+      Vec3d weights;
+      const Vec3d on_triangle =
+          openvdb::math::closestPointOnTriangleToPoint(vdb_point(points_[vertex]), vdb_point(points_[second[i]]),
+                                                       vdb_point(points_[third[i]]), vdb_point(mm), weights);
+      const Vec3 point(on_triangle.x(), on_triangle.y(), on_triangle.z());
+      if ((point - mm).squaredNorm() < (best - mm).squaredNorm()) best = point;
+    }
+    return best;
+  }
+
+  double voxel_mm_;
+  const openvdb::FloatGrid& field_;
+  std::vector<bool> cavity_;
+  std::vector<Vec3> points_;
+  Neighbours triangles_;
+  std::optional<NearestPoint> nearest_;
 };
 
-OffsetSurface offset_outwards(const IsoSurface& surface, double voxel_mm, double cell_mm) {
-  const auto transform = openvdb::math::Transform::createLinearTransform(cell_mm);
-  const double outside_cells = kClosing_mm / cell_mm + 3;
-  OffsetSurface out;
-  if (surface.indices.empty()) {  // less than a voxel of bone
-    out.distance_mm = make_float_grid(static_cast<float>(outside_cells) * static_cast<float>(cell_mm));
-    out.distance_mm->setTransform(transform);
-    return out;
+using Leaf = openvdb::FloatTree::LeafNodeType;
+
+/// Calls visit(leaf) for all leaves of a grid at once.
+template <class Visit>
+void for_each_leaf(openvdb::FloatGrid& grid, const Visit& visit) {
+  grid.tree().voxelizeActiveTiles();
+  std::vector<Leaf*> leaves;
+  grid.tree().getNodes(leaves);
+  parallel_items(leaves.size(), [&](std::size_t i) { visit(*leaves[i]); });
+}
+
+/// Samples a distance in the cube of `side` cells from `first`: in each cell next to the level kClosing_mm, elsewhere
+/// coarsely, on the right side of it.
+void sample_cube(const SurfaceDistance& distance, double cell_mm, const openvdb::Coord& first, int side, Leaf& out) {
+  const Vec3d centre = cell_mm * (first.asVec3d() + Vec3d(0.5 * (side - 1)));
+  const double centre_mm = distance.at({centre.x(), centre.y(), centre.z()});
+  const double reach_cells = (0.5 * (side - 1) + 1) * std::numbers::sqrt3;
+  if (side == 1 || std::abs(centre_mm - kClosing_mm) > reach_cells * cell_mm) {
+    return out.fill(openvdb::CoordBBox::createCube(first, side), static_cast<float>(centre_mm));
   }
-  SampledMesh in_cells;
-  const auto scale = static_cast<float>(voxel_mm / cell_mm);
-  for (const Eigen::Vector3f& p : surface.points) in_cells.points.push_back(vdb_point(Eigen::Vector3f(p * scale)));
-  for (std::size_t i = 0; i < surface.indices.size(); i += 3) {
-    in_cells.triangles.emplace_back(surface.indices.data() + i);
+  const int half = side / 2;
+  for (int i = 0; i < 8; ++i) {
+    sample_cube(distance, cell_mm, first.offsetBy(half * (i >> 2), half * (i >> 1 & 1), half * (i & 1)), half, out);
   }
-  out.distance_mm = mesh_distance(in_cells, *transform, outside_cells, 1);  // only the outside is used
-  out.surface = extract_surface(*out.distance_mm, kClosing_mm);
-  return out;
+}
+
+/// The surface offset outwards by kClosing_mm, which closes narrow holes (morphological closing), around the bricks
+/// that changed, wherever it may affect a depth. In the space of voxel indices times voxel_mm.
+IsoSurface offset_outwards(const SurfaceDistance& distance, const Eigen::AlignedBox3i& changed_bricks, double brick_mm,
+                           double cell_mm) {
+  // A source lies above removed bone, or up to 2·kClosing_mm / cell_mm edges of at most two cells beside such a point.
+  const double reach_mm = 5 * kClosing_mm + 6 * cell_mm;
+  const auto cell = [&](const Vec3i& brick, double beside_mm) {
+    return openvdb::Coord::floor((brick_mm * vdb_point(brick) + Vec3d(beside_mm)) / cell_mm);
+  };
+  auto grid = make_float_grid(static_cast<float>(2 * reach_mm));
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(cell_mm));
+  grid->denseFill({cell(changed_bricks.min(), -reach_mm), cell(changed_bricks.max(), brick_mm + reach_mm)}, 0.0F, true);
+  for_each_leaf(*grid, [&](Leaf& leaf) { sample_cube(distance, cell_mm, leaf.origin(), Leaf::DIM, leaf); });
+  return extract_surface(*grid, kClosing_mm);
 }
 
 /// Was at least half of this bone voxel removed?
@@ -86,19 +183,15 @@ void for_each_reamed_brick(const BoneView& bone, const Visit& visit) {
 }
 
 /// Marks the points of the offset surface below which bone was removed.
-std::vector<std::uint8_t> above_removed_bone(const OffsetSurface& offset, const BoneView& bone) {
+std::vector<std::uint8_t> above_removed_bone(const IsoSurface& offset, const SurfaceDistance& distance,
+                                             const BoneView& bone) {
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
-  const auto accessor = offset.distance_mm->getConstAccessor();
-  const auto distance_at = [&](const Vec3d& mm) { return sample(accessor, offset.distance_mm->worldToIndex(mm)); };
-  std::vector<std::uint8_t> marked(offset.surface.points.size(), 0);
-  for (std::size_t i = 0; i < marked.size(); ++i) {
-    const Vec3d p = vdb_point(offset.surface.points[i]);
-    const Vec3d slope = central_difference(distance_at, p, 0.5 * offset.distance_mm->voxelSize()[0]);
-    if (slope.length() < 1e-9) continue;
-    const Vec3d below = (p - slope.unit() * (kClosing_mm + 0.75 * voxel_mm)) / voxel_mm;
-    const Vec3i voxel = Vec3(below.x(), below.y(), below.z()).array().round().cast<int>();
-    marked[i] = removed(bone, voxel) ? 1 : 0;
-  }
+  std::vector<std::uint8_t> marked(offset.points.size(), 0);
+  parallel_items(marked.size(), [&](std::size_t i) {
+    const Vec3 p = offset.points[i].cast<double>(), surface = distance.closest_point(p);
+    const Vec3 below = (surface + 0.75 * voxel_mm * (surface - p).normalized()) / voxel_mm;
+    marked[i] = removed(bone, below.array().round().cast<int>()) ? 1 : 0;
+  });
   return marked;
 }
 
@@ -112,45 +205,6 @@ void dilate(std::vector<std::uint8_t>& marked, const Neighbours& neighbours, int
     }
     marked.swap(wider);
   }
-}
-
-/// Has the bone a closed cavity, whose surface encloses a negative volume?
-bool has_cavity(const IsoSurface& surface) {
-  std::vector<std::uint32_t> rank(surface.points.size()), parent(surface.points.size());
-  boost::disjoint_sets components(rank.data(), parent.data());
-  for (std::uint32_t i = 0; i < parent.size(); ++i) components.make_set(i);
-  for (std::size_t i = 0; i < surface.indices.size(); ++i) {
-    components.union_set(surface.indices[i - i % 3], surface.indices[i]);
-  }
-  std::vector<double> volumes(surface.points.size());  // six times, by the component's first point
-  for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
-    const auto at = [&](std::size_t k) -> Vec3 { return surface.points[surface.indices[i + k]].cast<double>(); };
-    volumes[components.find_set(surface.indices[i])] += at(0).dot(at(1).cross(at(2)));
-  }
-  return std::ranges::any_of(volumes, [](double volume) { return volume < 0; });
-}
-
-/// The surface of the unreamed bone wherever it may affect a depth: below the offset surface above removed bone, with
-/// the mouths of holes that the marks are dilated over. Flat faces close it beyond. None where that saves little, or
-/// where the part might open a cavity, from whose walls no depth is measured.
-std::optional<IsoSurface> surface_near_changes(const UnreamedSurface& unreamed, const BoneView& bone, double cell_mm) {
-  const double reach_mm = 8 * kClosing_mm + 6 * cell_mm;
-  Eigen::AlignedBox3i changed;
-  for_each_reamed_brick(bone, [&](const Vec3i& coord) { changed.extend(coord); });
-  const double brick_mm = FillBricks::kSide * bone.voxmap.grid.voxel_mm;
-  const Vec3i reach = Vec3i::Constant(1 + static_cast<int>(std::ceil(reach_mm / brick_mm)));
-  const Vec3i first = (changed.min() - reach).cwiseMax(-1);
-  const Vec3i dims = bone.fill.brick_dims(), last = (changed.max() + reach).cwiseMin(dims);
-  const double fraction = (last - first).cast<double>().prod() / dims.cast<double>().prod();
-  if (fraction > 0.5 || has_cavity(unreamed.surface)) return std::nullopt;
-  const openvdb::FloatGrid::Ptr part = bricks_of(*unreamed.field.grid().vdb, first, last);
-  // OpenVDB finds no surface between two constant bricks.
-  for_each_voxel(first, last, [&](const Vec3i& brick) {
-    const bool outer = ((brick - first).array() == 0).any() || ((last - brick).array() == 0).any();
-    const openvdb::Coord origin = vdb_coord(FillBricks::kSide * brick);
-    if (outer && part->tree().getValue(origin) < 0) part->tree().touchLeaf(origin)->setValuesOn();
-  });
-  return extract_surface(*part, 0);
 }
 
 /// A grid whose active cells cover every changed brick, plus a margin for interpolation.
@@ -173,25 +227,24 @@ openvdb::FloatGrid::Ptr depth_grid(const UnreamedSurface& unreamed, const BoneVi
   const double cell_mm = std::max(grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
   auto depth = cells_of_changed_bricks(bone, cell_mm);
   if (depth->empty()) return depth;
-  const std::optional<IsoSurface> part = surface_near_changes(unreamed, bone, cell_mm);
-  const OffsetSurface offset = offset_outwards(part ? *part : unreamed.surface, grid.voxel_mm, cell_mm);
-  std::vector<std::uint8_t> marked = above_removed_bone(offset, bone);
-  dilate(marked, {offset.surface.points.size(), offset.surface.indices},
-         static_cast<int>(std::ceil(2 * kClosing_mm / cell_mm)));
+  if (unreamed.surface.points.empty()) return depth;  // less than a voxel of bone
+  Eigen::AlignedBox3i changed;
+  for_each_reamed_brick(bone, [&](const Vec3i& coord) { changed.extend(coord); });
+  const SurfaceDistance distance(unreamed, grid.voxel_mm);
+  const IsoSurface offset = offset_outwards(distance, changed, FillBricks::kSide * grid.voxel_mm, cell_mm);
+  std::vector<std::uint8_t> marked = above_removed_bone(offset, distance, bone);
+  dilate(marked, {offset.points.size(), offset.indices}, static_cast<int>(std::ceil(2 * kClosing_mm / cell_mm)));
   std::vector<Vec3> sources;
   for (std::size_t i = 0; i < marked.size(); ++i) {
-    if (marked[i] != 0) sources.push_back(offset.surface.points[i].cast<double>());
+    if (marked[i] != 0) sources.push_back(offset.points[i].cast<double>());
   }
   if (sources.empty()) return depth;
   // Sources are a cell apart and at least kClosing_mm away, so the nearest one approximates the nearest triangle.
-  const auto distance_to_source = distance_to_nearest(sources);
-  depth->tree().voxelizeActiveTiles();
-  std::vector<openvdb::FloatTree::LeafNodeType*> leaves;
-  depth->tree().getNodes(leaves);
-  parallel_items(leaves.size(), [&](std::size_t leaf) {
-    for (auto value = leaves[leaf]->beginValueOn(); value; ++value) {
+  const NearestPoint nearest(sources);
+  for_each_leaf(*depth, [&](Leaf& leaf) {
+    for (auto value = leaf.beginValueOn(); value; ++value) {
       const Vec3d mm = depth->indexToWorld(value.getCoord());
-      value.setValue(static_cast<float>(distance_to_source({mm.x(), mm.y(), mm.z()}) - kClosing_mm));
+      value.setValue(static_cast<float>(nearest({mm.x(), mm.y(), mm.z()}).distance - kClosing_mm));
     }
   });
   return depth;
@@ -243,7 +296,8 @@ LayerBoundary::LayerBoundary(const Voxmap& voxmap, const UnreamedSurface& unream
   for (const Eigen::Vector3f& p : unreamed.surface.points) {
     if (std::abs(normal.dot(p.cast<double>() - a)) < reach) points.emplace_back(p.cast<double>());
   }
-  if (!points.empty()) from_surface_ = distance_to_nearest(points);
+  if (points.empty()) return;
+  from_surface_ = [nearest = NearestPoint(points)](const Vec3& point) { return nearest(point).distance; };
 }
 
 bool LayerBoundary::near(const Vec3& point) const {
