@@ -121,16 +121,23 @@ void add_leaves(ResultReader& in, Tree& tree) {
   });
 }
 
-SampledMesh sampled(const TriangleMesh& mesh, const DistanceSampling& sampling) {
-  SampledMesh out;
-  out.points.reserve(mesh.vertices.size());
+/// The distance of a mesh in spacings. `flags`: of openvdb::tools::meshToVolume().
+openvdb::FloatGrid::Ptr distance_of(const TriangleMesh& mesh, const DistanceSampling& sampling, double outer,
+                                    double inner, int flags) {
+  std::vector<openvdb::Vec3s> points;
+  std::vector<openvdb::Vec3I> triangles;
   for (const Vec3& vertex : mesh.vertices) {
     const Eigen::Vector3f index = ((vertex - sampling.first_mm) / sampling.spacing_mm).cast<float>();
-    out.points.emplace_back(index.data());
+    points.emplace_back(index.data());
   }
-  out.triangles.reserve(mesh.triangles.size());
-  for (const MeshTriangle& triangle : mesh.triangles) out.triangles.emplace_back(triangle.data());
-  return out;
+  for (const MeshTriangle& triangle : mesh.triangles) triangles.emplace_back(triangle.data());
+  openvdb::initialize();
+  // OpenVDB's library contains the instance for this adapter and interrupter; others take minutes to compile.
+  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(points, triangles);
+  openvdb::util::NullInterrupter never;
+  return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter,
+                                                          *openvdb::math::Transform::createLinearTransform(1.0),
+                                                          static_cast<float>(outer), static_cast<float>(inner), flags);
 }
 
 /// Sets the sign of the distances in a brick of 8×8×8 samples; those beyond the band become constant.
@@ -174,20 +181,9 @@ openvdb::BoolGrid::Ptr make_bool_grid(bool background) {
   return openvdb::BoolGrid::create(background);
 }
 
-openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::math::Transform& transform,
-                                      double outer_spacings, double inner_spacings, int flags) {
-  openvdb::initialize();
-  // OpenVDB's library contains the instance for this adapter and interrupter; others take minutes to compile.
-  const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(mesh.points, mesh.triangles);
-  openvdb::util::NullInterrupter never;
-  return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter, transform, static_cast<float>(outer_spacings),
-                                                          static_cast<float>(inner_spacings), flags);
-}
-
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling) {
-  return mesh_distance(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0),
-                       sampling.outer_spacings, sampling.inner_spacings,
-                       sampling.exact ? openvdb::tools::DISABLE_RENORMALIZATION : 0);
+  return distance_of(mesh, sampling, sampling.outer_spacings, sampling.inner_spacings,
+                     sampling.exact ? openvdb::tools::DISABLE_RENORMALIZATION : 0);
 }
 
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling, const Vec3i& dims,
@@ -195,8 +191,7 @@ openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSa
   const auto outer = static_cast<float>(sampling.outer_spacings), inner = static_cast<float>(sampling.inner_spacings);
   const double band = std::max(sampling.outer_spacings, sampling.inner_spacings);
   const openvdb::FloatGrid::Ptr grid =
-      mesh_distance(sampled(mesh, sampling), *openvdb::math::Transform::createLinearTransform(1.0), band, band,
-                    static_cast<int>(openvdb::tools::UNSIGNED_DISTANCE_FIELD));
+      distance_of(mesh, sampling, band, band, static_cast<int>(openvdb::tools::UNSIGNED_DISTANCE_FIELD));
   Tree& tree = grid->tree();
   tree.root().setBackground(outer, true);  // before the signs: it would change inner distances too
   std::vector<Leaf*> leaves;

@@ -45,18 +45,7 @@ struct DistanceSampling {
   bool exact = false;         ///< without OpenVDB's smoothing of overlapping parts, which also moves edges
 };
 
-/// A mesh in index space: a sample lies at each integer coordinate.
-struct SampledMesh {
-  std::vector<openvdb::Vec3s> points;
-  std::vector<openvdb::Vec3I> triangles;  ///< indices of points
-};
-
-/// Signed distance of a closed mesh, negative inside, in the unit of `transform`, which takes index space to the world.
-/// `outer_spacings`, `inner_spacings`: as in DistanceSampling. `flags`: of openvdb::tools::meshToVolume(). Throws
-/// std::bad_alloc or openvdb::Exception.
-openvdb::FloatGrid::Ptr mesh_distance(const SampledMesh& mesh, const openvdb::math::Transform& transform,
-                                      double outer_spacings, double inner_spacings, int flags = 0);
-/// The same in spacings, for a mesh in mm.
+/// Signed distance of a closed mesh in spacings, negative inside. Throws std::bad_alloc or openvdb::Exception.
 openvdb::FloatGrid::Ptr mesh_distance(const TriangleMesh& mesh, const DistanceSampling& sampling);
 
 /// Says of a sample whether it lies inside.
