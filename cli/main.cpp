@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -100,7 +101,12 @@ int complain_of_error() try {
 
 }  // namespace
 
+/// Blocks from this size on return to the system when they are freed. glibc would raise the limit to 32 MB:
+/// default.yaml peaks at 556 MB then, at 514 MB with this one.
+constexpr int kReturnedBytes = 4 << 20;
+
 int main(int argc, char** argv) {
+  mallopt(M_MMAP_THRESHOLD, kReturnedBytes);
   reamsim::open_standard_streams();
   reamsim::explain_fatal_signals();
   // Pins PoCL's worker threads to their cores, for their caches. Must be set before OpenCL is loaded.

@@ -164,15 +164,17 @@ void Outputs::make(Diagnostics& report) {
   const RenderSettings& settings = options_.pictures.settings;
   const bool reports = settings.enabled && settings.report && options_.finished;
   Diagnostics of_figures;
-  nlohmann::ordered_json bone;  // of the report, which needs no picture for it
-  std::future<void> figures = std::async(std::launch::async, [&] {
+  std::future<nlohmann::ordered_json> figures = std::async(std::launch::async, [&] {
     make_figures(of_figures);
-    if (reports) bone = bone_data(*run_, report_settings());
+    return reports ? bone_data(*run_, report_settings()) : nullptr;  // needs no picture
   });
   if (settings.enabled) make_pictures(report);
-  figures.get();
+  if (reports) {
+    report_ = report_parts(*run_, report_settings(), [&] { return figures.get(); });
+  } else {
+    figures.get();
+  }
   report.warnings.insert(report.warnings.end(), of_figures.warnings.begin(), of_figures.warnings.end());
-  if (reports) report_ = report_parts(*run_, report_settings(), std::move(bone));
 }
 
 RenderSettings Outputs::report_settings() const {

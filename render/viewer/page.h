@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -71,8 +72,10 @@ struct ReportParts {
 };
 
 /// From the run, its bone_data(), and where present from frames/, reamed*.png, depth_map.png and segmentation.png in
-/// DIR. Throws InputError for a result that is missing or damaged.
-ReportParts report_parts(const RunData& run, const RenderSettings& settings, nlohmann::ordered_json bone);
+/// DIR. `bone` gives bone_data() and is called after the pictures along the run have been read. Throws InputError for a
+/// result that is missing or damaged, and what `bone` throws.
+ReportParts report_parts(const RunData& run, const RenderSettings& settings,
+                         const std::function<nlohmann::ordered_json()>& bone);
 
 /// Writes DIR/report.html, a self-contained page of a run, from its parts and results, and where present from
 /// forces.png and verification.json. Deterministic. Throws InputError (a result missing or damaged), RunError (the page

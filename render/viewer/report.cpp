@@ -294,10 +294,11 @@ nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm) {
   return json;
 }
 
-ReportParts report_parts(const RunData& run, const RenderSettings& settings, Json bone) {
-  ReportParts out{{}, {}, std::move(bone)};
-  add_figures(run.dir(), name_of(settings.cameras.front()), out.figures);
+ReportParts report_parts(const RunData& run, const RenderSettings& settings, const std::function<Json()>& bone) {
+  ReportParts out;
   out.pictures = frames_json(run, names_of(settings.cameras));
+  out.bone = bone();
+  add_figures(run.dir(), name_of(settings.cameras.front()), out.figures);
   return out;
 }
 

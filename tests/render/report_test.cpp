@@ -91,7 +91,7 @@ class ReportPage : public ::testing::Test {
 
   [[nodiscard]] std::string dir() const { return copy_.path(); }
   void write_page(const RunData& run) {
-    write_report(run, settings_, report_parts(run, settings_, bone_data(run, settings_)));
+    write_report(run, settings_, report_parts(run, settings_, [&] { return bone_data(run, settings_); }));
   }
   std::string page() {
     write_page(dir());
