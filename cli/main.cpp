@@ -106,7 +106,9 @@ int complain_of_error() try {
 constexpr int kReturnedBytes = 4 << 20;
 
 int main(int argc, char** argv) {
+#ifdef __GLIBC__
   mallopt(M_MMAP_THRESHOLD, kReturnedBytes);
+#endif
   reamsim::open_standard_streams();
   reamsim::explain_fatal_signals();
   // Pins PoCL's worker threads to their cores, for their caches. Must be set before OpenCL is loaded.

@@ -16,7 +16,7 @@ find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
-find_package(Boost REQUIRED)  # headers: Sobol sequence, quantiles, XML
+find_package(Boost REQUIRED)  # headers: Sobol sequence, quantiles, R-tree, XML
 find_package(OpenCL REQUIRED)
 find_package(yaml-cpp REQUIRED)
 if(NOT TARGET yaml-cpp::yaml-cpp)  # its name since 0.8

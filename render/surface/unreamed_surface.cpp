@@ -12,9 +12,11 @@
 #include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <cstdint>
-#include <memory>
+#include <iterator>
+#include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "render/surface/scalar_grid.h"
@@ -49,6 +51,7 @@ class NearestPoint {
 
   static std::vector<Entry> entries(const std::vector<Vec3>& points) {
     std::vector<Entry> out;
+    out.reserve(points.size());
     for (const Vec3& p : points) out.emplace_back(Point(p.x(), p.y(), p.z()), static_cast<std::uint32_t>(out.size()));
     return out;
   }
@@ -61,50 +64,87 @@ constexpr double kClosing_mm = 1.8;
 /// Number of depth cells inside the bone. More cost time without benefit, because a distance varies smoothly.
 constexpr double kInteriorCells = 400'000;
 
-/// Marks the vertices on the wall of a closed cavity: a part of the surface that encloses a negative volume.
-std::vector<bool> walls_of_cavities(const IsoSurface& surface) {
+/// A connected part of a surface.
+struct SurfacePart {
+  double volume = 0;  ///< enclosed; negative for the wall of a closed cavity
+  Eigen::AlignedBox3f box;
+};
+
+/// Marks the vertices on the walls of closed cavities, and those of pieces of bone in them.
+std::vector<bool> in_cavities(const IsoSurface& surface) {
   std::vector<std::uint32_t> rank(surface.points.size()), parent(surface.points.size());
   boost::disjoint_sets components(rank.data(), parent.data());
   for (std::uint32_t i = 0; i < parent.size(); ++i) components.make_set(i);
   for (std::size_t i = 0; i < surface.indices.size(); ++i) {
     components.union_set(surface.indices[i - i % 3], surface.indices[i]);
   }
-  std::vector<double> volumes(surface.points.size());  // six times, by the component's first point
+  std::map<std::uint32_t, SurfacePart> parts;
   for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
-    const auto at = [&](std::size_t k) -> Vec3 { return surface.points[surface.indices[i + k]].cast<double>(); };
-    volumes[components.find_set(surface.indices[i])] += at(0).dot(at(1).cross(at(2)));
+    const auto at = [&](std::size_t k) { return surface.points[surface.indices[i + k]]; };
+    SurfacePart& part = parts[components.find_set(surface.indices[i])];
+    part.volume += at(0).cast<double>().dot(at(1).cast<double>().cross(at(2).cast<double>())) / 6;
+    for (std::size_t k = 0; k < 3; ++k) part.box.extend(at(k));
   }
-  std::vector<bool> out(surface.points.size());
-  for (std::uint32_t i = 0; i < out.size(); ++i) out[i] = volumes[components.find_set(i)] < 0;
+  const auto is_wall = [](const auto& part) { return part.second.volume < 0; };
+  const auto in_cavity = [&](const SurfacePart& part) {
+    return std::ranges::any_of(
+        parts, [&](const auto& other) { return is_wall(other) && other.second.box.contains(part.box); });
+  };
+  std::set<std::uint32_t> found;
+  if (std::ranges::any_of(parts, is_wall)) {
+    for (const auto& [vertex, part] : parts)
+      if (in_cavity(part)) found.insert(vertex);
+  }
+  std::vector<bool> out(surface.points.size(), false);
+  for (std::uint32_t i = 0; i < out.size() && !found.empty(); ++i) out[i] = found.contains(components.find_set(i));
   return out;
 }
 
-/// The distance from the unreamed surface, which has vertices; negative inside the bone and its closed cavities. In the
-/// space of voxel indices times voxel_mm.
+/// The distance from the unreamed surface near a box, and from closed cavities; negative inside the bone and in them.
+/// In the space of voxel indices times voxel_mm.
 class SurfaceDistance {
  public:
-  SurfaceDistance(const UnreamedSurface& unreamed, double voxel_mm)
-      : voxel_mm_(voxel_mm),
-        field_(*unreamed.field.grid().vdb),
-        cavity_(walls_of_cavities(unreamed.surface)),
-        triangles_(unreamed.surface.points.size(), unreamed.surface.indices) {
-    for (const Eigen::Vector3f& p : unreamed.surface.points) points_.emplace_back(voxel_mm * p.cast<double>());
+  SurfaceDistance(const UnreamedSurface& unreamed, double voxel_mm, const Eigen::AlignedBox3d& near_mm)
+      : voxel_mm_(voxel_mm), field_(*unreamed.field.grid().vdb) {
+    const IsoSurface& surface = unreamed.surface;
+    const std::vector<bool> in_cavity = in_cavities(surface);
+    std::vector<std::uint32_t> number(surface.points.size(), kLeftOut);
+    for (std::size_t i = 0; i < number.size(); ++i) {
+      const Vec3 mm = voxel_mm * surface.points[i].cast<double>();
+      if (!in_cavity[i] && !near_mm.contains(mm)) continue;
+      number[i] = static_cast<std::uint32_t>(points_.size());
+      points_.push_back(mm);
+      in_cavity_.push_back(in_cavity[i]);
+    }
+    std::vector<std::uint32_t> indices;
+    for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
+      const std::uint32_t corners[] = {number[surface.indices[i]], number[surface.indices[i + 1]],
+                                       number[surface.indices[i + 2]]};
+      if (std::ranges::count(corners, kLeftOut) == 0)
+        indices.insert(indices.end(), std::begin(corners), std::end(corners));
+    }
+    triangles_.emplace(points_.size(), indices);
     nearest_.emplace(points_);
   }
 
-  [[nodiscard]] double at(const Vec3& mm) const {
+  /// Whether there is no such surface; then the distance must not be asked for.
+  [[nodiscard]] bool empty() const { return points_.empty(); }
+  [[nodiscard]] openvdb::FloatGrid::ConstAccessor accessor() const { return field_.getConstAccessor(); }
+
+  [[nodiscard]] double at(const Vec3& mm, const openvdb::FloatGrid::ConstAccessor& field) const {
     const std::uint32_t vertex = (*nearest_)(mm).index;
     const double distance = (closest_point(vertex, mm) - mm).norm();
-    const bool inside = cavity_[vertex] || sample(field_.getConstAccessor(), vdb_point(mm) / voxel_mm_) < 0;
-    return inside ? -distance : distance;
+    return in_cavity_[vertex] || sample(field, vdb_point(mm) / voxel_mm_) < 0 ? -distance : distance;
   }
   [[nodiscard]] Vec3 closest_point(const Vec3& mm) const { return closest_point((*nearest_)(mm).index, mm); }
 
  private:
+  static constexpr std::uint32_t kLeftOut = UINT32_MAX;
+
   /// On the triangles at the nearest vertex.
   [[nodiscard]] Vec3 closest_point(std::uint32_t vertex, const Vec3& mm) const {
     Vec3 best = points_[vertex];
-    const auto second = triangles_.of(vertex), third = triangles_.opposite(vertex);
+    const auto second = triangles_->of(vertex), third = triangles_->opposite(vertex);
     for (std::size_t i = 0; i < second.size(); ++i) {
       Vec3d weights;
       const Vec3d on_triangle =
@@ -118,9 +158,9 @@ class SurfaceDistance {
 
   double voxel_mm_;
   const openvdb::FloatGrid& field_;
-  std::vector<bool> cavity_;
   std::vector<Vec3> points_;
-  Neighbours triangles_;
+  std::vector<bool> in_cavity_;  ///< by point
+  std::optional<Neighbours> triangles_;
   std::optional<NearestPoint> nearest_;
 };
 
@@ -129,42 +169,53 @@ using Leaf = openvdb::FloatTree::LeafNodeType;
 /// Calls visit(leaf) for all leaves of a grid at once.
 template <class Visit>
 void for_each_leaf(openvdb::FloatGrid& grid, const Visit& visit) {
-  grid.tree().voxelizeActiveTiles();
   std::vector<Leaf*> leaves;
   grid.tree().getNodes(leaves);
   parallel_items(leaves.size(), [&](std::size_t i) { visit(*leaves[i]); });
 }
 
-/// Samples a distance in the cube of `side` cells from `first`: in each cell next to the level kClosing_mm, elsewhere
-/// coarsely, on the right side of it.
-void sample_cube(const SurfaceDistance& distance, double cell_mm, const openvdb::Coord& first, int side, Leaf& out) {
-  const Vec3d centre = cell_mm * (first.asVec3d() + Vec3d(0.5 * (side - 1)));
-  const double centre_mm = distance.at({centre.x(), centre.y(), centre.z()});
-  const double reach_cells = (0.5 * (side - 1) + 1) * std::numbers::sqrt3;
-  if (side == 1 || std::abs(centre_mm - kClosing_mm) > reach_cells * cell_mm) {
-    return out.fill(openvdb::CoordBBox::createCube(first, side), static_cast<float>(centre_mm));
-  }
-  const int half = side / 2;
-  for (int i = 0; i < 8; ++i) {
-    sample_cube(distance, cell_mm, first.offsetBy(half * (i >> 2), half * (i >> 1 & 1), half * (i & 1)), half, out);
-  }
-}
+/// The surface offset outwards by kClosing_mm, which closes narrow holes (morphological closing), in a box. Cells
+/// beside it get their distance. Cubes of cells further away are found by that of their centre, and not divided.
+class OffsetSampler {
+ public:
+  OffsetSampler(const SurfaceDistance& distance, double cell_mm) : distance_(distance), cell_mm_(cell_mm) {}
 
-/// The surface offset outwards by kClosing_mm, which closes narrow holes (morphological closing), around the bricks
-/// that changed, wherever it may affect a depth. In the space of voxel indices times voxel_mm.
-IsoSurface offset_outwards(const SurfaceDistance& distance, const Eigen::AlignedBox3i& changed_bricks, double brick_mm,
-                           double cell_mm) {
-  // A source lies above removed bone, or up to 2·kClosing_mm / cell_mm edges of at most two cells beside such a point.
-  const double reach_mm = 5 * kClosing_mm + 6 * cell_mm;
-  const auto cell = [&](const Vec3i& brick, double beside_mm) {
-    return openvdb::Coord::floor((brick_mm * vdb_point(brick) + Vec3d(beside_mm)) / cell_mm);
-  };
-  auto grid = make_float_grid(static_cast<float>(2 * reach_mm));
-  grid->setTransform(openvdb::math::Transform::createLinearTransform(cell_mm));
-  grid->denseFill({cell(changed_bricks.min(), -reach_mm), cell(changed_bricks.max(), brick_mm + reach_mm)}, 0.0F, true);
-  for_each_leaf(*grid, [&](Leaf& leaf) { sample_cube(distance, cell_mm, leaf.origin(), Leaf::DIM, leaf); });
-  return extract_surface(*grid, kClosing_mm);
-}
+  /// In the space of voxel indices times voxel_mm.
+  [[nodiscard]] IsoSurface sample_box(const Eigen::AlignedBox3d& box_mm) {
+    constexpr int kFirst = 64;  // cells along the side of a cube
+    grid_->setTransform(openvdb::math::Transform::createLinearTransform(cell_mm_));
+    const auto cube = [&](const Vec3& mm) -> Vec3i { return (mm / (kFirst * cell_mm_)).array().floor().cast<int>(); };
+    for_each_voxel(cube(box_mm.min()), cube(box_mm.max()),
+                   [&](const Vec3i& at) { sample(vdb_coord(kFirst * at), kFirst, distance_.accessor(), nullptr); });
+    for_each_leaf(*grid_, [&](Leaf& leaf) { sample(leaf.origin(), Leaf::DIM, distance_.accessor(), &leaf); });
+    return extract_surface(*grid_, kClosing_mm);
+  }
+
+ private:
+  /// Samples a cube of cells: without `leaf`, down to leaves.
+  void sample(const openvdb::Coord& first, int side, const openvdb::FloatGrid::ConstAccessor& field, Leaf* leaf) {
+    const auto cube = openvdb::CoordBBox::createCube(first, side);
+    const Vec3d centre = cell_mm_ * (first.asVec3d() + Vec3d(0.5 * (side - 1)));
+    const double centre_mm = distance_.at({centre.x(), centre.y(), centre.z()}, field);
+    // Then no cell of the cube is beside the surface.
+    const double away_mm = (0.5 * (side - 1) + 1) * std::numbers::sqrt3 * cell_mm_;
+    if (side == 1 || std::abs(centre_mm - kClosing_mm) > away_mm) {
+      if (leaf != nullptr) leaf->fill(cube, static_cast<float>(centre_mm));
+      if (leaf == nullptr && centre_mm < kClosing_mm) grid_->fill(cube, 0.0F, false);  // else as the background
+    } else if (side == Leaf::DIM && leaf == nullptr) {
+      grid_->tree().touchLeaf(first)->setValuesOn();
+    } else {
+      const int half = side / 2;
+      for (int i = 0; i < 8; ++i) {
+        sample(first.offsetBy(half * (i >> 2), half * (i >> 1 & 1), half * (i & 1)), half, field, leaf);
+      }
+    }
+  }
+
+  const SurfaceDistance& distance_;
+  double cell_mm_;
+  openvdb::FloatGrid::Ptr grid_ = make_float_grid(static_cast<float>(2 * kClosing_mm));
+};
 
 /// Was at least half of this bone voxel removed?
 bool removed(const BoneView& bone, const Vec3i& voxel) {
@@ -187,10 +238,14 @@ std::vector<std::uint8_t> above_removed_bone(const IsoSurface& offset, const Sur
                                              const BoneView& bone) {
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
   std::vector<std::uint8_t> marked(offset.points.size(), 0);
-  parallel_items(marked.size(), [&](std::size_t i) {
-    const Vec3 p = offset.points[i].cast<double>(), surface = distance.closest_point(p);
-    const Vec3 below = (surface + 0.75 * voxel_mm * (surface - p).normalized()) / voxel_mm;
-    marked[i] = removed(bone, below.array().round().cast<int>()) ? 1 : 0;
+  parallel_ranges(marked.size(), 512, [&](std::size_t begin, std::size_t end) {
+    const auto field = distance.accessor();
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3 p = offset.points[i].cast<double>(), surface = distance.closest_point(p);
+      if (distance.at(p, field) < 0.5 * kClosing_mm) continue;  // where the box ends inside the bone
+      const Vec3 below = (surface + 0.75 * voxel_mm * (surface - p).normalized()) / voxel_mm;
+      marked[i] = removed(bone, below.array().round().cast<int>()) ? 1 : 0;
+    }
   });
   return marked;
 }
@@ -221,17 +276,35 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(const BoneView& bone, double cel
   return grid;
 }
 
+/// Where the offset surface may affect a depth, in the space of voxel indices times voxel_mm: around the bricks that
+/// changed, and at most `beside_mm` outside the bone.
+Eigen::AlignedBox3d box_of_sources(const UnreamedSurface& unreamed, const BoneView& bone, double cell_mm,
+                                   const Vec3& beside_mm) {
+  const double voxel_mm = bone.voxmap.grid.voxel_mm, brick_mm = FillBricks::kSide * voxel_mm;
+  // A source lies above removed bone, or up to 2·kClosing_mm / cell_mm edges of at most two cells beside such a point.
+  const Vec3 reach_mm = Vec3::Constant(5 * kClosing_mm + 6 * cell_mm);
+  Eigen::AlignedBox3d box_mm, surface_mm;
+  for_each_reamed_brick(bone, [&](const Vec3i& coord) {
+    box_mm.extend(brick_mm * coord.cast<double>() - reach_mm);
+    box_mm.extend(brick_mm * (coord + Vec3i::Ones()).cast<double>() + reach_mm);
+  });
+  for (const Eigen::Vector3f& p : unreamed.surface.points) surface_mm.extend(voxel_mm * p.cast<double>());
+  if (surface_mm.isEmpty()) return surface_mm;  // less than a voxel of bone
+  return box_mm.intersection({surface_mm.min() - beside_mm, surface_mm.max() + beside_mm});
+}
+
 openvdb::FloatGrid::Ptr depth_grid(const UnreamedSurface& unreamed, const BoneView& bone) {
   const VoxelGrid& grid = bone.voxmap.grid;
   const double bone_mm3 = static_cast<double>(bone.voxmap.grade.count()) * grid.voxel_mm3();
   const double cell_mm = std::max(grid.voxel_mm, std::cbrt(bone_mm3 / kInteriorCells));
   auto depth = cells_of_changed_bricks(bone, cell_mm);
   if (depth->empty()) return depth;
-  if (unreamed.surface.points.empty()) return depth;  // less than a voxel of bone
-  Eigen::AlignedBox3i changed;
-  for_each_reamed_brick(bone, [&](const Vec3i& coord) { changed.extend(coord); });
-  const SurfaceDistance distance(unreamed, grid.voxel_mm);
-  const IsoSurface offset = offset_outwards(distance, changed, FillBricks::kSide * grid.voxel_mm, cell_mm);
+  const Vec3 beside_mm = Vec3::Constant(kClosing_mm + 3 * cell_mm);  // of what is sampled
+  const Eigen::AlignedBox3d box_mm = box_of_sources(unreamed, bone, cell_mm, beside_mm);
+  if (box_mm.isEmpty()) return depth;
+  const SurfaceDistance distance(unreamed, grid.voxel_mm, {box_mm.min() - beside_mm, box_mm.max() + beside_mm});
+  if (distance.empty()) return depth;
+  const IsoSurface offset = OffsetSampler(distance, cell_mm).sample_box(box_mm);
   std::vector<std::uint8_t> marked = above_removed_bone(offset, distance, bone);
   dilate(marked, {offset.points.size(), offset.indices}, static_cast<int>(std::ceil(2 * kClosing_mm / cell_mm)));
   std::vector<Vec3> sources;
@@ -241,6 +314,7 @@ openvdb::FloatGrid::Ptr depth_grid(const UnreamedSurface& unreamed, const BoneVi
   if (sources.empty()) return depth;
   // Sources are a cell apart and at least kClosing_mm away, so the nearest one approximates the nearest triangle.
   const NearestPoint nearest(sources);
+  depth->tree().voxelizeActiveTiles();
   for_each_leaf(*depth, [&](Leaf& leaf) {
     for (auto value = leaf.beginValueOn(); value; ++value) {
       const Vec3d mm = depth->indexToWorld(value.getCoord());

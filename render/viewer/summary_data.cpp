@@ -17,9 +17,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What the report shows of summary.json. A row: the JSON pointer of a value, its label and unit, and where there is
-/// one the pointer of a value without which it is left out. A column of a table with a row for each item of a list: key
-/// in the item, title, decimals (null: a text, of a path its last part); "item" heads the numbers of the rows, from 1.
+/// What the report shows of summary.json. A row has the JSON pointer of a value, its label, its unit, and optionally
+/// the pointer of a value without which the row is left out. A table with "list" has a row for each item of that list,
+/// numbered from 1 under "item". A column has its key in the item, its title, and its decimals: null for a text, of
+/// which the part after the last '/' is shown.
 const Json& shown(const char* part) {
   static const Json tables = Json::parse(embedded::report_tables);
   return tables.at(part);
@@ -90,7 +91,9 @@ class Results {
       out["columns"].push_back(column[1]);
       out["decimals"].push_back(column[2]);
     }
-    for (const Json& item : at(table["list"])) {
+    const Json list = at(table["list"]);
+    if (!list.is_null() && !list.is_array()) throw wrong(table["list"], "a list");
+    for (const Json& item : list) {
       Json row = Json::array({out["rows"].size() + 1});
       for (const Json& column : table["columns"]) row.push_back(cell(item, table["list"], column));
       out["rows"].push_back(std::move(row));

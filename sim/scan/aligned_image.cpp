@@ -250,40 +250,36 @@ std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& gri
 
 SliceResampler::SliceResampler(const AlignedImage& image, const VoxelGrid& grid) : image_(image) {
   for (int axis = 0; axis < 3; ++axis) weights_[axis] = axis_weights(image.lattice, grid, axis);
-  const auto nx = static_cast<std::size_t>(image.lattice.dims.x());
-  plane_.resize(nx * static_cast<std::size_t>(image.lattice.dims.y()));
-  rows_.resize(nx * static_cast<std::size_t>(grid.dims.y()));
-  out_.resize(static_cast<std::size_t>(grid.dims.x()) * static_cast<std::size_t>(grid.dims.y()));
 }
 
-const std::vector<double>& SliceResampler::slice(int k) {
+std::vector<double> SliceResampler::slice(int k) const {
   const Lattice& image = image_.lattice;
   const auto nx = static_cast<std::size_t>(image.dims.x());
-  std::fill(plane_.begin(), plane_.end(), 0.0);
+  std::vector<double> plane(nx * static_cast<std::size_t>(image.dims.y())), rows(nx * weights_[1].size());
   const AxisWeights& along_z = weights_[2][static_cast<std::size_t>(k)];
   for (std::size_t n = 0; n < along_z.weight.size(); ++n) {
     const float* from = &image_.value[image.index({0, 0, along_z.first + static_cast<int>(n)})];
-    for (std::size_t at = 0; at < plane_.size(); ++at) plane_[at] += along_z.weight[n] * static_cast<double>(from[at]);
+    for (std::size_t at = 0; at < plane.size(); ++at) plane[at] += along_z.weight[n] * static_cast<double>(from[at]);
   }
-  std::fill(rows_.begin(), rows_.end(), 0.0);
   for (std::size_t j = 0; j < weights_[1].size(); ++j) {
     const AxisWeights& along_y = weights_[1][j];
     for (std::size_t n = 0; n < along_y.weight.size(); ++n) {
-      const double* from = &plane_[nx * (static_cast<std::size_t>(along_y.first) + n)];
-      for (std::size_t i = 0; i < nx; ++i) rows_[nx * j + i] += along_y.weight[n] * from[i];
+      const double* from = &plane[nx * (static_cast<std::size_t>(along_y.first) + n)];
+      for (std::size_t i = 0; i < nx; ++i) rows[nx * j + i] += along_y.weight[n] * from[i];
     }
   }
   const std::size_t width = weights_[0].size();
+  std::vector<double> out(width * weights_[1].size());
   for (std::size_t j = 0; j < weights_[1].size(); ++j) {
     for (std::size_t i = 0; i < width; ++i) {
       const AxisWeights& along_x = weights_[0][i];
-      const double* from = &rows_[nx * j + static_cast<std::size_t>(along_x.first)];
+      const double* from = &rows[nx * j + static_cast<std::size_t>(along_x.first)];
       double sum = 0;
       for (std::size_t n = 0; n < along_x.weight.size(); ++n) sum += along_x.weight[n] * from[n];
-      out_[width * j + i] = sum;
+      out[width * j + i] = sum;
     }
   }
-  return out_;
+  return out;
 }
 
 double SliceResampler::at(const Vec3i& voxel) const {

@@ -97,17 +97,14 @@ class SliceResampler {
  public:
   SliceResampler(const AlignedImage& image, const VoxelGrid& grid);
 
-  /// Values of slice k; value (i,j) has the index i + nx·j. Valid until the next call.
-  const std::vector<double>& slice(int k);
-  /// The value of one voxel. Thread-safe.
+  /// Values of slice k; value (i,j) has the index i + nx·j.
+  [[nodiscard]] std::vector<double> slice(int k) const;
+  /// The value of one voxel.
   [[nodiscard]] double at(const Vec3i& voxel) const;
 
  private:
   const AlignedImage& image_;
   std::vector<AxisWeights> weights_[3];
-  std::vector<double> plane_;
-  std::vector<double> rows_;
-  std::vector<double> out_;
 };
 
 /// The negative of an image, interpolated trilinearly: a field for fraction_inside(), negative where the image is above

@@ -80,8 +80,9 @@ double noise_between(const AlignedImage& image, const Mask& mask) {
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t stride = lattice.index(Vec3i::Unit(axis));
     for (std::size_t at = 0; at < mask.size(); ++at) {
+      if (mask[at] == 0) continue;
       const int here = lattice.voxel_at(at)[axis];
-      if (mask[at] == 0 || here == 0 || here + 1 == lattice.dims[axis]) continue;
+      if (here == 0 || here + 1 == lattice.dims[axis]) continue;
       if (mask[at - stride] == 0 || mask[at + stride] == 0) continue;
       differences.push_back(std::abs(image.value[at - stride] - 2 * image.value[at] + image.value[at + stride]));
     }

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
+#include "sim/base/parallel.h"
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/sample_voxels.h"
 #include "sim/bone/voxmap/sparse_bricks.h"
@@ -15,6 +18,8 @@ namespace reamsim::ct {
 
 namespace {
 
+/// Slices that are sampled before they are stored.
+constexpr std::size_t kSlicesAtOnce = 16;
 /// The field can be above 0 up to the next image voxel outside the bone, and up to the second where a cut passes.
 constexpr int kFieldReach = 2;
 
@@ -182,21 +187,29 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
   FilledVoxmap voxmap(grid);
   voxmap.mapping = {settings.density};
   voxmap.frame = "LPS";
-  SliceResampler resampled(hu, grid);
+  const SliceResampler resampled(hu, grid);
   const InsideTest in_bone(bone.field, grid);
   const Aabb image = hu.lattice.bounds_mm();
   HuStatistics stats;
   DensityLimit limit(voxmap.mapping);
-  for (int k = 0; k < grid.dims.z(); ++k) {
-    const std::vector<double>& slice = resampled.slice(k);
+  using Values = std::vector<std::pair<Vec3i, double>>;  // of the bone in a slice
+  const auto sample = [&](std::size_t slice, Values& out) {
+    const int k = static_cast<int>(slice);
+    const std::vector<double> values = resampled.slice(k);
+    out.clear();
     for_each_voxel({0, 0, k}, {grid.dims.x() - 1, grid.dims.y() - 1, k}, [&](const Vec3i& voxel) {
       if (!in_bone(voxel) || !may_be_bone(settings.ct, image, grid.center_mm(voxel))) return;
-      const double value = slice[index_in(grid.dims, {voxel.x(), voxel.y(), 0})];
+      out.emplace_back(voxel, values[index_in(grid.dims, {voxel.x(), voxel.y(), 0})]);
+    });
+  };
+  const auto store = [&](std::size_t, const Values& values) {
+    for (const auto& [voxel, value] : values) {
       voxmap.grade.set(voxel, grade_from_hu(value, voxmap.mapping));
       stats.add(value);
       limit.add(value, grid.voxel_mm3());
-    });
-  }
+    }
+  };
+  parallel_in_order<Values>(static_cast<std::size_t>(grid.dims.z()), kSlicesAtOnce, sample, store);
   if (stats.voxels == 0) {
     throw InputError({settings.ct.path}, "bone.voxel_mm", "no bone remains at this voxel size", "use smaller voxels");
   }

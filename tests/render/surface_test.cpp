@@ -143,6 +143,42 @@ TEST(BoneSurfaceTest, DepthIsMeasuredFromTheOuterSurfaceAlsoWhereACavityIsOpened
   EXPECT_NEAR(depth_of_cut_beam_mm(true), 5, 0.5);
 }
 
+/// The depth of a hole that is drilled through the wall of a hollow ball.
+double depth_of_drilled_shell_mm(bool ball_inside) {
+  VoxelGrid grid;
+  grid.voxel_mm = 1;
+  grid.dims = Vec3i::Constant(48);
+  FilledVoxmap shell(grid);
+  for_each_voxel(Vec3i::Zero(), Vec3i::Constant(47), [&](const Vec3i& v) {
+    const Vec3 p = grid.center_mm(v) - Vec3::Constant(24);
+    if (p.norm() > 20 || (p.norm() < 15 && !(ball_inside && p.norm() < 6))) return;
+    shell.grade.set(v, 150);
+    if (p.z() > 0 && p.head<2>().norm() < 5) shell.fill.set(v, p.norm() > 10 ? 0 : FillBricks::kWhole);
+  });
+  return UnreamedSurface(shell, FillBricks(grid.dims), shell.fill).deepest_mm;
+}
+
+TEST(BoneSurfaceTest, APieceInACavityIsNoOuterSurface) {
+  EXPECT_NEAR(depth_of_drilled_shell_mm(false), 5, 1);
+  EXPECT_EQ(depth_of_drilled_shell_mm(true), depth_of_drilled_shell_mm(false));
+}
+
+TEST(BoneSurfaceTest, ADeepHoleInThickBoneHasItsDepth) {
+  VoxelGrid grid;
+  grid.voxel_mm = 1;
+  grid.dims = Vec3i(104, 104, 96);
+  FilledVoxmap block(grid);
+  for_each_voxel({2, 2, 2}, {101, 101, 89}, [&](const Vec3i& v) {
+    block.grade.set(v, 150);
+    if (v.z() == 89) block.fill.set(v, FillBricks::kWhole / 5);  // the top is at 89.2 mm
+  });
+  const FillBricks before = block.fill;
+  for_each_voxel({2, 2, 66}, {101, 101, 89}, [&](const Vec3i& v) {
+    if ((grid.center_mm(v) - Vec3(52, 52, 0)).head<2>().norm() < 10) block.fill.set(v, 0);
+  });
+  EXPECT_NEAR(UnreamedSurface(block, before, block.fill).deepest_mm, 23.2, 0.2);
+}
+
 TEST(BoneSurfaceTest, FollowingChangesGivesTheSameSurfaceAsStartingAfresh) {
   FilledVoxmap last = ball();
   plane_off(last.grid, 6.3, last.fill);
