@@ -12,7 +12,7 @@ shown(t) = in_gap(t) ? NaN : t - hidden_before(t)  # place on the axis
 t_begin = t_min
 t_end = t_max
 if (!whole_run && removed_mm3_sum > 0) {
-  stats csv using (column("removed_mm3") > 0 ? column("time_s") : NaN) nooutput name "C"
+  stats $rows using (column(removed_mm3) > 0 ? column(time_s) : NaN) nooutput name "C"
   margin = 0.05 * (C_max > C_min ? shown(C_max) - shown(C_min) : t_max - t_min)
   worth_hiding = 0.05 * (t_max - t_min)
   t_begin = C_min - margin - t_min > worth_hiding ? C_min - margin : t_min
@@ -23,7 +23,7 @@ time_note = hidden(t_min, t_begin)
 if (gaps) time_note = time_note . (time_note eq "" ? "" : ",") . " between passes"
 time_note = time_note . (t_end < t_max && !(time_note eq "") ? " and" : "") . hidden(t_end, t_max)
 if (!(time_note eq "")) time_note = "; without contact, not shown:" . time_note
-in_view(y) = column("time_s") >= t_begin && column("time_s") <= t_end ? y : NaN
+in_view(y) = column(time_s) >= t_begin && column(time_s) <= t_end ? y : NaN
 set xrange [shown(t_begin):shown(t_end)]
 set mxtics 2
 # With gaps the ticks have their times as labels, and a line parts the passes.

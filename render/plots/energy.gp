@@ -1,12 +1,12 @@
 #include "contact.gp"
-do for [c in "energy_mj floor_energy_mj"] { stats csv using c nooutput name c }
+do for [c in "energy_mj floor_energy_mj"] { stats $rows using value(c) nooutput name c }
 stats $mean using 5 nooutput name "P"
 
 # The balance divides by what has been cut so far, so that its first frames say little: its scale begins at 1 % of all.
 cut = 0.0
 worst = 0.0
 do_balance(e, b) = (cut = cut + e, cut > 0.01 * energy_mj_sum && abs(b) > worst ? (worst = abs(b)) : 0, 0)
-stats csv using (do_balance(column("energy_mj"), column("balance"))) nooutput name "Z"
+stats $rows using (do_balance(column(energy_mj), column(balance))) nooutput name "Z"
 power_of_ten = worst > 0 ? int(floor(log10(worst))) : 0
 unit = power_of_ten == 0 ? "" : sprintf(" (10^{%d})", power_of_ten)
 worst_shown = worst > 0 ? worst / 10.0**power_of_ten : 1
@@ -32,11 +32,11 @@ do for [format in "png svg pdf"] {
   taken = 0.0
   cut = 0.0
   slow = 0.0
-  plot csv using (shown(column("time_s"))):(taken = taken + column("energy_mj"), taken / 1000) with lines lw 3.5 lc rgb light_blue \
+  plot $rows using (shown(column(time_s))):(taken = taken + column(energy_mj), taken / 1000) with lines lw 3.5 lc rgb light_blue \
          title "cutting energy", \
-       csv using (shown(column("time_s"))):(cut = cut + column("energy_mj"), cut * (1 + column("balance")) / 1000) with lines \
+       $rows using (shown(column(time_s))):(cut = cut + column(energy_mj), cut * (1 + column(balance)) / 1000) with lines \
          lw 1 lc rgb dark_blue title "work of the drive + speed-floor energy", \
-       csv using (shown(column("time_s"))):(slow = slow + column("floor_energy_mj"), slow / 1000) with lines lw 1 dt (6, 4) \
+       $rows using (shown(column(time_s))):(slow = slow + column(floor_energy_mj), slow / 1000) with lines lw 1 dt (6, 4) \
          lc rgb dark_red title "speed-floor energy"
 
   set format x "%g"
@@ -44,7 +44,7 @@ do for [format in "png svg pdf"] {
   set xlabel "Time (s)" . time_note
   set ylabel "Energy balance" . unit
   set yrange [-1.3 * worst_shown:1.3 * worst_shown]
-  plot csv using (shown(column("time_s"))):(column("balance") / 10.0**power_of_ten) every step with lines lw 1 lc rgb purple notitle
+  plot $rows using (shown(column(time_s))):(column(balance) / 10.0**power_of_ten) every step with lines lw 1 lc rgb purple notitle
   unset multiplot
   unset output
 }

@@ -1,8 +1,8 @@
 #include "means.gp"
-stats csv using "depth_mm" nooutput name "depth_mm"
+stats $rows using depth_mm nooutput name "depth_mm"
 
 # Frames with at least 1 % of the greatest force only: drawn back, the tool says nothing, though a tooth may graze bone.
-touching(y) = abs(column("axial_force_n")) > 0.01 * axial_force_n_max ? y : NaN
+touching(y) = abs(column(axial_force_n)) > 0.01 * axial_force_n_max ? y : NaN
 touching_mean(y) = abs(column(2)) > 0.01 * A_max ? y : NaN
 
 set xrange [min(depth_mm_min > 0 ? depth_mm_min : 0, 0):high(0, depth_mm_max)]
@@ -20,11 +20,11 @@ do for [format in "png svg pdf"] {
     top = clip(most[i], most_of_means[i])
     set yrange [low(min(least[i], 0), top):high(min(least[i], 0), top)]
     if (travel_mm > 0) {
-      plot csv using "depth_mm":(touching(column(load_of[i]))) every step with lines lw 0.6 lc rgb light[i] \
+      plot $rows using depth_mm:(touching(column(load_of[i]))) every step with lines lw 0.6 lc rgb light[i] \
              title light_title . note(most[i], most_of_means[i]), \
            $mean using 4:(touching_mean(column(1 + i))) with lines lw 1.5 lc rgb dark[i] title mean_title
     } else {
-      plot csv using "depth_mm":(touching(column(load_of[i]))) every step with lines lw 1.2 lc rgb dark[i] notitle, \
+      plot $rows using depth_mm:(touching(column(load_of[i]))) every step with lines lw 1.2 lc rgb dark[i] notitle, \
            for [k = 1:passes] $pass_end using 1:(column(1 + i)):5 every ::(k - 1)::(k - 1) with labels left offset 0.5, 0 notitle
     }
   }
@@ -35,7 +35,7 @@ do for [format in "png svg pdf"] {
   set ylabel "Removed volume (mm³)"
   set yrange [low(0, removed_mm3_sum):high(0, removed_mm3_sum)]
   removed = 0.0
-  plot csv using "depth_mm":(removed = removed + column("removed_mm3"), touching(removed)) with lines lw 1.5 \
+  plot $rows using depth_mm:(removed = removed + column(removed_mm3), touching(removed)) with lines lw 1.5 \
          lc rgb green notitle, \
        for [i = 1:passes] $pass_end using 1:4:5 every ::(i - 1)::(i - 1) with labels left offset 0.5, 0 notitle
   unset label 1

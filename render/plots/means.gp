@@ -1,11 +1,11 @@
 #include "run.gp"
-do for [c in "axial_force_n spin_torque_nmm"] { stats csv using c nooutput name c }
+do for [c in "axial_force_n spin_torque_nmm"] { stats $rows using value(c) nooutput name c }
 stats $mean using 2 nooutput name "A"
 stats $mean using 3 nooutput name "B"
 
 # Force and torque of every frame (of very many, every n-th). Where voxels go whole, frames are spikes: then they stand
 # in a light colour, on top the mean over a layer of voxels, and what lies far above the mean leaves the panel.
-array load_of[2] = ["axial_force_n", "spin_torque_nmm"]
+array load_of[2] = [axial_force_n, spin_torque_nmm]
 array title_of[2] = ["Axial force (N)", "Spin torque (N·mm)"]
 array headline_of[2] = [headline_force, headline_torque]
 array least[2] = [axial_force_n_min, spin_torque_nmm_min]
