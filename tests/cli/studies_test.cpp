@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
 #include <sstream>
 
 #include "tests/cli/cli_fixture.h"
@@ -113,6 +114,12 @@ TEST_F(Studies, APlanHasItsNumbers) {
   EXPECT_NEAR(planning["native"]["version_deg"].get<double>(), 15, 0.1);
   EXPECT_NEAR(planning["planned"]["version_deg"].get<double>(), 5, 0.01);
   EXPECT_NEAR(planning["retroversion_corrected_deg"].get<double>(), 10, 0.1);
+  // In B, as the axis of the tool above: x lateral, y posterior, z superior.
+  const auto axis = planning["axis"].get<std::vector<double>>();
+  const auto superior = planning["superior"].get<std::vector<double>>();
+  EXPECT_NEAR(std::atan2(axis[1], axis[0]) * 180 / std::numbers::pi, 5, 0.01);
+  EXPECT_NEAR(std::inner_product(axis.begin(), axis.end(), superior.begin(), 0.0), 0, 1e-6);
+  EXPECT_GT(superior[2], 0.9);
   // The implant is 4 mm thick. It rests on the reamed face, and on the edge of the unreamed part, which holds it off.
   const double reamed_mm = metrics["joint_line"]["medialization_mm"].get<double>();
   EXPECT_NEAR(planning["medialization_mm"].get<double>(), reamed_mm - 4, 0.25);

@@ -154,7 +154,8 @@ TEST(SummaryData, PlanningIsThereWithAnImplantOnly) {
       {"title": "Vault", "rows": [["Vault bone under the implant", 9876.5, "mm³"]]},
       {"title": "Pegs", "columns": ["Peg", "Length, mm", "In bone, mm", "Perforated, mm", "Least wall, mm"],
        "decimals": [0, 1, 1, 1, 1], "rows": [[1, 12, 12, 0, 2.13], [2, 0, 0, 0, null]]}])"));
-  EXPECT_THROW(tables_of(ordered_json::parse(R"({"planning": {"pegs": [{"length_mm": "x"}]}})")), InputError);
+  for (const char* damaged : {R"({"planning": {"pegs": [{"length_mm": "x"}]}})", R"({"planning": {"pegs": 5}})"})
+    EXPECT_THROW(tables_of(ordered_json::parse(damaged)), InputError) << damaged;
 }
 
 TEST(DensityVolume, AveragesBoneAndCarriesItIntoTheAir) {
