@@ -248,6 +248,27 @@ TEST(FrictionShare, ChangesNoForce) {
   expect_same(run(scene), without);
 }
 
+/// The fraction that a voxel loses to a tool at rest on it, by wear of 1.2 g/cm³ per second; bone of 0.8 g/cm³.
+double worn_fraction(int frames, const std::string& engine) {
+  SimulationInput scene;
+  scene.scenario = quiet_scenario("auto");
+  choose_engine(scene.scenario.engine, engine);
+  scene.scenario.cutting.erosion = ErosionMode::wear;
+  scene.scenario.cutting.wear_g_cm3_per_s = 1.2;
+  scene.bone.set_voxels(block({10, 10, 4}, 0.5, 0.8));
+  scene.tool = make_tool(cap_profile(5, 6, 2.5, 0.6), 61);
+  scene.motion = straight({0, 0, -0.3}, {0, 0, -0.3}, frames, 100, 250);
+  const Outcome outcome = run(scene);
+  return 1 - double(*std::ranges::min_element(outcome.fill)) / FillBricks::kWhole;
+}
+
+TEST(Wear, LowersTheDensityAtItsRate) {
+  for (const std::string engine : {"bricked", "bricked_gpu", "direct", "octree"}) {
+    const double lost = worn_fraction(50, engine) - worn_fraction(10, engine);
+    EXPECT_NEAR(lost, 1.2 * 0.4 / 0.8, 1e-3) << engine;
+  }
+}
+
 /// Every option, under every erosion that has it.
 struct Options {
   std::string name;
