@@ -98,7 +98,7 @@ struct UnreamedSurface {
   FillBricks before;
   SolidField field;    ///< of the unreamed bone, voxel index space
   IsoSurface surface;  ///< of the unreamed bone, voxel index space; triangles counter-clockwise seen from outside
-  /// Distance in mm from the reamed part of the unreamed surface, without closed cavities, and holes and slits up to
+  /// Distance in mm from the reamed part of the unreamed surface, ignoring closed cavities, and holes and slits up to
   /// 3.6 mm wide (a pilot hole, a vessel); 0 where no material was removed. In the space of voxel indices times
   /// voxel_mm.
   std::shared_ptr<const ScalarGrid> depth;

@@ -13,10 +13,8 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
-#include <map>
 #include <numbers>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "render/surface/scalar_grid.h"
@@ -64,39 +62,21 @@ constexpr double kClosing_mm = 1.8;
 /// Number of depth cells inside the bone. More cost time without benefit, because a distance varies smoothly.
 constexpr double kInteriorCells = 400'000;
 
-/// A connected part of a surface.
-struct SurfacePart {
-  double volume = 0;  ///< enclosed; negative for the wall of a closed cavity
-  Eigen::AlignedBox3f box;
-};
-
-/// Marks the vertices on the walls of closed cavities, and those of pieces of bone in them.
-std::vector<bool> in_cavities(const IsoSurface& surface) {
+/// Marks the vertices on the wall of a closed cavity: a part of the surface that encloses a negative volume.
+std::vector<bool> walls_of_cavities(const IsoSurface& surface) {
   std::vector<std::uint32_t> rank(surface.points.size()), parent(surface.points.size());
   boost::disjoint_sets components(rank.data(), parent.data());
   for (std::uint32_t i = 0; i < parent.size(); ++i) components.make_set(i);
   for (std::size_t i = 0; i < surface.indices.size(); ++i) {
     components.union_set(surface.indices[i - i % 3], surface.indices[i]);
   }
-  std::map<std::uint32_t, SurfacePart> parts;
+  std::vector<double> volumes(surface.points.size());  // six times, by the component's first point
   for (std::size_t i = 0; i + 2 < surface.indices.size(); i += 3) {
-    const auto at = [&](std::size_t k) { return surface.points[surface.indices[i + k]]; };
-    SurfacePart& part = parts[components.find_set(surface.indices[i])];
-    part.volume += at(0).cast<double>().dot(at(1).cast<double>().cross(at(2).cast<double>())) / 6;
-    for (std::size_t k = 0; k < 3; ++k) part.box.extend(at(k));
+    const auto at = [&](std::size_t k) -> Vec3 { return surface.points[surface.indices[i + k]].cast<double>(); };
+    volumes[components.find_set(surface.indices[i])] += at(0).dot(at(1).cross(at(2)));
   }
-  const auto is_wall = [](const auto& part) { return part.second.volume < 0; };
-  const auto in_cavity = [&](const SurfacePart& part) {
-    return std::ranges::any_of(
-        parts, [&](const auto& other) { return is_wall(other) && other.second.box.contains(part.box); });
-  };
-  std::set<std::uint32_t> found;
-  if (std::ranges::any_of(parts, is_wall)) {
-    for (const auto& [vertex, part] : parts)
-      if (in_cavity(part)) found.insert(vertex);
-  }
-  std::vector<bool> out(surface.points.size(), false);
-  for (std::uint32_t i = 0; i < out.size() && !found.empty(); ++i) out[i] = found.contains(components.find_set(i));
+  std::vector<bool> out(surface.points.size());
+  for (std::uint32_t i = 0; i < out.size(); ++i) out[i] = volumes[components.find_set(i)] < 0;
   return out;
 }
 
@@ -107,7 +87,7 @@ class SurfaceDistance {
   SurfaceDistance(const UnreamedSurface& unreamed, double voxel_mm, const Eigen::AlignedBox3d& near_mm)
       : voxel_mm_(voxel_mm), field_(*unreamed.field.grid().vdb) {
     const IsoSurface& surface = unreamed.surface;
-    const std::vector<bool> in_cavity = in_cavities(surface);
+    const std::vector<bool> in_cavity = walls_of_cavities(surface);
     std::vector<std::uint32_t> number(surface.points.size(), kLeftOut);
     for (std::size_t i = 0; i < number.size(); ++i) {
       const Vec3 mm = voxel_mm * surface.points[i].cast<double>();
@@ -175,7 +155,7 @@ void for_each_leaf(openvdb::FloatGrid& grid, const Visit& visit) {
 }
 
 /// The surface offset outwards by kClosing_mm, which closes narrow holes (morphological closing), in a box. Cells
-/// beside it get their distance. Cubes of cells further away are found by that of their centre, and not divided.
+/// beside it get their distance. Cubes further away are recognised by the distance at their centre and not subdivided.
 class OffsetSampler {
  public:
   OffsetSampler(const SurfaceDistance& distance, double cell_mm) : distance_(distance), cell_mm_(cell_mm) {}
@@ -197,11 +177,11 @@ class OffsetSampler {
     const auto cube = openvdb::CoordBBox::createCube(first, side);
     const Vec3d centre = cell_mm_ * (first.asVec3d() + Vec3d(0.5 * (side - 1)));
     const double centre_mm = distance_.at({centre.x(), centre.y(), centre.z()}, field);
-    // Then no cell of the cube is beside the surface.
+    // Beyond this distance of the centre no cell of the cube is beside the surface.
     const double away_mm = (0.5 * (side - 1) + 1) * std::numbers::sqrt3 * cell_mm_;
     if (side == 1 || std::abs(centre_mm - kClosing_mm) > away_mm) {
       if (leaf != nullptr) leaf->fill(cube, static_cast<float>(centre_mm));
-      if (leaf == nullptr && centre_mm < kClosing_mm) grid_->fill(cube, 0.0F, false);  // else as the background
+      if (leaf == nullptr && centre_mm < kClosing_mm) grid_->fill(cube, 0.0F, false);  // else it keeps the background
     } else if (side == Leaf::DIM && leaf == nullptr) {
       grid_->tree().touchLeaf(first)->setValuesOn();
     } else {
@@ -233,19 +213,17 @@ void for_each_reamed_brick(const BoneView& bone, const Visit& visit) {
   });
 }
 
-/// Marks the points of the offset surface below which bone was removed.
-std::vector<std::uint8_t> above_removed_bone(const IsoSurface& offset, const SurfaceDistance& distance,
-                                             const BoneView& bone) {
+/// Marks the points of the offset surface in a box below which bone was removed.
+std::vector<std::uint8_t> above_removed_bone(const IsoSurface& offset, const Eigen::AlignedBox3d& box_mm,
+                                             const SurfaceDistance& distance, const BoneView& bone) {
   const double voxel_mm = bone.voxmap.grid.voxel_mm;
   std::vector<std::uint8_t> marked(offset.points.size(), 0);
-  parallel_ranges(marked.size(), 512, [&](std::size_t begin, std::size_t end) {
-    const auto field = distance.accessor();
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 p = offset.points[i].cast<double>(), surface = distance.closest_point(p);
-      if (distance.at(p, field) < 0.5 * kClosing_mm) continue;  // where the box ends inside the bone
-      const Vec3 below = (surface + 0.75 * voxel_mm * (surface - p).normalized()) / voxel_mm;
-      marked[i] = removed(bone, below.array().round().cast<int>()) ? 1 : 0;
-    }
+  parallel_items(marked.size(), [&](std::size_t i) {
+    const Vec3 p = offset.points[i].cast<double>();
+    if (!box_mm.contains(p)) return;  // further out, the distance is not that of all surfaces
+    const Vec3 surface = distance.closest_point(p);
+    const Vec3 below = (surface + 0.75 * voxel_mm * (surface - p).normalized()) / voxel_mm;
+    marked[i] = removed(bone, below.array().round().cast<int>()) ? 1 : 0;
   });
   return marked;
 }
@@ -277,7 +255,7 @@ openvdb::FloatGrid::Ptr cells_of_changed_bricks(const BoneView& bone, double cel
 }
 
 /// Where the offset surface may affect a depth, in the space of voxel indices times voxel_mm: around the bricks that
-/// changed, and at most `beside_mm` outside the bone.
+/// changed, and at most `beside_mm` outside the bounding box of the surface.
 Eigen::AlignedBox3d box_of_sources(const UnreamedSurface& unreamed, const BoneView& bone, double cell_mm,
                                    const Vec3& beside_mm) {
   const double voxel_mm = bone.voxmap.grid.voxel_mm, brick_mm = FillBricks::kSide * voxel_mm;
@@ -305,7 +283,9 @@ openvdb::FloatGrid::Ptr depth_grid(const UnreamedSurface& unreamed, const BoneVi
   const SurfaceDistance distance(unreamed, grid.voxel_mm, {box_mm.min() - beside_mm, box_mm.max() + beside_mm});
   if (distance.empty()) return depth;
   const IsoSurface offset = OffsetSampler(distance, cell_mm).sample_box(box_mm);
-  std::vector<std::uint8_t> marked = above_removed_bone(offset, distance, bone);
+  const Vec3 cell = Vec3::Constant(cell_mm);  // where the box ends inside the bone, its faces are surfaces
+  const Eigen::AlignedBox3d inner_mm(box_mm.min() + cell, box_mm.max() - cell);
+  std::vector<std::uint8_t> marked = above_removed_bone(offset, inner_mm, distance, bone);
   dilate(marked, {offset.points.size(), offset.indices}, static_cast<int>(std::ceil(2 * kClosing_mm / cell_mm)));
   std::vector<Vec3> sources;
   for (std::size_t i = 0; i < marked.size(); ++i) {

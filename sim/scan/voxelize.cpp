@@ -19,7 +19,7 @@ namespace reamsim::ct {
 namespace {
 
 /// Slices that are sampled before they are stored.
-constexpr std::size_t kSlicesAtOnce = 16;
+constexpr std::size_t kSlicesAtOnce = 4;
 /// The field can be above 0 up to the next image voxel outside the bone, and up to the second where a cut passes.
 constexpr int kFieldReach = 2;
 
