@@ -3,9 +3,12 @@
 
 #include "render/surface/solid_field.h"
 
+#define BOOST_ALLOW_DEPRECATED_HEADERS  // Boost 1.74 includes one, and says so
+
 #include <openvdb/math/Proximity.h>
 
 #include <algorithm>
+#include <boost/geometry/algorithms/distance.hpp>
 #include <boost/geometry/geometries/point.hpp>
 #include <boost/geometry/index/rtree.hpp>
 #include <boost/geometry/strategies/strategies.hpp>
