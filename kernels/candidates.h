@@ -21,6 +21,7 @@ typedef struct {
   int count;
   ushort place[RS_BRICK_VOXELS + 16];
   int fill[RS_BRICK_VOXELS + 16];
+  int face[RS_BRICK_VOXELS + 16];           /* bone_face.h */
   float energy[RS_BRICK_VOXELS + 16];       /* of the whole voxel, mJ */
   PieceList near[RS_BRICK_VOXELS / 16 + 1]; /* per sixteen: the pieces that can be nearest */
   bool smooth[RS_BRICK_VOXELS / 16 + 1];    /* per sixteen: one piece, with its ends out of reach */
@@ -66,6 +67,7 @@ RS_INLINE void finish_candidates(__global const SubstepArgs* a, const OutlineVie
                                  const BlockPieces* blocks, const float shift, Candidates* c) {
   vstore16((ushort16)0, 0, c->place + c->count);
   vstore16((int16)0, 0, c->fill + c->count);
+  vstore16((int16)RS_NO_FACE, 0, c->face + c->count);
   vstore16((float16)0.0f, 0, c->energy + c->count);
 #ifndef RS_DISTANCE_GRID
   for (int i = 0; i < c->count; i += 16) {
@@ -169,6 +171,7 @@ RS_INLINE void find_candidates(__global const SubstepArgs* a, const OutlineView*
   for (int i = 0; i < count; ++i) {
     const int place = c->place[i];
     c->fill[i] = page == 0 ? RS_WHOLE_FILL : page[place];
+    c->face[i] = rs_face_at(v->face_brick, v->faces, place);
     c->energy[i] = energy_of_grade[v->brick->grade[place]];
   }
   c->count = count;

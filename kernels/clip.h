@@ -5,6 +5,7 @@
 #ifndef REAMSIM_KERNELS_CLIP_H
 #define REAMSIM_KERNELS_CLIP_H
 
+#include "bone_face.h"
 #include "cube_fraction.h"
 #include "cut_law.h"
 #include "outline.h"
@@ -178,11 +179,17 @@ RS_INLINE rs_int rs_fill_outside(const Clip* clip) {
   return RS_TO_INT(rs_clip_fraction(clip, 0.0f, 0.0f) * (float)RS_WHOLE_FILL + 0.5f);
 }
 
-/* Loss of a voxel with fill `fill` when a whole one would keep `outside`. Losses within the rounding of positions are
+/* Remaining fill of a voxel with a face of the bone. */
+RS_INLINE rs_int rs_clip_kept(const Clip* clip, rs_int face) {
+  const FaceCut cut = rs_face_cut(face, &clip->plane);
+  return rs_kept_fill(&cut, rs_fill_outside(clip));
+}
+
+/* Loss of a voxel with fill `fill` of which the tool leaves at most `kept`. Losses within the rounding of positions are
  * ignored, unless nothing remains. */
-RS_INLINE rs_int rs_clip_loss(RS_GLOBAL const SubstepArgs* a, rs_int fill, rs_int outside) {
-  const rs_int lost = fill - outside;
-  const rs_int enough = outside == 0 ? RS_INT(1) : RS_INT(a->min_loss);
+RS_INLINE rs_int rs_clip_loss(RS_GLOBAL const SubstepArgs* a, rs_int fill, rs_int kept) {
+  const rs_int lost = fill - kept;
+  const rs_int enough = kept == 0 ? RS_INT(1) : RS_INT(a->min_loss);
   return lost >= enough ? lost : RS_INT(0);
 }
 
@@ -208,26 +215,28 @@ RS_INLINE void rs_clip_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, r
 #define RS_LEAST_FACING 0.01f
 
 /* Fraction of a voxel that a plane with normal component `nz` would remove by an advance; 0 where it has no cutting
- * edges. `outside`: fraction outside the tool. */
-RS_INLINE rs_real rs_probe_loss(const Clip* clip, rs_real nz, rs_real outside, float ahead, float other_ahead) {
-  const rs_real next = outside - rs_clip_fraction(clip, ahead, other_ahead);
+ * edges. `now`: fraction kept. */
+RS_INLINE rs_real rs_probe_loss(const Clip* clip, const FaceCut* face, rs_real nz, rs_real now, float ahead,
+                                float other_ahead) {
+  const rs_real next = now - rs_kept_fraction(face, rs_clip_fraction(clip, ahead, other_ahead));
   return -nz > RS_LEAST_FACING ? next : RS_REAL(0.0f);
 }
 
 /* Area of the tool's face in contact with a voxel, mm2: the volume that a small advance would remove, over the advance.
- * The areas of all voxels add up to the face. `remaining`: fill of the voxel; `outside`: fill that a whole voxel keeps.
- */
-RS_INLINE rs_real rs_contact_area(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int remaining, rs_int outside) {
+ * The areas of all voxels add up to the face. `remaining`: fill of the voxel; `kept`: the most that the tool leaves. */
+RS_INLINE rs_real rs_contact_area(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int face, rs_int remaining,
+                                  rs_int kept) {
   const rs_real zero = RS_REAL(0.0f);
-  const rs_real now = rs_clip_fraction(clip, 0.0f, 0.0f);
-  rs_real probed = rs_probe_loss(clip, clip->plane.nz, now, RS_EDGE_PROBE, 0.0f);
+  const FaceCut cut = rs_face_cut(face, &clip->plane);
+  const rs_real now = rs_kept_fraction(&cut, rs_clip_fraction(clip, 0.0f, 0.0f));
+  rs_real probed = rs_probe_loss(clip, &cut, clip->plane.nz, now, RS_EDGE_PROBE, 0.0f);
   if (RS_ANY(clip->corner != 0.0f)) {
-    const rs_real other = rs_probe_loss(clip, clip->other.nz, now, 0.0f, RS_EDGE_PROBE);
+    const rs_real other = rs_probe_loss(clip, &cut, clip->other.nz, now, 0.0f, RS_EDGE_PROBE);
     probed += clip->corner != 0.0f ? other : zero;
   }
   const rs_real area = probed * (a->voxel_mm * a->voxel_mm / RS_EDGE_PROBE);
   const rs_real near = clip->distance <= RS_CLIP_REACH * a->voxel_mm ? area : zero;
-  const rs_real touched = remaining + a->min_loss >= outside ? near : zero;
+  const rs_real touched = remaining + a->min_loss >= kept ? near : zero;
   return remaining > 0 ? touched : zero;
 }
 
@@ -237,11 +246,11 @@ RS_INLINE int rs_has_edge(RS_GLOBAL const SubstepArgs* a) {
 
 /* Edge force on the tool in contact with a voxel. A surface of revolution swept by n cutting edges carries n/(2·pi·r)
  * mm of edge per mm2. It needs no speed floor, because it does not depend on the speed. */
-RS_INLINE void rs_edge_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int remaining, rs_int outside,
-                             LaneSums* sums) {
+RS_INLINE void rs_edge_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int face, rs_int remaining,
+                             rs_int kept, LaneSums* sums) {
   const rs_real zero = RS_REAL(0.0f);
   const rs_real r = RS_SQRT(clip->p[0] * clip->p[0] + clip->p[1] * clip->p[1]);
-  const rs_real edge = rs_contact_area(a, clip, remaining, outside) / rs_max(r, RS_REAL(0.5f * a->voxel_mm));
+  const rs_real edge = rs_contact_area(a, clip, face, remaining, kept) / rs_max(r, RS_REAL(0.5f * a->voxel_mm));
   const ToolMotion m = rs_tool_motion(a, clip->p);
   const rs_real engaged = m.speed > 0.0f ? edge : zero;
   const rs_real tangential = engaged * a->edge_tangential;

@@ -23,6 +23,7 @@
       __global VisitCounts *counts, __global const uint *lattice_of_slot, __global uint *occupancy, const int4 bricks, \
       __global SubstepSums *sums, __global const float *energy_of_grade, __global const OutlinePiece *pieces,          \
       __global const ushort *numbers, __global const PieceList *lists, __global const OutlineGrid *grid,               \
+      __global const int *face_brick_of_slot, __global const FaceBrick *face_bricks, __global const int *faces,        \
       RS_POOL_PARAMETERS TEETH_PARAMETERS
 
 #if defined(RS_LANES)
@@ -46,10 +47,11 @@ __kernel void cut_exact(PARAMETERS) {
       prefetch_brick(pools[next >> RS_POOL_BITS] + (next & RS_POOL_MASK), page_of_slot[next], pages);
     }
     report.brick = lattice_of_slot[slot];
-    Visit v;
-    v.brick = pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK);
-    v.at = brick_position(report.brick, bricks);
-    v.teeth = teeth;
+    Visit v = {.brick = pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK),
+               .at = brick_position(report.brick, bricks),
+               .face_brick = face_brick_of(slot, face_brick_of_slot, face_bricks),
+               .faces = faces,
+               .teeth = teeth};
     bool any_cut = false;
     for (uint w = 0; w < window_count; ++w) {
       const SubstepWindow window = windows[w];
@@ -91,10 +93,11 @@ __kernel void cut_exact(PARAMETERS) {
   for (uint t = get_group_id(0); t < listed_count; t += get_num_groups(0)) {
     const uint slot = listed[t];
     report.brick = lattice_of_slot[slot];
-    Visit v;
-    v.brick = pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK);
-    v.at = brick_position(report.brick, bricks);
-    v.teeth = teeth;
+    Visit v = {.brick = pools[slot >> RS_POOL_BITS] + (slot & RS_POOL_MASK),
+               .at = brick_position(report.brick, bricks),
+               .face_brick = face_brick_of(slot, face_brick_of_slot, face_bricks),
+               .faces = faces,
+               .teeth = teeth};
     if (item == 0) {
       find_or_add_page(slot, page_of_slot, slot_of_page, pages, counts);
       page_here = page_of_slot[slot];

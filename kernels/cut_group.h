@@ -31,18 +31,20 @@ RS_INLINE bool cut_smooth_voxel(__global const SubstepArgs* args, const SubstepW
   WindowVoxel fit;
   rs_fit_voxel(w, &c0, &c1, &c2, whole, &fit);
   if (fit.pieces == 0.0f) return false;
+  const int face = rs_face_at(v->face_brick, v->faces, place);
+  const FaceCut cut = rs_face_cut(face, &c1.plane);
   int fill = page[place];
   for (uint s = window->first; s < window->end; ++s) {
     __global const SubstepArgs* a = args + s;
     const int outside = rs_window_outside(&fit, rs_window_time(w, a->frame), RS_WINDOW_PIECES);
-    const int loss = rs_clip_loss(a, fill, outside);
+    const int kept = rs_kept_fill(&cut, outside), loss = rs_clip_loss(a, fill, kept);
     fill -= loss;
     lost[VOXELS_AT_ONCE * (s - window->first)] = (ushort)loss;
     if (!rs_has_edge(a)) continue;
     set_substep(a, v);
     const Clip clip = rs_clip(a, outline, v->list, &v->middle, x, y, z);
     LaneSums edge = zero_sums();
-    rs_edge_force(a, &clip, fill, outside, &edge);
+    rs_edge_force(a, &clip, face, fill, kept, &edge);
     add_brick_sums(sums + s, &edge, 0, 0, 0);
   }
   page[place] = (ushort)fill;
@@ -80,9 +82,9 @@ void cut_voxels(__global const SubstepArgs* a, const OutlineView* outline, const
     const int at = (int)place;
     Clip clip =
         clip_voxel(a, outline, v, v->list, (float)rs_offset_x(at), (float)rs_offset_y(at), (float)rs_offset_z(at));
-    const int before = page[place];
-    const int outside = rs_fill_outside(&clip), lost = rs_clip_loss(a, before, outside);
-    if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &law);
+    const int before = page[place], face = rs_face_at(v->face_brick, v->faces, at);
+    const int kept = rs_clip_kept(&clip, face), lost = rs_clip_loss(a, before, kept);
+    if (rs_has_edge(a)) rs_edge_force(a, &clip, face, before - lost, kept, &law);
     if (lost == 0) continue;
     set_force_normal(outline, v->list, &clip);
     rs_clip_force(a, &clip, energy_of_grade[v->brick->grade[place]], lost, &law);

@@ -28,11 +28,12 @@ typedef struct {
   uchar removed_frame[RS_BRICK_VOXELS];
 } WindowSums;
 
-/* Fits sixteen voxels of the candidates from `first` on. */
-RS_INLINE void fit_sixteen(__global const MotionWindow* w, const OutlineView* outline, const NodeMiddles* middles,
-                           const Candidates* c, const int first, WindowVoxel* out) {
+/* Fits sixteen voxels of the candidates from `first` on. Returns their faces against the tool. */
+RS_INLINE FaceCut fit_sixteen(__global const MotionWindow* w, const OutlineView* outline, const NodeMiddles* middles,
+                              const Candidates* c, const int first, WindowVoxel* out) {
   const int16 place = convert_int16(vload16(0, c->place + first));
   const float16 x = offset_x(place), y = offset_y(place), z = offset_z(place), whole = vload16(0, c->energy + first);
+  const int16 face = vload16(0, c->face + first);
   const PieceList near = c->near[first >> 4];
   if (c->smooth[first >> 4]) {
     __global const OutlinePiece* piece = outline->pieces + outline->numbers[near.first];
@@ -40,26 +41,29 @@ RS_INLINE void fit_sixteen(__global const MotionWindow* w, const OutlineView* ou
     const Clip c1 = rs_clip_smooth(&w->middle, piece, &middles->middle, x, y, z);
     const Clip c2 = rs_clip_smooth(&w->last, piece, &middles->last, x, y, z);
     rs_fit_voxel(w, &c0, &c1, &c2, whole, out);
-    return;
+    return rs_face_cut(face, &c1.plane);
   }
   const Clip c0 = rs_clip(&w->first, outline, near, &middles->first, x, y, z);
   const Clip c1 = rs_clip(&w->middle, outline, near, &middles->middle, x, y, z);
   const Clip c2 = rs_clip(&w->last, outline, near, &middles->last, x, y, z);
   rs_fit_voxel(w, &c0, &c1, &c2, whole, out);
+  return rs_face_cut(face, &c1.plane);
 }
 
-/* Lowers the fill of sixteen voxels through the frames. `pieces`: the most of any of them, a constant where it is
- * called, so that the fit stays in registers. */
+/* Lowers the fill of sixteen voxels through the frames. `pieces`: the most of any of them, and `faces`, whether any has
+ * a face: constants where it is called, so that the fit stays in registers. */
 __attribute__((always_inline)) RS_INLINE int16 lower_fill(__global const SubstepArgs* a, const int count,
-                                                          const WindowVoxel* voxels, const int pieces, int16 fill,
-                                                          WindowSums* sums) {
+                                                          const WindowVoxel* voxels, const int pieces, const bool faces,
+                                                          const FaceCut* cuts, int16 fill, WindowSums* sums) {
   const WindowVoxel v = *voxels;
+  const FaceCut cut = *cuts;
   const int16 more = a->min_loss - 1;
   for (int f = 0; f < count; ++f) {
     const int16 outside = rs_window_outside(&v, (float16)sums->times[f], pieces);
+    const int16 kept = faces ? rs_kept_fill(&cut, outside) : outside;
     /* As rs_clip_loss(), written so that only a comparison and a choice wait for the frame before. */
-    const int16 most_kept = outside + (more & (outside != 0)), before = fill;
-    fill = fill > most_kept ? outside : fill;
+    const int16 most_kept = kept + (more & (kept != 0)), before = fill;
+    fill = fill > most_kept ? kept : fill;
     const int16 lost = before - fill;
     sums->lost_fill[f] += lost + (lost > 0 ? (int16)CONTACT_UNIT : (int16)0);
     sums->lost[f] = convert_float16(lost);
@@ -70,8 +74,9 @@ __attribute__((always_inline)) RS_INLINE int16 lower_fill(__global const Substep
 /* Adds the forces of cutting edges in contact with sixteen voxels that had `fill` before the window. */
 RS_INLINE void add_edge_forces(__global const SubstepArgs* args, const SubstepWindow* window,
                                const OutlineView* outline, Visit* v, const Candidates* c, const int first,
-                               const WindowVoxel* fit, int16 fill, const WindowSums* from, SubstepSums* sums) {
-  const int16 place = convert_int16(vload16(0, c->place + first));
+                               const WindowVoxel* fit, const FaceCut* face_cut, int16 fill, const WindowSums* from,
+                               SubstepSums* sums) {
+  const int16 place = convert_int16(vload16(0, c->place + first)), face = vload16(0, c->face + first);
   for (uint f = 0; f < window->end - window->first; ++f) {
     __global const SubstepArgs* a = args + window->first + f;
     set_substep(a, v);
@@ -80,7 +85,7 @@ RS_INLINE void add_edge_forces(__global const SubstepArgs* args, const SubstepWi
     fill -= convert_int16(from->lost[f]);
     const int16 outside = rs_window_outside(fit, (float16)from->times[f], RS_WINDOW_PIECES);
     LaneSums edge = zero_sums();
-    rs_edge_force(a, &clip, fill, outside, &edge);
+    rs_edge_force(a, &clip, face, fill, rs_kept_fill(face_cut, outside), &edge);
     rs_add_lanes(sums + f, &edge);
   }
   set_substep(args + window->first, v);
@@ -141,6 +146,7 @@ RS_INLINE void append_candidates(const Candidates* from, const int first, const 
     const int i = first + (int)popcount((rest & -rest) - 1);
     to->place[to->count] = from->place[i];
     to->fill[to->count] = from->fill[i];
+    to->face[to->count] = from->face[i];
     to->energy[to->count++] = from->energy[i];
   }
 }
@@ -198,15 +204,16 @@ bool cut_smooth(__global const SubstepArgs* args, const SubstepWindow* window, _
   bool any_cut = false;
   for (int i = 0; i < c->count; i += 16) {
     WindowVoxel fit;
-    fit_sixteen(w, outline, &middles, c, i, &fit);
-    const int16 before = vload16(0, c->fill + i), without = fit.pieces == 0.0f;
+    const FaceCut cuts = fit_sixteen(w, outline, &middles, c, i, &fit);
+    const int16 before = vload16(0, c->fill + i), face = vload16(0, c->face + i), without = fit.pieces == 0.0f;
     append_candidates(c, i, without && before > 0, framed);
     const int16 start = without ? (int16)0 : before;
     __global const SubstepArgs* a = args + window->first;
-    const int16 fill = RS_ANY(fit.pieces > 2.0f)   ? lower_fill(a, count, &fit, 3, start, work)
-                       : RS_ANY(fit.pieces > 1.0f) ? lower_fill(a, count, &fit, 2, start, work)
-                                                   : lower_fill(a, count, &fit, 1, start, work);
-    if (rs_has_edge(args)) add_edge_forces(args, window, outline, v, c, i, &fit, start, work, sums);
+    const int16 fill = RS_ANY(face != RS_NO_FACE)  ? lower_fill(a, count, &fit, 3, true, &cuts, start, work)
+                       : RS_ANY(fit.pieces > 2.0f) ? lower_fill(a, count, &fit, 3, false, &cuts, start, work)
+                       : RS_ANY(fit.pieces > 1.0f) ? lower_fill(a, count, &fit, 2, false, &cuts, start, work)
+                                                   : lower_fill(a, count, &fit, 1, false, &cuts, start, work);
+    if (rs_has_edge(args)) add_edge_forces(args, window, outline, v, c, i, &fit, &cuts, start, work, sums);
     if (!RS_ANY(fill < start)) continue;
     any_cut = true;
     set_basis(&fit, without, work);
@@ -227,22 +234,22 @@ void mark_removed(const Candidates* c, const int first, const int16 removed, uin
   }
 }
 
-/* The tool next to the sixteen candidates from `first` on, and the fill of a whole voxel outside it. */
+/* The tool next to the sixteen candidates from `first` on, and the fill that it leaves. */
 Clip clip_sixteen(__global const SubstepArgs* a, const OutlineView* outline, const Visit* v, const Candidates* c,
-                  const int first, int16* outside) {
-  const int16 place = convert_int16(vload16(0, c->place + first));
+                  const int first, int16* kept) {
+  const int16 place = convert_int16(vload16(0, c->place + first)), face = vload16(0, c->face + first);
   const float16 x = offset_x(place), y = offset_y(place), z = offset_z(place);
   Clip clip;
 #ifndef RS_DISTANCE_GRID
   if (c->smooth[first >> 4]) {
     /* The compiler sees that this branch has no corner. */
     clip = rs_clip_smooth(a, outline->pieces + outline->numbers[c->near[first >> 4].first], &v->middle, x, y, z);
-    *outside = rs_fill_outside(&clip);
+    *kept = rs_clip_kept(&clip, face);
     return clip;
   }
 #endif
   clip = clip_voxel(a, outline, v, c->near[first >> 4], x, y, z);
-  *outside = rs_fill_outside(&clip);
+  *kept = rs_clip_kept(&clip, face);
   return clip;
 }
 
@@ -253,10 +260,10 @@ bool cut_candidates(__global const SubstepArgs* a, const OutlineView* outline, c
   int16 lost_sum = 0, contacts = 0, any_removed = 0;
   uint removed_words[RS_BRICK_WORDS] = {0};
   for (int i = 0; i < c->count; i += 16) {
-    int16 outside;
-    Clip clip = clip_sixteen(a, outline, v, c, i, &outside);
-    const int16 before = vload16(0, c->fill + i), lost = rs_clip_loss(a, before, outside);
-    if (rs_has_edge(a)) rs_edge_force(a, &clip, before - lost, outside, &law);
+    int16 kept;
+    Clip clip = clip_sixteen(a, outline, v, c, i, &kept);
+    const int16 before = vload16(0, c->fill + i), lost = rs_clip_loss(a, before, kept);
+    if (rs_has_edge(a)) rs_edge_force(a, &clip, vload16(0, c->face + i), before - lost, kept, &law);
     set_force_normal(outline, v->list, &clip);
     rs_clip_force(a, &clip, vload16(0, c->energy + i), lost, &law);
     lost_sum += lost;

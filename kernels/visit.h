@@ -24,11 +24,20 @@
 /* A brick in a visit. */
 typedef struct {
   __global Brick* brick;
-  int3 at;            /* position in the lattice of bricks */
-  BrickMiddle middle; /* in the current substep */
-  PieceList list;     /* pieces of the outline that can be nearest in the current window */
+  int3 at;                              /* position in the lattice of bricks */
+  BrickMiddle middle;                   /* in the current substep */
+  PieceList list;                       /* pieces of the outline that can be nearest in the current window */
+  __global const FaceBrick* face_brick; /* of the bone's faces; 0: none in this brick */
+  __global const int* faces;
   DistanceView teeth; /* with RS_DISTANCE_GRID */
 } Visit;
+
+/* The brick with faces of a slot; 0: it has none. */
+RS_INLINE __global const FaceBrick* face_brick_of(const uint slot, __global const int* number_of_slot,
+                                                  __global const FaceBrick* bricks) {
+  const int number = number_of_slot[slot];
+  return number < 0 ? 0 : bricks + number;
+}
 
 RS_INLINE void set_substep(__global const SubstepArgs* a, Visit* v) {
   rs_brick_in_tool(a, 8 * v->at.x, 8 * v->at.y, 8 * v->at.z, &v->middle);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "kernels/bone_face.h"
 #include "render/surface/bone_surface.h"
 #include "sim/base/parallel.h"
 
@@ -34,24 +35,24 @@ struct SurfacePoint {
 /// Kothe 2005, doi:10.1016/j.compstruc.2004.08.017).
 class HeightFunctions {
  public:
-  explicit HeightFunctions(const BoneView& bone) : bone_(bone) {}
+  HeightFunctions(const BoneView& bone, const FillBricks& before) : bone_(bone), before_(before) {}
 
-  /// The surface at a point near it, along an axis; nothing where three by three columns do not end on a smooth face.
-  [[nodiscard]] std::optional<SurfacePoint> at(const Vec3& near, const Vec3& normal) const {
+  /// The surface at a point near it, along an axis; nothing where three by three columns do not end on a smooth face,
+  /// or end at the rim of the reamed area, unless `rim`.
+  [[nodiscard]] std::optional<SurfacePoint> at(const Vec3& near, const Vec3& normal, bool rim) const {
     std::array<int, 3> axes{0, 1, 2};
     std::ranges::sort(axes, std::greater(), [&](int axis) { return std::abs(normal[axis]); });
-    auto found = along(axes[0], normal[axes[0]] > 0 ? 1 : -1, near);
-    return found ? found : along(axes[1], normal[axes[1]] > 0 ? 1 : -1, near);
+    auto found = along(axes[0], normal[axes[0]] > 0 ? 1 : -1, near, rim);
+    return found ? found : along(axes[1], normal[axes[1]] > 0 ? 1 : -1, near, rim);
   }
-  /// Whether the 27 voxels about a point have as much bone as distance(point) from it says: not at a rounded edge.
-  template <class Distance>
-  [[nodiscard]] bool agree(const Vec3& about, const Distance& distance) const {
+  /// Whether the 27 voxels about a point have as much bone as expected(centre) says: not at a rounded edge.
+  template <class Expected>
+  [[nodiscard]] bool agree(const Vec3& about, const Expected& expected) const {
     constexpr double kMost = 1.5;  // voxels; 2.6 at an edge of 90° rounded with a radius of 2
     const Vec3i middle = about.array().round().cast<int>();
     double more = 0;
-    for_each_voxel(middle - Vec3i::Ones(), middle + Vec3i::Ones(), [&](const Vec3i& voxel) {
-      more += std::clamp(0.5 - distance(voxel.cast<double>()), 0.0, 1.0) - fraction(voxel);
-    });
+    for_each_voxel(middle - Vec3i::Ones(), middle + Vec3i::Ones(),
+                   [&](const Vec3i& voxel) { more += expected(voxel.cast<double>()) - fraction(voxel); });
     return std::abs(more) < kMost;
   }
 
@@ -60,13 +61,16 @@ class HeightFunctions {
     if (!bone_.voxmap.grid.contains(voxel) || bone_.voxmap.grade.get(voxel) == 0) return 0;
     return static_cast<double>(bone_.fill.get(voxel)) / FillBricks::kWhole;
   }
+  /// Whether both the bone's surface and the tool intersect a voxel.
+  [[nodiscard]] bool at_rim(const Vec3i& voxel) const {
+    if (!bone_.voxmap.grid.contains(voxel) || bone_.voxmap.grade.get(voxel) == 0) return false;
+    const std::uint16_t before = before_.get(voxel), now = bone_.fill.get(voxel);
+    return before < FillBricks::kWhole && now < before && now > 0;
+  }
   /// The mean height of the surface over the cross-section of a column, between a whole voxel and air near `voxel`.
-  [[nodiscard]] std::optional<double> height(const Vec3i& voxel, int axis, int outward) const {
-    const auto fraction_at = [&](int i) {
-      Vec3i at = voxel;
-      at[axis] += outward * i;
-      return fraction(at);
-    };
+  [[nodiscard]] std::optional<double> height(const Vec3i& voxel, int axis, int outward, bool rim) const {
+    const auto voxel_at = [&](int i) -> Vec3i { return voxel + outward * i * Vec3i::Unit(axis); };
+    const auto fraction_at = [&](int i) { return fraction(voxel_at(i)); };
     constexpr double kRounding = 1e-3;
     int i = 0;
     for (; fraction_at(i) < 1 - kRounding; --i) {
@@ -75,12 +79,12 @@ class HeightFunctions {
     double sum = i + 0.5;
     for (double last = 1; last > kRounding; ++i) {
       const double next = fraction_at(i + 1);
-      if (i == kHalfColumn || next > last + kRounding) return std::nullopt;
+      if (i == kHalfColumn || next > last + kRounding || (!rim && at_rim(voxel_at(i + 1)))) return std::nullopt;
       sum += last = next;
     }
     return voxel[axis] + outward * sum;
   }
-  [[nodiscard]] std::optional<SurfacePoint> along(int axis, int outward, const Vec3& near) const {
+  [[nodiscard]] std::optional<SurfacePoint> along(int axis, int outward, const Vec3& near, bool rim) const {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     const Vec3i middle = near.array().round().cast<int>();
     Eigen::Matrix3d h;
@@ -88,7 +92,7 @@ class HeightFunctions {
       Vec3i voxel = middle;
       voxel[u] += i / 3 - 1;
       voxel[v] += i % 3 - 1;
-      const std::optional<double> found = height(voxel, axis, outward);
+      const std::optional<double> found = height(voxel, axis, outward, rim);
       if (!found) return std::nullopt;
       h(i / 3, i % 3) = *found;
     }
@@ -109,6 +113,7 @@ class HeightFunctions {
   }
 
   const BoneView& bone_;
+  const FillBricks& before_;
 };
 
 /// A quadratic height over a plane.
@@ -143,6 +148,8 @@ class Face {
     const SurfacePoint foot = closest(from);
     return (from - foot.point).dot(foot.normal);
   }
+  /// Of the voxel at a point, inside.
+  [[nodiscard]] double fraction(const Vec3& voxel) const { return std::clamp(0.5 - distance(voxel), 0.0, 1.0); }
 
  private:
   /// Height and slopes at (x, y), by coefficient.
@@ -159,6 +166,17 @@ class Face {
   Eigen::Matrix<double, 6, 1> coefficients_;
   double misfit_;
 };
+
+/// The fraction of the voxel at `p` that is inside both faces, or, of concave bone, inside one of them.
+double fraction_within(const Face& a, const Face& b, bool concave, const Vec3& p) {
+  const auto inside = [&](const Face& face) {
+    return static_cast<float>(concave ? 1 - face.fraction(p) : face.fraction(p));
+  };
+  const auto cosine = static_cast<float>(a.closest(p).normal.dot(b.closest(p).normal));
+  const FaceCut cut = rs_face_cut_at(inside(a), cosine);
+  const float both = rs_kept_fraction(&cut, inside(b));
+  return concave ? 1 - both : both;
+}
 
 /// The point near `start` where two faces meet, closest to it.
 Vec3 meeting(const Face& a, const Face& b, const Vec3& start) {
@@ -202,7 +220,7 @@ Target target_of(const Vec3& vertex, const std::vector<SurfacePoint>& around, co
   const Face a = face_through(parts[0], first);
   const SurfacePoint on_a = a.closest(vertex);
   const auto onto_a = [&] {
-    return heights.agree(on_a.point, [&](const Vec3& p) { return a.distance(p); }) ? Target{on_a, {}} : Target{};
+    return heights.agree(on_a.point, [&](const Vec3& p) { return a.fraction(p); }) ? Target{on_a, {}} : Target{};
   };
   if (!edge) return onto_a();
   const Face b = face_through(parts[1], *other);
@@ -210,15 +228,13 @@ Target target_of(const Vec3& vertex, const std::vector<SurfacePoint>& around, co
   if (!((edge_point - vertex).norm() < 2 * kMaxShift)) return onto_a();  // or it is NaN
   double side = 0;                                                       // negative: convex bone
   for (const SurfacePoint& p : parts[1]) side += a.distance(p.point);
-  const auto distance = [&](const Vec3& p) {
-    return side < 0 ? std::max(a.distance(p), b.distance(p)) : std::min(a.distance(p), b.distance(p));
-  };
+  const auto expected = [&](const Vec3& p) { return fraction_within(a, b, side >= 0, p); };
   const SurfacePoint on_b = b.closest(vertex);
   const bool is_a = b.distance(on_a.point) * side >= 0, is_b = a.distance(on_b.point) * side >= 0;
   const bool a_is_closer = (on_a.point - vertex).norm() < (on_b.point - vertex).norm();
   Target out{(is_a && (a_is_closer || !is_b)) ? on_a : on_b, edge_point};
   if (!is_a && !is_b) out.face->point = edge_point;
-  return heights.agree(edge_point, distance) && heights.agree(out.face->point, distance) ? out : Target{};
+  return heights.agree(edge_point, expected) && heights.agree(out.face->point, expected) ? out : Target{};
 }
 
 /// A part of a mesh in voxel index space while its vertices move.
@@ -331,10 +347,10 @@ void sharpen_edges(TriangleMesh& mesh, const BoneView& bone, const UnreamedSurfa
   }
   const Neighbours neighbours(points.size(), corners);
   const MovingMesh moving{triangles, neighbours, points};
-  const HeightFunctions heights(bone);
+  const HeightFunctions heights(bone, unreamed.before);
   std::vector<Target> smooth(points.size());
   parallel_items(points.size(),
-                 [&](std::size_t i) { smooth[i].face = heights.at(points[i], normals[i].normalized()); });
+                 [&](std::size_t i) { smooth[i].face = heights.at(points[i], normals[i].normalized(), false); });
   std::vector<Target> targets = smooth;
   parallel_items(points.size(), [&](std::size_t i) {
     if (!smooth[i].face) targets[i] = target_of(points[i], moving.faces_around(i, smooth), heights);
@@ -343,6 +359,9 @@ void sharpen_edges(TriangleMesh& mesh, const BoneView& bone, const UnreamedSurfa
   // ragged.
   const auto none = [](const Target& target) { return !target.face; };
   if (10 * std::ranges::count_if(targets, none) > std::ranges::count_if(smooth, none)) targets = smooth;
+  parallel_items(points.size(), [&](std::size_t i) {
+    if (!targets[i].face) targets[i].face = heights.at(points[i], normals[i].normalized(), true);
+  });
   const std::vector<Vec3> moved = moving.moved(targets);
   for (std::size_t i = 0; i < moved.size(); ++i) {
     if (moved[i] == points[i]) continue;

@@ -115,23 +115,7 @@ Occupancy::Kind Occupancy::classify(const Vec3i& brick) const {
 }
 
 void Occupancy::gather(const Vec3i& lower, int side, float* out) const {
-  constexpr float kPerFillUnit = 1.0F / FillBricks::kWhole;
-  std::fill(out, out + static_cast<std::ptrdiff_t>(side) * side * side, 0.0F);
-  const Vec3i first = lower.cwiseMax(0);
-  const Vec3i last = (lower.array() + side).min(voxmap_.grid.dims.array()) - 1;
-  for_each_voxel(BrickLattice::brick_of(first), BrickLattice::brick_of(last), [&](const Vec3i& brick) {
-    const GradeBricks::Brick* grades = voxmap_.grade.brick(brick);
-    if (grades == nullptr) return;
-    const FillBricks::Brick* fill = fill_.brick(brick);
-    const Vec3i from = first.cwiseMax(brick * kBrickSide);
-    const Vec3i to = (last.array()).min(brick.array() * kBrickSide + kBrickSide - 1);
-    for_each_voxel(from, to, [&](const Vec3i& voxel) {
-      const auto offset = static_cast<std::size_t>(BrickLattice::offset_of(voxel));
-      if ((*grades)[offset] == 0) return;
-      const Vec3i at = voxel - lower;
-      out[at.x() + side * (at.y() + side * at.z())] = fill ? kPerFillUnit * static_cast<float>((*fill)[offset]) : 1.0F;
-    });
-  });
+  gather_fractions({voxmap_, fill_}, lower, side, out);
 }
 
 SolidField::SolidField(const Occupancy& occupancy) : grid_(new ScalarGrid{make_float_grid(kAir)}) {

@@ -75,7 +75,7 @@ void require_same_run(const RunIdentity& saved, const RunIdentity& current, cons
   }
 }
 
-constexpr std::string_view kMagic = "reamsim checkpoint 4\n";
+constexpr std::string_view kMagic = "reamsim checkpoint 5\n";
 
 std::optional<Checkpoint> read_checkpoint(const std::string& path) {
   const std::optional<std::string> text = read_whole_file(path);

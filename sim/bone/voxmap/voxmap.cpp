@@ -170,6 +170,26 @@ bool partly_filled(const FillBricks& fill) {
   return part;
 }
 
+void gather_fractions(const BoneView& bone, const Vec3i& lower, int side, float* out) {
+  constexpr float kPerFillUnit = 1.0F / FillBricks::kWhole;
+  std::fill(out, out + static_cast<std::ptrdiff_t>(side) * side * side, 0.0F);
+  const Vec3i first = lower.cwiseMax(0);
+  const Vec3i last = (lower.array() + side).min(bone.voxmap.grid.dims.array()) - 1;
+  for_each_voxel(BrickLattice::brick_of(first), BrickLattice::brick_of(last), [&](const Vec3i& brick) {
+    const GradeBricks::Brick* grades = bone.voxmap.grade.brick(brick);
+    if (grades == nullptr) return;
+    const FillBricks::Brick* fill = bone.fill.brick(brick);
+    const Vec3i from = first.cwiseMax(brick * FillBricks::kSide);
+    const Vec3i to = (last.array()).min(brick.array() * FillBricks::kSide + FillBricks::kSide - 1);
+    for_each_voxel(from, to, [&](const Vec3i& voxel) {
+      const auto offset = static_cast<std::size_t>(BrickLattice::offset_of(voxel));
+      if ((*grades)[offset] == 0) return;
+      const Vec3i at = voxel - lower;
+      out[at.x() + side * (at.y() + side * at.z())] = fill ? kPerFillUnit * static_cast<float>((*fill)[offset]) : 1.0F;
+    });
+  });
+}
+
 std::vector<std::uint8_t> dense_remaining_grades(const BoneView& bone) {
   std::vector<std::uint8_t> out(static_cast<std::size_t>(bone.voxmap.grid.size()), 0);
   for_each_bone_voxel(bone, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {

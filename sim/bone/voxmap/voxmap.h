@@ -233,6 +233,9 @@ std::vector<Vec3i> bricks_near_bone(const GradeBricks& grades);
 /// Whether some voxel is partly filled: neither whole nor removed.
 bool partly_filled(const FillBricks& fill);
 
+/// Copies the fractions of bone in the box of side³ voxels at `lower`, 0…1, to `out`, x fastest; 0 outside the lattice.
+void gather_fractions(const BoneView& bone, const Vec3i& lower, int side, float* out);
+
 /// The grade of each voxel with remaining bone, 0 elsewhere; grid.size() entries, for engines with dense storage.
 std::vector<std::uint8_t> dense_remaining_grades(const BoneView& bone);
 /// The fill of each voxel, air included; grid.size() entries.

@@ -34,7 +34,7 @@ struct UnitArgs {
 BasisValues unit_response(const UnitArgs& args, const Clip& clip, float volume_mm3);
 
 /// The basis of cutting edges in contact with a voxel; see rs_edge_force().
-BasisValues edge_response(const UnitArgs& args, const Clip& clip, rs_i32 remaining, rs_i32 outside);
+BasisValues edge_response(const UnitArgs& args, const Clip& clip, rs_i32 face, rs_i32 remaining, rs_i32 kept);
 
 /// Sums of one brick, added voxel by voxel.
 struct BrickBasis {

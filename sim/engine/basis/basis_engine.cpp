@@ -117,10 +117,10 @@ BasisValues unit_response(const UnitArgs& args, const Clip& clip, float volume_m
   return out;
 }
 
-BasisValues edge_response(const UnitArgs& args, const Clip& clip, rs_i32 remaining, rs_i32 outside) {
+BasisValues edge_response(const UnitArgs& args, const Clip& clip, rs_i32 face, rs_i32 remaining, rs_i32 kept) {
   LaneSums along{}, normal{};
-  rs_edge_force(&args.edge_along, &clip, remaining, outside, &along);
-  rs_edge_force(&args.edge_normal, &clip, remaining, outside, &normal);
+  rs_edge_force(&args.edge_along, &clip, face, remaining, kept, &along);
+  rs_edge_force(&args.edge_normal, &clip, face, remaining, kept, &normal);
   BasisValues out{};
   add_edge(along, 0, out);
   add_edge(normal, 6, out);

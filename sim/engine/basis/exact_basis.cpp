@@ -12,6 +12,7 @@
 #include "kernels/reach.h"
 #include "sim/base/parallel.h"
 #include "sim/engine/basis/basis.h"
+#include "sim/engine/common/bone_faces.h"
 #include "sim/engine/common/tables.h"
 #include "sim/engine/exact/brick_batch_plan.h"
 #include "sim/tool/distance_grid.h"
@@ -80,6 +81,7 @@ class ExactBasisEngine final : public BasisEngine {
       : BasisEngine(std::move(engine)),
         tool_(tool),
         lattice_(BrickLattice::over(bone.voxmap.grid.dims)),
+        faces_(bone),
         extent_(bone_extent(bone.voxmap)),
         outline_(make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)),
         view_(view_of(outline_)),
@@ -252,17 +254,19 @@ class ExactBasisEngine final : public BasisEngine {
     rs_fit_voxel(&w, &first, &middle, &last, energy_mj_[brick.grades[i]], &fit);
     if (fit.pieces == 0) return false;
     std::optional<ForceLine> line;
+    const rs_i32 face = faces_.at(BrickLattice::voxel_at(brick.at, offset));
+    const FaceCut cut = rs_face_cut(face, &middle.plane);
     rs_i32 fill = brick.fill[i];
     for (rs_u32 slot = window.first; slot < window.end; ++slot) {
       const SubstepArgs& args = args_[slot];
       const std::size_t place = visit.place(slot);
       const float time = rs_window_time(&w, args.frame);
       const rs_i32 outside = rs_window_outside(&fit, time, RS_WINDOW_PIECES);
-      const rs_i32 lost = rs_clip_loss(&args, fill, outside);
+      const rs_i32 kept = rs_kept_fill(&cut, outside), lost = rs_clip_loss(&args, fill, kept);
       fill -= lost;
       if (rs_has_edge(&args) != 0) {
         const Clip now = clip(args, brick, brick.middles[place], offset);
-        brick.sums.add(place, kEdge, 1, edge_response(visit.units[place], now, fill, outside));
+        brick.sums.add(place, kEdge, 1, edge_response(visit.units[place], now, face, fill, kept));
       }
       if (lost == 0) continue;
       if (!line) line.emplace(w, visit.nodes[number], first, middle, last, volume_mm3_);
@@ -274,15 +278,16 @@ class ExactBasisEngine final : public BasisEngine {
 
   void cut_by_frames(const Visit& visit, const SubstepWindow& window, BrickVisit& brick, int offset) const {
     const auto i = static_cast<std::size_t>(offset);
+    const rs_i32 face = faces_.at(BrickLattice::voxel_at(brick.at, offset));
     for (rs_u32 slot = window.first; slot < window.end && brick.fill[i] > 0; ++slot) {
       const SubstepArgs& args = args_[slot];
       const std::size_t place = visit.place(slot);
       Clip now = clip(args, brick, brick.middles[place], offset);
-      const rs_i32 outside = rs_fill_outside(&now), lost = rs_clip_loss(&args, brick.fill[i], outside);
+      const rs_i32 kept = rs_clip_kept(&now, face), lost = rs_clip_loss(&args, brick.fill[i], kept);
       brick.fill[i] = static_cast<std::uint16_t>(brick.fill[i] - lost);
       if (args.law != RS_LAW_ENERGY) continue;
       if (rs_has_edge(&args) != 0)
-        brick.sums.add(place, kEdge, 1, edge_response(visit.units[place], now, brick.fill[i], outside));
+        brick.sums.add(place, kEdge, 1, edge_response(visit.units[place], now, face, brick.fill[i], kept));
       if (lost == 0) continue;
       if (tool_.teeth) rs_use_envelope_normal(&view_, brick.list, &now);
       brick.sums.add(place, brick.grades[i], lost, unit_response(visit.units[place], now, volume_mm3_));
@@ -294,6 +299,7 @@ class ExactBasisEngine final : public BasisEngine {
   const GradeBricks* grades_ = nullptr;
   FillBricks fill_before_;
   BrickLattice lattice_;
+  BoneFaces faces_;
   std::vector<std::unique_ptr<Page>> pages_;  ///< fill by brick; none: that before the run
   VoxelBox extent_;
   OutlineTable outline_;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "sim/engine/common/bone_faces.h"
 #include "sim/engine/common/device_batch.h"
 #include "sim/engine/common/device_bricks.h"
 #include "sim/engine/common/tables.h"
@@ -73,9 +74,10 @@ class ExactEngine final : public Engine {
         outline_(make_outline_table(tool.profile, grid_.voxel_mm)),
         slack_mm_(tool.clip_slack_mm() + outline_.bulge_mm),
         tool_box_(tool.clip_bounds().expanded(outline_.bulge_mm)),
-        bricks_(
-            make_device_bricks(device_, bone, FillStore::pages, sizeof(cl_int) * bone.voxmap.grade.stored_bricks())),
+        bricks_(make_device_bricks(device_, bone, FillStore::pages,
+                                   sizeof(cl_int) * bone.voxmap.grade.stored_bricks() + bone_faces_bytes(bone))),
         fill_(make_fill_pages(device_, bone)),
+        faces_(device_, bone),
         batch_(device_, kNoList),
         teeth_(make_teeth(device_, tool, bone, outline_.bulge_mm)),
         teeth_bytes_(tool.teeth ? tool.teeth->bytes() : 0),
@@ -102,7 +104,7 @@ class ExactEngine final : public Engine {
     const auto set_cut = [&](const auto&... teeth) {
       cut_.set_from(kCutConstants, batch_.args(), windows_, motion_windows_, listed_, counts_, bricks_.lattice_of_slot,
                     bricks_.occupancy, bricks_.dims, batch_.sums(), energy_, device_outline_.arguments(),
-                    bricks_.pool_arguments(), teeth...);
+                    faces_.arguments(), bricks_.pool_arguments(), teeth...);
     };
     teeth_ ? set_cut(teeth_->arguments()) : set_cut();
   }
@@ -146,12 +148,12 @@ class ExactEngine final : public Engine {
   }
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override {
-    return bricks_.bytes() + fill_.bytes() + records_.bytes() + DeviceBatch::bytes(kNoList) + listed_.bytes() +
-           teeth_bytes_;
+    return bricks_.bytes() + fill_.bytes() + faces_.bytes() + records_.bytes() + DeviceBatch::bytes(kNoList) +
+           listed_.bytes() + teeth_bytes_;
   }
   /// Without a shell; the tool's structure is the distance grid of resolved cutting edges.
   [[nodiscard]] StructureBytes structure_bytes() const override {
-    return {bricks_.bytes() + fill_.bytes(), teeth_bytes_};
+    return {bricks_.bytes() + fill_.bytes() + faces_.bytes(), teeth_bytes_};
   }
 
  private:
@@ -214,6 +216,7 @@ class ExactEngine final : public Engine {
   Aabb tool_box_;
   DeviceBricks bricks_;
   FillPages fill_;
+  DeviceFaces faces_;
   DeviceBatch batch_;
   MotionsOfSlots motions_;
   int most_substeps_ = device_.info().gpu ? kFirstVisit : RS_VISIT_SUBSTEPS;  ///< of a visit
@@ -243,7 +246,7 @@ std::unique_ptr<Engine> make_exact_engine(const cl::Device& device, const Scenar
 std::size_t exact_engine_bytes(const BoneView& bone, const Tool& tool, const ExactForecast& forecast) {
   const std::size_t stored = bone.voxmap.grade.stored_bricks();
   const std::size_t records = std::min(kMaxRecords, max_records(forecast.listed, RS_VISIT_SUBSTEPS));
-  return device_bricks_bytes(bone, FillStore::pages) + sizeof(cl_uint) * stored +
+  return device_bricks_bytes(bone, FillStore::pages) + bone_faces_bytes(bone) + sizeof(cl_uint) * stored +
          fill_pages_bytes(stored, forecast.partial + forecast.listed) + sizeof(RemovedBlock) * records +
          DeviceBatch::bytes(kNoList) + (tool.teeth ? tool.teeth->bytes() : 0);
 }

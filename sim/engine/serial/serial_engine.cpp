@@ -10,6 +10,7 @@
 #include "kernels/distance_grid.h"
 #include "kernels/window.h"
 #include "sim/base/stopwatch.h"
+#include "sim/engine/common/bone_faces.h"
 #include "sim/engine/common/device_batch.h"
 #include "sim/engine/common/substep.h"
 #include "sim/engine/common/tables.h"
@@ -27,7 +28,8 @@ class SerialEngine final : public Engine {
         exact_(scenario.cutting.erosion == ErosionMode::exact),
         table_(full_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)),
         outline_(view_of(table_)),
-        energy_(make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm)) {
+        energy_(make_energy_table(scenario.cutting, bone.voxmap.grid.voxel_mm)),
+        faces_(bone) {
     if (tool.teeth) lattice_ = distance_lattice(*tool.teeth);
     restore(bone);
     if (!exact_ && kind_ != EngineKind::implicit) claimed_.resize(bone_.size(), false);
@@ -167,20 +169,27 @@ class SerialEngine final : public Engine {
   rs_i32 cut_by_clipping(const SubstepArgs& args, std::int64_t e, LaneSums& law) const {
     const auto fill = fill_[static_cast<std::size_t>(e)];
     Clip clip = clip_voxel(args, e);
-    const rs_i32 outside = rs_fill_outside(&clip), lost = rs_clip_loss(&args, fill, outside);
-    if (rs_has_edge(&args)) rs_edge_force(&args, &clip, fill - lost, outside, &law);
+    const rs_i32 face = faces_.at(grid_.coord(e)), kept = rs_clip_kept(&clip, face);
+    const rs_i32 lost = rs_clip_loss(&args, fill, kept);
+    if (rs_has_edge(&args)) rs_edge_force(&args, &clip, face, fill - lost, kept, &law);
     if (lost == 0) return lost;
     if (tool_.teeth) rs_use_envelope_normal(&outline_, outline_.lists[0], &clip);
     rs_clip_force(&args, &clip, whole_energy(e), lost, &law);
     return lost;
   }
 
+  /// A voxel in the current window.
+  struct FittedVoxel {
+    WindowVoxel window;
+    FaceCut face;  ///< of the bone
+  };
+
   /// A voxel in the current window, from the tool next to it at the three nodes.
-  [[nodiscard]] WindowVoxel fit_voxel(std::int64_t e) const {
+  [[nodiscard]] FittedVoxel fit_voxel(std::int64_t e) const {
     const MotionWindow& w = *window_;
     const Clip first = clip_voxel(w.first, e), middle = clip_voxel(w.middle, e), last = clip_voxel(w.last, e);
-    WindowVoxel out;
-    rs_fit_voxel(&w, &first, &middle, &last, whole_energy(e), &out);
+    FittedVoxel out{.window = {}, .face = rs_face_cut(faces_.at(grid_.coord(e)), &middle.plane)};
+    rs_fit_voxel(&w, &first, &middle, &last, whole_energy(e), &out.window);
     return out;
   }
 
@@ -190,14 +199,15 @@ class SerialEngine final : public Engine {
     finish_brick(args, grid_.index(brick), sums);
     auto found = fits_.find(e);
     if (found == fits_.end()) found = fits_.emplace(e, fit_voxel(e)).first;
-    const WindowVoxel& fit = found->second;
+    const WindowVoxel& fit = found->second.window;
     if (fit.pieces == 0) return cut_by_clipping(args, e, law);
     const auto fill = fill_[static_cast<std::size_t>(e)];
     const rs_i32 outside = rs_window_outside(&fit, rs_window_time(window_.get(), args.frame), RS_WINDOW_PIECES);
-    const rs_i32 lost = rs_clip_loss(&args, fill, outside);
+    const rs_i32 face = faces_.at(grid_.coord(e)), kept = rs_kept_fill(&found->second.face, outside);
+    const rs_i32 lost = rs_clip_loss(&args, fill, kept);
     if (rs_has_edge(&args)) {
       const Clip clip = clip_voxel(args, e);
-      rs_edge_force(&args, &clip, fill - lost, outside, &law);
+      rs_edge_force(&args, &clip, face, fill - lost, kept, &law);
     }
     const auto loss = static_cast<float>(lost);
     for (std::size_t i = 0; i < RS_WINDOW_SUMS; ++i) {
@@ -222,6 +232,7 @@ class SerialEngine final : public Engine {
   OutlineView outline_;        ///< of the table
   DistanceLattice lattice_{};  ///< of the resolved cutting edges
   EnergyTable energy_;
+  BoneFaces faces_;
   VoxelGrid grid_;
   std::vector<std::uint8_t> bone_;   ///< grade, 0 = air or removed
   std::vector<std::uint16_t> fill_;  ///< dense
@@ -229,7 +240,7 @@ class SerialEngine final : public Engine {
   std::vector<bool> claimed_;  ///< by voxel, all false between two substeps
   RemovedFrames removed_;
   std::shared_ptr<const MotionWindow> window_;                       ///< of the current substep
-  std::unordered_map<std::int64_t, WindowVoxel> fits_;               ///< of its voxels
+  std::unordered_map<std::int64_t, FittedVoxel> fits_;               ///< of its voxels
   std::array<float, std::size_t{2} * RS_WINDOW_SUMS> brick_sums_{};  ///< of the current brick
   std::int64_t brick_ = -1;
   Batch batch_;
