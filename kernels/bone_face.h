@@ -51,17 +51,27 @@ RS_INLINE FaceCut rs_face_cut_at(rs_real fill, rs_real cosine) {
   return out;
 }
 
-RS_INLINE FaceCut rs_face_cut(rs_int face, const ClipPlane* plane) {
-  const rs_real one = RS_REAL(1.0f), least = RS_REAL(1e-3f);
-  rs_real along = RS_REAL(0.0f), squares = RS_REAL(0.0f);
+RS_INLINE rs_real rs_face_fill(rs_int face) {
+  return RS_TO_REAL(face & RS_WHOLE_FILL) * (1.0f / (float)RS_WHOLE_FILL);
+}
+
+/* The outward unit normal of the bone in lattice axes; zero of RS_NO_FACE. */
+RS_INLINE void rs_face_normal(rs_int face, rs_real* n) {
+  rs_real squares = RS_REAL(1e-3f); /* of at least RS_FACE_STEPS^2 */
   for (int i = 0; i < 3; ++i) {
-    const rs_real n = RS_TO_REAL((face >> (16 + RS_FACE_BITS * i)) & (2 * RS_FACE_STEPS + 1)) - (float)RS_FACE_STEPS;
-    along -= n * plane->n[i];
-    squares += n * n;
+    n[i] = RS_TO_REAL((face >> (16 + RS_FACE_BITS * i)) & (2 * RS_FACE_STEPS + 1)) - (float)RS_FACE_STEPS;
+    squares += n[i] * n[i];
   }
-  const rs_real cosine = along / RS_SQRT(rs_max(squares, least));
-  return rs_face_cut_at(RS_TO_REAL(face & RS_WHOLE_FILL) * (1.0f / (float)RS_WHOLE_FILL),
-                        rs_max(rs_min(cosine, one), -one));
+  const rs_real per_length = RS_REAL(1.0f) / RS_SQRT(squares);
+  for (int i = 0; i < 3; ++i) n[i] *= per_length;
+}
+
+RS_INLINE FaceCut rs_face_cut(rs_int face, const ClipPlane* plane) {
+  const rs_real one = RS_REAL(1.0f);
+  rs_real n[3];
+  rs_face_normal(face, n);
+  const rs_real cosine = -(n[0] * plane->n[0] + n[1] * plane->n[1] + n[2] * plane->n[2]);
+  return rs_face_cut_at(rs_face_fill(face), rs_max(rs_min(cosine, one), -one));
 }
 
 /* The fraction of a voxel that is both bone and outside the tool. Of two half-spaces with the fractions f and o in a
@@ -71,10 +81,10 @@ RS_INLINE FaceCut rs_face_cut(rs_int face, const ClipPlane* plane) {
  * over all positions right to 0.001 of the cube (tests/engine/bone_face_test.cpp); RMS error 0.006. */
 RS_INLINE rs_real rs_kept_fraction(const FaceCut* face, rs_real outside) {
   const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f), f = face->fill;
-  const rs_real o = face->cosine > 0.0f ? outside : one - outside, least = rs_min(f, o);
+  const rs_real o = face->cosine >= 0.0f ? outside : one - outside, least = rs_min(f, o);
   const rs_real near = rs_max(one - rs_abs(f - o) * face->per_width, zero);
   const rs_real both = least - face->weight * (near * near) * (least - f * o);
-  return face->cosine > 0.0f ? both : f - both;
+  return face->cosine >= 0.0f ? both : f - both;
 }
 
 /* The same in units of fill. */

@@ -158,31 +158,82 @@ RS_INLINE Clip rs_clip_smooth(RS_GLOBAL const SubstepArgs* a, RS_GLOBAL const Ou
   return rs_clip_at(a, brick, &nearest, p, r, per_r);
 }
 
-/* Fraction of a voxel outside the tool when its planes have advanced by `ahead` and `other_ahead`, voxels. */
-RS_INLINE rs_real rs_clip_fraction(const Clip* clip, float ahead, float other_ahead) {
-  ClipPlane a = clip->plane, b = clip->other;
-  a.away -= ahead;
-  b.away -= other_ahead;
+/* The fractions of a voxel outside the tool, and outside its first plane, its other plane and both (those of one plane
+ * without a corner). */
+typedef struct {
+  rs_real tool, first, other, both;
+} OutsideFractions;
+
+RS_INLINE OutsideFractions rs_clip_fractions(const Clip* clip) {
+  const ClipPlane *a = &clip->plane, *b = &clip->other;
   const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f);
-  const rs_real first = rs_outside_fraction(a.n, a.away);
-  if (!RS_ANY(clip->corner != 0.0f)) return first;
-  const rs_real other = rs_outside_fraction(b.n, b.away);
+  const rs_real first = rs_outside_fraction(a->n, a->away);
+  OutsideFractions out = {first, first, first, first};
+  if (!RS_ANY(clip->corner != 0.0f)) return out;
+  const rs_real other = rs_outside_fraction(b->n, b->away);
   /* The sampled fraction is limited to its bounds, which makes it exact where one plane alone matters. */
   const rs_real least = rs_max(first + other - one, zero), most = rs_min(first, other);
-  const rs_real both = rs_max(rs_min(rs_outside_both(&a, &b), most), least);
+  const rs_real both = rs_max(rs_min(rs_outside_both(a, b), most), least);
   const rs_real cornered = clip->corner > 0.0f ? first + other - both : both;
+  out.tool = clip->corner != 0.0f ? cornered : first;
+  out.other = other;
+  out.both = both;
+  return out;
+}
+
+/* The part of the bone in a voxel (of the fraction `bone`) on the same side of two planes, of which each alone has
+ * `x` and `y` of the bone, `p` and `q` of the voxel, and both have `pq` of the voxel. What lies beyond one plane is
+ * divided by the other as the voxel is. */
+RS_INLINE rs_real rs_bone_within_both(rs_real bone, rs_real x, rs_real y, rs_real p, rs_real q, rs_real pq) {
+  const rs_real zero = RS_REAL(0.0f), tiny = RS_REAL(1e-6f);
+  const rs_real divided = rs_min(x * (pq / rs_max(p, tiny)), y * (pq / rs_max(q, tiny)));
+  const rs_real least = rs_max(rs_max(x + y - bone, zero), rs_max(x + pq - p, y + pq - q));
+  return rs_max(divided, least);
+}
+
+/* Whether the edge between the planes of a convex corner is outside the bone of a voxel: 1 where it surely is. A sum of
+ * the three planes' inequalities with weights >= 0 has no solution in the voxel then (the weights are those of the
+ * shortest sum of the normals). */
+RS_INLINE rs_real rs_edge_beyond_bone(const Clip* clip, rs_int face) {
+  const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f), least = RS_REAL(1e-3f);
+  const ClipPlane *a = &clip->plane, *b = &clip->other;
+  rs_real n[3], na = zero, nb = zero, ab = zero, size = zero;
+  rs_face_normal(face, n);
+  for (int i = 0; i < 3; ++i) {
+    na += n[i] * a->n[i];
+    nb += n[i] * b->n[i];
+    ab += a->n[i] * b->n[i];
+  }
+  const rs_real per_sine2 = one / rs_max(one - ab * ab, least);
+  const rs_real of_a = rs_max((ab * nb - na) * per_sine2, zero), of_b = rs_max((ab * na - nb) * per_sine2, zero);
+  for (int i = 0; i < 3; ++i) size += rs_abs(n[i] + of_a * a->n[i] + of_b * b->n[i]);
+  const rs_real away = rs_plane_away(n, one - rs_face_fill(face)) + of_a * a->away + of_b * b->away;
+  return away > 0.5f * size ? one : zero;
+}
+
+/* The fraction of a voxel with a face of the bone that is bone and outside the tool. */
+RS_INLINE rs_real rs_clip_kept_fraction(const Clip* clip, rs_int face) {
+  const OutsideFractions o = rs_clip_fractions(clip);
+  const FaceCut first_cut = rs_face_cut(face, &clip->plane);
+  const rs_real first = rs_kept_fraction(&first_cut, o.first);
+  if (!RS_ANY(clip->corner != 0.0f)) return first;
+  const FaceCut other_cut = rs_face_cut(face, &clip->other);
+  const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f), f = first_cut.fill;
+  const rs_real other = rs_kept_fraction(&other_cut, o.other), in_both = one - o.first - o.other + o.both;
+  const rs_real removed = rs_bone_within_both(f, f - first, f - other, one - o.first, one - o.other, in_both);
+  const rs_real convex = f - (rs_edge_beyond_bone(clip, face) > 0.0f ? zero : removed);
+  const rs_real concave = rs_bone_within_both(f, first, other, o.first, o.other, o.both);
+  const rs_real cornered = clip->corner > 0.0f ? convex : concave;
   return clip->corner != 0.0f ? cornered : first;
 }
 
-/* Remaining fill of a whole voxel. */
+/* Remaining fill of a voxel that was whole before the run, and of one with a face of the bone. */
 RS_INLINE rs_int rs_fill_outside(const Clip* clip) {
-  return RS_TO_INT(rs_clip_fraction(clip, 0.0f, 0.0f) * (float)RS_WHOLE_FILL + 0.5f);
+  return RS_TO_INT(rs_clip_fractions(clip).tool * (float)RS_WHOLE_FILL + 0.5f);
 }
-
-/* Remaining fill of a voxel with a face of the bone. */
 RS_INLINE rs_int rs_clip_kept(const Clip* clip, rs_int face) {
-  const FaceCut cut = rs_face_cut(face, &clip->plane);
-  return rs_kept_fill(&cut, rs_fill_outside(clip));
+  const rs_real kept = rs_max(rs_clip_kept_fraction(clip, face), RS_REAL(0.0f));
+  return RS_TO_INT(kept * (float)RS_WHOLE_FILL + 0.5f);
 }
 
 /* Loss of a voxel with fill `fill` of which the tool leaves at most `kept`. Losses within the rounding of positions are
@@ -216,9 +267,12 @@ RS_INLINE void rs_clip_force(RS_GLOBAL const SubstepArgs* a, const Clip* clip, r
 
 /* Fraction of a voxel that a plane with normal component `nz` would remove by an advance; 0 where it has no cutting
  * edges. `now`: fraction kept. */
-RS_INLINE rs_real rs_probe_loss(const Clip* clip, const FaceCut* face, rs_real nz, rs_real now, float ahead,
+RS_INLINE rs_real rs_probe_loss(const Clip* clip, rs_int face, rs_real nz, rs_real now, float ahead,
                                 float other_ahead) {
-  const rs_real next = now - rs_kept_fraction(face, rs_clip_fraction(clip, ahead, other_ahead));
+  Clip advanced = *clip;
+  advanced.plane.away -= ahead;
+  advanced.other.away -= other_ahead;
+  const rs_real next = now - rs_clip_kept_fraction(&advanced, face);
   return -nz > RS_LEAST_FACING ? next : RS_REAL(0.0f);
 }
 
@@ -227,11 +281,10 @@ RS_INLINE rs_real rs_probe_loss(const Clip* clip, const FaceCut* face, rs_real n
 RS_INLINE rs_real rs_contact_area(RS_GLOBAL const SubstepArgs* a, const Clip* clip, rs_int face, rs_int remaining,
                                   rs_int kept) {
   const rs_real zero = RS_REAL(0.0f);
-  const FaceCut cut = rs_face_cut(face, &clip->plane);
-  const rs_real now = rs_kept_fraction(&cut, rs_clip_fraction(clip, 0.0f, 0.0f));
-  rs_real probed = rs_probe_loss(clip, &cut, clip->plane.nz, now, RS_EDGE_PROBE, 0.0f);
+  const rs_real now = rs_clip_kept_fraction(clip, face);
+  rs_real probed = rs_probe_loss(clip, face, clip->plane.nz, now, RS_EDGE_PROBE, 0.0f);
   if (RS_ANY(clip->corner != 0.0f)) {
-    const rs_real other = rs_probe_loss(clip, &cut, clip->other.nz, now, 0.0f, RS_EDGE_PROBE);
+    const rs_real other = rs_probe_loss(clip, face, clip->other.nz, now, 0.0f, RS_EDGE_PROBE);
     probed += clip->corner != 0.0f ? other : zero;
   }
   const rs_real area = probed * (a->voxel_mm * a->voxel_mm / RS_EDGE_PROBE);

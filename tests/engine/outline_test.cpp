@@ -161,7 +161,7 @@ TEST(Clip, CornersAgreeWithCountingPoints) {
     clip.plane = plane(n.normalized(), u(random));
     clip.other = plane(m.normalized(), u(random));
     clip.corner = i % 2 == 0 ? 1.0F : -1.0F;
-    const double error = rs_clip_fraction(&clip, 0, 0) - counted_corner(clip.plane, clip.other, clip.corner > 0);
+    const double error = rs_clip_fractions(&clip).tool - counted_corner(clip.plane, clip.other, clip.corner > 0);
     sum += error * error;
     worst = std::max(worst, std::abs(error));
   }
@@ -180,7 +180,7 @@ TEST(Clip, OnTheAxisABoresWallHasADirection) {
   const Clip clip =
       rs_clip(&args, &outline, outline.lists[0], &brick, RS_BRICK_MIDDLE, RS_BRICK_MIDDLE, RS_BRICK_MIDDLE);
   EXPECT_FLOAT_EQ(clip.distance, 0.4F);
-  EXPECT_NEAR(rs_clip_fraction(&clip, 0, 0), 0.9, 1e-6);
+  EXPECT_NEAR(rs_clip_fractions(&clip).tool, 0.9, 1e-6);
 }
 
 TEST(Clip, WhereOnePlaneOfACornerMattersItAloneDecides) {
@@ -188,11 +188,11 @@ TEST(Clip, WhereOnePlaneOfACornerMattersItAloneDecides) {
   clip.corner = 1;
   clip.plane = plane({0, 0, -1}, 0.2);
   clip.other = plane({1, 0, 0}, -0.6);  // the cube lies inside it
-  EXPECT_FLOAT_EQ(rs_clip_fraction(&clip, 0, 0), rs_outside_fraction(clip.plane.n, clip.plane.away));
+  EXPECT_FLOAT_EQ(rs_clip_fractions(&clip).tool, rs_outside_fraction(clip.plane.n, clip.plane.away));
   clip.other = plane({1, 0, 0}, 0.6);  // or outside, and then outside the tool
-  EXPECT_EQ(rs_clip_fraction(&clip, 0, 0), 1);
+  EXPECT_EQ(rs_clip_fractions(&clip).tool, 1);
   clip.corner = -1;
-  EXPECT_FLOAT_EQ(rs_clip_fraction(&clip, 0, 0), rs_outside_fraction(clip.plane.n, clip.plane.away));
+  EXPECT_FLOAT_EQ(rs_clip_fractions(&clip).tool, rs_outside_fraction(clip.plane.n, clip.plane.away));
 }
 
 }  // namespace

@@ -244,6 +244,7 @@ TEST(ContactTravel, TheLogCountsTheSameDepth) {
     for (const Profile& tool : {ball(6), flat(7), cap_profile(29, 16, 6, 1.25)}) {
       EXPECT_NEAR(logged_depth(block, tool, axis, 2), 2, kTolerance_mm);
       EXPECT_NEAR(logged_depth(round, tool, axis, 2), 2, kTolerance_mm);
+      std::cout << axis.transpose() << " tool " << tool.points.size() << ' ' << logged_depth(block, tool, axis, 2) << ' ' << logged_depth(round, tool, axis, 2) << '\n';
     }
   }
 }
