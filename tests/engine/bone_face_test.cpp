@@ -65,6 +65,79 @@ TEST(BoneFace, KeptFractionIsRightInTheMean) {
   }
 }
 
+TEST(BoneFace, PlaneOfAFraction) {
+  std::cout << "seed " << kSeed << '\n';
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> part(0, 1);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 normal = i < 3 ? Vec3(Vec3::Unit(i)) : random_direction(random);
+    const double away = (part(random) - 0.5) * normal.lpNorm<1>();
+    const Eigen::Vector3f n = normal.cast<float>();
+    const float found = rs_plane_away(n.data(), static_cast<float>(outside(normal, away)));
+    EXPECT_NEAR(outside(normal, found), outside(normal, away), 2e-3) << normal.transpose() << "; " << away;
+  }
+}
+
+ClipPlane clip_plane(const Vec3& normal, double away) {
+  const Eigen::Vector3f n = normal.cast<float>();
+  return {.n = {n.x(), n.y(), n.z()}, .away = static_cast<float>(away), .nz = 0};
+}
+
+/// A face with the fill and the normal of a plane.
+rs_i32 face_of(const Vec3& normal, double away) {
+  auto out = static_cast<rs_i32>(std::lround((1 - outside(normal, away)) * RS_WHOLE_FILL));
+  for (int axis = 0; axis < 3; ++axis) {
+    const double component = normal[axis] / normal.cwiseAbs().maxCoeff();
+    out |= static_cast<rs_i32>(std::lround(RS_FACE_STEPS * (1 + component))) << (16 + RS_FACE_BITS * axis);
+  }
+  return out;
+}
+
+/// The fraction of a unit cube that is bone and outside a tool with a corner, by points.
+double counted_bone(const Vec3& bone, double away, const Clip& clip) {
+  constexpr int kPoints = 24;
+  int kept = 0;
+  const auto is_outside = [](const ClipPlane& plane, const Vec3& x) {
+    return Eigen::Map<const Eigen::Vector3f>(plane.n).cast<double>().dot(x) + plane.away > 0;
+  };
+  for_each_voxel(Vec3i::Constant(kPoints), [&](const Vec3i& i) {
+    const Vec3 x = (i.cast<double>() + Vec3::Constant(0.5)) / kPoints - Vec3::Constant(0.5);
+    const bool first = is_outside(clip.plane, x), other = is_outside(clip.other, x);
+    kept += bone.dot(x) + away < 0 && (clip.corner > 0 ? first || other : first && other) ? 1 : 0;
+  });
+  return kept / std::pow(kPoints, 3);
+}
+
+TEST(BoneFace, CornersAgreeWithCountingPoints) {
+  std::cout << "seed " << kSeed << '\n';
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> away(-0.5, 0.5);
+  constexpr int kTimes = 1000;
+  for (const float corner : {1.0F, -1.0F}) {
+    double error = 0, square = 0, of_smaller = 0;
+    for (int i = 0; i < kTimes; ++i) {
+      const Vec3 bone = random_direction(random), first = random_direction(random);
+      const Vec3 other = Eigen::AngleAxisd(1.4, first.unitOrthogonal()) * first;
+      const double bone_away = away(random);
+      Clip clip{};
+      clip.plane = clip_plane(first, away(random));
+      clip.other = clip_plane(other, away(random));
+      clip.corner = corner;
+      const double counted = counted_bone(bone, bone_away, clip);
+      const double found = rs_clip_kept_fraction(&clip, face_of(bone, bone_away));
+      const double smaller = std::min<double>(rs_clip_fractions(&clip).tool, 1 - outside(bone, bone_away));
+      error += (found - counted) / kTimes;
+      square += (found - counted) * (found - counted) / kTimes;
+      of_smaller += (smaller - counted) / kTimes;
+    }
+    std::cout << (corner > 0 ? "convex" : "concave") << ": mean " << error << ", RMS " << std::sqrt(square)
+              << "; smaller fraction " << of_smaller << '\n';
+    EXPECT_LT(std::abs(error), 0.001) << corner;
+    EXPECT_LT(std::sqrt(square), 0.015) << corner;
+    EXPECT_GT(of_smaller, 0.05) << corner;
+  }
+}
+
 TEST(BoneFace, KeptFractionIsExactWherePlanesAreParallelOrOneMissesTheVoxel) {
   for (float f = 0; f <= 1; f += 0.125F) {
     for (float o = 0; o <= 1; o += 0.125F) {

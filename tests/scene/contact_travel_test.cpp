@@ -183,16 +183,21 @@ TEST(ContactTravel, OnACornerThatNoCoarseRayMeets) {
   }
 }
 
-TEST(ContactTravel, SeesWholeVoxelsAsCubesAndPilotHoles) {
-  const Bone whole = phantom_bone(PhantomShape::sphere, SurfaceVoxels::whole);
-  const double found = travel(whole, flat(7), {0, 0, 20});
-  EXPECT_NEAR(std::remainder(found - 20, kVoxel_mm), 0, 1e-6) << "a face of the lattice";
+/// A half space with a hole of 6 mm diameter, 8 mm deep.
+Bone drilled_block() {
   BoneSettings settings = phantom(PhantomShape::half_space, kVoxel_mm);
   settings.surface_voxels = SurfaceVoxels::partial;
   settings.phantom.size_mm = {40, 40, 12};
   settings.pilot_hole = PilotHoleSettings{.diameter_mm = 6, .depth_mm = 8};
   Diagnostics report;
-  const Bone drilled = load_bone(settings, report);
+  return load_bone(settings, report);
+}
+
+TEST(ContactTravel, SeesWholeVoxelsAsCubesAndPilotHoles) {
+  const Bone whole = phantom_bone(PhantomShape::sphere, SurfaceVoxels::whole);
+  const double found = travel(whole, flat(7), {0, 0, 20});
+  EXPECT_NEAR(std::remainder(found - 20, kVoxel_mm), 0, 1e-6) << "a face of the lattice";
+  const Bone drilled = drilled_block();
   // The ball rests on the edge of the hole.
   EXPECT_NEAR(travel(drilled, ball(6)), 6 - std::sqrt(36.0 - 9), 0.15 * kVoxel_mm);
   EXPECT_NEAR(travel(drilled, ball(2)), 8, kTolerance_mm) << "the bottom of the hole";
@@ -244,8 +249,15 @@ TEST(ContactTravel, TheLogCountsTheSameDepth) {
     for (const Profile& tool : {ball(6), flat(7), cap_profile(29, 16, 6, 1.25)}) {
       EXPECT_NEAR(logged_depth(block, tool, axis, 2), 2, kTolerance_mm);
       EXPECT_NEAR(logged_depth(round, tool, axis, 2), 2, kTolerance_mm);
-      std::cout << axis.transpose() << " tool " << tool.points.size() << ' ' << logged_depth(block, tool, axis, 2) << ' ' << logged_depth(round, tool, axis, 2) << '\n';
     }
+  }
+}
+
+// Where contact begins at an edge of the bone or of the tool, the planes of both cross in the voxel that is touched.
+TEST(ContactTravel, TheLogCountsFromTheEdgeOfAHole) {
+  const Bone drilled = drilled_block();
+  for (const Profile& tool : {ball(6), cap_profile(12, 16, 6, 0)}) {
+    EXPECT_NEAR(logged_depth(drilled, tool, {0, 0, -1}, 2), 2, 0.2 * kVoxel_mm);
   }
 }
 
