@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <set>
 
 #include "cli/commands.h"
@@ -135,9 +134,9 @@ void compare_command(const CompareOptions& options, const Console& console) {
 }  // namespace
 
 void add_compare_command(CLI::App& app, Console& console) {
-  auto* command =
-      app.add_subcommand("compare", "Compare finished runs: curves in one figure, differences in one table");
-  auto options = std::make_shared<CompareOptions>();
+  const auto [command, options] =
+      add_command(app, "compare", "Compare finished runs: curves in one figure, differences in one table", console,
+                  compare_command);
   command->add_option("DIR", options->dirs, "Results folders of finished runs; differences are relative to the first")
       ->required();
   add_output(*command, options->output, "Output folder (default: out/compare)");
@@ -147,7 +146,6 @@ void add_compare_command(CLI::App& app, Console& console) {
       ->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace an existing comparison once this one succeeds");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  command->callback([options, &console] { compare_command(*options, console); });
 }
 
 }  // namespace reamsim

@@ -7,7 +7,6 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <filesystem>
-#include <memory>
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
@@ -184,20 +183,19 @@ void fit_command(const FitOptions& options, const Console& console) {
 }  // namespace
 
 void add_reforce_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand("reforce", "Compute the forces of a finished run for other constants");
-  auto options = std::make_shared<ReforceOptions>();
+  const auto [command, options] =
+      add_command(app, "reforce", "Compute the forces of a finished run for other constants", console, reforce_command);
   command->add_option("DIR", options->dir, "Results folder of a run with output.force_basis: true")->required();
   add_overrides(*command, options->overrides, "Override a constant, for example cutting.specific_energy_j_mm3=0.2");
   add_output(*command, options->output, "Folder for forces.csv, summary.json and scenario.yaml");
   command->add_flag("--overwrite", options->overwrite,
                     "Replace the forces of DIR, or with -o an existing results folder");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  command->callback([options, &console] { reforce_command(*options, console); });
 }
 
 void add_fit_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand("fit", "Find the constants of the force law that best explain measured forces");
-  auto options = std::make_shared<FitOptions>();
+  const auto [command, options] = add_command(
+      app, "fit", "Find the constants of the force law that best explain measured forces", console, fit_command);
   command->add_option("DIR", options->dir, "Results folder of a run with output.force_basis: true")->required();
   command
       ->add_option("MEASURED.csv", options->measured,
@@ -219,7 +217,6 @@ void add_fit_command(CLI::App& app, Console& console) {
       ->check(refuse_empty);
   command->add_flag("--overwrite", options->overwrite, "Replace existing files of an earlier fit");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  command->callback([options, &console] { fit_command(*options, console); });
 }
 
 }  // namespace reamsim

@@ -150,8 +150,8 @@ void import_command(const ImportOptions& options, const Console& console) {
 }  // namespace
 
 void add_import_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand("import", "Convert a CT or mesh to a voxmap (VDB) for bone.source: vdb");
-  auto options = std::make_shared<ImportOptions>();
+  const auto [command, options] = add_command(
+      app, "import", "Convert a CT or mesh to a voxmap (VDB) for bone.source: vdb", console, import_command);
   command
       ->add_option(
           "INPUT", options->input,
@@ -164,7 +164,6 @@ void add_import_command(CLI::App& app, Console& console) {
                 "Override a key of the bone section, for example bone.ct.threshold_hu=250");
   command->add_flag("--overwrite", options->overwrite, "Replace the output file");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  command->callback([options, &console] { import_command(*options, console); });
 }
 
 void add_cache_command(CLI::App& app, Console& console) {

@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <optional>
 
 #include "cli/command_line.h"
@@ -15,7 +14,6 @@
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/base/text.h"
 #include "sim/bone/bone.h"
 #include "sim/scan/ct_import.h"
 #include "sim/scenario/parse.h"
@@ -305,8 +303,8 @@ void init_command(InitOptions options, const Console& console) {
 }  // namespace
 
 void add_init_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand("init", "Write a first scenario for a CT or mesh: the glenoid is found");
-  auto options = std::make_shared<InitOptions>();
+  const auto [command, options] =
+      add_command(app, "init", "Write a first scenario for a CT or mesh: the glenoid is found", console, init_command);
   command->add_option("INPUT", options->input, "CT (DICOM folder, NRRD, NIfTI, MetaImage) or mesh (STL, OBJ, PLY, VTP)")
       ->required();
   add_output(*command, options->output, "Scenario to write (YAML)", "FILE.yaml")->required();
@@ -345,7 +343,6 @@ void add_init_command(CLI::App& app, Console& console) {
   add_overrides(*command, options->overrides, "Set a key of the scenario, for example bone.mesh.repair=true");
   command->add_flag("--overwrite", options->overwrite, "Replace a scenario that init wrote");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  command->callback([options, &console] { init_command(*options, console); });
 }
 
 }  // namespace reamsim

@@ -8,13 +8,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
 #include <set>
 #include <string_view>
 
 #include "sim/base/error.h"
-#include "sim/base/text.h"
+#include "sim/scenario/key_tree.h"
 #include "sim/scenario/markups.h"
 #include "sim/scenario/show.h"
 
@@ -26,8 +25,7 @@ enum class Role { center, superior, trigonum, inferior_angle, rim, face, anterio
 constexpr std::array<std::string_view, 10> kRoleNames{"center",     "superior", "trigonum",        "inferior_angle",
                                                       "rim",        "face",     "anterior_margin", "posterior_margin",
                                                       "medial_tip", "vault_tip"};
-constexpr const char* kRoles =
-    "center, superior, trigonum, inferior_angle, rim, face, anterior_margin, posterior_margin, medial_tip or vault_tip";
+const std::string kRoles = join_or({kRoleNames.begin(), kRoleNames.end()});
 constexpr std::size_t kLeastRimPoints = 6, kLeastFacePoints = 3;
 
 /// Labels by role, as words in alphabetical order without those of kIgnoredWords.
@@ -120,8 +118,7 @@ class Assignment {
     const std::size_t equals = text.find('=');
     const auto role = std::ranges::find(kRoleNames, text.substr(0, equals));
     if (equals == std::string::npos || role == kRoleNames.end())
-      throw InputError({}, "--point", "found " + shown_text(text),
-                       std::string("expected ROLE=LABEL, ROLE one of ") + kRoles);
+      throw InputError({}, "--point", "found " + shown_text(text), "expected ROLE=LABEL, ROLE one of " + kRoles);
     const std::string label = text.substr(equals + 1);
     const auto count = std::ranges::count(all_, label, &Candidate::label);
     if (count != 1) {
@@ -214,7 +211,7 @@ Landmarks find_landmarks(const std::vector<std::string>& files, const std::vecto
   roles.find(side);
   if (roles.empty()) {
     throw InputError({}, "--markups", "no label was understood: the files have " + labels_of(all),
-                     std::string("give --point ROLE=LABEL, ROLE one of ") + kRoles);
+                     "give --point ROLE=LABEL, ROLE one of " + kRoles);
   }
   const std::optional<Vec3> center = roles.point(Role::center), superior = roles.point(Role::superior),
                             trigonum = roles.point(Role::trigonum), angle = roles.point(Role::inferior_angle);

@@ -8,14 +8,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 #include <optional>
 
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/first_scenario.h"
 #include "sim/base/file.h"
-#include "sim/base/text.h"
 #include "sim/record/output_folder.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
@@ -119,9 +117,9 @@ void preview_command(const PreviewOptions& options, const Console& console) {
 }  // namespace
 
 void add_preview_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand(
-      "preview", "Write an HTML page to look at a bone, place the glenoid and see the reamer before a run");
-  auto options = std::make_shared<PreviewOptions>();
+  const auto [command, options] = add_command(
+      app, "preview", "Write an HTML page to look at a bone, place the glenoid and see the reamer before a run",
+      console, preview_command);
   command
       ->add_option(
           "INPUT", options->input,
@@ -136,7 +134,6 @@ void add_preview_command(CLI::App& app, Console& console) {
   add_overrides(*command, options->overrides, "Set a key of the scenario, for example bone.mesh.repair=true");
   command->add_flag("--overwrite", options->overwrite, "Replace the output file");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  command->callback([options, &console] { preview_command(*options, console); });
 }
 
 }  // namespace reamsim

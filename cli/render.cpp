@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
-#include <memory>
 #include <optional>
 #include <set>
 #include <string_view>
@@ -112,9 +111,7 @@ void choose_cameras(const RenderOptions& options, RenderSettings& settings) {
   settings.user_cameras.clear();
   for (const std::string& option : options.cameras) add_cameras(options, option, known, settings);
   std::set<std::string> names;
-  std::vector<std::string> all = names_of(settings.cameras);
-  for (const UserCamera& camera : settings.user_cameras) all.push_back(camera.name);
-  for (const std::string& name : all) {
+  for (const std::string& name : camera_names(settings)) {
     if (!names.insert(name).second)
       throw InputError({}, "--camera", "found " + name + " twice", "give each camera once");
   }
@@ -189,8 +186,8 @@ void require_states_for_film(const RenderOptions& options, const PictureOptions&
   const double film_s = static_cast<double>(states) / settings.film_rate_hz;
   if (film_s >= kShortestFilm_s) return;
   const std::string rate = std::to_string(std::max(1, static_cast<int>(static_cast<double>(states) / kShortestFilm_s)));
-  throw InputError(
-      {options.dir + "/snapshots", 0, 0}, "",
+  refuse_file(
+      options.dir + "/snapshots",
       "the run kept " + std::to_string(states) + " states: a film of them would last " + fixed_text(film_s, 2) + " s",
       "run the scenario again with --set render.film=" + name_of(settings.film) +
           ", which keeps up to 150 states, or show these slowly with --film-rate " + rate);
@@ -248,8 +245,8 @@ void render_command(const RenderOptions& options, const Console& console) {
 }  // namespace
 
 void add_render_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand("render", "Re-render a finished run without simulating");
-  auto options = std::make_shared<RenderOptions>();
+  const auto [command, options] =
+      add_command(app, "render", "Re-render a finished run without simulating", console, render_command);
   command->add_option("DIR", options->dir, "Results folder of a finished run")->required();
   command
       ->add_option("--camera", options->cameras,
@@ -274,7 +271,6 @@ void add_render_command(CLI::App& app, Console& console) {
   command->add_option("--height", options->height_px, "Height of the pictures in pixels");
   command->add_option("--context", options->context, "OpenGL context")->type_name("auto|osmesa|egl");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  command->callback([options, &console] { render_command(*options, console); });
 }
 
 }  // namespace reamsim

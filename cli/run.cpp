@@ -340,8 +340,8 @@ void check_command(const CheckOptions& options, const Console& console) {
 }  // namespace
 
 void add_run_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand("run", "Simulate a scenario and write forces, pictures, plots and grids");
-  auto options = std::make_shared<RunOptions>();
+  const auto [command, options] =
+      add_command(app, "run", "Simulate a scenario and write forces, pictures, plots and grids", console, run_command);
   options->scenario.add_to(*command);
   add_output(*command, options->output, "Output folder (default: out/NAME)");
   command->add_flag("--overwrite", options->overwrite, "Replace an existing results folder once the run succeeds");
@@ -352,7 +352,6 @@ void add_run_command(CLI::App& app, Console& console) {
                     "report, meshes or reamed.vti; --set takes precedence. Default folder: out/NAME-draft");
   auto* quiet = command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->add_flag("--verbose", console.verbose, "Print what each stage did")->excludes(quiet);
-  command->callback([options, &console] { run_command(*options, console); });
 }
 
 void add_check_command(CLI::App& app, Console& console) {

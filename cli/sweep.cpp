@@ -6,7 +6,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 #include <set>
 
 #include "cli/command_line.h"
@@ -327,11 +326,9 @@ void add_sweep_command(CLI::App& app, Console& console) {
   auto* sweep = app.add_subcommand("sweep", "Simulate a study: many runs of one scenario from one file");
   sweep->require_subcommand(1);
   const auto add = [&](const char* name, const char* description, void (*call)(const SweepOptions&, const Console&)) {
-    auto options = std::make_shared<SweepOptions>();
-    auto* command = sweep->add_subcommand(name, description);
-    options->add_to(*command);
-    command->callback([options, call, &console] { call(*options, console); });
-    return std::pair(command, options);
+    const auto added = add_command(*sweep, name, description, console, call);
+    added.second->add_to(*added.first);
+    return added;
   };
   const auto [plan, plan_options] =
       add("plan", "Validate every run and estimate time, memory and disk; write nothing", plan_command);

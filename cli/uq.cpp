@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
-#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -327,16 +326,14 @@ bool has_forces_of_base_law(const Study& runs, const std::string& dir) {
 }
 
 void add_uq_command(CLI::App& app, Console& console) {
-  auto* command =
-      app.add_subcommand("uq", "Propagate uncertain inputs: bands of force and torque, sensitivity indices");
-  auto options = std::make_shared<SweepOptions>();
+  const auto [command, options] = add_command(
+      app, "uq", "Propagate uncertain inputs: bands of force and torque, sensitivity indices", console, uq_command);
   command->add_option("STUDY", options->file, "Study file (YAML) with a sample, or the name of a shipped one")
       ->required()
       ->transform(shipped<ShippedKind::study>, "");
   add_output(*command, options->output, "Folder of the study (default: out/NAME)");
   add_jobs(*command, options->jobs);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
-  command->callback([options, &console] { uq_command(*options, console); });
 }
 
 }  // namespace reamsim

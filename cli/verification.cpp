@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -164,9 +163,9 @@ void bench_command(const BenchOptions& options, const Console& console) {
 }  // namespace
 
 void add_bench_command(CLI::App& app, Console& console) {
-  auto* command =
-      app.add_subcommand("bench", "Benchmark every engine on this machine and compare with the paper's tables");
-  auto options = std::make_shared<BenchOptions>();
+  const auto [command, options] =
+      add_command(app, "bench", "Benchmark every engine on this machine and compare with the paper's tables", console,
+                  bench_command);
   auto* quick = command->add_flag("--quick", options->quick,
                                   "Short suite, a minute: severe and no contact, engines exact, bricked and direct");
   auto* exact =
@@ -201,7 +200,6 @@ void add_bench_command(CLI::App& app, Console& console) {
       ->excludes(exact)
       ->excludes(latency);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors")->excludes(latency);
-  command->callback([options, &console] { bench_command(*options, console); });
 }
 
 namespace {
@@ -264,9 +262,10 @@ void verify_command(const VerifyOptions& options, const Console& console) {
 }  // namespace
 
 void add_verify_command(CLI::App& app, Console& console) {
-  auto* command = app.add_subcommand(
-      "verify", "Verify this build and a device against analytical solutions and the serial reference; write a report");
-  auto options = std::make_shared<VerifyOptions>();
+  const auto [command, options] = add_command(
+      app, "verify",
+      "Verify this build and a device against analytical solutions and the serial reference; write a report", console,
+      verify_command);
   command->add_flag("--quick", options->quick, "Short suite: coarser voxels, fewer runs");
   add_output(*command, options->output,
              "Output folder for device.md, verification.md, .json, .png and .svg (default: out/verify)");
@@ -275,7 +274,6 @@ void add_verify_command(CLI::App& app, Console& console) {
       ->type_name("NAME");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->add_flag("--json", options->json, "Print the verification.json of the report");
-  command->callback([options, &console] { verify_command(*options, console); });
 }
 
 }  // namespace reamsim

@@ -67,16 +67,12 @@ void draw_layers(const BoneFields& bone, const std::vector<Vec3>& points, double
   const LayerBoundary boundary(bone.voxmap, bone.unreamed, points.front(), points.back(),
                                points[static_cast<std::size_t>(face.width) - 1]);
   std::vector<std::uint8_t> mixed(points.size());
-  parallel_ranges(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) mixed[i] = boundary.near(points[i]) ? 1 : 0;
-  });
+  parallel_items(points.size(), 4096, [&](std::size_t i) { mixed[i] = boundary.near(points[i]) ? 1 : 0; });
   const std::vector<std::uint8_t> near =
       dilated(mixed, face.width, face.height, static_cast<int>(std::ceil(1 / step_voxels)));
-  parallel_ranges(points.size(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (near[i] != 0 && face.texels[2 * i] > 0) {
-        face.texels[2 * i] = static_cast<float>(boundary.density_at(points[i], step_voxels));
-      }
+  parallel_items(points.size(), 256, [&](std::size_t i) {
+    if (near[i] != 0 && face.texels[2 * i] > 0) {
+      face.texels[2 * i] = static_cast<float>(boundary.density_at(points[i], step_voxels));
     }
   });
 }

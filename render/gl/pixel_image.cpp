@@ -268,19 +268,18 @@ std::uint32_t mixed(std::uint32_t pixel, std::uint32_t other, float fraction) {
 PixelImage antialiased(const PixelImage& image) {
   const Brightness brightness(image);
   PixelImage out = image;
-  parallel_ranges(static_cast<std::size_t>(image.height_px), kGrain_rows, [&](std::size_t begin, std::size_t end) {
-    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-      for (int x = 0; x < image.width_px; ++x) {
-        const Block block = block_at(brightness, x, y);
-        const float step = visible_step(block);
-        if (step == 0) continue;
-        const Edge edge = edge_at(block);
-        const float fraction = std::max(fraction_beyond(brightness, edge, x, y), softening(block, step));
-        const int other_x = std::clamp(x + edge.across_x, 0, image.width_px - 1);
-        const int other_y = std::clamp(y + edge.across_y, 0, image.height_px - 1);
-        std::uint32_t& pixel = out.pixels[image.index(x, y)];
-        pixel = mixed(pixel, image.pixels[image.index(other_x, other_y)], fraction);
-      }
+  parallel_items(static_cast<std::size_t>(image.height_px), kGrain_rows, [&](std::size_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < image.width_px; ++x) {
+      const Block block = block_at(brightness, x, y);
+      const float step = visible_step(block);
+      if (step == 0) continue;
+      const Edge edge = edge_at(block);
+      const float fraction = std::max(fraction_beyond(brightness, edge, x, y), softening(block, step));
+      const int other_x = std::clamp(x + edge.across_x, 0, image.width_px - 1);
+      const int other_y = std::clamp(y + edge.across_y, 0, image.height_px - 1);
+      std::uint32_t& pixel = out.pixels[image.index(x, y)];
+      pixel = mixed(pixel, image.pixels[image.index(other_x, other_y)], fraction);
     }
   });
   return out;

@@ -9,13 +9,9 @@
 
 namespace reamsim {
 namespace embedded {
-extern const char* const shader_lighting;
-extern const char* const shader_background;
-extern const char* const shader_bone;
-extern const char* const shader_cut_face;
-extern const char* const shader_line;
-extern const char* const shader_tool;
-extern const char* const shader_tool_cut;
+using Shader = const char* const;
+extern Shader shader_lighting, shader_background, shader_bone, shader_cut_face, shader_line, shader_tool,
+    shader_tool_cut;
 }  // namespace embedded
 namespace {
 

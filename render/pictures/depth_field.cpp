@@ -135,9 +135,7 @@ void DepthField::read_raster(const std::string& path) {
   depth_.corner_mm = {std::ranges::min(xs), std::ranges::min(ys)};
   const Vec2 last(std::ranges::max(xs), std::ranges::max(ys));
   const Vec2 size = ((last - depth_.corner_mm) / depth_.spacing_mm).array().round() + 1;
-  if (size.prod() > kMaxCells) {
-    throw InputError({path, 0, 0}, "", "columns do not lie on a regular grid", "the depth_map.csv of a run");
-  }
+  if (size.prod() > kMaxCells) refuse_file(path, "columns do not lie on a regular grid", "the depth_map.csv of a run");
   depth_.raster = {static_cast<int>(size.x()), static_cast<int>(size.y())};
   const std::size_t count = depth_.raster.count();
   depth_.values.assign(count, 0);

@@ -53,9 +53,8 @@ RunInputs read_inputs(const std::string& dir, const std::shared_ptr<const Stored
   out.side = bone->anatomy.side;
   out.whole_voxels = bone->erosion == "remove" || bone->erosion == "wear";
   out.frames = snapshot_frames(dir);
-  if (out.frames.empty()) {
-    throw InputError({dir + "/snapshots", 0, 0}, "", "contains no snapshot", "expected the results folder of a run");
-  }
+  if (out.frames.empty())
+    refuse_file(dir + "/snapshots", "contains no snapshot", "expected the results folder of a run");
   out.fill = out.frames.front() == 0 ? fill_at(out, 0) : FillBricks(out.voxmap->grid.dims);
   out.passes = read_tools(dir);
   return out;
@@ -139,9 +138,8 @@ RunPath::RunPath(const RunInputs& run) : dir_(run.dir) {
 
 void RunPath::add(const ToolPose& pose, std::int64_t frame, int pass) {
   const auto i = static_cast<std::size_t>(pass - 1);
-  if (i >= paths_.size()) {
-    throw InputError({tool_path(dir_, pass), 0, 0}, "", "no such file", "the tool of pass " + std::to_string(pass));
-  }
+  if (i >= paths_.size())
+    refuse_file(tool_path(dir_, pass), "no such file", "the tool of pass " + std::to_string(pass));
   paths_[i].add(pose, static_cast<std::size_t>(frame));
 }
 
@@ -182,9 +180,7 @@ std::vector<ToolPass> read_tools(const std::string& dir) {
 }
 
 RunData::Outcome RunData::read_outcome(const std::string& dir) {
-  if (!std::filesystem::is_directory(dir)) {
-    throw InputError({dir, 0, 0}, "", "folder not found", "the output folder of a run");
-  }
+  if (!std::filesystem::is_directory(dir)) refuse_file(dir, "folder not found", "the output folder of a run");
   auto bone = std::make_shared<StoredBone>(read_stored_bone(dir + "/reamed.vdb"));
   FillBricks fill = std::exchange(bone->voxmap.fill, FillBricks(bone->voxmap.grid.dims));
   RunInputs inputs = read_inputs(dir, bone);
@@ -348,8 +344,7 @@ PredictedRun predict_run(const RunInputs& run) {
       out.bone = std::move(bone);
       out.pass = i;
     } catch (const InputError& error) {
-      throw InputError({tool_path(run.dir, static_cast<int>(i) + 1), 0, 0}, "", error.what(),
-                       "expected the tool of a run");
+      refuse_file(tool_path(run.dir, static_cast<int>(i) + 1), error.what(), "expected the tool of a run");
     }
   }
   return out;

@@ -140,10 +140,8 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 Json read_summary(const std::string& path) {
   const Json summary = parse_result_json(read_file(path, "expected the results folder of a finished run"));
-  if (!summary.is_object() || !summary.contains("removed_mm3") || !summary.contains("forces")) {
-    throw InputError({path, 0, 0}, "", "damaged, or not the summary of a run",
-                     "expected a file written by `reamsim run`");
-  }
+  if (!summary.is_object() || !summary.contains("removed_mm3") || !summary.contains("forces"))
+    refuse_file(path, "damaged, or not the summary of a run", "expected a file written by `reamsim run`");
   return summary;
 }
 

@@ -66,14 +66,12 @@ std::vector<Eigen::Vector3f> normals_at(const std::vector<Eigen::Vector3f>& poin
 /// Calls action(the floats of a vertex, its position in voxel index space).
 template <class Action>
 void for_each_vertex(const VoxelGrid& grid, BoneSurface& surface, const Action& action) {
-  parallel_ranges(surface.count(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      float* v = surface.vertices.data() + i * BoneSurface::kStride;
-      const Vec3 mm = Eigen::Map<const Eigen::Vector3f>{v}.cast<double>();
-      const Eigen::Vector3f point =
-          ((mm - grid.origin_mm) / grid.voxel_mm).cast<float>() - Eigen::Vector3f::Constant(0.5F);
-      action(v, point);
-    }
+  parallel_items(surface.count(), kGrain, [&](std::size_t i) {
+    float* v = surface.vertices.data() + i * BoneSurface::kStride;
+    const Vec3 mm = Eigen::Map<const Eigen::Vector3f>{v}.cast<double>();
+    const Eigen::Vector3f point =
+        ((mm - grid.origin_mm) / grid.voxel_mm).cast<float>() - Eigen::Vector3f::Constant(0.5F);
+    action(v, point);
   });
 }
 
@@ -98,15 +96,13 @@ BoneSurface add_vertex_attributes(const IsoSurface& iso, const BoneFields& field
   });
   reaming.smooth(neighbours, points, kDepthRounds, kEdgeRounds);
   out.vertices.resize(points.size() * BoneSurface::kStride);
-  parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 mm = grid.origin_mm + grid.voxel_mm * (points[i].cast<double>() + Vec3::Constant(0.5));
-      float* v = out.vertices.data() + i * BoneSurface::kStride;
-      Eigen::Map<Eigen::Vector3f>{v} = mm.cast<float>();
-      Eigen::Map<Eigen::Vector3f>{v + BoneSurface::kNormal} = normals[i];
-      v[BoneSurface::kDepth] = reaming.depth_mm[i];
-      v[BoneSurface::kReamed] = reaming.reamed[i];
-    }
+  parallel_items(points.size(), kGrain, [&](std::size_t i) {
+    const Vec3 mm = grid.origin_mm + grid.voxel_mm * (points[i].cast<double>() + Vec3::Constant(0.5));
+    float* v = out.vertices.data() + i * BoneSurface::kStride;
+    Eigen::Map<Eigen::Vector3f>{v} = mm.cast<float>();
+    Eigen::Map<Eigen::Vector3f>{v + BoneSurface::kNormal} = normals[i];
+    v[BoneSurface::kDepth] = reaming.depth_mm[i];
+    v[BoneSurface::kReamed] = reaming.reamed[i];
   });
   return out;
 }
@@ -219,9 +215,7 @@ AmbientOcclusion::AmbientOcclusion(const Occupancy& occupancy) {
     probes_.push_back({level, std::max(reach, 1.5F * static_cast<float>(levels_[level].cell_voxels)), kWeights[i]});
   }
   const BrickLattice bricks{occupancy.brick_dims()};
-  parallel_ranges(bricks.count(), 64, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) average_brick(occupancy, bricks.coord(i));
-  });
+  parallel_items(bricks.count(), 64, [&](std::size_t i) { average_brick(occupancy, bricks.coord(i)); });
   average_coarse();
 }
 
@@ -255,13 +249,11 @@ void AmbientOcclusion::average_coarse() {
   for (std::size_t level = 1; level < levels_.size(); ++level) {
     const Level& fine = levels_[level - 1];
     Level& coarse = levels_[level];
-    parallel_ranges(coarse.fractions.size(), 512, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const Vec3i cell = 2 * coarse.cells.coord(i);
-        float sum = 0;
-        for (int n = 0; n < 8; ++n) sum += fine.get(cell + Vec3i(n & 1, n >> 1 & 1, n >> 2));
-        coarse.fractions[i] = sum / 8;
-      }
+    parallel_items(coarse.fractions.size(), 512, [&](std::size_t i) {
+      const Vec3i cell = 2 * coarse.cells.coord(i);
+      float sum = 0;
+      for (int n = 0; n < 8; ++n) sum += fine.get(cell + Vec3i(n & 1, n >> 1 & 1, n >> 2));
+      coarse.fractions[i] = sum / 8;
     });
   }
 }

@@ -27,9 +27,7 @@ template <class Value, class Step>
 void repeat(std::vector<Value>& values, int rounds, const Step& step) {
   std::vector<Value> next(values.size());
   for (int round = 0; round < rounds; ++round) {
-    parallel_ranges(values.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) next[i] = step(i);
-    });
+    parallel_items(values.size(), kSmoothingGrain, [&](std::size_t i) { next[i] = step(i); });
     values.swap(next);
   }
 }
@@ -91,25 +89,23 @@ void fit_to_normals(const Neighbours& neighbours, const std::vector<Eigen::Vecto
 
 std::vector<float> mean_value_weights(const Neighbours& neighbours, const std::vector<Eigen::Vector3f>& points) {
   std::vector<float> out(neighbours.count(), 0);
-  parallel_ranges(points.size(), kSmoothingGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto ring = neighbours.of(i), opposite = neighbours.opposite(i);
-      const auto own = neighbours.part_of(out, i);
-      float total = 0;
-      for (std::size_t n = 0; n < ring.size(); ++n) {
-        const Eigen::Vector3f a = points[ring[n]] - points[i];
-        const Eigen::Vector3f b = points[opposite[n]] - points[i];
-        const float a_length = std::max(a.norm(), kMinEdge_voxels), b_length = std::max(b.norm(), kMinEdge_voxels);
-        // tan(angle between a and b / 2).
-        const float tangent = a.cross(b).norm() / std::max(a_length * b_length + a.dot(b), 1e-3F * a_length * b_length);
-        own[n] += tangent / a_length;
-        const auto other = std::ranges::find(ring, opposite[n]);
-        if (other != ring.end()) own[static_cast<std::size_t>(other - ring.begin())] += tangent / b_length;
-        total += tangent / a_length + tangent / b_length;
-      }
-      const float scale = total > 0 ? static_cast<float>(ring.size()) / total : 0;
-      for (float& weight : own) weight *= scale;
+  parallel_items(points.size(), kSmoothingGrain, [&](std::size_t i) {
+    const auto ring = neighbours.of(i), opposite = neighbours.opposite(i);
+    const auto own = neighbours.part_of(out, i);
+    float total = 0;
+    for (std::size_t n = 0; n < ring.size(); ++n) {
+      const Eigen::Vector3f a = points[ring[n]] - points[i];
+      const Eigen::Vector3f b = points[opposite[n]] - points[i];
+      const float a_length = std::max(a.norm(), kMinEdge_voxels), b_length = std::max(b.norm(), kMinEdge_voxels);
+      // tan(angle between a and b / 2).
+      const float tangent = a.cross(b).norm() / std::max(a_length * b_length + a.dot(b), 1e-3F * a_length * b_length);
+      own[n] += tangent / a_length;
+      const auto other = std::ranges::find(ring, opposite[n]);
+      if (other != ring.end()) own[static_cast<std::size_t>(other - ring.begin())] += tangent / b_length;
+      total += tangent / a_length + tangent / b_length;
     }
+    const float scale = total > 0 ? static_cast<float>(ring.size()) / total : 0;
+    for (float& weight : own) weight *= scale;
   });
   return out;
 }

@@ -14,13 +14,11 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <new>
 #include <set>
 #include <span>
 #include <vector>
 
 #include "render/pictures/canvas.h"
-#include "render/plots/plots.h"
 #include "render/viewer/page.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
@@ -38,7 +36,7 @@ constexpr std::size_t kMaxBuckets = 1000;
 
 Json read_json(const std::string& path, const std::string& expected) {
   Json json = parse_result_json(read_file(path, expected));
-  if (!json.is_object()) throw InputError({path, 0, 0}, "", "is not a JSON object", expected);
+  if (!json.is_object()) refuse_file(path, "is not a JSON object", expected);
   return json;
 }
 
@@ -91,8 +89,7 @@ Png read_png(const std::string& path) {
   Png image(cairo_image_surface_create_from_png(path.c_str()), &cairo_surface_destroy);
   if (cairo_surface_status(image.get()) != CAIRO_STATUS_SUCCESS) {
     // Cairo reports every error of libpng as missing memory.
-    throw InputError({path, 0, 0}, "", "is not a readable picture, or memory is exhausted",
-                     "a PNG written by reamsim render");
+    refuse_file(path, "is not a readable picture, or memory is exhausted", "a PNG written by reamsim render");
   }
   return image;
 }

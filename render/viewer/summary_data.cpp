@@ -5,7 +5,6 @@
 
 #include "render/viewer/page.h"
 #include "sim/base/error.h"
-#include "sim/base/text.h"
 #include "sim/record/run_totals.h"
 #include "sim/scenario/choices.h"
 

@@ -128,12 +128,7 @@ void check_anatomy(const Bone& bone, const FrameKeys& keys, Diagnostics& report)
 }  // namespace
 
 bool has_air_beside(const Voxmap& voxmap, const Vec3i& voxel) {
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const int step : {-1, 1}) {
-      if (!voxmap.is_bone(voxel + step * Vec3i::Unit(axis))) return true;
-    }
-  }
-  return false;
+  return std::ranges::any_of(kFaceSteps, [&](const Vec3i& step) { return !voxmap.is_bone(voxel + step); });
 }
 
 NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& normal, double radius_mm) {
@@ -158,8 +153,7 @@ NearbyBone nearby_bone(const Voxmap& voxmap, const Vec3& point_mm, const Vec3& n
 }
 
 void check_glenoid_frame(const Bone& bone, const BoneSettings& settings, MistakeList& mistakes, Diagnostics& report) {
-  const bool given = settings.glenoid.center_mm || settings.glenoid.landmarks || settings.glenoid.near_mm;
-  if (!bone.glenoid || (bone.voxmap->frame == "phantom" && !given)) return;
+  if (!bone.glenoid || (bone.voxmap->frame == "phantom" && !settings.glenoid.is_given())) return;
   const FrameKeys keys = keys_of(settings);
   const Rigid& frame = bone.glenoid->bone_from_glenoid;
   const Vec3 center_mm = frame.translation(), normal = frame.linear().col(2);

@@ -282,9 +282,8 @@ std::string Seating::warning() const {
       fmt::format("metrics.implant: {:.0f} mm2 of its footprint of {:.0f} mm2 lie on bone that was not reamed",
                   unreamed_mm2, footprint_mm2);
   if (held_off) {
-    const Vec3& p = held_off->position_mm;
-    out += fmt::format("; {:.0f} mm2 of it hold the implant off by {:.2f} mm, next to ({:.1f}, {:.1f}, {:.1f}) mm",
-                       held_off->area_mm2, held_off->gap_mm, p.x(), p.y(), p.z());
+    out += fmt::format("; {:.0f} mm2 of it hold the implant off by {:.2f} mm, next to {} mm", held_off->area_mm2,
+                       held_off->gap_mm, point_text(held_off->position_mm));
   }
   return out + "; ream wider or deeper, or use a smaller implant";
 }

@@ -275,11 +275,9 @@ JointLine measure_joint_line(const BoneView& bone, const ColumnMap& map, const R
   if (const auto outline = FaceOutline::of(axes.rim_mm, outward)) {
     out.native_face = measure_native_face(bone, *outline);
     out.native = native_axis(*out.native_face, axes.face_center_mm, voxel_mm);
-    if (out.native_face->area_mm2 > 0) {
-      out.reamed_fraction.value = out.native_face->reamed_mm2 / out.native_face->area_mm2;
-    } else {
-      out.reamed_fraction.reason = "no bone lies within the rim of the face";
-    }
+    out.reamed_fraction = out.native_face->area_mm2 > 0
+                              ? Measured<double>(out.native_face->reamed_mm2 / out.native_face->area_mm2)
+                              : Missing{"no bone lies within the rim of the face"};
   } else {
     out.native.reason = out.reamed_fraction.reason = kNoRim;
   }

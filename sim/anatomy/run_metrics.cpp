@@ -4,7 +4,6 @@
 #include "sim/anatomy/run_metrics.h"
 
 #include <fmt/core.h>
-#include <cmath>
 
 #include "sim/base/statistics.h"
 

@@ -45,7 +45,7 @@ std::string file_sum(const fs::path& path, const std::string& before) {
     in.read(block.data(), static_cast<std::streamsize>(block.size()));
     sum.add(block.data(), static_cast<std::size_t>(in.gcount()));
   }
-  if (!in.eof()) throw InputError({path.string(), 0, 0}, "", "cannot be read", "check that it exists and is readable");
+  if (!in.eof()) refuse_file(path.string(), "cannot be read", "check that it exists and is readable");
   return sum.hex();
 }
 

@@ -105,7 +105,7 @@ void CsvReader::read_header(const std::string& expected) {
   const auto by_name = [](const CsvColumn& column) { return column.number == 0 && !column.may_be_missing; };
   has_header_ = std::ranges::any_of(layout_.columns, by_name);
   do {
-    if (!next_line()) throw InputError({path_, 0, 0}, "", "is empty", expected);
+    if (!next_line()) refuse_file(path_, "is empty", expected);
     if (has_header_ && is_header(text_)) return find_columns(without_blanks(text_, kBlank).substr(1), expected);
   } while (layout_.comments && without_blanks(text_, kBlank).starts_with('#'));
   find_columns(text_, expected);

@@ -30,7 +30,7 @@ std::string read_file(const std::string& path, const std::string& expected) {
   } catch (const std::ios_base::failure&) {  // a folder can be opened, but not read; or the disk fails
     content.clear();
   }
-  if (content.empty()) throw InputError({path, 0, 0}, "", "cannot be read", expected);
+  if (content.empty()) refuse_file(path, "cannot be read", expected);
   return content;
 }
 

@@ -20,10 +20,14 @@ void parallel_ranges(std::size_t count, std::size_t grain, const RangeBody& body
 
 /// Calls body(i) for every item 0…count − 1, as parallel_ranges() does.
 template <typename ItemBody>
-void parallel_items(std::size_t count, const ItemBody& body) {
-  parallel_ranges(count, 1, [&body](std::size_t begin, std::size_t end) {
+void parallel_items(std::size_t count, std::size_t grain, const ItemBody& body) {
+  parallel_ranges(count, grain, [&body](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) body(i);
   });
+}
+template <typename ItemBody>
+void parallel_items(std::size_t count, const ItemBody& body) {
+  parallel_items(count, 1, body);
 }
 
 /// Calls compute(i, result) for every item as parallel_items() does, `at_once` items at a time in bounded memory, and

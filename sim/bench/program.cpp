@@ -8,7 +8,6 @@
 #include <bit>
 #include <map>
 #include <optional>
-#include <utility>
 
 #include "kernels/published.h"
 #include "sim/base/error.h"

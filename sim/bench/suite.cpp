@@ -46,10 +46,6 @@ double shortest(const cl::Kernel& kernel, const cl::Device& device, std::size_t 
 
 constexpr double kPoseTolerance = 0.05;
 
-std::string size_text(const SizePair& size) {
-  return "voxmap " + std::to_string(size.voxmap) + "³, shell " + std::to_string(size.shell) + "³";
-}
-
 /// Counts the points that touch at the stored depths. Throws RunError where they differ from the cases.
 void verify_poses(const Plan& plan, const BenchSetup& setup, Json& report) {
   const auto points = static_cast<double>(setup.tool->shell.codes.size());
@@ -138,7 +134,7 @@ class Bench {
 
   void measure(const SizePair& size, bool last) {
     if (control_.stop()) throw Interrupted();
-    begin(size_text(size));
+    begin("voxmap " + std::to_string(size.voxmap) + "³, shell " + std::to_string(size.shell) + "³");
     if (voxmap_.grid.dims.x() != size.voxmap) {
       voxmap_ = {};
       voxmap_ = series_->at(size.voxmap);
@@ -237,18 +233,11 @@ Latency frame_latency(SimulationInput& scene, Engine& engine, std::int64_t most,
   FrameSink sink;  // what becomes of the rows is no part of the latency
   Diagnostics ignored;
   FrameStepper stepper(scene, engine, sink, ignored);
-  const auto frame_of = [&](std::int64_t k) {
-    return FrameMotion{.frame = k,
-                       .before = motion.pose_of(std::max<std::int64_t>(k - 1, 0)),
-                       .pose = motion.pose_of(k),
-                       .duration_s = motion.frame_s(),
-                       .time_s = static_cast<double>(k) * motion.frame_s()};
-  };
-  stepper.start(frame_of(0));
+  stepper.start(planned_motion(motion, 0));
   std::vector<double> ms;
   for (std::int64_t k = 1; k <= motion.last_frame() && std::ssize(ms) < most; ++k) {
     if (stop()) throw Interrupted();
-    const FrameMotion frame = frame_of(k);
+    const FrameMotion frame = planned_motion(motion, k);
     const Stopwatch watch;
     stepper.add(frame);
     stepper.finish_batch();

@@ -54,21 +54,17 @@ std::shared_ptr<const std::string> temporary_folder() {
 }
 
 /// Writes rows and adds up what the frames report.
-class CountingSink final : public FrameSink {
- public:
-  CountingSink(double voxel_mm, const std::string& dir) : recorder_(dir, voxel_mm) {}
+struct CountingSink final : FrameSink {
+  CountingSink(double voxel_mm, const std::string& dir) : recorder(dir, voxel_mm) {}
 
   void frame(const FrameResult& result, const FrameTimes& times) override {
-    recorder_.frame(result, times);
+    recorder.frame(result, times);
     contacts += result.contacts;
   }
-  [[nodiscard]] const RunTotals& totals() const { return recorder_.totals(); }
-  [[nodiscard]] double kernel_s() const { return totals().times.detect_s + totals().times.cut_s; }
+  [[nodiscard]] double kernel_s() const { return recorder.totals().times.detect_s + recorder.totals().times.cut_s; }
 
+  Recorder recorder;
   std::int64_t contacts = 0;
-
- private:
-  Recorder recorder_;
 };
 
 SimulationInput scene_of(const ExactRuns& runs, const Motion& motion) {
@@ -111,7 +107,7 @@ double time_run(const ExactRuns& runs, const Motion& motion, const BenchControl&
   };
   Diagnostics report;
   simulate(scene, *engine, sink, hooks, report);
-  out.removed_mm3 = sink.totals().removed_mm3;
+  out.removed_mm3 = sink.recorder.totals().removed_mm3;
   out.bytes = engine->structure_bytes();
   return static_cast<double>(contacts - contacts_before);
 }

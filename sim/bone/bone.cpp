@@ -8,7 +8,6 @@
 
 #include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/sample_voxels.h"
-#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 
@@ -16,11 +15,11 @@ namespace {
 
 /// Whether any of the 8×8×8 voxels from `first` on lies in a stored brick.
 bool any_stored(const GradeBricks& from, const Vec3i& first) {
-  const BrickLattice bricks{from.brick_dims()};
   const Vec3i last = first + Vec3i::Constant(GradeBricks::kSide - 1);
   bool any = false;
-  for_each_voxel(BrickLattice::brick_of(first), BrickLattice::brick_of(last),
-                 [&](const Vec3i& brick) { any = any || (bricks.contains(brick) && from.brick(brick) != nullptr); });
+  for_each_voxel(BrickLattice::brick_of(first), BrickLattice::brick_of(last), [&](const Vec3i& brick) {
+    any = any || (from.lattice().contains(brick) && from.brick(brick) != nullptr);
+  });
   return any;
 }
 

@@ -12,6 +12,7 @@
 
 #include "sim/mesh/mesh_check.h"
 #include "sim/mesh/winding.h"
+#include "sim/scenario/key_tree.h"
 
 namespace reamsim {
 
@@ -81,11 +82,7 @@ std::string scale_advice(double file_length, const std::string& what_to_set) {
       fmt::format("about {:.2g} for a scapula of {:.0f} mm", kScapula_mm / file_length, kScapula_mm);
   const bool unit_is_likely = !units.empty() && kScapulas.contains(units.front().mm * file_length);
   scales.insert(unit_is_likely ? scales.end() : scales.begin(), estimate);
-  std::string out = what_to_set + ": ";
-  for (std::size_t n = 0; n < scales.size(); ++n) {
-    out += (n == 0 ? "" : n + 1 < scales.size() ? ", " : " or ") + scales[n];
-  }
-  return out;
+  return what_to_set + ": " + join_or({scales.begin(), scales.end()});
 }
 
 void require_length(const std::string& path, double length_mm, double scale, const std::string& what_to_set) {

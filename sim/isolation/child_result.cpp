@@ -7,7 +7,6 @@
 #include <sys/mman.h>
 #include <sys/shm.h>
 #include <unistd.h>
-#include <algorithm>
 #include <new>
 
 #include "sim/base/process.h"

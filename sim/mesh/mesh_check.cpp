@@ -168,9 +168,8 @@ void mark_enclosed(const TriangleMesh& mesh, const std::vector<std::size_t>& pie
 }
 
 std::string text_of(const MeshPiece& piece) {
-  const Vec3& c = piece.centre_mm;
-  return fmt::format("{:.{}f} mm3 at ({:.1f}, {:.1f}, {:.1f}) mm", piece.volume_mm3, piece.volume_mm3 < 10 ? 2 : 0,
-                     c.x(), c.y(), c.z());
+  return fmt::format("{:.{}f} mm3 at {} mm", piece.volume_mm3, piece.volume_mm3 < 10 ? 2 : 0,
+                     point_text(piece.centre_mm));
 }
 
 /// The places of the first pieces, the largest, and how many more there are.
@@ -278,14 +277,13 @@ std::string text_of(const std::vector<MeshHole>& holes, double surface_mm2) {
   if (holes.empty()) return "no hole";
   const MeshHole& widest = *std::ranges::max_element(holes, {}, &MeshHole::width_mm);
   const double area = area_of(holes);
-  const Vec3& c = widest.centre_mm;
   const bool one = holes.size() == 1;
   // Two digits, and no exponent.
   const auto two_digits = [](double x) { return x < 10 ? fmt::format("{:.2g}", x) : fmt::format("{:.0f}", x); };
-  return fmt::format("{}, {} mm2 ({} % of the surface){}{} mm wide at ({:.1f}, {:.1f}, {:.1f}) mm",
+  return fmt::format("{}, {} mm2 ({} % of the surface){}{} mm wide at {} mm",
                      one ? "1 hole" : fmt::format("{} holes", holes.size()), two_digits(area),
                      two_digits(surface_mm2 > 0 ? 100 * area / surface_mm2 : 100),
-                     one ? ", " : " together, the widest ", two_digits(widest.width_mm), c.x(), c.y(), c.z());
+                     one ? ", " : " together, the widest ", two_digits(widest.width_mm), point_text(widest.centre_mm));
 }
 
 std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh, bool all) {

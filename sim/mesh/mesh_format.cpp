@@ -155,15 +155,13 @@ std::string_view first_word(std::string_view line) {
 bool is_obj(std::string_view text) {
   constexpr std::array<std::string_view, 14> kWords{"v", "vn", "vt",     "vp",     "f", "l",  "p",
                                                     "o", "g",  "mtllib", "usemtl", "s", "mg", "vertex_color"};
-  bool any_vertex = false;
-  while (!text.empty() && !any_vertex) {
-    const std::string_view line = take_line(text);
-    const std::string_view word = first_word(line);
-    if (word.empty() || word.starts_with('#')) continue;
-    if (std::ranges::find(kWords, word) == kWords.end()) return false;
-    any_vertex = word == "v";
+  while (!text.empty()) {
+    const std::string_view word = first_word(take_line(text));
+    if (word == "v") return true;
+    const bool skipped = word.empty() || word.starts_with('#');
+    if (!skipped && std::ranges::find(kWords, word) == kWords.end()) return false;
   }
-  return any_vertex;
+  return false;
 }
 
 /// Whether a triangle of a binary STL has finite coordinates and a normal of length 0 or 1.
@@ -247,14 +245,12 @@ void check_stl(const std::string& path, std::string_view start, std::uintmax_t s
 
 /// Checks the counts in a PLY header, for which assimp reserves memory.
 void check_ply(const std::string& path, std::string_view start, std::uintmax_t size) {
-  bool ended = false;
-  std::string_view rest = start;
-  while (!ended && !rest.empty()) {
-    std::istringstream words{std::string(take_line(rest))};
+  while (!start.empty()) {
+    std::istringstream words{std::string(take_line(start))};
     std::string keyword;
     std::string name;
     words >> keyword;
-    ended = keyword == "end_header";
+    if (keyword == "end_header") return;
     if (keyword != "element") continue;
     std::uintmax_t count = 0;
     if (!(words >> name >> count) || count > size) {
@@ -262,7 +258,7 @@ void check_ply(const std::string& path, std::string_view start, std::uintmax_t s
                   "expected a complete PLY file");
     }
   }
-  if (!ended) refuse_file(path, "a PLY header without \"end_header\"", "expected a complete PLY file");
+  refuse_file(path, "a PLY header without \"end_header\"", "expected a complete PLY file");
 }
 
 MeshFormat checked_format(const std::string& path, std::string_view start, std::uintmax_t size) {

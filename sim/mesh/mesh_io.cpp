@@ -16,7 +16,6 @@
 #include <span>
 #include <unordered_map>
 
-#include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/isolation/read_in_child.h"
 #include "sim/mesh/mesh_check.h"

@@ -12,7 +12,6 @@
 #include <span>
 #include <string_view>
 #include <type_traits>
-#include <utility>
 
 #include "sim/base/csv.h"
 #include "sim/base/error.h"

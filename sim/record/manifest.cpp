@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <memory>
 #include <vector>
 
 #include "sim/base/error.h"

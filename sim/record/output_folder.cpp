@@ -22,7 +22,6 @@
 #include <new>
 #include <thread>
 
-#include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 
@@ -66,44 +65,6 @@ std::string host_name() {
   std::array<char, 256> name{};
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "this machine";
 }
-
-}  // namespace
-
-FolderLock::FolderLock(const std::string& dir) : path_(dir + ".lock") {
-  while (descriptor_ < 0) {
-    const int opened = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (opened < 0) refuse(path_, "cannot be created", "choose a writable place with -o");
-    const std::string holder = holder_of(opened);
-    if (!holder.empty() && !holder.starts_with(kBegin)) {
-      close(opened);
-      refuse(path_, "is not a lock of reamsim", "choose another folder with -o");
-    }
-    if (flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-      const std::string name = wait_for_holder(opened);
-      close(opened);
-      throw FolderInUse({dir, 0, 0}, "output folder", "is in use by " + name,
-                        "wait until that ends, or choose another folder with -o");
-    }
-    if (is_file_of(opened, path_)) {
-      descriptor_ = opened;
-    } else {
-      close(opened);
-    }
-  }
-  const std::string text = fmt::format("{}process {} on {} since {:%Y-%m-%d %H:%M:%S}\n", kBegin, getpid(), host_name(),
-                                       fmt::localtime(std::time(nullptr)));
-  // Only for messages: a full disk must not prevent a run.
-  if (ftruncate(descriptor_, 0) == 0 && pwrite(descriptor_, text.data(), text.size(), 0) < 0) return;
-}
-
-void FolderLock::release() {
-  if (descriptor_ < 0) return;
-  unlink(path_.c_str());  // before the lock is released, so that nobody else holds it
-  close(descriptor_);
-  descriptor_ = -1;
-}
-
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -221,6 +182,40 @@ std::shared_ptr<void> create_folders_above(const std::string& below) {
 }
 
 }  // namespace
+
+FolderLock::FolderLock(const std::string& dir) : path_(dir + ".lock") {
+  while (descriptor_ < 0) {
+    const int opened = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (opened < 0) refuse(path_, "cannot be created", "choose a writable place with -o");
+    const std::string holder = holder_of(opened);
+    if (!holder.empty() && !holder.starts_with(kBegin)) {
+      close(opened);
+      refuse(path_, "is not a lock of reamsim", "choose another folder with -o");
+    }
+    if (flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      const std::string name = wait_for_holder(opened);
+      close(opened);
+      throw FolderInUse({dir, 0, 0}, "output folder", "is in use by " + name,
+                        "wait until that ends, or choose another folder with -o");
+    }
+    if (is_file_of(opened, path_)) {
+      descriptor_ = opened;
+    } else {
+      close(opened);
+    }
+  }
+  const std::string text = fmt::format("{}process {} on {} since {:%Y-%m-%d %H:%M:%S}\n", kBegin, getpid(), host_name(),
+                                       fmt::localtime(std::time(nullptr)));
+  // Only for messages: a full disk must not prevent a run.
+  if (ftruncate(descriptor_, 0) == 0 && pwrite(descriptor_, text.data(), text.size(), 0) < 0) return;
+}
+
+void FolderLock::release() {
+  if (descriptor_ < 0) return;
+  unlink(path_.c_str());  // before the lock is released, so that nobody else holds it
+  close(descriptor_);
+  descriptor_ = -1;
+}
 
 OutputFolder::OutputFolder(const OutputRequest& request)
     : kind_(request.kind),

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <utility>
 
 #include "sim/base/file.h"
 #include "sim/tool/motion.h"

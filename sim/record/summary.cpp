@@ -11,10 +11,8 @@
 #include "sim/base/checksum.h"
 #include "sim/base/error.h"
 #include "sim/base/file.h"
-#include "sim/base/stopwatch.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/record/output_folder.h"
-#include "sim/record/recorder.h"
 #include "sim/record/result_json.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
@@ -158,62 +156,6 @@ Json tool_json(const Tool& tool) {
   return json;
 }
 
-}  // namespace
-
-std::vector<InputSum> input_sums(const Scenario& scenario) {
-  std::vector<InputSum> sums{{"scenario", scenario.file, sha256_of(scenario.file)}};
-  for (const auto& [role, path] : input_files(scenario)) sums.push_back({role, path, sha256_of(path)});
-  return sums;
-}
-
-void write_tools(const std::string& dir, const SimulationInput& scene) {
-  const std::string folder = dir + "/snapshots";
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw RunError(folder + ": " + error.message());
-  write_stl(tool_path(dir, scene.motion.pass), scene.tool.mesh);
-  for (const Pass& pass : scene.later_passes) write_stl(tool_path(dir, pass.motion.pass), pass.tool.mesh);
-}
-
-void write_scenario(const std::string& dir, const SimulationInput& scene, const RunFacts& facts) {
-  std::string head = "# Resolved by reamsim " REAMSIM_VERSION ", with all defaults. Run on " + facts.device + ".";
-  for (const auto& contact : scene.first_contacts) {
-    if (contact) head += " Found: " + sentence_of(*contact) + ".";
-  }
-  write_file(dir + "/scenario.yaml",
-             head + "\n" + checksum_line(facts.inputs.front()) + scenario_body(scene.scenario, facts.inputs));
-}
-
-bool is_result_of(const std::string& dir, const Scenario& scenario) {
-  const std::string file = dir + "/scenario.yaml", text = read_file(file, "the scenario.yaml of a run");
-  Scenario resolved = scenario;
-  if (scenario.bone.source == BoneSource::vdb) {  // whose side and voxels are known only when it has been read
-    const BoneSettings written = parse_scenario(file, {}).bone;
-    if (scenario.bone.side == BodySide::unknown) resolved.bone.side = written.side;
-    resolved.bone.voxel_mm = written.voxel_mm;
-  }
-  std::size_t body = 0;
-  for (int line = 0; line < kHeadLines; ++line) body = std::min(text.size(), text.find('\n', body)) + 1;
-  const auto without_device = [](const std::string& yaml) {  // a study may divide its runs among devices anew
-    const std::size_t at = std::min(yaml.find("\n  device: "), yaml.size());
-    return yaml.substr(0, at) + yaml.substr(std::min(yaml.find('\n', at + 1), yaml.size()));
-  };
-  return body <= text.size() &&
-         without_device(text.substr(body)) == without_device(scenario_body(resolved, input_sums(scenario)));
-}
-
-void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
-                   const RunFacts& facts) {
-  write_bone_vdb(dir + "/reamed.vdb", scene.bone, recorder.removed_frames(), provenance(scene, facts));
-  if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone);
-  if (scene.scenario.output.segmentation) write_segmentation(dir + "/reamed.seg.nrrd", scene.bone);
-  write_depth_map(dir + "/depth_map.csv", facts.depth_map);
-  write_file(dir + "/planning.mrk.json", planning_markups(scene, facts.metrics, recorder.totals().deepest_pose));
-  if (recorder.totals().push) write_push_events(dir, *recorder.totals().push);
-}
-
-namespace {
-
 Json passes_json(const SimulationInput& scene, const RunTotals& totals) {
   Json json = Json::array();
   const std::vector<PassSpec> specs = passes_of(scene.scenario);
@@ -295,6 +237,58 @@ std::string text_of_summary(const Json& json) {
 }
 
 }  // namespace
+
+std::vector<InputSum> input_sums(const Scenario& scenario) {
+  std::vector<InputSum> sums{{"scenario", scenario.file, sha256_of(scenario.file)}};
+  for (const auto& [role, path] : input_files(scenario)) sums.push_back({role, path, sha256_of(path)});
+  return sums;
+}
+
+void write_tools(const std::string& dir, const SimulationInput& scene) {
+  const std::string folder = dir + "/snapshots";
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw RunError(folder + ": " + error.message());
+  write_stl(tool_path(dir, scene.motion.pass), scene.tool.mesh);
+  for (const Pass& pass : scene.later_passes) write_stl(tool_path(dir, pass.motion.pass), pass.tool.mesh);
+}
+
+void write_scenario(const std::string& dir, const SimulationInput& scene, const RunFacts& facts) {
+  std::string head = "# Resolved by reamsim " REAMSIM_VERSION ", with all defaults. Run on " + facts.device + ".";
+  for (const auto& contact : scene.first_contacts) {
+    if (contact) head += " Found: " + sentence_of(*contact) + ".";
+  }
+  write_file(dir + "/scenario.yaml",
+             head + "\n" + checksum_line(facts.inputs.front()) + scenario_body(scene.scenario, facts.inputs));
+}
+
+bool is_result_of(const std::string& dir, const Scenario& scenario) {
+  const std::string file = dir + "/scenario.yaml", text = read_file(file, "the scenario.yaml of a run");
+  Scenario resolved = scenario;
+  if (scenario.bone.source == BoneSource::vdb) {  // whose side and voxels are known only when it has been read
+    const BoneSettings written = parse_scenario(file, {}).bone;
+    if (scenario.bone.side == BodySide::unknown) resolved.bone.side = written.side;
+    resolved.bone.voxel_mm = written.voxel_mm;
+  }
+  std::size_t body = 0;
+  for (int line = 0; line < kHeadLines; ++line) body = std::min(text.size(), text.find('\n', body)) + 1;
+  const auto without_device = [](const std::string& yaml) {  // a study may divide its runs among devices anew
+    const std::size_t at = std::min(yaml.find("\n  device: "), yaml.size());
+    return yaml.substr(0, at) + yaml.substr(std::min(yaml.find('\n', at + 1), yaml.size()));
+  };
+  return body <= text.size() &&
+         without_device(text.substr(body)) == without_device(scenario_body(resolved, input_sums(scenario)));
+}
+
+void write_results(const std::string& dir, const SimulationInput& scene, const Recorder& recorder,
+                   const RunFacts& facts) {
+  write_bone_vdb(dir + "/reamed.vdb", scene.bone, recorder.removed_frames(), provenance(scene, facts));
+  if (scene.scenario.output.vti) write_vti(dir + "/reamed.vti", scene.bone);
+  if (scene.scenario.output.segmentation) write_segmentation(dir + "/reamed.seg.nrrd", scene.bone);
+  write_depth_map(dir + "/depth_map.csv", facts.depth_map);
+  write_file(dir + "/planning.mrk.json", planning_markups(scene, facts.metrics, recorder.totals().deepest_pose));
+  if (recorder.totals().push) write_push_events(dir, *recorder.totals().push);
+}
 
 std::string reforced_summary(const std::string& dir, const CuttingSettings& cutting, const RunTotals& totals) {
   const std::string path = dir + "/summary.json";

@@ -82,38 +82,6 @@ std::vector<unsigned char> deflated(const std::vector<float>& values) {
   return out;
 }
 
-}  // namespace
-
-void write_vti(const std::string& path, const BoneView& bone) {
-  const auto voxels = static_cast<std::size_t>(bone.voxmap.grid.size());
-  const std::size_t blocks = (voxels + kBlockVoxels - 1) / kBlockVoxels;
-  std::vector<std::uint64_t> sizes{blocks, kBlockVoxels * sizeof(float), voxels % kBlockVoxels * sizeof(float)};
-  sizes.resize(3 + blocks);
-  std::ofstream out(path, std::ios::binary);
-  const auto put = [&](const auto& items) {
-    out.write(reinterpret_cast<const char*>(items.data()),
-              static_cast<std::streamsize>(items.size() * sizeof items[0]));
-  };
-  const std::vector<float> air(kBlockVoxels, 0.0F);
-  const std::vector<unsigned char> deflated_air = deflated(air);  // most blocks of a fine lattice
-  out << vti_header(bone.voxmap.grid);
-  const auto table = out.tellp();
-  put(sizes);
-  for (std::size_t b = 0; b < blocks; ++b) {
-    const auto values = density_block(bone, b * kBlockVoxels, std::min(voxels, (b + 1) * kBlockVoxels));
-    const bool all_air = values.size() == kBlockVoxels && values == air;
-    const auto block = all_air ? deflated_air : deflated(values);
-    sizes[3 + b] = block.size();
-    put(block);
-  }
-  out << "\n</AppendedData>\n</VTKFile>\n";
-  out.seekp(table);
-  put(sizes);
-  close_file(out, path);
-}
-
-namespace {
-
 /// The header of an NRRD, which 3D Slicer opens as a segmentation by its fields "Segment...".
 std::string nrrd_header(const VoxelGrid& grid) {
   const Vec3 first = grid.center_mm({0, 0, 0});
@@ -151,6 +119,34 @@ std::vector<std::uint8_t> labels_in_layer(const BoneView& bone, int layer) {
 }
 
 }  // namespace
+
+void write_vti(const std::string& path, const BoneView& bone) {
+  const auto voxels = static_cast<std::size_t>(bone.voxmap.grid.size());
+  const std::size_t blocks = (voxels + kBlockVoxels - 1) / kBlockVoxels;
+  std::vector<std::uint64_t> sizes{blocks, kBlockVoxels * sizeof(float), voxels % kBlockVoxels * sizeof(float)};
+  sizes.resize(3 + blocks);
+  std::ofstream out(path, std::ios::binary);
+  const auto put = [&](const auto& items) {
+    out.write(reinterpret_cast<const char*>(items.data()),
+              static_cast<std::streamsize>(items.size() * sizeof items[0]));
+  };
+  const std::vector<float> air(kBlockVoxels, 0.0F);
+  const std::vector<unsigned char> deflated_air = deflated(air);  // most blocks of a fine lattice
+  out << vti_header(bone.voxmap.grid);
+  const auto table = out.tellp();
+  put(sizes);
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const auto values = density_block(bone, b * kBlockVoxels, std::min(voxels, (b + 1) * kBlockVoxels));
+    const bool all_air = values.size() == kBlockVoxels && values == air;
+    const auto block = all_air ? deflated_air : deflated(values);
+    sizes[3 + b] = block.size();
+    put(block);
+  }
+  out << "\n</AppendedData>\n</VTKFile>\n";
+  out.seekp(table);
+  put(sizes);
+  close_file(out, path);
+}
 
 void write_segmentation(const std::string& path, const BoneView& bone) {
   write_file(path, nrrd_header(bone.voxmap.grid));

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <tuple>
@@ -25,6 +26,15 @@ struct FrameMotion {
   std::optional<PushResult> push = {};     ///< of a frame that a hand decided
   std::optional<Vec3> deflection_mm = {};  ///< of a tool on springs, T
 };
+
+/// The motion of a frame along planned poses.
+inline FrameMotion planned_motion(const Motion& motion, std::int64_t frame) {
+  return {.frame = frame,
+          .before = motion.pose_of(std::max(frame - 1, motion.first_frame)),
+          .pose = motion.pose_of(frame),
+          .duration_s = motion.frame_s(),
+          .time_s = static_cast<double>(frame) * motion.frame_s()};
+}
 
 /// A frame with substeps in the engine's batch.
 struct PendingFrame : FrameMotion {

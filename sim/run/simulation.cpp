@@ -34,14 +34,7 @@ class PrescribedFeed : public PlannedFeed {
   [[nodiscard]] SimulationState state() const override { return {stepper_.state()}; }
 
  private:
-  [[nodiscard]] FrameMotion motion_of(std::int64_t frame) const {
-    const Motion& motion = scene().motion;
-    return {.frame = frame,
-            .before = motion.pose_of(std::max(frame - 1, motion.first_frame)),
-            .pose = motion.pose_of(frame),
-            .duration_s = motion.frame_s(),
-            .time_s = static_cast<double>(frame) * motion.frame_s()};
-  }
+  [[nodiscard]] FrameMotion motion_of(std::int64_t frame) const { return planned_motion(scene().motion, frame); }
 
   [[nodiscard]] std::optional<SubstepArgs> args_of(std::int64_t frame) const {
     if (frame <= scene().motion.first_frame) return std::nullopt;

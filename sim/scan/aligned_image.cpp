@@ -3,8 +3,6 @@
 
 #include "sim/scan/aligned_image.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -126,19 +124,54 @@ AlignedImage resample_oblique(const Scan& scan, const CtSettings& settings, floa
   return out;
 }
 
+AxisWeights average(double from, double to, int count) {
+  const double low = std::clamp<double>(from, 0, count - 1);
+  const double high = std::clamp<double>(to, low, count);
+  AxisWeights out;
+  out.first = static_cast<int>(std::floor(low + kRounding));
+  out.first = std::min(out.first, count - 1);
+  const int last = std::clamp(static_cast<int>(std::ceil(high - kRounding)) - 1, out.first, count - 1);
+  double sum = 0;
+  for (int n = out.first; n <= last; ++n) {
+    const double overlap = std::max(0.0, std::min<double>(high, n + 1) - std::max<double>(low, n));
+    out.weight.push_back(overlap);
+    sum += overlap;
+  }
+  if (sum <= 0) return {out.first, {1.0}};
+  for (double& weight : out.weight) weight /= sum;
+  return out;
+}
+
+AxisWeights interpolate(double centre, int count) {
+  const double place = std::clamp(centre, 0.0, count - 1.0);
+  const int low = static_cast<int>(place);
+  const double fraction = place - low;
+  if (fraction < kRounding) return {low, {1.0}};
+  return {low, {1 - fraction, fraction}};
+}
+
+std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& grid, int axis) {
+  std::vector<AxisWeights> out;
+  out.reserve(static_cast<std::size_t>(grid.dims[axis]));
+  const double length = grid.voxel_mm / image.spacing_mm[axis];
+  const bool averages = grid.voxel_mm >= image.spacing_mm[axis] * (1 - kRounding);
+  for (int n = 0; n < grid.dims[axis]; ++n) {
+    const double from = faces_from_mm(image, grid.origin_mm[axis] + n * grid.voxel_mm, axis);
+    out.push_back(averages ? average(from, from + length, image.dims[axis])
+                           : interpolate(from + 0.5 * length - 0.5, image.dims[axis]));
+  }
+  return out;
+}
+
 }  // namespace
 
 double interpolated(const std::vector<float>& value, const Vec3i& dims, const Vec3& index) {
-  Vec3i low;
-  Vec3 fraction;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double inside = std::clamp(index[axis], 0.0, dims[axis] - 1.0);
-    low[axis] = std::min(static_cast<int>(inside), std::max(dims[axis] - 2, 0));
-    fraction[axis] = inside - low[axis];
-  }
+  const Vec3 inside = index.cwiseMax(0).cwiseMin((dims - Vec3i::Ones()).cast<double>());
+  const Vec3i low = inside.cast<int>().cwiseMin((dims - Vec3i::Constant(2)).cwiseMax(0));
   double sum = 0;
-  for_each_trilinear_weight(
-      fraction, [&](const Vec3i& step, double weight) { sum += weight * double{value[index_in(dims, low + step)]}; });
+  for_each_trilinear_weight(inside - low.cast<double>(), [&](const Vec3i& step, double weight) {
+    sum += weight * double{value[index_in(dims, low + step)]};
+  });
   return sum;
 }
 
@@ -188,65 +221,16 @@ IndexBox voxels_in_crop(const ScanGeometry& geometry, const CtSettings& settings
     indices.extend(index_from_mm * (box.corner(corner) - geometry.origin_mm));
   }
   const double slack = aligned ? -kAlignedTolerance_voxels : -1;
-  const Vec3i last_voxel = geometry.dims - Vec3i::Ones();
-  IndexBox out;
-  Vec3i last;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double low = std::max(indices.min[axis] + slack, -1.0);
-    const double high = std::min<double>(indices.max[axis] - slack, geometry.dims[axis]);
-    out.start[axis] = std::max(0, static_cast<int>(std::ceil(low)));
-    last[axis] = std::min(last_voxel[axis], static_cast<int>(std::floor(high)));
-  }
-  out.size = (last - out.start + Vec3i::Ones()).cwiseMax(0);
-  return out;
+  const Eigen::Array3d low = (indices.min.array() + slack).max(-1);
+  const Eigen::Array3d high = (indices.max.array() - slack).min(geometry.dims.cast<double>().array());
+  const Vec3i start = low.ceil().cast<int>().max(0);
+  const Vec3i last = high.floor().cast<int>().min(geometry.dims.array() - 1);
+  return {start, (last - start + Vec3i::Ones()).cwiseMax(0)};
 }
 
 AlignedImage align_to_lps(const Scan& scan, const CtSettings& settings, float outside, Interpolation by) {
   return is_axis_aligned(scan.geometry) ? permute(scan) : resample_oblique(scan, settings, outside, by);
 }
-
-namespace {
-
-AxisWeights average(double from, double to, int count) {
-  const double low = std::clamp<double>(from, 0, count - 1);
-  const double high = std::clamp<double>(to, low, count);
-  AxisWeights out;
-  out.first = static_cast<int>(std::floor(low + kRounding));
-  out.first = std::min(out.first, count - 1);
-  const int last = std::clamp(static_cast<int>(std::ceil(high - kRounding)) - 1, out.first, count - 1);
-  double sum = 0;
-  for (int n = out.first; n <= last; ++n) {
-    const double overlap = std::max(0.0, std::min<double>(high, n + 1) - std::max<double>(low, n));
-    out.weight.push_back(overlap);
-    sum += overlap;
-  }
-  if (sum <= 0) return {out.first, {1.0}};
-  for (double& weight : out.weight) weight /= sum;
-  return out;
-}
-
-AxisWeights interpolate(double centre, int count) {
-  const double place = std::clamp(centre, 0.0, count - 1.0);
-  const int low = static_cast<int>(place);
-  const double fraction = place - low;
-  if (fraction < kRounding) return {low, {1.0}};
-  return {low, {1 - fraction, fraction}};
-}
-
-std::vector<AxisWeights> axis_weights(const Lattice& image, const VoxelGrid& grid, int axis) {
-  std::vector<AxisWeights> out;
-  out.reserve(static_cast<std::size_t>(grid.dims[axis]));
-  const double length = grid.voxel_mm / image.spacing_mm[axis];
-  const bool averages = grid.voxel_mm >= image.spacing_mm[axis] * (1 - kRounding);
-  for (int n = 0; n < grid.dims[axis]; ++n) {
-    const double from = faces_from_mm(image, grid.origin_mm[axis] + n * grid.voxel_mm, axis);
-    out.push_back(averages ? average(from, from + length, image.dims[axis])
-                           : interpolate(from + 0.5 * length - 0.5, image.dims[axis]));
-  }
-  return out;
-}
-
-}  // namespace
 
 SliceResampler::SliceResampler(const AlignedImage& image, const VoxelGrid& grid) : image_(image) {
   for (int axis = 0; axis < 3; ++axis) weights_[axis] = axis_weights(image.lattice, grid, axis);

@@ -311,16 +311,6 @@ Vec3i spread_in_voxels(const Lattice& lattice, const Vec3& psf_mm) {
   return (psf_mm.cwiseQuotient(lattice.spacing_mm) - Vec3::Constant(kWhole)).array().ceil().cast<int>().cwiseMax(1);
 }
 
-bool has_face_outside(const Mask& bone, const Lattice& lattice, const Vec3i& voxel) {
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const int side : {-1, 1}) {
-      const Vec3i v = voxel + side * Vec3i::Unit(axis);
-      if (lattice.contains(v) && bone[lattice.index(v)] == 0) return true;
-    }
-  }
-  return false;
-}
-
 /// As correct_boundary(), for a whole image.
 BoundaryDensity correct(AlignedImage& hu, const Mask& mask, const Vec3& psf_mm, int reach_voxels) {
   constexpr int kByRay = 2;  // layers outside whose values are estimated; further layers are means of neighbours

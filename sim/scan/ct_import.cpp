@@ -8,19 +8,12 @@
 #include <cmath>
 #include <limits>
 #include <new>
-#include <stdexcept>
 
 #include "sim/scan/segment.h"
 
 namespace reamsim {
 
 namespace {
-
-void note_image(const ct::ScanSource& source, const std::string& path, Diagnostics& report) {
-  report.note("image " + path + ": " + source.description + ", " + ct::shape_text(source.geometry) + ", " +
-              (ct::is_axis_aligned(source.geometry) ? "axes along LPS" : "oblique, resampled to LPS axes") + ", " +
-              ct::box_text(source.geometry.bounds_mm()));
-}
 
 /// The default relation from HU to density is that of one tube voltage.
 void warn_of_voltage(const ct::ScanSource& source, const BoneSettings& settings, Diagnostics& report) {
@@ -251,7 +244,9 @@ template <class Use>
 auto with_open_scan(const CtSettings& settings, Diagnostics& report, const Use& use) {
   try {
     const ct::ScanSource source = ct::open_scan(settings, report);
-    note_image(source, settings.path, report);
+    report.note("image " + settings.path + ": " + source.description + ", " + ct::shape_text(source.geometry) + ", " +
+                (ct::is_axis_aligned(source.geometry) ? "axes along LPS" : "oblique, resampled to LPS axes") + ", " +
+                ct::box_text(source.geometry.bounds_mm()));
     return use(source);
   } catch (const InputError&) {
     throw;

@@ -5,7 +5,6 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -59,8 +58,7 @@ DicomSeries series_from(std::vector<DicomHeader> images) {
 std::string words_of(const DicomSeries& series) {
   const DicomHeader& first = series.first();
   const Vec3& s = series.spacing_mm;
-  std::string out =
-      "UID " + series.first().series_uid + ", \"" + first.description + "\", " + series.first().modality + ", ";
+  std::string out = "UID " + first.series_uid + ", \"" + first.description + "\", " + first.modality + ", ";
   out += std::to_string(series.slices()) + (first.frames > 1 ? " frames" : " slices");
   out += fmt::format(" of {}x{}, {:.4g}x{:.4g}x{:.4g} mm", first.columns, first.rows, s.x(), s.y(), s.z());
   if (!first.kernel.empty()) out += ", kernel " + first.kernel;

@@ -93,11 +93,7 @@ std::vector<Stack> groups_of(const std::vector<const DicomHeader*>& slices) {
     const Slice slice{geometry_of(*header), header};
     const auto group = std::ranges::find_if(
         groups, [&](const Stack& g) { return belong_together(g.front().geometry, slice.geometry); });
-    if (group == groups.end()) {
-      groups.push_back({slice});
-    } else {
-      group->push_back(slice);
-    }
+    (group == groups.end() ? groups.emplace_back() : *group).push_back(slice);
   }
   std::ranges::stable_sort(groups, [](const Stack& a, const Stack& b) { return a.size() > b.size(); });
   return groups;

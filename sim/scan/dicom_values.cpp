@@ -8,6 +8,7 @@
 #include <gdcmGlobal.h>
 #include <gdcmTransferSyntax.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -127,18 +128,11 @@ int DicomValues::short_integer(const gdcm::Tag& tag) const {
 }
 
 std::string DicomValues::text_of(const gdcm::Tag& tag, const gdcm::VR& vr) const {
-  switch (vr) {
-    case gdcm::VR::US:
-      return binary_text<std::uint16_t>(bytes(tag));
-    case gdcm::VR::UL:
-      return binary_text<std::uint32_t>(bytes(tag));
-    case gdcm::VR::FL:  // some writers take FD for NominalPercentageOfCardiacPhase
-      return bytes(tag).size() == sizeof(double) ? binary_text<double>(bytes(tag)) : binary_text<float>(bytes(tag));
-    case gdcm::VR::FD:
-      return binary_text<double>(bytes(tag));
-    default:
-      return text(tag);
-  }
+  if (vr == gdcm::VR::US) return binary_text<std::uint16_t>(bytes(tag));
+  if (vr == gdcm::VR::UL) return binary_text<std::uint32_t>(bytes(tag));
+  // Some writers take FD for NominalPercentageOfCardiacPhase.
+  if (vr == gdcm::VR::FL && bytes(tag).size() != sizeof(double)) return binary_text<float>(bytes(tag));
+  return vr == gdcm::VR::FL || vr == gdcm::VR::FD ? binary_text<double>(bytes(tag)) : text(tag);
 }
 
 std::vector<DicomValues> DicomValues::items(const gdcm::Tag& tag) const {
@@ -200,18 +194,14 @@ std::string name_of_syntax(const std::string& uid) {
 }
 
 bool is_supported_syntax(const std::string& uid) {
-  if (uid.empty()) return true;
-  switch (gdcm::TransferSyntax::GetTSType(uid.c_str())) {
-    case gdcm::TransferSyntax::TS_END:
-    case gdcm::TransferSyntax::MPEG2MainProfile:
-    case gdcm::TransferSyntax::MPEG2MainProfileHighLevel:
-    case gdcm::TransferSyntax::MPEG4AVCH264HighProfileLevel4_1:
-    case gdcm::TransferSyntax::MPEG4AVCH264BDcompatibleHighProfileLevel4_1:
-    case gdcm::TransferSyntax::JPIPReferenced:
-      return false;
-    default:
-      return true;
-  }
+  using Known = gdcm::TransferSyntax;
+  static constexpr std::array kUnsupported{Known::TS_END,
+                                           Known::MPEG2MainProfile,
+                                           Known::MPEG2MainProfileHighLevel,
+                                           Known::MPEG4AVCH264HighProfileLevel4_1,
+                                           Known::MPEG4AVCH264BDcompatibleHighProfileLevel4_1,
+                                           Known::JPIPReferenced};
+  return uid.empty() || std::ranges::find(kUnsupported, Known::GetTSType(uid.c_str())) == kUnsupported.end();
 }
 
 Loss loss_of_syntax(const std::string& uid) {

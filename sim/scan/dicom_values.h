@@ -5,7 +5,6 @@
 
 #include <gdcmDataSet.h>
 #include <gdcmSequenceOfItems.h>
-#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,7 +16,8 @@ namespace reamsim::ct {
 /// The values of a data set. What is missing is empty or 0.
 class DicomValues {
  public:
-  explicit DicomValues(const gdcm::DataSet& data) : data_(&data) {}
+  explicit DicomValues(const gdcm::DataSet& data, gdcm::SmartPointer<gdcm::SequenceOfItems> owner = {})
+      : owner_(std::move(owner)), data_(&data) {}
 
   [[nodiscard]] bool has(const gdcm::Tag& tag) const { return data_->FindDataElement(tag); }
   /// The bytes in the file; nullptr without any, as for a sequence or compressed pixels.
@@ -38,9 +38,6 @@ class DicomValues {
   [[nodiscard]] std::vector<DicomValues> items(const gdcm::Tag& tag) const;
 
  private:
-  explicit DicomValues(const gdcm::DataSet& data, gdcm::SmartPointer<gdcm::SequenceOfItems> owner)
-      : owner_(std::move(owner)), data_(&data) {}
-
   gdcm::SmartPointer<gdcm::SequenceOfItems> owner_;  ///< a sequence of unknown VR is parsed into a new one
   const gdcm::DataSet* data_;
 };

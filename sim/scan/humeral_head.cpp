@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "sim/base/statistics.h"
@@ -43,12 +44,8 @@ std::vector<SurfacePoint> surface_in(const AlignedImage& hu, double threshold_hu
   const auto dense = [&](const Vec3i& v) { return double{hu.at(v)} >= threshold_hu; };
   for_each_voxel(Vec3i::Zero(), (last - first) / step, [&](const Vec3i& at) {
     const Vec3i voxel = first + step * at;
-    if (!dense(voxel)) return;
-    bool surface = false;
-    for (int axis = 0; axis < 3; ++axis) {
-      surface = surface || !dense(voxel + Vec3i::Unit(axis)) || !dense(voxel - Vec3i::Unit(axis));
-    }
-    if (!surface) return;
+    const auto dense_beside = [&](const Vec3i& side) { return dense(voxel + side); };
+    if (!dense(voxel) || std::ranges::all_of(kFaceSteps, dense_beside)) return;
     const Vec3 slope = hu.gradient(voxel);
     if (slope.norm() < kLeastSlope_hu_mm) return;
     // The surface passes between this voxel and the next.
@@ -226,8 +223,7 @@ std::vector<Sphere> sphere_peaks(const AlignedImage& hu, double threshold_hu) {
       peaks.push_back({sum / whole, {center, double(radius)}});
     });
   }
-  const auto more = [](const Peak& a, const Peak& b) { return a.votes > b.votes; };
-  std::stable_sort(peaks.begin(), peaks.end(), more);
+  std::ranges::stable_sort(peaks, std::greater(), &Peak::votes);
   std::vector<Sphere> out;
   for (const Peak& peak : peaks) {
     const auto near = [&](const Sphere& other) {
@@ -332,8 +328,7 @@ std::vector<Joint> find_joints(const AlignedImage& hu, double threshold_hu) {
     if (!head || std::any_of(out.begin(), out.end(), known)) continue;
     if (auto joint = joint_of(hu, threshold_hu, *head, surface)) out.push_back(*joint);
   }
-  const auto better = [](const Joint& a, const Joint& b) { return a.gap_fraction > b.gap_fraction; };
-  std::stable_sort(out.begin(), out.end(), better);
+  std::ranges::stable_sort(out, std::greater(), &Joint::gap_fraction);
   return out;
 }
 

@@ -11,14 +11,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 
 #include "sim/base/file.h"
@@ -93,12 +91,6 @@ constexpr std::array kKnownStarts{
     KnownStart{"solid", "an STL mesh", kAsMesh},
     KnownStart{"ply", "a PLY mesh", kAsMesh},
     KnownStart{"OFF", "an OFF mesh", kAsMesh}};
-
-/// VTK's own formats, legacy and XML.
-bool is_vtk(const std::string& path) {
-  const std::string start = read_file_start(path, 256);
-  return start.starts_with("# vtk DataFile") || start.find("<VTKFile") != std::string::npos;
-}
 
 template <typename Value>
 void copy_region(const std::byte* raw, const itk::ImageIORegion& held, const IndexBox& box, int layers, int layer,
@@ -192,7 +184,8 @@ void check_file_length(const ForeignFile& file, std::int64_t voxels, double byte
 
 /// Throws the InputError of a file that is none of the formats.
 [[noreturn]] void refuse_format(const ForeignFile& file, const std::string& start) {
-  if (is_vtk(file.path)) {
+  // VTK's own formats, legacy and XML.
+  if (start.starts_with("# vtk DataFile") || start.substr(0, 256).find("<VTKFile") != std::string::npos) {
     throw file.error(
         "a VTK file",
         "save it as NRRD, NIfTI or MetaImage (ParaView, 3D Slicer); use bone.mesh for a surface, as STL, PLY or VTP");

@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <set>
 
 #include "sim/base/text.h"
@@ -120,15 +119,11 @@ IndexBox overlap_with(const ScanGeometry& labels, const ScanGeometry& image) {
   for (int corner = 0; corner < 8; ++corner) {
     indices.extend(index_from_mm * (image.point_mm(centers.corner(corner)) - labels.origin_mm));
   }
-  IndexBox out;
-  for (int axis = 0; axis < 3; ++axis) {
-    // One more voxel on either side, for the rounding of halfway points and for the border of the label.
-    const double from = std::clamp(std::floor(indices.min[axis]) - 1, 0.0, static_cast<double>(labels.dims[axis]));
-    const double to = std::clamp(std::ceil(indices.max[axis]) + 1, -1.0, labels.dims[axis] - 1.0);
-    out.start[axis] = static_cast<int>(from);
-    out.size[axis] = static_cast<int>(to - from) + 1;
-  }
-  return out;
+  // One more voxel on either side, for the rounding of halfway points and for the border of the label.
+  const Eigen::Array3d dims = labels.dims.cast<double>();
+  const Eigen::Array3d from = (indices.min.array().floor() - 1).max(0).min(dims);
+  const Eigen::Array3d to = (indices.max.array().ceil() + 1).max(-1).min(dims - 1);
+  return {from.cast<int>(), (to - from).cast<int>() + 1};
 }
 
 InputError no_overlap(const std::string& path, const ScanGeometry& labels, const ScanGeometry& image,

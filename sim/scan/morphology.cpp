@@ -53,13 +53,7 @@ void apply(Filter& filter, AlignedImage& image) {
 Mask dilated(const Mask& mask, const Lattice& lattice, const std::vector<Vec3i>& rows) {
   Mask out = mask;
   lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
-    if (mask[at] == 0) return;
-    bool inside = true;
-    for (int side = 0; side < 6 && inside; ++side) {
-      const Vec3i near = voxel + (side % 2 == 0 ? 1 : -1) * Vec3i::Unit(side / 2);
-      inside = !lattice.contains(near) || mask[lattice.index(near)] != 0;
-    }
-    if (inside) return;
+    if (mask[at] == 0 || !has_face_outside(mask, lattice, voxel)) return;
     for (const Vec3i& row : rows) {
       const Vec3i first(std::max(voxel.x() - row.x(), 0), voxel.y() + row.y(), voxel.z() + row.z());
       if (!lattice.contains(first)) continue;
@@ -114,6 +108,13 @@ Mask complement(const Mask& mask) {
   Mask out(mask.size());
   std::ranges::transform(mask, out.begin(), [](std::uint8_t inside) { return inside ? 0 : 1; });
   return out;
+}
+
+bool has_face_outside(const Mask& mask, const Lattice& lattice, const Vec3i& voxel) {
+  return std::ranges::any_of(kFaceSteps, [&](const Vec3i& step) {
+    const Vec3i near = voxel + step;
+    return lattice.contains(near) && mask[lattice.index(near)] == 0;
+  });
 }
 
 Mask eroded(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {

@@ -35,15 +35,15 @@ class PackedFile {
   std::unique_ptr<gzFile_s, decltype(&gzclose)> file_;
 };
 
-/// Numbers at offsets of a header.
+/// Numbers at offsets of a file.
 class Fields {
  public:
-  Fields(const std::string& bytes, bool swapped) : bytes_(bytes), swapped_(swapped) {}
+  Fields(const void* first, bool swapped) : first_(static_cast<const char*>(first)), swapped_(swapped) {}
 
   template <class T>
   [[nodiscard]] T at(std::size_t offset) const {
     std::array<char, sizeof(T)> raw{};
-    std::memcpy(raw.data(), bytes_.data() + offset, sizeof(T));
+    std::memcpy(raw.data(), first_ + offset, sizeof(T));
     if (swapped_) std::ranges::reverse(raw);
     return std::bit_cast<T>(raw);
   }
@@ -54,7 +54,7 @@ class Fields {
   }
 
  private:
-  const std::string& bytes_;
+  const char* first_;
   bool swapped_;
 };
 
@@ -112,7 +112,7 @@ std::vector<std::string> extensions_of(PackedFile& file, bool swapped, std::int6
   constexpr std::int64_t kHead = 8;  // size and code, which the size includes
   head.resize(kHead);
   while (place + kHead <= offset && file.read(head.data(), kHead) == kHead) {
-    const std::int64_t size = Fields(head, swapped).at<std::int32_t>(0);
+    const std::int64_t size = Fields(head.data(), swapped).at<std::int32_t>(0);
     if (size < kHead || place + size > offset) break;
     std::string text(static_cast<std::size_t>(size - kHead), '\0');
     if (file.read(text.data(), text.size()) != text.size()) break;
@@ -129,7 +129,7 @@ bool has_axes(const NiftiHeader& header) {
 /// Fields, and the order of their bytes, of the first bytes of a file; nullopt for another format.
 std::optional<NiftiHeader> parsed(const std::string& bytes) {
   for (const bool swapped : {false, true}) {
-    const Fields in(bytes, swapped);
+    const Fields in(bytes.data(), swapped);
     NiftiHeader out;
     out.swapped = swapped;
     const auto size = bytes.size() >= 4 ? in.at<std::int32_t>(0) : 0;
@@ -150,11 +150,9 @@ std::optional<NiftiHeader> parsed(const std::string& bytes) {
 /// Converts stored numbers of type T.
 template <class T>
 void convert(const NiftiHeader& header, const std::byte* raw, std::int64_t count, float* out) {
+  const Fields stored(raw, header.swapped);
   for (std::int64_t n = 0; n < count; ++n) {
-    std::array<std::byte, sizeof(T)> bytes{};
-    std::memcpy(bytes.data(), raw + n * static_cast<std::int64_t>(sizeof(T)), sizeof(T));
-    if (header.swapped) std::ranges::reverse(bytes);
-    const T value = std::bit_cast<T>(bytes);
+    const T value = stored.at<T>(static_cast<std::size_t>(n) * sizeof(T));
     out[n] = header.is_scaled() ? static_cast<float>(static_cast<double>(value) * header.slope + header.intercept)
                                 : static_cast<float>(value);
   }

@@ -5,7 +5,6 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <cmath>
 
 namespace reamsim::ct {
 

@@ -28,6 +28,8 @@ using Mask = std::vector<std::uint8_t>;
 /// The voxels with a value above 0.
 Mask positive_voxels(const AlignedImage& image);
 Mask complement(const Mask& mask);
+/// Whether one of the six voxels beside a voxel lies in the image and not in the mask.
+bool has_face_outside(const Mask& mask, const Lattice& lattice, const Vec3i& voxel);
 /// The voxels whose box of ±`radius` voxels lies in the mask. Beyond the image the values of its border hold.
 Mask eroded(const Mask& mask, const Lattice& lattice, const Vec3i& radius);
 /// The voxels whose box of ±`radius` voxels meets the mask.

@@ -205,12 +205,9 @@ std::vector<std::string> draft_overrides(const Scenario& scenario) {
     out.push_back("bone.voxel_mm=" + shortest_text(std::min(2 * scenario.bone.voxel_mm, BoneSettings::kMostVoxel_mm)));
   }
   const std::string cameras = scenario.render.cameras.empty() ? "" : name_of(scenario.render.cameras.front());
-  for (const std::string& key :
-       {std::string("every_frames=1000000000"), "cameras=[" + cameras + "]", std::string("before_after=false"),
-        std::string("contact_sheet=false"), std::string("user_cameras=[]"), std::string("turntable_pictures=0"),
-        std::string("film=none"), std::string("report=false")}) {
-    out.push_back("render." + key);
-  }
+  out.insert(out.end(), {"render.every_frames=1000000000", "render.cameras=[" + cameras + "]",
+                         "render.before_after=false", "render.contact_sheet=false", "render.user_cameras=[]",
+                         "render.turntable_pictures=0", "render.film=none", "render.report=false"});
   return out;
 }
 

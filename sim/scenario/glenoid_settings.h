@@ -38,13 +38,11 @@ struct VersionLandmarks {
   /// Those that are given in the slice, by their keys.
   [[nodiscard]] std::vector<std::pair<const char*, Vec3>> in_slice() const {
     std::vector<std::pair<const char*, Vec3>> out;
-    const auto add = [&](const char* key, const std::optional<Vec3>& point) {
+    for (const auto& [key, point] :
+         {std::pair("anterior_margin_mm", anterior_margin_mm), std::pair("posterior_margin_mm", posterior_margin_mm),
+          std::pair("medial_tip_mm", medial_tip_mm), std::pair("vault_tip_mm", vault_tip_mm)}) {
       if (point) out.emplace_back(key, *point);
-    };
-    add("anterior_margin_mm", anterior_margin_mm);
-    add("posterior_margin_mm", posterior_margin_mm);
-    add("medial_tip_mm", medial_tip_mm);
-    add("vault_tip_mm", vault_tip_mm);
+    }
     return out;
   }
 };
@@ -59,6 +57,9 @@ struct GlenoidSettings {
   std::optional<LandmarkSettings> landmarks;
   std::vector<Vec3> rim_mm;  ///< edge of the joint face before reaming, in order round it; empty: not given
   VersionLandmarks version_landmarks;
+
+  /// Whether there is a frame, or a point from which to find it.
+  [[nodiscard]] bool is_given() const { return near_mm || center_mm || landmarks; }
 };
 
 /// A wedge or step on the back of an implant, from the line across `direction`, `start_mm` from its axis, on. wedge:

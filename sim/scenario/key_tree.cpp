@@ -3,8 +3,8 @@
 
 #include "sim/scenario/key_tree.h"
 
-#include <algorithm>
 #include <array>
+#include <map>
 #include <numeric>
 #include <ranges>
 #include <utility>
@@ -250,34 +250,25 @@ std::string expectation(const KeyInfo& info) {
   const std::string_view unit_name = unit_of(info.name);
   const std::string unit = unit_name.empty() ? "" : " (" + std::string(unit_name) + ")";
   const std::string tail = (range.empty() ? "" : ", " + range) + unit;
-  switch (info.kind) {
-    case KeyKind::section:
-      return "a section of keys";
-    case KeyKind::list:
-      return "a list of sections";
-    case KeyKind::number:
-      return "a number" + tail;
-    case KeyKind::integer:
-      return "a whole number" + tail;
-    case KeyKind::flag:
-      return "true or false";
-    case KeyKind::choices:
-      return "a list of one or more of " + join_or(info.choices);
-    case KeyKind::names:
-      return "a name or a whole number, or a list of them";
-    case KeyKind::vector:
-      return std::string("3 numbers [x, y, z]") + (info.nonzero ? ", not all zero" : "") + each + unit +
-             (info.point ? ", or {markups: FILE, point: LABEL}" : "");
-    case KeyKind::points:
-      return "a list of " + std::to_string(info.least_points) + " or more points [[x, y, z], ...]" +
-             (range.empty() ? "" : ", each number " + range) + unit + (info.point ? ", or {markups: FILE}" : "");
-    case KeyKind::quaternion:
-      return "4 numbers [w, x, y, z] of length 1";
-    case KeyKind::text:
-      break;
-  }
-  if (!info.choices.empty()) return join_or(info.choices);
-  return info.text == TextKind::word ? "a text" : "a path";
+  const std::string text = !info.choices.empty()         ? join_or(info.choices)
+                           : info.text == TextKind::word ? "a text"
+                                                         : "a path";
+  const std::map<KeyKind, std::string> kinds{
+      {KeyKind::section, "a section of keys"},
+      {KeyKind::list, "a list of sections"},
+      {KeyKind::number, "a number" + tail},
+      {KeyKind::integer, "a whole number" + tail},
+      {KeyKind::flag, "true or false"},
+      {KeyKind::text, text},
+      {KeyKind::choices, "a list of one or more of " + join_or(info.choices)},
+      {KeyKind::names, "a name or a whole number, or a list of them"},
+      {KeyKind::vector, std::string("3 numbers [x, y, z]") + (info.nonzero ? ", not all zero" : "") + each + unit +
+                            (info.point ? ", or {markups: FILE, point: LABEL}" : "")},
+      {KeyKind::points, "a list of " + std::to_string(info.least_points) + " or more points [[x, y, z], ...]" +
+                            (range.empty() ? "" : ", each number " + range) + unit +
+                            (info.point ? ", or {markups: FILE}" : "")},
+      {KeyKind::quaternion, "4 numbers [w, x, y, z] of length 1"}};
+  return kinds.at(info.kind);
 }
 
 std::string suggest_key(const KeyNode& section, const std::string& unknown) {

@@ -16,7 +16,6 @@
 
 #include "sim/base/file.h"
 #include "sim/base/text.h"
-#include "sim/scenario/key_tree.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
 

@@ -8,12 +8,9 @@
 #include <filesystem>
 #include <memory>
 #include <new>
-#include <utility>
 
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/scenario/parse_steps.h"
-#include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
 #include "sim/scenario/yaml_tree.h"
 
@@ -117,14 +114,6 @@ YamlNodePtr assign(const YamlNodePtr& node, const Override& change, std::size_t 
   }
   return assign_key(node, change, level);
 }
-
-}  // namespace
-
-YamlNodePtr apply_override(const YamlNodePtr& document, const std::string& assignment) {
-  return assign(document, take_apart(assignment), 0);
-}
-
-namespace {
 
 /// A key of version 1 and its name in version 2; "" where it has no effect any more.
 struct KeyChange {
@@ -239,7 +228,63 @@ YamlNodePtr document_of_bone(const std::string& source, const std::string& path)
   return node;
 }
 
+constexpr std::array kPowerLawKeys{"specific_energy_j_mm3", "reference_density_g_cm3", "density_exponent"};
+
+/// Throws InputError for a key that the law does not have.
+void require_law_keys(const std::vector<std::string>& overrides) {
+  for (const std::string& override : overrides) {
+    if (override.starts_with("cutting.") || override.starts_with("bone.density.")) continue;
+    throw InputError({}, "--set", "found " + shown_text(override),
+                     "expected cutting.KEY=VALUE or bone.density.KEY=VALUE; to change anything else, run the scenario "
+                     "again");
+  }
+}
+
+/// The overrides, after those that remove what a preset or a table in them replaces: the file of a run has every
+/// default filled in, and its keys would take precedence.
+std::vector<std::string> replacing_law(const std::vector<std::string>& overrides) {
+  std::vector<std::string> out;
+  const auto any_sets = [&](const std::string& key) {
+    return std::ranges::any_of(
+        overrides, [&](const std::string& text) { return text.starts_with(key + "=") || text.starts_with(key + "."); });
+  };
+  const bool preset = any_sets("cutting.preset"), table = any_sets("cutting.specific_energy_table");
+  const auto is_drill = [](const std::string& text) { return text.starts_with("cutting.preset=drill"); };
+  if (std::ranges::any_of(overrides, is_drill)) {  // such a preset sets these as well
+    out = {"cutting.normal_ratio=null", "cutting.edge_force=null", "cutting.size_effect=null"};
+  }
+  if (preset || table) {
+    for (const char* key : kPowerLawKeys) out.push_back(std::string("cutting.") + key + "=null");
+    out.push_back(table ? "cutting.preset=null" : "cutting.specific_energy_table=null");
+  }
+  out.insert(out.end(), overrides.begin(), overrides.end());
+  return out;
+}
+
+/// The block of a section in YAML: the line `head`, and the more indented lines after it. Empty where there is none.
+struct Block {
+  std::size_t begin = 0, end = 0;
+};
+Block block_of(const std::string& text, const std::string& head) {
+  const std::size_t begin = ("\n" + text).find("\n" + head + "\n");
+  if (begin == std::string::npos) return {};
+  const std::size_t indent = head.find_first_not_of(' ');
+  std::size_t end = text.find('\n', begin) + 1;
+  while (end < text.size() && text.find_first_not_of(' ', end) - end > indent) end = text.find('\n', end) + 1;
+  return {begin, end};
+}
+
+void replace_block(const std::string& head, const std::string& from, std::string& text) {
+  const Block ours = block_of(text, head), theirs = block_of(from, head);
+  if (ours.end > 0 && theirs.end > 0)
+    text.replace(ours.begin, ours.end - ours.begin, from, theirs.begin, theirs.end - theirs.begin);
+}
+
 }  // namespace
+
+YamlNodePtr apply_override(const YamlNodePtr& document, const std::string& assignment) {
+  return assign(document, take_apart(assignment), 0);
+}
 
 Scenario parse_scenario(const std::string& path, const std::vector<std::string>& overrides) {
   try {
@@ -303,62 +348,6 @@ BoneSettings parse_bone_settings(const std::string& source, const std::string& p
   mistakes.throw_if_any();
   return scenario.bone;
 }
-
-namespace {
-
-constexpr std::array kPowerLawKeys{"specific_energy_j_mm3", "reference_density_g_cm3", "density_exponent"};
-
-/// Throws InputError for a key that the law does not have.
-void require_law_keys(const std::vector<std::string>& overrides) {
-  for (const std::string& override : overrides) {
-    if (override.starts_with("cutting.") || override.starts_with("bone.density.")) continue;
-    throw InputError({}, "--set", "found " + shown_text(override),
-                     "expected cutting.KEY=VALUE or bone.density.KEY=VALUE; to change anything else, run the scenario "
-                     "again");
-  }
-}
-
-/// The overrides, after those that remove what a preset or a table in them replaces: the file of a run has every
-/// default filled in, and its keys would take precedence.
-std::vector<std::string> replacing_law(const std::vector<std::string>& overrides) {
-  std::vector<std::string> out;
-  const auto any_sets = [&](const std::string& key) {
-    return std::ranges::any_of(
-        overrides, [&](const std::string& text) { return text.starts_with(key + "=") || text.starts_with(key + "."); });
-  };
-  const bool preset = any_sets("cutting.preset"), table = any_sets("cutting.specific_energy_table");
-  const auto is_drill = [](const std::string& text) { return text.starts_with("cutting.preset=drill"); };
-  if (std::ranges::any_of(overrides, is_drill)) {  // such a preset sets these as well
-    out = {"cutting.normal_ratio=null", "cutting.edge_force=null", "cutting.size_effect=null"};
-  }
-  if (preset || table) {
-    for (const char* key : kPowerLawKeys) out.push_back(std::string("cutting.") + key + "=null");
-    out.push_back(table ? "cutting.preset=null" : "cutting.specific_energy_table=null");
-  }
-  out.insert(out.end(), overrides.begin(), overrides.end());
-  return out;
-}
-
-/// The block of a section in YAML: the line `head`, and the more indented lines after it. Empty where there is none.
-struct Block {
-  std::size_t begin = 0, end = 0;
-};
-Block block_of(const std::string& text, const std::string& head) {
-  const std::size_t begin = ("\n" + text).find("\n" + head + "\n");
-  if (begin == std::string::npos) return {};
-  const std::size_t indent = head.find_first_not_of(' ');
-  std::size_t end = text.find('\n', begin) + 1;
-  while (end < text.size() && text.find_first_not_of(' ', end) - end > indent) end = text.find('\n', end) + 1;
-  return {begin, end};
-}
-
-void replace_block(const std::string& head, const std::string& from, std::string& text) {
-  const Block ours = block_of(text, head), theirs = block_of(from, head);
-  if (ours.end > 0 && theirs.end > 0)
-    text.replace(ours.begin, ours.end - ours.begin, from, theirs.begin, theirs.end - theirs.begin);
-}
-
-}  // namespace
 
 LawSettings parse_law_settings(const std::string& path, const std::vector<std::string>& overrides) {
   require_law_keys(overrides);

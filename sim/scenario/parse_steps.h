@@ -4,7 +4,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "sim/base/error.h"
 #include "sim/scenario/key_tree.h"

@@ -105,39 +105,6 @@ void require_input(const std::string& path, TextKind kind, const SourceLocation&
   if (access(path.c_str(), folder ? R_OK | X_OK : R_OK) != 0) refuse(name + " cannot be read", " with read permission");
 }
 
-}  // namespace
-
-void require_recordable(const std::string& path, const SourceLocation& where, const std::string& key) {
-  if (is_printable(path)) return;
-  throw InputError(where, key, "found the path " + shown_path(path),
-                   "rename it: expected UTF-8 without line breaks or control characters");
-}
-
-std::string resolve_path(const std::string& text, TextKind kind, const std::string& folder, const SourceLocation& where,
-                         const std::string& key) {
-  if (text.empty()) return text;
-  const fs::path path = fs::path(folder) / expand_variables(text, where, key);
-  std::string absolute = path.lexically_normal().string();
-  require_recordable(absolute, where, key);
-  if (absolute.size() > 1 && absolute.back() == '/') absolute.pop_back();
-  if (kind != TextKind::output_folder) require_input(absolute, kind, where, key);
-  return absolute;
-}
-
-std::string recorded_path(const std::string& path) {
-  for (const std::string& home : home_prefixes()) {
-    if (path.starts_with(home)) return kHomeVariable + replace_all(path.substr(home.size()), {{"${", "$${"}});
-  }
-  return replace_all(path, {{"${", "$${"}});
-}
-
-std::string recorded_text(std::string text) {
-  for (const std::string& home : home_prefixes()) text = replace_all(text, {{home, kHomeVariable}});
-  return text;
-}
-
-namespace {
-
 constexpr int kPipeWait_ms = 10'000;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& found) {
@@ -162,30 +129,6 @@ struct OpenFile {
 
   int descriptor;
 };
-
-}  // namespace
-
-std::string read_scenario_text(const std::string& path, std::size_t most_bytes) {
-  const OpenFile file(path);
-  struct stat status {};
-  const bool is_pipe = fstat(file.descriptor, &status) == 0 && S_ISFIFO(status.st_mode);
-  std::array<char, 65536> chunk{};
-  std::string text;
-  while (text.size() <= most_bytes) {
-    // A pipe has an end only after a writer has opened it, which poll() waits for and read() does not.
-    pollfd input{.fd = file.descriptor, .events = POLLIN, .revents = 0};
-    if (poll(&input, 1, is_pipe ? kPipeWait_ms : -1) == 0)
-      refuse(path, "is a pipe into which nothing was written for 10 s");
-    const ssize_t count = read(file.descriptor, chunk.data(), chunk.size());
-    if (count == 0) break;
-    if (count > 0) text.append(chunk.data(), static_cast<std::size_t>(count));
-    if (count < 0 && errno == EISDIR) refuse(path, "is a folder");
-    if (count < 0 && errno != EAGAIN && errno != EINTR) refuse_with_reason(path, errno);
-  }
-  return text;
-}
-
-namespace {
 
 /// Places of the shipped folders, from the folder of own_file(): an install prefix with bin/reamsim, a checkout with
 /// build/NAME/cli and build/NAME/python, beside the program, and a prefix with
@@ -261,6 +204,55 @@ std::string file_meant(const std::string& text, ShippedKind kind, const Place& p
 }
 
 }  // namespace
+
+void require_recordable(const std::string& path, const SourceLocation& where, const std::string& key) {
+  if (is_printable(path)) return;
+  throw InputError(where, key, "found the path " + shown_path(path),
+                   "rename it: expected UTF-8 without line breaks or control characters");
+}
+
+std::string resolve_path(const std::string& text, TextKind kind, const std::string& folder, const SourceLocation& where,
+                         const std::string& key) {
+  if (text.empty()) return text;
+  const fs::path path = fs::path(folder) / expand_variables(text, where, key);
+  std::string absolute = path.lexically_normal().string();
+  require_recordable(absolute, where, key);
+  if (absolute.size() > 1 && absolute.back() == '/') absolute.pop_back();
+  if (kind != TextKind::output_folder) require_input(absolute, kind, where, key);
+  return absolute;
+}
+
+std::string recorded_path(const std::string& path) {
+  for (const std::string& home : home_prefixes()) {
+    if (path.starts_with(home)) return kHomeVariable + replace_all(path.substr(home.size()), {{"${", "$${"}});
+  }
+  return replace_all(path, {{"${", "$${"}});
+}
+
+std::string recorded_text(std::string text) {
+  for (const std::string& home : home_prefixes()) text = replace_all(text, {{home, kHomeVariable}});
+  return text;
+}
+
+std::string read_scenario_text(const std::string& path, std::size_t most_bytes) {
+  const OpenFile file(path);
+  struct stat status {};
+  const bool is_pipe = fstat(file.descriptor, &status) == 0 && S_ISFIFO(status.st_mode);
+  std::array<char, 65536> chunk{};
+  std::string text;
+  while (text.size() <= most_bytes) {
+    // A pipe has an end only after a writer has opened it, which poll() waits for and read() does not.
+    pollfd input{.fd = file.descriptor, .events = POLLIN, .revents = 0};
+    if (poll(&input, 1, is_pipe ? kPipeWait_ms : -1) == 0)
+      refuse(path, "is a pipe into which nothing was written for 10 s");
+    const ssize_t count = read(file.descriptor, chunk.data(), chunk.size());
+    if (count == 0) break;
+    if (count > 0) text.append(chunk.data(), static_cast<std::size_t>(count));
+    if (count < 0 && errno == EISDIR) refuse(path, "is a folder");
+    if (count < 0 && errno != EAGAIN && errno != EINTR) refuse_with_reason(path, errno);
+  }
+  return text;
+}
 
 std::string shipped_folder(const std::string& name) {
   const fs::path own = own_file().parent_path();

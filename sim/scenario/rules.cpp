@@ -21,10 +21,6 @@ void require(const KeyLocations& at, bool fine, const std::string& key, double f
   if (!fine) at.fail(key, "found " + number_text(found), expected);
 }
 
-bool glenoid_given(const Scenario& s) {
-  return s.bone.glenoid.landmarks || s.bone.glenoid.center_mm || s.bone.glenoid.near_mm;
-}
-
 void check_name(const Scenario& s, const KeyLocations& at) {
   // It names a folder.
   const bool fine = s.name.find('/') == std::string::npos && s.name != "." && s.name != "..";
@@ -56,7 +52,7 @@ void check_side(const Scenario& s, const KeyLocations& at) {
   const char* why = nullptr;
   const bool phantom = s.bone.source == BoneSource::phantom;
   if (phantom && s.bone.phantom.shape == PhantomShape::glenoid) why = "bone.phantom.shape is glenoid";
-  if (glenoid_given(s)) why = "bone.glenoid is given";
+  if (s.bone.glenoid.is_given()) why = "bone.glenoid is given";
   if (s.motion.frame == PoseFrame::glenoid) why = "motion.frame is glenoid";
   if (s.bone.pilot_hole && s.bone.pilot_hole->frame == PoseFrame::glenoid) why = "bone.pilot_hole.frame is glenoid";
   if (why != nullptr) at.fail("bone.side", "missing", std::string("left or right, because ") + why);
@@ -64,7 +60,8 @@ void check_side(const Scenario& s, const KeyLocations& at) {
 
 void need_glenoid_frame(const Scenario& s, const KeyLocations& at, bool in_it, const std::string& key) {
   // Every phantom has its own, and a VDB may have one.
-  if (!in_it || s.bone.source == BoneSource::phantom || s.bone.source == BoneSource::vdb || glenoid_given(s)) return;
+  const bool has_own = s.bone.source == BoneSource::phantom || s.bone.source == BoneSource::vdb;
+  if (!in_it || has_own || s.bone.glenoid.is_given()) return;
   at.fail(key, "frame is glenoid but bone.glenoid is missing", "bone.glenoid, or frame: bone");
 }
 

@@ -32,6 +32,57 @@ void check_balance(const Scenario& s, const KeyLocations& at, const std::string&
   }
 }
 
+/// The key that says in which frame the point of a key is, with its value; "" where that is the frame of the bone.
+std::string other_frame(const Scenario& s, const std::string& key) {
+  const auto unless_bone = [](const std::string& frame_key, const std::string& frame) {
+    return frame == name_of(PoseFrame::bone) ? "" : frame_key + " is " + frame;
+  };
+  const std::string camera = "render.user_cameras.", implant = "metrics.implant.", hole = "bone.pilot_hole.";
+  if (key.starts_with("motion.")) return unless_bone("motion.frame", name_of(s.motion.frame));
+  if (key.starts_with(implant)) return unless_bone(implant + "frame", name_of(s.metrics.implant->frame));
+  if (key.starts_with(hole)) return unless_bone(hole + "frame", name_of(s.bone.pilot_hole->frame));
+  if (!key.starts_with(camera)) return "";
+  const std::string section = key.substr(0, key.rfind('.'));
+  return unless_bone(section + ".frame", name_of(s.render.user_cameras[std::stoul(key.substr(camera.size()))].frame));
+}
+
+// How far R·Rᵀ may be from the identity: matrices are written with few digits. A row of length 1.001 is within it.
+constexpr double kRotationTolerance = 2.1e-3;
+
+void check_transform(const std::string& key, const TransformSettings& transform, const KeyLocations& locations) {
+  if (transform.rotation.empty()) return;
+  const auto fail = [&](const std::string& found) {
+    locations.fail(key + ".rotation", found, "the three rows of a rotation matrix");
+  };
+  if (transform.rotation.size() != 3) fail("found " + std::to_string(transform.rotation.size()) + " rows");
+  const Mat3 matrix = transform.rotation_matrix();
+  const double error = (matrix * matrix.transpose() - Mat3::Identity()).cwiseAbs().maxCoeff();
+  if (error > kRotationTolerance) fail("found rows that are not perpendicular or not of length 1");
+  if (matrix.determinant() < 0) fail("found a reflection: its determinant is -1");
+}
+
+constexpr double kLeastRim_mm = 10;   // a joint face, and not a unit mistaken
+constexpr double kMostRim_mm = 100;   // likewise
+constexpr double kLeastWidth = 0.05;  // of the length: below, the points lie on a line
+
+/// Number of the first point, from 1, whose angle about the centre does not increase; 0 if all are in order.
+std::size_t first_out_of_order(const std::vector<Vec3>& rim_mm, const PointSpread& spread) {
+  std::vector<double> steps;
+  double turned = 0;
+  for (std::size_t i = 0; i < rim_mm.size(); ++i) {
+    const double from = angle_in_plane(rim_mm[i], spread), to = angle_in_plane(rim_mm[(i + 1) % rim_mm.size()], spread);
+    steps.push_back(std::remainder(to - from, 2 * std::numbers::pi));
+    turned += steps.back();
+  }
+  // Round once, whichever way: then the points that step the other way are the ones out of order.
+  const auto forwards = std::count_if(steps.begin(), steps.end(), [](double step) { return step > 0; });
+  const double way = 2 * forwards >= static_cast<std::ptrdiff_t>(steps.size()) ? 1 : -1;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (way * steps[i] <= 0) return (i + 1) % rim_mm.size() + 1;
+  }
+  return std::abs(std::abs(turned) - 2 * std::numbers::pi) < 1e-6 ? 0 : 1;
+}
+
 }  // namespace
 
 void check_push_step(const Scenario& s, const KeyLocations& at) {
@@ -65,24 +116,6 @@ void check_compliance(const Scenario& s, const KeyLocations& at) {
   at.fail(section + ".stiffness_n_mm", "found 1e6, which is rigid, in all directions",
           "less in one direction at least; remove motion.compliance for a rigid tool");
 }
-
-namespace {
-
-/// The key that says in which frame the point of a key is, with its value; "" where that is the frame of the bone.
-std::string other_frame(const Scenario& s, const std::string& key) {
-  const auto unless_bone = [](const std::string& frame_key, const std::string& frame) {
-    return frame == name_of(PoseFrame::bone) ? "" : frame_key + " is " + frame;
-  };
-  const std::string camera = "render.user_cameras.", implant = "metrics.implant.", hole = "bone.pilot_hole.";
-  if (key.starts_with("motion.")) return unless_bone("motion.frame", name_of(s.motion.frame));
-  if (key.starts_with(implant)) return unless_bone(implant + "frame", name_of(s.metrics.implant->frame));
-  if (key.starts_with(hole)) return unless_bone(hole + "frame", name_of(s.bone.pilot_hole->frame));
-  if (!key.starts_with(camera)) return "";
-  const std::string section = key.substr(0, key.rfind('.'));
-  return unless_bone(section + ".frame", name_of(s.render.user_cameras[std::stoul(key.substr(camera.size()))].frame));
-}
-
-}  // namespace
 
 void check_markups_frames(const Scenario& s, const KeyLocations& at, MistakeList& mistakes) {
   for (const MarkupsSource& source : s.markups) {
@@ -127,25 +160,6 @@ void check_implant(const Scenario& s, const KeyLocations& at) {
     fail("pegs." + std::to_string(i) + ".to_mm", "found a point closer than 0.1 mm to from_mm", "the other end");
   }
 }
-
-namespace {
-
-// How far R·Rᵀ may be from the identity: matrices are written with few digits. A row of length 1.001 is within it.
-constexpr double kRotationTolerance = 2.1e-3;
-
-void check_transform(const std::string& key, const TransformSettings& transform, const KeyLocations& locations) {
-  if (transform.rotation.empty()) return;
-  const auto fail = [&](const std::string& found) {
-    locations.fail(key + ".rotation", found, "the three rows of a rotation matrix");
-  };
-  if (transform.rotation.size() != 3) fail("found " + std::to_string(transform.rotation.size()) + " rows");
-  const Mat3 matrix = transform.rotation_matrix();
-  const double error = (matrix * matrix.transpose() - Mat3::Identity()).cwiseAbs().maxCoeff();
-  if (error > kRotationTolerance) fail("found rows that are not perpendicular or not of length 1");
-  if (matrix.determinant() < 0) fail("found a reflection: its determinant is -1");
-}
-
-}  // namespace
 
 void check_csv(const Scenario& scenario, const KeyLocations& locations) {
   if (!scenario.motion.csv) return;
@@ -199,32 +213,6 @@ void check_cameras(const Scenario& s, const KeyLocations& at) {
       fail("up", "the direction from position_mm to target_mm", "a direction across it");
   }
 }
-
-namespace {
-
-constexpr double kLeastRim_mm = 10;   // a joint face, and not a unit mistaken
-constexpr double kMostRim_mm = 100;   // likewise
-constexpr double kLeastWidth = 0.05;  // of the length: below, the points lie on a line
-
-/// Number of the first point, from 1, whose angle about the centre does not increase; 0 if all are in order.
-std::size_t first_out_of_order(const std::vector<Vec3>& rim_mm, const PointSpread& spread) {
-  std::vector<double> steps;
-  double turned = 0;
-  for (std::size_t i = 0; i < rim_mm.size(); ++i) {
-    const double from = angle_in_plane(rim_mm[i], spread), to = angle_in_plane(rim_mm[(i + 1) % rim_mm.size()], spread);
-    steps.push_back(std::remainder(to - from, 2 * std::numbers::pi));
-    turned += steps.back();
-  }
-  // Round once, whichever way: then the points that step the other way are the ones out of order.
-  const auto forwards = std::count_if(steps.begin(), steps.end(), [](double step) { return step > 0; });
-  const double way = 2 * forwards >= static_cast<std::ptrdiff_t>(steps.size()) ? 1 : -1;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (way * steps[i] <= 0) return (i + 1) % rim_mm.size() + 1;
-  }
-  return std::abs(std::abs(turned) - 2 * std::numbers::pi) < 1e-6 ? 0 : 1;
-}
-
-}  // namespace
 
 void check_rim(const Scenario& s, const KeyLocations& at) {
   const std::vector<Vec3>& rim_mm = s.bone.glenoid.rim_mm;

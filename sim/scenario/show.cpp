@@ -37,6 +37,27 @@ bool is_reserved_word(std::string_view text) {
   return std::ranges::find(kWords, lower_case(std::string(text))) != kWords.end();
 }
 
+/// Sections and keys that change no number of the results.
+constexpr std::array kWithoutEffect{"version", "name", "output", "render"};
+
+bool holds_maps(const YamlNode& node) {
+  return std::ranges::any_of(node.items, [](const YamlNodePtr& item) { return item->kind == YamlNode::Kind::map; });
+}
+
+/// Adds every value below `node`; a list of plain values is one value.
+void add_values(const YamlNode& node, const std::string& path, ScenarioValues& out) {
+  if (node.kind == YamlNode::Kind::map) {
+    for (const YamlEntry& entry : node.entries) {
+      const bool shown = !path.empty() || std::ranges::find(kWithoutEffect, entry.key) == kWithoutEffect.end();
+      if (shown) add_values(*entry.value, path.empty() ? entry.key : path + "." + entry.key, out);
+    }
+  } else if (node.kind == YamlNode::Kind::sequence && holds_maps(node)) {
+    for (std::size_t i = 0; i < node.items.size(); ++i) add_values(*node.items[i], path + "." + std::to_string(i), out);
+  } else {
+    out.emplace_back(path, flow_text(node, false));
+  }
+}
+
 }  // namespace
 
 std::string shown_text(std::string_view text) {
@@ -55,37 +76,22 @@ std::string shown_key(std::string_view key) {
 }
 
 std::string shown(const YamlNode& node) {
-  switch (node.kind) {
-    case YamlNode::Kind::null:
-      return "nothing";
-    case YamlNode::Kind::sequence:
-      return "a list of " + std::to_string(node.items.size());
-    case YamlNode::Kind::map:
-      return "a section of keys";
-    case YamlNode::Kind::scalar:
-      break;
-  }
+  if (node.kind == YamlNode::Kind::null) return "nothing";
+  if (node.kind == YamlNode::Kind::sequence) return "a list of " + std::to_string(node.items.size());
+  if (node.kind == YamlNode::Kind::map) return "a section of keys";
   const bool word = !node.quoted && (parse_number(node.text) || node.text == "true" || node.text == "false");
   return word && node.text.size() <= kShownBytes ? node.text : "the text " + shown_text(node.text);
 }
 
 std::string flow_text(const YamlNode& node, bool quotes) {
+  if (node.kind == YamlNode::Kind::null) return "null";
+  if (node.kind == YamlNode::Kind::scalar) return quotes && node.quoted ? json_string(node.text) : node.text;
   std::string out;
-  switch (node.kind) {
-    case YamlNode::Kind::null:
-      return "null";
-    case YamlNode::Kind::scalar:
-      return quotes && node.quoted ? json_string(node.text) : node.text;
-    case YamlNode::Kind::sequence:
-      for (const YamlNodePtr& item : node.items) out += (out.empty() ? "" : ", ") + flow_text(*item, quotes);
-      return "[" + out + "]";
-    case YamlNode::Kind::map:
-      for (const YamlEntry& entry : node.entries) {
-        out += (out.empty() ? "" : ", ") + yaml_scalar(entry.key) + ": " + flow_text(*entry.value, quotes);
-      }
-      return "{" + out + "}";
+  for (const YamlNodePtr& item : node.items) out += (out.empty() ? "" : ", ") + flow_text(*item, quotes);
+  for (const YamlEntry& entry : node.entries) {
+    out += (out.empty() ? "" : ", ") + yaml_scalar(entry.key) + ": " + flow_text(*entry.value, quotes);
   }
-  return out;
+  return node.kind == YamlNode::Kind::sequence ? "[" + out + "]" : "{" + out + "}";
 }
 
 std::string number_text(double value) {
@@ -139,31 +145,6 @@ std::string yaml_scalar(std::string_view text) {
                      text.find_first_not_of(kAny) == text.npos && !is_reserved_word(text);
   return plain ? std::string(text) : json_string(text);
 }
-
-namespace {
-
-/// Sections and keys that change no number of the results.
-constexpr std::array kWithoutEffect{"version", "name", "output", "render"};
-
-bool holds_maps(const YamlNode& node) {
-  return std::ranges::any_of(node.items, [](const YamlNodePtr& item) { return item->kind == YamlNode::Kind::map; });
-}
-
-/// Adds every value below `node`; a list of plain values is one value.
-void add_values(const YamlNode& node, const std::string& path, ScenarioValues& out) {
-  if (node.kind == YamlNode::Kind::map) {
-    for (const YamlEntry& entry : node.entries) {
-      const bool shown = !path.empty() || std::ranges::find(kWithoutEffect, entry.key) == kWithoutEffect.end();
-      if (shown) add_values(*entry.value, path.empty() ? entry.key : path + "." + entry.key, out);
-    }
-  } else if (node.kind == YamlNode::Kind::sequence && holds_maps(node)) {
-    for (std::size_t i = 0; i < node.items.size(); ++i) add_values(*node.items[i], path + "." + std::to_string(i), out);
-  } else {
-    out.emplace_back(path, flow_text(node, false));
-  }
-}
-
-}  // namespace
 
 ScenarioValues values_of_scenario(const YamlNode& document) {
   ScenarioValues out;

@@ -215,32 +215,6 @@ class YamlBuilder : public YAML::EventHandler {
   int documents_ = 0;
 };
 
-}  // namespace
-
-SourceLocation YamlMark::in(const std::string& file) const {
-  if (override_text) return {*override_text, 0, 0};
-  return {file, line, column};
-}
-
-const YamlEntry* YamlNode::find(std::string_view key) const {
-  const auto found = std::ranges::find(entries, key, &YamlEntry::key);
-  return found == entries.end() ? nullptr : &*found;
-}
-
-const YamlNode* YamlNode::at(std::string_view path) const {
-  const YamlNode* node = this;
-  for (const std::string& step : split(path, '.')) {
-    const std::optional<std::uint64_t> index = whole_number(step);
-    const YamlEntry* entry = node->find(step);
-    const bool item = node->kind == Kind::sequence && index && *index < node->items.size();
-    node = item ? node->items[*index].get() : entry == nullptr ? nullptr : entry->value.get();
-    if (node == nullptr) break;
-  }
-  return node;
-}
-
-namespace {
-
 /// Our words for what yaml-cpp may complain of: (how its message begins, found, expected).
 struct Rephrased {
   std::string_view theirs;
@@ -306,6 +280,28 @@ void require_text(std::string_view text, const LineIndex& lines, const std::stri
 }
 
 }  // namespace
+
+SourceLocation YamlMark::in(const std::string& file) const {
+  if (override_text) return {*override_text, 0, 0};
+  return {file, line, column};
+}
+
+const YamlEntry* YamlNode::find(std::string_view key) const {
+  const auto found = std::ranges::find(entries, key, &YamlEntry::key);
+  return found == entries.end() ? nullptr : &*found;
+}
+
+const YamlNode* YamlNode::at(std::string_view path) const {
+  const YamlNode* node = this;
+  for (const std::string& step : split(path, '.')) {
+    const std::optional<std::uint64_t> index = whole_number(step);
+    const YamlEntry* entry = node->find(step);
+    const bool item = node->kind == Kind::sequence && index && *index < node->items.size();
+    node = item ? node->items[*index].get() : entry == nullptr ? nullptr : entry->value.get();
+    if (node == nullptr) break;
+  }
+  return node;
+}
 
 YamlNodePtr parse_yaml(std::string_view text, const std::string& file) {
   if (text.size() > YamlLimits::kMaxBytes) {

@@ -13,8 +13,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <utility>
-#include <vector>
 
 #include "sim/base/checksum.h"
 #include "sim/base/value_file.h"
@@ -55,16 +53,10 @@ void visit_bricks(ValueReader& visit, Bricks& bricks) {
 /// Visits all but the bricks, in the order of the file. `voxmap`: that of the bone.
 template <class Visit, class Voxels, class Kept>
 void visit_values(Visit& visit, Voxels& voxmap, Kept& kept) {
-  visit(voxmap.mapping);
-  visit(voxmap.frame);
-  visit(voxmap.layers);
-  visit(kept.bone.glenoid);
-  visit(kept.bone.landmarks);
-  visit(kept.bone.scapula);
-  visit(kept.bone.side);
-  visit(kept.bone.segmentation);
-  visit(kept.bone.rim_mm);
-  visit(kept.report);
+  const auto visit_each = [&visit](auto&... values) { (visit(values), ...); };
+  auto& bone = kept.bone;
+  visit_each(voxmap.mapping, voxmap.frame, voxmap.layers, bone.glenoid, bone.landmarks, bone.scapula, bone.side,
+             bone.segmentation, bone.rim_mm, kept.report);
 }
 
 constexpr std::string_view kBoneMagic = "reamsim bone 1\n";

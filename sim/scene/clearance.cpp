@@ -16,7 +16,6 @@
 #include "sim/bone/voxel_surface.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/scenario/parse.h"
-#include "sim/scene/scene.h"
 #include "sim/scene/swept_bone.h"
 #include "sim/tool/tool_path.h"
 
@@ -305,9 +304,8 @@ class ClearanceSearch {
 
 /// Where and when a clearance is.
 std::string place_of(const FrameClearance& at, const SimulationInput& scene) {
-  const Vec3& p = at.point_mm;
-  return fmt::format("the {} at ({:.1f}, {:.1f}, {:.1f}) mm, in frame {} ({:.3f} s)", name_of(at.obstacle), p.x(),
-                     p.y(), p.z(), at.frame, static_cast<double>(at.frame) * scene.motion.frame_s());
+  return fmt::format("the {} at {} mm, in frame {} ({:.3f} s)", name_of(at.obstacle), point_text(at.point_mm), at.frame,
+                     static_cast<double>(at.frame) * scene.motion.frame_s());
 }
 
 /// Adds the frames of a pass.

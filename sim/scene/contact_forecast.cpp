@@ -318,11 +318,10 @@ void warn_of_contact(const SimulationInput& scene, const std::vector<ContactFore
           exact ? ", which is removed without force" : ", so the force of the first frames is not meaningful"));
     }
     if (forecast.touches) continue;
-    const Vec3& p = forecast.bone_mm;
     report.warn(fmt::format(
-        "{}the tool never touches the bone: its smallest distance is {:.2f} mm, in frame {}, from the bone at "
-        "({:.1f}, {:.1f}, {:.1f}) mm; check motion and, if it is used, the glenoid frame",
-        pass, forecast.nearest_mm, forecast.frame, p.x(), p.y(), p.z()));
+        "{}the tool never touches the bone: its smallest distance is {:.2f} mm, in frame {}, from the bone at {} mm; "
+        "check motion and, if it is used, the glenoid frame",
+        pass, forecast.nearest_mm, forecast.frame, point_text(forecast.bone_mm)));
   }
 }
 

@@ -94,7 +94,6 @@ std::optional<double> first_bone_mm(const BoneView& bone, const Vec3& from_mm, c
   const Ray ray{from_mm, direction};
   const Span within = clipped(ray, grid.bounds_mm(), {0, most_mm});
   if (within.begin_mm >= within.end_mm) return std::nullopt;
-  const Vec3i bricks = bone.voxmap.grade.brick_dims();
   std::optional<double> met;
   const auto visit_brick = [&](const Vec3i& coord, const Span& in_brick) {
     const GradeBricks::Brick* grades = bone.voxmap.grade.brick(coord);
@@ -108,8 +107,8 @@ std::optional<double> first_bone_mm(const BoneView& bone, const Vec3& from_mm, c
       return met.has_value();
     });
   };
-  walk(ray, grid.origin_mm, grid.voxel_mm * BrickLattice::kSide, Vec3i::Zero(), bricks - Vec3i::Ones(), within,
-       visit_brick);
+  walk(ray, grid.origin_mm, grid.voxel_mm * BrickLattice::kSide, Vec3i::Zero(),
+       bone.voxmap.grade.brick_dims() - Vec3i::Ones(), within, visit_brick);
   return met && *met <= most_mm ? met : std::nullopt;
 }
 

@@ -51,13 +51,9 @@ void drill(Bone& bone, const PilotHoleSettings& hole, bool partial, Diagnostics&
   FilledVoxmap voxels = bone.copy_voxels();
   const double drilled_mm3 = drill_pilot_hole(voxels, hole, bone.glenoid, partial);
   bone.set_voxels(std::move(voxels));
-  const std::string text =
-      fmt::format("pilot hole: diameter {:.4g} mm, {:.1f} mm3 of bone removed", hole.diameter_mm, drilled_mm3);
-  if (drilled_mm3 > 0) {
-    report.note(text);
-  } else {
-    report.warn("the pilot hole meets no bone: check bone.pilot_hole.entry_mm, axis and depth_mm");
-  }
+  if (drilled_mm3 == 0)
+    return report.warn("the pilot hole meets no bone: check bone.pilot_hole.entry_mm, axis and depth_mm");
+  report.note(fmt::format("pilot hole: diameter {:.4g} mm, {:.1f} mm3 of bone removed", hole.diameter_mm, drilled_mm3));
 }
 
 /// Notes where the scenario, which has priority, contradicts the VDB.
@@ -102,10 +98,7 @@ Bone bone_from_vdb(const BoneSettings& settings, Diagnostics& report) {
   bone.glenoid = stored.anatomy.glenoid;
   bone.landmarks = stored.anatomy.landmarks;
   bone.side = stored.anatomy.side;
-  if (stored.anatomy.glenoid && !settings.glenoid.center_mm && !settings.glenoid.landmarks &&
-      !settings.glenoid.near_mm) {
-    report.note("glenoid frame from the VDB");
-  }
+  if (stored.anatomy.glenoid && !settings.glenoid.is_given()) report.note("glenoid frame from the VDB");
   if (stored.densest_g_cm3 > DensityMapping::kMaxDensity_g_cm3 * (1 + kRounding)) {
     report.warn(
         fmt::format("{}: found {:.4g} g/cm3; the most that is represented is {:g} g/cm3, and forces there are "

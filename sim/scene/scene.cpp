@@ -7,11 +7,9 @@
 
 #include "sim/anatomy/find_glenoid.h"
 #include "sim/anatomy/run_metrics.h"
-#include "sim/base/error.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/parse_steps.h"
-#include "sim/scene/load_bone.h"
 #include "sim/scene/swept_bone.h"
 #include "sim/tool/tool_path.h"
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "kernels/bricks.h"
 #include "sim/base/parallel.h"
@@ -159,15 +160,10 @@ class SweptBone {
 /// The pose of greatest tool depth, which counts along the tool's axis from the pose before the first contact.
 const ToolPose& deepest_from(const std::vector<ToolPose>& poses, std::size_t contact) {
   const Vec3& start_mm = poses[contact == 0 ? 0 : contact - 1].position_mm;
-  const ToolPose* deepest = &poses[contact];
-  double most_mm = -std::numeric_limits<double>::infinity();
-  for (std::size_t k = contact; k < poses.size(); ++k) {
-    const double depth_mm = -(poses[k].position_mm - start_mm).dot(poses[k].orientation * Vec3::UnitZ());
-    if (depth_mm <= most_mm) continue;
-    most_mm = depth_mm;
-    deepest = &poses[k];
-  }
-  return *deepest;
+  const auto depth_mm = [&](const ToolPose& pose) {
+    return -(pose.position_mm - start_mm).dot(pose.orientation * Vec3::UnitZ());
+  };
+  return *std::ranges::max_element(std::span(poses).subspan(contact), {}, depth_mm);
 }
 
 }  // namespace

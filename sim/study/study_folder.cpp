@@ -31,6 +31,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostBytes = 16'000'000;  // of a summary or a note
 
+[[noreturn]] void refuse_folder(const std::string& dir, const std::string& found, const std::string& expected) {
+  throw InputError({dir, 0, 0}, "output folder", found, expected);
+}
+
 std::string mark_of(const std::string& dir) {
   return dir + "/study.json";
 }
@@ -54,9 +58,7 @@ bool is_begun(const std::string& dir) {
 std::string absolute(const std::string& dir) {
   fs::path out = fs::absolute(dir).lexically_normal();
   if (!out.has_filename()) out = out.parent_path();
-  if (!is_printable(out.string())) {
-    throw InputError({dir, 0, 0}, "output folder", "is no UTF-8 on one line", "choose another name with -o");
-  }
+  if (!is_printable(out.string())) refuse_folder(dir, "is no UTF-8 on one line", "choose another name with -o");
   return out.string();
 }
 
@@ -65,25 +67,18 @@ std::string absolute(const std::string& dir) {
 StudyFolder::StudyFolder(const Study& study, const std::string& dir) : dir_(absolute(dir)), keep_(study.keep) {
   std::error_code error;
   // Another shard may create the folder at the same time, and mark it between the two looks.
-  if (fs::exists(fs::symlink_status(dir_, error)) && !is_study(dir_) && !is_begun(dir_) && !is_study(dir_)) {
-    throw InputError({dir_, 0, 0}, "output folder", "exists and is not the folder of a study",
-                     "choose another with -o");
-  }
+  if (fs::exists(fs::symlink_status(dir_, error)) && !is_study(dir_) && !is_begun(dir_) && !is_study(dir_))
+    refuse_folder(dir_, "exists and is not the folder of a study", "choose another with -o");
   for (const char* part : {"/runs", "/failed"}) {
     fs::create_directories(dir_ + part, error);
-    if (error) {
-      throw InputError({dir_, 0, 0}, "output folder", "cannot be created", "choose a writable place with -o");
-    }
+    if (error) refuse_folder(dir_, "cannot be created", "choose a writable place with -o");
   }
   mark(study);
 }
 
 StudyFolder StudyFolder::open(const Study& study, const std::string& dir) {
   const std::string path = absolute(dir);
-  if (!is_study(path)) {
-    throw InputError({path, 0, 0}, "output folder", "holds no study",
-                     "run `reamsim sweep run` first, or name it with -o");
-  }
+  if (!is_study(path)) refuse_folder(path, "holds no study", "run `reamsim sweep run` first, or name it with -o");
   return {path, study.keep};
 }
 

@@ -191,7 +191,9 @@ class StudyReader {
     const YamlNode& node = *entry.value;
     if (entry.key == "method") {
       study_.sample->method_where = node.mark.in(file_);
-      study_.sample->method = static_cast<SampleMethod>(place_of(node, "sample.method", kMethods));
+      const auto found = std::ranges::find(kMethods, node.text);
+      if (found == kMethods.end()) reject(node, "sample.method", suggest_word(kMethods, node.text));
+      study_.sample->method = static_cast<SampleMethod>(found - kMethods.begin());
     } else if (entry.key == "n") {
       study_.sample->n = static_cast<int>(whole(node, "sample.n", 1, kMostSamples));
     } else if (entry.key == "seed") {
@@ -202,13 +204,6 @@ class StudyReader {
       throw InputError(entry.mark.in(file_), "sample." + shown_key(entry.key), "unknown key",
                        suggest_word(kSampleKeys, entry.key));
     }
-  }
-
-  [[nodiscard]] std::size_t place_of(const YamlNode& node, const std::string& key,
-                                     const std::vector<std::string_view>& words) const {
-    const auto found = std::ranges::find(words, node.text);
-    if (found == words.end()) reject(node, key, suggest_word(words, node.text));
-    return static_cast<std::size_t>(found - words.begin());
   }
 
   [[nodiscard]] std::uint64_t whole(const YamlNode& node, const std::string& key, std::uint64_t least,

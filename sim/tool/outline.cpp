@@ -101,12 +101,9 @@ std::vector<std::vector<Vec2>> polylines_of(const Profile& profile) {
 
 /// The number of vertices on the longest arc from vertex `first` on, 0 for none.
 std::size_t longest_arc(std::span<const Vec2> row, std::size_t first) {
-  std::size_t count = 0;
-  for (std::size_t n = kMinVertices; first + n <= row.size(); ++n) {
-    if (!arc_through(row.subspan(first, n))) break;
-    count = n;
-  }
-  return count;
+  std::size_t n = kMinVertices;
+  while (first + n <= row.size() && arc_through(row.subspan(first, n))) ++n;
+  return n == kMinVertices ? 0 : n - 1;
 }
 
 /// Marks the points of points[first…last] to keep, without the ends.

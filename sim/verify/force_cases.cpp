@@ -270,10 +270,6 @@ namespace {
 
 constexpr double kVoxel_mm = 0.25, kEnergyRate_hz = 500, kLayer_mm = 1.5, kDense = 1.8, kSoft = 0.4;
 
-double layered_density(const Vec3& p) {
-  return p.z() > -kLayer_mm ? kDense : kSoft;
-}
-
 /// Down; sideways, so slowly rotating that most of the face is below the speed floor; tilting.
 Motion every_kind_of_motion() {
   const Quat first = rotation({1, 0.4, 0}, 10), last = rotation({0.2, 1, 0}, 8) * first;
@@ -313,8 +309,9 @@ void energy_case(const Setting& setting, Report& out) {
       "−Σ(T·ω + F·v)·Δt + E_floor = E_cut = Σu(ρ)·ΔV; an identity of the law, so it checks the bookkeeping and not the "
       "bone";
   const Tool tool = make_tool(convex_profile(12, 5, 1, 8, 0.05));
-  const Reamed reamed =
-      ream(scene_of(block({22, 20, 6}, kVoxel_mm, layered_density), tool, every_kind_of_motion()), setting);
+  const FilledVoxmap bone =
+      block({22, 20, 6}, kVoxel_mm, [](const Vec3& p) { return p.z() > -kLayer_mm ? kDense : kSoft; });
+  const Reamed reamed = ream(scene_of(bone, tool, every_kind_of_motion()), setting);
   double work = 0;
   for (std::size_t k = 1; k < reamed.rows.size(); ++k) work += work_mj(reamed.rows[k - 1].pose, reamed.rows[k]);
   const double floor = reamed.sum(&FrameResult::floor_energy_mj), cut = reamed.sum(&FrameResult::energy_mj);

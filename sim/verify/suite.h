@@ -54,14 +54,13 @@ struct Sample {
 /// A level of a refinement from its runs, whose closed forms may differ a little from `nominal`.
 inline Level level_of(double step, const std::vector<Sample>& samples, double nominal) {
   Level level{.step = step, .runs = static_cast<int>(samples.size())};
-  std::vector<double> errors;
+  double error = 0, squares = 0;
   for (const Sample& sample : samples) {
-    errors.push_back(sample.found / sample.expected - 1);
+    error = sample.found / sample.expected - 1;
+    squares += error * error;
     level.found += nominal * sample.found / sample.expected / static_cast<double>(samples.size());
   }
-  double squares = 0;
-  for (const double error : errors) squares += error * error;
-  level.error = samples.size() == 1 ? errors.front() : std::sqrt(squares / static_cast<double>(samples.size()));
+  level.error = samples.size() == 1 ? error : std::sqrt(squares / static_cast<double>(samples.size()));
   return level;
 }
 

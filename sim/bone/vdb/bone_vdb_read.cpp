@@ -210,12 +210,6 @@ BodySide checked_stored_side(const std::string& path, const std::string& text) {
   throw InputError({path, 0, 0}, vdb_keys::kSide, excerpt(text), std::string("expected left or right") + kRemedy);
 }
 
-StoredAnatomy anatomy_of(const std::string& path, const openvdb::FloatGrid& density) {
-  return {.glenoid = parse_stored_glenoid(path, text_in(density, vdb_keys::kGlenoid)),
-          .landmarks = parse_stored_landmarks(path, text_in(density, vdb_keys::kLandmarks)),
-          .side = checked_stored_side(path, text_in(density, vdb_keys::kSide))};
-}
-
 StoredBone read_grids(const std::string& path) {
   const VdbGrids file = read_vdb_file(path, {vdb_keys::kDensity, vdb_keys::kFill});
   if (!file.grids.contains(vdb_keys::kDensity)) {
@@ -224,7 +218,9 @@ StoredBone read_grids(const std::string& path) {
   const openvdb::FloatGrid::Ptr density = file.grids.at(vdb_keys::kDensity);
   const Placement placement = checked_placement(path, *density);
   StoredBone out;
-  out.anatomy = anatomy_of(path, *density);
+  out.anatomy = {.glenoid = parse_stored_glenoid(path, text_in(*density, vdb_keys::kGlenoid)),
+                 .landmarks = parse_stored_landmarks(path, text_in(*density, vdb_keys::kLandmarks)),
+                 .side = checked_stored_side(path, text_in(*density, vdb_keys::kSide))};
   out.erosion = text_in(*density, vdb_keys::kErosion);
   out.voxmap = FilledVoxmap(placement.lattice);
   FilledVoxmap& voxmap = out.voxmap;

@@ -90,17 +90,6 @@ openvdb::FloatGrid::Ptr smoothed_occupancy(const BoneView& bone) {
   return grid;
 }
 
-/// Adds a leaf to the tree, as a tile if it is constant, as most leaves inside a bone are.
-void put(std::unique_ptr<Leaf> leaf, openvdb::FloatTree& tree) {
-  float all = 0;
-  bool active = false;
-  if (leaf->isConstant(all, active)) {
-    tree.addTile(1, leaf->origin(), all, active);
-  } else {
-    tree.addLeaf(leaf.release());
-  }
-}
-
 /// A fog volume of `value(grade, fill)` at the voxels with grade ≠ 0. Bricks and leaves are the same blocks.
 template <class Value>
 openvdb::FloatGrid::Ptr fog(const BoneView& bone, const Value& value) {
@@ -111,7 +100,14 @@ openvdb::FloatGrid::Ptr fog(const BoneView& bone, const Value& value) {
     for_each_bone_voxel_in(bone, coord, [&](const Vec3i& voxel, std::uint8_t grade, std::uint16_t fill) {
       leaf->setValueOn(Leaf::coordToOffset(vdb_coord(voxel)), value(grade, fill));
     });
-    put(std::move(leaf), grid->tree());
+    // As a tile if it is constant, as most leaves inside a bone are.
+    float all = 0;
+    bool active = false;
+    if (leaf->isConstant(all, active)) {
+      grid->tree().addTile(1, leaf->origin(), all, active);
+    } else {
+      grid->tree().addLeaf(leaf.release());
+    }
   });
   return grid;
 }

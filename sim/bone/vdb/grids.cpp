@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <sstream>
-#include <utility>
 
 #include "sim/base/parallel.h"
 #include "sim/bone/voxmap/voxmap.h"

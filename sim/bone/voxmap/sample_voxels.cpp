@@ -79,10 +79,9 @@ ChangedBrick sample_surface_of(const SurfaceSampler& sample, const Voxmap& voxma
 
 /// The bricks whose fill changes.
 std::vector<ChangedBrick> sample_surface(const SurfaceSampler& sample, const Voxmap& voxmap) {
-  const BrickLattice lattice{voxmap.grade.brick_dims()};
   std::vector<ChangedBrick> out;
   for (const Vec3i& coord : bricks_near_bone(voxmap.grade)) {
-    if (lattice.contains(coord)) out.push_back({coord, {}});
+    if (voxmap.grade.lattice().contains(coord)) out.push_back({coord, {}});
   }
   parallel_items(out.size(), [&](std::size_t i) { out[i] = sample_surface_of(sample, voxmap, out[i].coord); });
   std::erase_if(out, [](const ChangedBrick& brick) { return brick.voxels.empty(); });

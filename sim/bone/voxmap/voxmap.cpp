@@ -5,7 +5,6 @@
 
 #include <fmt/core.h>
 #include <unistd.h>
-#include <algorithm>
 #include <limits>
 
 namespace reamsim {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -45,6 +46,10 @@ struct VoxelGrid {
   bool operator==(const VoxelGrid&) const = default;
   static auto fields(auto& self) { return std::tie(self.dims, self.voxel_mm, self.origin_mm); }
 };
+
+/// From a voxel to those beside its six faces.
+inline const std::array<Vec3i, 6> kFaceSteps{Vec3i(1, 0, 0),  Vec3i(-1, 0, 0), Vec3i(0, 1, 0),
+                                             Vec3i(0, -1, 0), Vec3i(0, 0, 1),  Vec3i(0, 0, -1)};
 
 /// Calls visit(voxel) for the voxels from `first` to `last`, both included; x varies fastest.
 template <class Visit>
