@@ -7,10 +7,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "sim/base/parallel.h"
 #include "sim/bone/bone.h"
+#include "sim/bone/mesh_fractions.h"
 #include "sim/bone/mesh_source.h"
 #include "sim/bone/phantom.h"
 #include "sim/bone/vdb/grids.h"
@@ -260,14 +262,19 @@ void grade_brick(const MeshDepth& depth, const GradesByDepth& by_depth, const Ve
   std::ranges::transform(distances, out.begin(), [&](float distance) { return by_depth.grade(distance); });
 }
 
-/// Sets the fill by the distance of the surface. Grades depend on the depth only: there is no partial volume.
-void set_fill_at_surface(const openvdb::FloatTree& distance, const GradesByDepth& by_depth, FilledVoxmap& voxmap) {
+/// Sets the fill: of a mesh without overlaps exactly, else by the distance of the surface. Grades depend on the depth
+/// only: there is no partial volume.
+void set_fill_at_surface(const openvdb::FloatTree& distance, const TriangleMesh* simple, const GradesByDepth& by_depth,
+                         FilledVoxmap& voxmap) {
+  std::optional<MeshFractions> fractions;
+  if (simple != nullptr) fractions.emplace(*simple, voxmap.grid);
   const DistanceBetween between{distance};
   const std::uint8_t outermost = by_depth.grade(-std::numeric_limits<float>::min());
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
     const double away = double{distance.getValue(vdb_coord(voxel))};
     const std::uint8_t bone = grade != 0 ? grade : outermost;
     if (std::abs(away) > RS_CLIP_REACH) return {away < 0 ? 1.0 : 0.0, bone};
+    if (fractions) return {fractions->at(voxel).value_or(away < 0 ? 1 : 0), bone};
     return {fraction_inside(between, voxel.cast<double>(), 1), bone};
   };
   set_partial_fill(sample, voxmap);
@@ -296,8 +303,9 @@ void check_volume(double mesh_mm3, bool by_winding, double voxels_mm3, Diagnosti
                   voxels_mm3, mesh_mm3));
 }
 
-FilledVoxmap voxmap_of(const MeshDepth& depth, const BoneSettings& settings, const VoxelGrid& grid,
-                       const GradesByDepth& by_depth) {
+/// `simple`: the mesh if it has no overlaps.
+FilledVoxmap voxmap_of(const MeshDepth& depth, const TriangleMesh* simple, const BoneSettings& settings,
+                       const VoxelGrid& grid, const GradesByDepth& by_depth) {
   FilledVoxmap out(grid);
   out.grade = sample_bricks(grid.dims, [&](const Vec3i& brick_coord, GradeBricks::Brick& brick) {
     grade_brick(depth, by_depth, brick_coord, brick);
@@ -306,7 +314,8 @@ FilledVoxmap voxmap_of(const MeshDepth& depth, const BoneSettings& settings, con
     throw InputError({settings.mesh.path, 0, 0}, "bone.voxel_mm", "the mesh contains no voxel centre",
                      "use smaller voxels, a larger bone.mesh.scale, or a closed mesh");
   }
-  if (settings.surface_voxels == SurfaceVoxels::partial) set_fill_at_surface(depth.near_surface(), by_depth, out);
+  if (settings.surface_voxels == SurfaceVoxels::partial)
+    set_fill_at_surface(depth.near_surface(), simple, by_depth, out);
   return out;
 }
 
@@ -316,7 +325,7 @@ FilledVoxmap filled_voxmap(const BoneSettings& settings, const BoneMesh& source,
   if (source.was_clean) {
     const MeshDepth depth(settings.mesh.path, source.mesh, grid, by_depth.cortical_voxels);
     begin_stage(stages, BoneStage::voxels);
-    FilledVoxmap out = voxmap_of(depth, settings, grid, by_depth);
+    FilledVoxmap out = voxmap_of(depth, &source.mesh, settings, grid, by_depth);
     const bool fits = relative_difference(out.bone_mm3(), source.outer_mm3) <= kMaxVolumeErrorOfSimple;
     if (fits || InsideColumns(source.mesh, grid).is_simple()) {
       check_volume(source.outer_mm3, false, out.bone_mm3(), report);
@@ -329,7 +338,7 @@ FilledVoxmap filled_voxmap(const BoneSettings& settings, const BoneMesh& source,
   const InsideColumns inside(mesh, grid);
   const MeshDepth depth(settings.mesh.path, mesh, grid, by_depth.cortical_voxels, &inside);
   begin_stage(stages, BoneStage::voxels);
-  FilledVoxmap out = voxmap_of(depth, settings, grid, by_depth);
+  FilledVoxmap out = voxmap_of(depth, inside.is_simple() ? &mesh : nullptr, settings, grid, by_depth);
   check_volume(inside.volume_mm3(), true, out.bone_mm3(), report);
   return out;
 }
