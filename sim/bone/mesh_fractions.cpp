@@ -7,7 +7,7 @@
 #include "sim/bone/mesh_fractions.h"
 
 #include <algorithm>
-#include <boost/container/static_vector.hpp>
+#include <boost/container/small_vector.hpp>
 #include <cmath>
 
 #include "sim/base/parallel.h"
@@ -15,7 +15,7 @@
 namespace reamsim {
 namespace {
 
-using Polygon = boost::container::static_vector<Vec3, 12>;  // a triangle cut by the six faces of a cube has 9 corners
+using Polygon = boost::container::small_vector<Vec3, 10>;  // a triangle cut by the faces of a cube has up to 9 corners
 
 /// The parts of a convex polygon below and above a plane.
 std::pair<Polygon, Polygon> split(const Polygon& polygon, int axis, double at) {

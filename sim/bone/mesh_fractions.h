@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -14,7 +15,7 @@
 namespace reamsim {
 
 /// The fractions of voxels inside a mesh, exact but for rounding. The mesh: closed, its triangles facing outwards,
-/// without overlaps.
+/// without overlaps, below the top of the lattice.
 class MeshFractions {
  public:
   MeshFractions(const TriangleMesh& mesh, const VoxelGrid& grid);

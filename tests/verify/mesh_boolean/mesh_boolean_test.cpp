@@ -204,7 +204,7 @@ TEST_F(MeshBoolean, RemovedVolumeAndReamedSurface) {
       show("reamsim", found);
       begin = seconds();
       if (all) show("OpenVDB", errors_of_csg(plunge, exact, voxel_mm));
-      EXPECT_LT(std::abs(found.volume_percent), 0.02) << plunge.name;
+      EXPECT_LT(std::abs(found.volume_percent), 0.005) << plunge.name;
       EXPECT_LT(found.p99_off_edges, 0.05) << plunge.name;
       EXPECT_LT(found.p99, 0.1) << plunge.name;
     }
