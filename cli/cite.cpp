@@ -30,13 +30,6 @@ void require_results(const std::string& dir) {
               "give a results folder, or none to cite the program");
 }
 
-void cite_command(const CiteOptions& options) {
-  if (!options.dir.empty()) require_results(options.dir);
-  const Citation citation = options.dir.empty() ? cite_program() : cite_results(options.dir);
-  const std::string& text = options.json ? citation.csl_json : options.bibtex ? citation.bibtex : citation.text;
-  std::fputs(text.c_str(), stdout);
-}
-
 }  // namespace
 
 void add_cite_command(CLI::App& app) {
@@ -46,7 +39,12 @@ void add_cite_command(CLI::App& app) {
   command->add_option("DIR", options->dir, "Results folder; without it the program is cited")->check(refuse_empty);
   auto* bibtex = command->add_flag("--bibtex", options->bibtex, "Print entries of BibTeX");
   command->add_flag("--json", options->json, "Print CSL-JSON, which reference managers read")->excludes(bibtex);
-  command->callback([options] { cite_command(*options); });
+  command->callback([options] {
+    if (!options->dir.empty()) require_results(options->dir);
+    const Citation citation = options->dir.empty() ? cite_program() : cite_results(options->dir);
+    const std::string& text = options->json ? citation.csl_json : options->bibtex ? citation.bibtex : citation.text;
+    std::fputs(text.c_str(), stdout);
+  });
 }
 
 }  // namespace reamsim

@@ -112,15 +112,6 @@ ArgumentText text_of(const CLI::Option& option) {
   return out;
 }
 
-void add_commands_below(const CLI::App& app, const std::string& path, std::vector<ListedCommand>& out) {
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App* s) { return !s->get_group().empty(); })) {
-    if (sub->get_name().empty()) continue;
-    const std::string name = path + sub->get_name();
-    out.push_back({name, sub});
-    add_commands_below(*sub, name + " ", out);
-  }
-}
-
 /// A term, and its meaning at a column of its own.
 std::string entry_line(const std::string& term, std::string_view meaning) {
   constexpr std::size_t kColumn = 30;
@@ -149,18 +140,22 @@ class HelpFormatter : public CLI::FormatterBase {
 
 }  // namespace
 
+std::vector<const CLI::App*> commands_below(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* sub) { return !sub->get_group().empty() && !sub->get_name().empty(); });
+}
+
 std::vector<ListedCommand> listed_commands(const CLI::App& root) {
   std::vector<ListedCommand> out;
-  add_commands_below(root, "", out);
+  for (const CLI::App* command : commands_below(root)) {
+    out.push_back({command->get_name(), command});
+    for (const auto& [name, app] : listed_commands(*command)) out.push_back({command->get_name() + " " + name, app});
+  }
   return out;
 }
 
 std::string command_names(const CLI::App& root) {
-  const std::vector<ListedCommand> commands = listed_commands(root);
   std::vector<std::string_view> names;
-  for (const ListedCommand& command : commands) {
-    if (command.name.find(' ') == std::string::npos) names.push_back(command.name);
-  }
+  for (const CLI::App* command : commands_below(root)) names.push_back(command->get_name());
   return join_or(names);
 }
 
@@ -213,8 +208,8 @@ std::string help_of(const ListedCommand& command) {
     for (const CLI::Option* option : listed_options(group)) lines += option_line(*option);
     close(&group == command.app ? "Options" : "One of these");
   });
-  for (const ListedCommand& below : listed_commands(*command.app)) {
-    if (below.name.find(' ') == std::string::npos) lines += entry_line(below.name, below.app->get_description());
+  for (const CLI::App* below : commands_below(*command.app)) {
+    lines += entry_line(below->get_name(), below->get_description());
   }
   close("Subcommands");
   for (const Entry& status : exit_statuses_of(command.name))

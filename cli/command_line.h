@@ -33,6 +33,9 @@ struct ListedCommand {
   const CLI::App* app;
 };
 
+/// The commands directly below `app`.
+std::vector<const CLI::App*> commands_below(const CLI::App& app);
+
 /// The commands of `root` in the order of its help, each followed by its own.
 std::vector<ListedCommand> listed_commands(const CLI::App& root);
 

@@ -46,10 +46,14 @@ inline std::string refuse_empty(const std::string& name) {
   return name.empty() ? "empty name; give a file or folder" : "";
 }
 
-/// The option -o of a command. A template, so that this header needs no CLI11.
+/// An option of a command for a file or folder, and -o. Templates, so that this header needs no CLI11.
+template <class App>
+auto* add_path_option(App& command, const char* name, std::string& path, const char* description, const char* type) {
+  return command.add_option(name, path, description)->type_name(type)->check(refuse_empty);
+}
 template <class App>
 auto* add_output(App& command, std::string& path, const char* description, const char* type = "DIR") {
-  return command.add_option("-o,--output", path, description)->type_name(type)->check(refuse_empty);
+  return add_path_option(command, "-o,--output", path, description, type);
 }
 
 }  // namespace reamsim

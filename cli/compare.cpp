@@ -71,14 +71,6 @@ std::vector<ComparedRun> label_runs(const std::vector<std::string>& dirs) {
   return runs;
 }
 
-/// Sets the travel of the means to that of the run's own plots.
-void set_means(std::vector<ComparedRun>& runs) {
-  for (ComparedRun& run : runs) {
-    const double voxel_mm = voxel_mm_of(run.dir);
-    run.mean_travel_mm = averaged_travel_mm(parse_result_settings(run.dir + "/scenario.yaml").cutting, voxel_mm);
-  }
-}
-
 /// "1.5 (+12.3 %)", or of many runs "1.5".
 std::string entry(const ComparedMetric& metric, std::size_t run) {
   const double relative = metric.relative(run);
@@ -116,7 +108,10 @@ void compare_command(const CompareOptions& options, const Console& console) {
   Comparison comparison{label_runs(options.dirs), {}, {}, options.color_by};
   comparison.metrics = compare_summaries(comparison.runs);
   comparison.parameters = compare_scenarios(comparison.runs);
-  set_means(comparison.runs);
+  for (ComparedRun& run : comparison.runs) {  // means as in the run's own plots
+    const double voxel_mm = voxel_mm_of(run.dir);
+    run.mean_travel_mm = averaged_travel_mm(parse_result_settings(run.dir + "/scenario.yaml").cutting, voxel_mm);
+  }
   colored_by(comparison);  // refuses a wrong key before a folder is made
   OutputFolder folder(
       {.dir = options.output, .kind = ResultKind::comparison, .overwrite = options.overwrite, .inputs = options.dirs});

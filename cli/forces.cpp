@@ -212,9 +212,8 @@ void add_fit_command(CLI::App& app, Console& console) {
       ->delimiter(',');
   command->add_flag("--fixed-normal-ratio", options->fixed_normal_ratio, "Keep the normal ratio k_n of the run");
   add_output(*command, options->output, "Write constants, covariance and residuals to this JSON file", "FILE.json");
-  command->add_option("--residuals", options->residuals, "Write measured and fitted values to this CSV file")
-      ->type_name("FILE.csv")
-      ->check(refuse_empty);
+  add_path_option(*command, "--residuals", options->residuals, "Write measured and fitted values to this CSV file",
+                  "FILE.csv");
   command->add_flag("--overwrite", options->overwrite, "Replace existing files of an earlier fit");
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
 }

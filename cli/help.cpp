@@ -90,12 +90,9 @@ std::string lines_of(const std::vector<std::string>& names) {
   return out;
 }
 
-/// The commands directly below `app`.
 std::string command_lines(const CLI::App& app) {
   std::string out;
-  for (const ListedCommand& command : listed_commands(app)) {
-    if (command.name.find(' ') == std::string::npos) out += command.name + "\t" + command.app->get_description() + "\n";
-  }
+  for (const CLI::App* sub : commands_below(app)) out += sub->get_name() + "\t" + sub->get_description() + "\n";
   return out;
 }
 
@@ -190,26 +187,16 @@ std::string entries(std::span<const Entry> list) {
   return out;
 }
 
-std::string term_of(const ArgumentText& argument) {
-  std::string out;
-  for (const std::string& flag : argument.flags) out += (out.empty() ? "" : ", ") + bold(flag);
-  if (!argument.value.empty()) out += (out.empty() ? "" : " ") + italic(argument.value);
-  return out + (argument.repeats ? "..." : "");
-}
-
 std::string arguments(const std::vector<ArgumentText>& list) {
   std::string out;
   for (const ArgumentText& argument : list) {
-    out += ".TP\n" + term_of(argument) + "\n";
+    std::string term;
+    for (const std::string& flag : argument.flags) term += (term.empty() ? "" : ", ") + bold(flag);
+    if (!argument.value.empty()) term += (term.empty() ? "" : " ") + italic(argument.value);
+    out += ".TP\n" + term + (argument.repeats ? "..." : "") + "\n";
     out += line(argument.description + (argument.required && !argument.flags.empty() ? " (required)" : ""));
   }
   return out;
-}
-
-std::string command_section(const ListedCommand& command) {
-  std::string out = ".SS \"" + escaped(synopsis_of(command)) + "\"\n";
-  out += line(command.app->get_description());
-  return out + arguments(positionals_of(*command.app)) + arguments(options_of(*command.app));
 }
 
 /// reamsim(1) for man(7): all commands and options of `root`.
@@ -223,7 +210,10 @@ std::string man_page(const CLI::App& root) {
                        "keys.md has its keys and results.md the files of a run.");
   out += section("OPTIONS") + arguments(options_of(root));
   out += section("COMMANDS");
-  for (const ListedCommand& command : listed_commands(root)) out += command_section(command);
+  for (const ListedCommand& command : listed_commands(root)) {
+    out += ".SS \"" + escaped(synopsis_of(command)) + "\"\n" + line(command.app->get_description());
+    out += arguments(positionals_of(*command.app)) + arguments(options_of(*command.app));
+  }
   out += section("\"EXIT STATUS\"") + entries(exit_statuses_of(""));
   out += section("ENVIRONMENT") + entries(kVariables);
   out += section("EXAMPLES") + entries(kExamples);

@@ -210,12 +210,6 @@ LoadedBone load(const InitOptions& options, const Vec3& near_mm, Diagnostics& re
   return {settings, load_bone(settings, report)};
 }
 
-/// In a scan a left glenoid faces the patient's left, +x.
-BodySide side_of(const InitOptions& options, const LoadedBone& loaded) {
-  if (!options.side.empty()) return loaded.settings.side;
-  return loaded.bone.glenoid->bone_from_glenoid.linear()(0, 2) > 0 ? BodySide::left : BodySide::right;
-}
-
 /// Warns where the reamer meets no bone, or starts in bone because some lies behind its start.
 void check_plunge(const LoadedBone& loaded, const PlungeSettings& plunge, const std::string& tool,
                   Diagnostics& report) {
@@ -292,7 +286,8 @@ void init_command(InitOptions options, const Console& console) {
                       .glenoid = loaded.bone.glenoid->bone_from_glenoid,
                       .plunge = first_plunge()};
   check_plunge(loaded, first.plunge, tool, report);
-  first.bone.side = side_of(options, loaded);
+  // In a scan a left glenoid faces the patient's left, +x.
+  if (options.side.empty()) first.bone.side = first.glenoid->linear()(0, 2) > 0 ? BodySide::left : BodySide::right;
   write_scenario_file(options.output, with_keys(text_of(first), options.overrides));
   for (const std::string& note : report.notes) console.say(note);
   console.print(report);

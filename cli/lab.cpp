@@ -11,8 +11,6 @@
 #include <cstring>
 #include <thread>
 
-#include "cli/console.h"
-#include "sim/base/csv.h"
 #include "sim/base/error.h"
 #include "sim/base/process.h"
 #include "sim/base/text.h"

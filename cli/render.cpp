@@ -14,7 +14,6 @@
 #include "cli/command_line.h"
 #include "cli/commands.h"
 #include "cli/outputs.h"
-#include "render/plots/plots.h"
 #include "render/render.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"

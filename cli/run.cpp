@@ -233,13 +233,6 @@ void warn_of_settings(const SimulationInput& scene, Diagnostics& report) {
   }
 }
 
-/// As YAML comments, so that the output is a scenario.
-void print_findings(const Diagnostics& report, const Console& console) {
-  for (const std::string& warning : report.warnings) console.say("# warning: " + warning);
-  for (const std::string& listing : report.listings) console.say("# " + listing);
-  for (const std::string& note : report.notes) console.say("# " + note);
-}
-
 /// What --json prints of a scenario without mistakes.
 Json json_of(const Scenario& scenario, const Diagnostics& report, const Json& figures) {
   return {{"program", "reamsim " REAMSIM_VERSION},
@@ -332,7 +325,10 @@ void check_command(const CheckOptions& options, const Console& console) {
     mistakes.throw_if_any();
     return print_json(json_of(scene.scenario, report, figures));
   }
-  print_findings(report, console);
+  // As YAML comments, so that the output is a scenario.
+  for (const std::string& warning : report.warnings) console.say("# warning: " + warning);
+  for (const std::string& listing : report.listings) console.say("# " + listing);
+  for (const std::string& note : report.notes) console.say("# " + note);
   mistakes.throw_if_any();
   console.say_lines(to_yaml(scene.scenario));
 }
@@ -360,13 +356,9 @@ void add_check_command(CLI::App& app, Console& console) {
                                      "write nothing but a picture on request");
   auto options = std::make_shared<CheckOptions>();
   options->scenario.add_to(*command);
-  auto* picture =
-      command
-          ->add_option(
-              "--picture", options->picture,
-              "Draw bone, reamer and path as three views in this PNG file: at the start and at the greatest depth")
-          ->type_name("FILE.png")
-          ->check(refuse_empty);
+  auto* picture = add_path_option(
+      *command, "--picture", options->picture,
+      "Draw bone, reamer and path as three views in this PNG file: at the start and at the greatest depth", "FILE.png");
   command->add_flag("--overwrite", options->overwrite, "Replace the picture")->needs(picture);
   command->add_flag("--json", options->json,
                     "Print one JSON document: mistakes, warnings, estimates, resolved scenario");

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <set>
 
 #include "cli/command_line.h"
@@ -49,10 +48,11 @@ void check_devices(const SweepOptions& options, const Console& console) {
   }
 }
 
-void add_devices(CLI::App& command, std::vector<std::string>& devices) {
+void add_workers(CLI::App& command, SweepOptions& options) {
+  add_jobs(command, options.jobs);
   command
       .add_option(
-          "--devices", devices,
+          "--devices", options.devices,
           "Devices in place of engine.device, among which the runs are divided: auto, serial, or parts of names")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -136,19 +136,14 @@ void plan_command(const SweepOptions& options, const Console& console) {
   console.say(fmt::format("{}: {} runs of {}", sweep.study.name, sweep.runs.size(), sweep.study.base));
   for (const std::string& line : same_runs(sweep.runs)) console.say(line);
   StudyEstimate estimate;
-  Progress progress(console, "check", "runs");
-  std::int64_t checked = 0;
   const auto answered = [&](const WorkerAnswer& answer) {
-    progress.update(++checked, static_cast<std::int64_t>(valid.size()));
     if (answer.outcome == WorkerAnswer::Outcome::done) {
       estimate.add(sweep.plan.runs[answer.run].number, nlohmann::json::parse(answer.text).get<RunEstimate>());
     } else if (answer.has_failed()) {
       mistakes.add(sweep.plan.runs[answer.run].number, {answer.text});
     }
   };
-  const bool all = work_on(sweep, valid, options, "", answered);
-  progress.finish();
-  if (!all) throw Interrupted();
+  if (!work_on(sweep, valid, options, "", console, answered)) throw Interrupted();
   warn_of_runs(estimate.warnings, fmt::format("{} of {} runs have warnings", estimate.warnings.runs(), valid.size()),
                console);
   if (!valid.empty()) print_estimate(console, sweep.study, estimate, valid.size(), options.workers());
@@ -243,12 +238,8 @@ class StudyRun {
     if (shard_.index == 0) failures_ = failures_of(sweep_);
     wrong_ = failures_.runs();
     for (const std::size_t i : runs) folder_.forget_failure(sweep_.runs[i].id);
-    Progress progress(console_, "sweep", "runs");
-    const bool all = work_on(sweep_, runs, options_, folder_.path(), [&](const WorkerAnswer& answer) {
-      note(answer);
-      progress.update(++answered_, static_cast<std::int64_t>(runs.size()));
-    });
-    progress.finish();
+    const bool all =
+        work_on(sweep_, runs, options_, folder_.path(), console_, [this](const WorkerAnswer& answer) { note(answer); });
     for (const std::string& line : continued_) console_.say(line);
     folder_.sync();
     if (!all) throw Suspended("interrupted; the same command continues");
@@ -311,7 +302,6 @@ class StudyRun {
   StudyFolder folder_;
   RunMessages failures_;
   std::vector<std::string> continued_;  ///< which runs, after which frame
-  std::int64_t answered_ = 0;
   int busy_ = 0;
   int wrong_ = 0;  ///< of the failures: those by wrong input
 };
@@ -332,13 +322,11 @@ void add_sweep_command(CLI::App& app, Console& console) {
   };
   const auto [plan, plan_options] =
       add("plan", "Validate every run and estimate time, memory and disk; write nothing", plan_command);
-  add_jobs(*plan, plan_options->jobs);
-  add_devices(*plan, plan_options->devices);
+  add_workers(*plan, *plan_options);
   const auto [run, run_options] =
       add("run", "Simulate the runs that are not done yet, then collect them",
           [](const SweepOptions& options, const Console& to) { simulate_study(options, to); });
-  add_jobs(*run, run_options->jobs);
-  add_devices(*run, run_options->devices);
+  add_workers(*run, *run_options);
   run->add_option("--shard", run_options->shard, "Simulate part i of n only, and collect nothing")->type_name("i/n");
   run->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   add("status", "Count finished, failed and missing runs", status_command);

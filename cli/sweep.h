@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -110,10 +109,11 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunEstimate, load_s, simulate_s, memory_bytes
 
 /// Distributes runs (indices in the plan) over SweepOptions::workers() processes of this program, at most one for each
 /// run, which divide the processors among them. They simulate into the study's folder `dir`, or, where it is "", check.
-/// Calls `answered` for each run. A worker that ends by itself, or whose device fails, fails its run and is replaced;
-/// where one of SweepOptions::devices fails three times in a row, others take its runs. Returns false where
-/// stop_requested() ended the work and the workers. Throws RunError where no worker can be started.
+/// Calls `answered` for each run, and shows on the console how many have been. A worker that ends by itself, or whose
+/// device fails, fails its run and is replaced; where one of SweepOptions::devices fails three times in a row, others
+/// take its runs. Returns false where stop_requested() ended the work and the workers. Throws RunError where no worker
+/// can be started.
 bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
-             const std::string& dir, const std::function<void(const WorkerAnswer&)>& answered);
+             const std::string& dir, const Console& console, const std::function<void(const WorkerAnswer&)>& answered);
 
 }  // namespace reamsim

@@ -108,7 +108,7 @@ void add_sweep_submit(CLI::App& sweep, Console& console) {
                    "Time limit of a shard (default: 01:00:00); 60 s before it checkpoints are saved")
       ->type_name("HH:MM:SS")
       ->excludes(parallel);
-  command->add_option("--to", options->to, "Folder for the scripts")->type_name("DIR")->required()->check(refuse_empty);
+  add_path_option(*command, "--to", options->to, "Folder for the scripts", "DIR")->required();
   command->add_flag("--overwrite", options->overwrite, "Replace scripts of an earlier submit");
   command->callback([options, &console] { submit_command(*options, console); });
 }

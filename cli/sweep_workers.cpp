@@ -249,7 +249,7 @@ class Work {
 }  // namespace
 
 bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
-             const std::string& dir, const std::function<void(const WorkerAnswer&)>& answered) {
+             const std::string& dir, const Console& console, const std::function<void(const WorkerAnswer&)>& answered) {
   if (runs.empty()) return true;
   const int jobs = std::min(options.workers(), static_cast<int>(runs.size()));
   if (jobs > 1) {
@@ -261,7 +261,13 @@ bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const
   std::vector<std::string> command{"/proc/self/exe", "sweep", "worker", options.file};
   if (!dir.empty()) command.insert(command.end(), {"-o", dir});
   for (const std::string& text : options.overrides) command.insert(command.end(), {"--set", text});
-  return Work(std::move(command), options.devices, sweep, runs, static_cast<std::size_t>(jobs), answered).run();
+  Progress progress(console, dir.empty() ? "check" : "sweep", "runs");
+  std::int64_t count = 0;
+  const auto counted = [&](const WorkerAnswer& answer) {
+    answered(answer);
+    progress.update(++count, std::ssize(runs));
+  };
+  return Work(std::move(command), options.devices, sweep, runs, static_cast<std::size_t>(jobs), counted).run();
 }
 
 namespace {

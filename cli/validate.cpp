@@ -17,12 +17,6 @@ namespace {
 
 constexpr const char* kFolder = "validation/";
 
-std::vector<std::string> shipped_validations() {
-  std::vector<std::string> names = shipped_names(ShippedKind::study);
-  std::erase_if(names, [](const std::string& name) { return !name.starts_with(kFolder); });
-  return names;
-}
-
 /// `options`: of the command; its output is the folder of the studies' folders.
 void validate(const std::string& file, SweepOptions options, const Console& console) {
   const std::string published = std::filesystem::path(file).replace_extension(".csv").string();
@@ -51,7 +45,8 @@ void add_validate_command(CLI::App& app, Console& console) {
   add_jobs(*command, options->jobs);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors");
   command->callback([studies, options, &console] {
-    const std::vector<std::string> shipped = shipped_validations();
+    std::vector<std::string> shipped = shipped_names(ShippedKind::study);
+    std::erase_if(shipped, [](const std::string& name) { return !name.starts_with(kFolder); });
     if (studies->empty()) *studies = shipped;
     for (std::string& name : *studies) {  // "drilling" may stand for "validation/drilling"
       if (std::ranges::count(shipped, kFolder + name) > 0) name.insert(0, kFolder);

@@ -91,9 +91,11 @@ void require_writable(const std::string& path, bool overwrite) {
   if (!existed) std::filesystem::remove(path);
 }
 
-/// Severe contact as curves over the shell, a panel per voxmap; engines without a shell are level lines. The programs
-/// that the paper measured also get its figures.
-void add_severe(const bench::Json& report, BenchPlot& plot) {
+/// Severe contact as curves over the shell, a panel per voxmap, and the times with and without VOI; engines without a
+/// shell are level lines. The programs that the paper measured also get its figures.
+BenchPlot plot_of(const bench::Json& report) {
+  BenchPlot plot;
+  plot.device = report["device"];
   for (const bench::Json& row : report["results"]) {
     const bench::Label who{row["engine"], row["variant"]};
     if (row["case"] != "severe" || who.engine == "exact") continue;
@@ -106,13 +108,11 @@ void add_severe(const bench::Json& report, BenchPlot& plot) {
           {name_of(who), row["voxmap"], shell["shell"], row["median_ms"], measured_there ? paper : std::nullopt});
     }
   }
-}
-
-void add_voi(const bench::Json& report, BenchPlot& plot) {
   for (const bench::Json& row : report["voi"]) {
     plot.voi.push_back({name_of(bench::Label{row["engine"], row["variant"]}), 100 * row["fraction"].get<double>(),
                         row["with_ms"], row["without_ms"]});
   }
+  return plot;
 }
 
 /// Measures, prints the tables and writes the JSON.
@@ -135,10 +135,7 @@ void measure_with_figure(const bench::Plan& plan, const BenchOptions& options, c
       {.dir = options.output, .kind = ResultKind::benchmark, .overwrite = options.overwrite, .inputs = {}});
   const auto forced = abandoning(folder);
   const bench::Json report = measure(plan, options, console);
-  BenchPlot plot;
-  plot.device = report["device"];
-  add_severe(report, plot);
-  add_voi(report, plot);
+  const BenchPlot plot = plot_of(report);
   if (plot.severe.empty()) return console.warn("no engine could be measured: no figure written");
   write_bench_plot(folder.path(), plot);
   write_citation(folder.path(), cite_program());
@@ -182,10 +179,7 @@ void add_bench_command(CLI::App& app, Console& console) {
           ->transform(shipped<ShippedKind::scenario>, "")
           ->excludes(quick)
           ->excludes(exact);
-  command->add_option("--json", options->json, "Write the measurements as JSON")
-      ->check(refuse_empty)
-      ->type_name("FILE")
-      ->excludes(latency);
+  add_path_option(*command, "--json", options->json, "Write the measurements as JSON", "FILE")->excludes(latency);
   add_output(*command, options->output, "Output folder for bench.png, bench.svg and bench.gp (default: out/bench)")
       ->excludes(exact)
       ->excludes(latency);
@@ -244,17 +238,14 @@ void verify_command(const VerifyOptions& options, const Console& console) {
     std::fputs(verification_json(findings).c_str(), stdout);
   } else {
     run(console);
-    for (const auto* cases : {&findings.cases, &findings.device_cases})
-      for (const verify::CaseFindings& found : *cases)
-        console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
+    for (const verify::CaseFindings& found : findings.all_cases())
+      console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
     console.say("report: " + report);
   }
   if (findings.passed()) return;
-  for (const auto* cases : {&findings.cases, &findings.device_cases}) {
-    for (const verify::CaseFindings& found : *cases) {
-      for (const verify::Check& check : found.checks)
-        if (!check.passed()) console.warn(found.title + ": " + check.quantity + " exceeds its tolerance");
-    }
+  for (const verify::CaseFindings& found : findings.all_cases()) {
+    for (const verify::Check& check : found.checks)
+      if (!check.passed()) console.warn(found.title + ": " + check.quantity + " exceeds its tolerance");
   }
   throw RunError(std::to_string(findings.failed_checks()) + " figures exceed their tolerance; see " + report);
 }

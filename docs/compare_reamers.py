@@ -12,6 +12,7 @@ across the axis, so this area is the slope of the removed volume over depth. The
 the reamed columns of depth_map.csv, each divided by the cosine of the reamer's slope there.
 """
 import csv
+import itertools
 import json
 import math
 import pathlib
@@ -20,8 +21,8 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-FACES = ("uniconcave", "biconcave")
 REAMERS = ("flat", "convex")
+CASES = tuple(itertools.product(("uniconcave", "biconcave"), REAMERS))
 CONVEX_RADIUS_MM = 29.0
 DEEP_MM = 10.0  # beyond the shipped entry point
 WINDOW_MM = 0.25  # over which the slope of the volume is taken, either way
@@ -39,10 +40,8 @@ def run(program, face, reamer, settings):
         rows = list(csv.DictReader((out / "forces.csv").open()))
         summary = json.loads((out / "summary.json").read_text())
         columns = list(csv.DictReader((out / "depth_map.csv").open()))
-    removed, curve = 0.0, []
-    for row in rows:
-        removed += float(row["removed_mm3"])
-        curve.append((float(row["depth_mm"]), removed))
+    removed = itertools.accumulate(float(row["removed_mm3"]) for row in rows)
+    curve = [(float(row["depth_mm"]), volume) for row, volume in zip(rows, removed)]
     deepest = max(range(len(curve)), key=lambda i: (curve[i][0], -i))
     return curve[: deepest + 1], summary, columns
 
@@ -58,9 +57,8 @@ def volume_at(curve, depth_mm):
 def contact_areas(curve):
     """(depth, area of the face in contact across the axis), mm and mm²."""
     last = curve[-1][0] - WINDOW_MM
-    depths = [0.05 * i for i in range(1, int(last / 0.05))]
     out = []
-    for depth in depths:
+    for depth in (0.05 * i for i in range(1, int(last / 0.05))):
         low, high = max(depth - WINDOW_MM, 0), depth + WINDOW_MM
         out.append((depth, (volume_at(curve, high) - volume_at(curve, low)) / (high - low)))
     return out
@@ -89,28 +87,24 @@ def true_area_mm2(columns, reamer, voxel_mm):
 def to_end_points(program, voxel_mm):
     entry = {}
     curves = {}
-    for face in FACES:
-        for reamer in REAMERS:
-            settings = {"bone.voxel_mm": voxel_mm, "motion.plunge.depth_mm": DEEP_MM}
-            curve, summary, _ = run(program, face, reamer, settings)
-            curves[face, reamer] = curve
-            # Travel from the entry point to first contact.
-            entry[face, reamer] = DEEP_MM - summary["max_depth_mm"]
+    for case in CASES:
+        curves[case], summary, _ = run(program, *case, {"bone.voxel_mm": voxel_mm, "motion.plunge.depth_mm": DEEP_MM})
+        # Travel from the entry point to first contact.
+        entry[case] = DEEP_MM - summary["max_depth_mm"]
     rules = [("3 mm beyond first contact", lambda c: 3.0)]
     for percent in (80, 95):
         rules.append((f"{percent} % of the maximum contact", lambda c, p=percent: depth_of_contact(c, p / 100)))
     print("| end point | face | reamer | depth, mm | removed, mm³ | reamed face, true area, mm² |")
     print("|---|---|---|---|---|---|")
     for name, rule in rules:
-        for face in FACES:
-            for reamer in REAMERS:
-                depth = rule(curves[face, reamer])
-                plunge = f"{entry[face, reamer] + depth:.4f}"
-                settings = {"bone.voxel_mm": voxel_mm, "motion.plunge.depth_mm": plunge}
-                _, summary, columns = run(program, face, reamer, settings)
-                area = true_area_mm2(columns, reamer, voxel_mm)
-                figures = f"{depth:.2f} | {summary['removed_mm3']:.0f} | {area:.0f}"
-                print(f"| {name} | {face} | {reamer} | {figures} |", flush=True)
+        for face, reamer in CASES:
+            depth = rule(curves[face, reamer])
+            plunge = f"{entry[face, reamer] + depth:.4f}"
+            settings = {"bone.voxel_mm": voxel_mm, "motion.plunge.depth_mm": plunge}
+            _, summary, columns = run(program, face, reamer, settings)
+            area = true_area_mm2(columns, reamer, voxel_mm)
+            figures = f"{depth:.2f} | {summary['removed_mm3']:.0f} | {area:.0f}"
+            print(f"| {name} | {face} | {reamer} | {figures} |", flush=True)
 
 
 def to_corrections(program, voxel_mm):

@@ -47,9 +47,8 @@ def fitted(program, run, means, speeds, folder):
     with measured.open("w", newline="") as file:
         table = csv.writer(file)
         table.writerow(["time_s", "axial_force_n", "spin_torque_nmm"])
-        for speed in speeds:
-            for i in range(SAMPLES):
-                table.writerow([round(START_S[speed] + i * STEP_S, 6), *means[speed].values()])
+        table.writerows([round(START_S[speed] + i * STEP_S, 6), *means[speed].values()]
+                        for speed in speeds for i in range(SAMPLES))
     subprocess.run([program, "fit", run, measured, "-o", folder / "fit.json", "--overwrite", "--quiet"], check=True)
     constants = json.loads((folder / "fit.json").read_text())["constants"]
     return {KEYS[one["name"]]: f"{one['value']:.4g}" for one in constants if one["fitted"]}

@@ -4,7 +4,6 @@
 #include "render/render.h"
 
 #include <fmt/core.h>
-#include <algorithm>
 #include <filesystem>
 #include <future>
 #include <limits>

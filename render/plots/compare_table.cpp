@@ -86,17 +86,6 @@ std::size_t widest(const std::vector<std::string>& lines) {
   return text_width(std::ranges::max(lines, {}, text_width));
 }
 
-std::vector<std::string> row_per_column(const std::vector<std::string>& labels, const std::vector<RunColumn>& columns) {
-  Rows rows;
-  const auto add = [&](const std::string& key, const std::vector<std::string>& cells) {
-    rows.push_back({key});
-    rows.back().insert(rows.back().end(), cells.begin(), cells.end());
-  };
-  add("run", labels);
-  for (const RunColumn& column : columns) add(column.key, column.cells);
-  return align_columns(rows);
-}
-
 /// Appends lines, after an empty one where there are some already.
 void add_block(const std::vector<std::string>& lines, std::vector<std::string>& out) {
   if (!out.empty()) out.emplace_back();
@@ -137,13 +126,6 @@ std::vector<std::string> row_per_run(const std::vector<std::string>& labels, con
 using Json = nlohmann::ordered_json;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-Json read_summary(const std::string& path) {
-  const Json summary = parse_result_json(read_file(path, "expected the results folder of a finished run"));
-  if (!summary.is_object() || !summary.contains("removed_mm3") || !summary.contains("forces"))
-    refuse_file(path, "damaged, or not the summary of a run", "expected a file written by `reamsim run`");
-  return summary;
-}
 
 /// Ends the name of a parameter: the contents of an input file.
 constexpr std::string_view kSumOfInput = " (contents)";
@@ -198,7 +180,14 @@ std::vector<std::string> characters_of(const std::string& text) {
 
 std::vector<std::string> run_table(const std::vector<std::string>& labels, const std::vector<RunColumn>& columns,
                                    std::size_t width) {
-  std::vector<std::string> lines = row_per_column(labels, columns);
+  Rows rows;  // one per column
+  const auto add = [&](const std::string& key, const std::vector<std::string>& cells) {
+    rows.push_back({key});
+    rows.back().insert(rows.back().end(), cells.begin(), cells.end());
+  };
+  add("run", labels);
+  for (const RunColumn& column : columns) add(column.key, column.cells);
+  std::vector<std::string> lines = align_columns(rows);
   return widest(lines) <= width ? lines : row_per_run(labels, columns, width);
 }
 
@@ -210,7 +199,10 @@ std::vector<ComparedMetric> compare_summaries(const std::vector<ComparedRun>& ru
   std::vector<ComparedMetric> out;
   std::map<std::string, std::size_t> places;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const Json summary = read_summary(runs[i].dir + "/summary.json");
+    const std::string path = runs[i].dir + "/summary.json";
+    const Json summary = parse_result_json(read_file(path, "expected the results folder of a finished run"));
+    if (!summary.is_object() || !summary.contains("removed_mm3") || !summary.contains("forces"))
+      refuse_file(path, "damaged, or not the summary of a run", "expected a file written by `reamsim run`");
     for_each_number(summary, "", "[", "]", [&](const std::string& key, double value) {
       const auto [found, is_new] = places.try_emplace(key, out.size());
       if (is_new) out.push_back({key, std::vector<double>(runs.size(), kNone)});

@@ -137,16 +137,6 @@ std::string data_of(const std::string& dir, const ForceLog& log) {
 // All classes have the same number of grades.
 constexpr int kGradesPerClass = 5;
 constexpr std::size_t kClasses = 250 / kGradesPerClass;
-using Histogram = std::array<double, kClasses>;  // mm³
-
-Histogram removed_by_density(const BoneView& bone) {
-  Histogram out{};
-  for_each_cut_voxel(bone, [&](const Vec3i&, int grade, int before, int after) {
-    const std::size_t density_class = std::min<std::size_t>((grade - 1) / kGradesPerClass, kClasses - 1);
-    out[density_class] += static_cast<double>(before - after) / FillBricks::kWhole * bone.voxmap.grid.voxel_mm3();
-  });
-  return out;
-}
 
 /// Data of the script of a benchmark: programs by their number.
 std::string data_of(const BenchPlot& plot) {
@@ -223,12 +213,17 @@ void write_feedback_plots(const std::string& dir, PoseFeedback feedback) {
 }
 
 void write_removed_density(const std::string& dir, const BoneView& bone) {
-  const Histogram removed = removed_by_density(bone);
+  std::array<double, kClasses> removed_mm3{};
+  for_each_cut_voxel(bone, [&](const Vec3i&, int grade, int before, int after) {
+    const std::size_t density_class = std::min<std::size_t>((grade - 1) / kGradesPerClass, kClasses - 1);
+    removed_mm3[density_class] +=
+        static_cast<double>(before - after) / FillBricks::kWhole * bone.voxmap.grid.voxel_mm3();
+  });
   CsvWriter csv = plot_csv(dir, "removed_density.csv", "density_from_g_cm3,density_to_g_cm3,removed_mm3");
   for (std::size_t i = 0; i < kClasses; ++i) {
     // In thousandths, so that the bounds are round numbers.
     const auto bound = [](std::size_t place) { return static_cast<double>(place * kGradesPerClass * 8) / 1000; };
-    csv.row({bound(i), bound(i + 1), removed[i]});
+    csv.row({bound(i), bound(i + 1), removed_mm3[i]});
   }
   csv.close();
   draw_plot(dir, "plots/removed_density", "", embedded::script_removed_density);

@@ -180,22 +180,6 @@ std::string refinement_table(const Refinement& refinement) {
   return out;
 }
 
-/// All cases: those of the program, then those of the device.
-std::vector<CaseFindings> all_cases(const Findings& findings) {
-  std::vector<CaseFindings> out = findings.cases;
-  out.insert(out.end(), findings.device_cases.begin(), findings.device_cases.end());
-  return out;
-}
-
-std::string summary_table(const std::vector<CaseFindings>& cases) {
-  std::string out = head({"case", "", "figures", "failed"});
-  for (const CaseFindings& found : cases) {
-    out += row({"[" + found.title + "](#" + found.id + ")", found.passed() ? "pass" : "**FAIL**",
-                std::to_string(found.checks.size()), std::to_string(found.failed_checks())});
-  }
-  return out + "\n";
-}
-
 }  // namespace
 
 std::string verification_markdown(const Findings& findings) {
@@ -203,14 +187,18 @@ std::string verification_markdown(const Findings& findings) {
   out += std::string(findings.quick ? "Quick" : "Full") + " suite on " + code(findings.device()) +
          ", erosion `exact`: " +
          (findings.passed() ? "all cases passed" : std::to_string(findings.failed_checks()) + " figures FAILED") +
-         ". Took " + fmt::format("{:.0f}", findings.seconds) + " s.\n\n" + summary_table(all_cases(findings));
+         ". Took " + fmt::format("{:.0f}", findings.seconds) + " s.\n\n" + head({"case", "", "figures", "failed"});
+  for (const CaseFindings& found : findings.all_cases()) {
+    out += row({"[" + found.title + "](#" + found.id + ")", found.passed() ? "pass" : "**FAIL**",
+                std::to_string(found.checks.size()), std::to_string(found.failed_checks())});
+  }
   out +=
-      "Errors are relative to the closed form unless they have a unit. The order of an error is its slope over the "
+      "\nErrors are relative to the closed form unless they have a unit. The order of an error is its slope over the "
       "step size, both logarithmic, by least squares; it is \"none\" where the error is rounding. The order from three "
       "levels does not use the closed form; it is \"none\" where they do not converge monotonically. The grid "
       "convergence index is that of Roache, with this order, at most 2, and a safety factor of 1.25; without an order, "
       "with order 2 and a factor of 3.\n\n![Errors under refinement](verification.png)\n\n";
-  for (const CaseFindings& found : all_cases(findings)) {
+  for (const CaseFindings& found : findings.all_cases()) {
     out += "<a id=\"" + found.id + "\"></a>\n## " + found.title + "\n\nScene: " + found.scene +
            ".\n\nClosed form: " + found.form + ".\n\n";
     for (const Refinement& refinement : found.refinements) out += refinement_table(refinement);

@@ -4,7 +4,6 @@
 #include "render/surface/bone_surface.h"
 
 #include <meshoptimizer.h>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>

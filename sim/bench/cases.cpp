@@ -50,25 +50,15 @@ void set_ratio(const Json& report, Json& row) {
   if (direct != nullptr && ms > 0) row["ratio_to_direct"] = (*direct)["median_ms"].get<double>() / ms;
 }
 
-/// Fraction of the tool's box that is VOI at a pose.
-double voi_fraction(const BenchSetup& setup, const ToolPose& pose) {
-  const auto voi = broad_phase(setup.tool_box, setup.bone_box, pose.bone_from_tool().inverse());
-  const auto volume = [](const Aabb& box) { return (box.max - box.min).prod(); };
-  return voi ? volume(*voi) / volume(setup.tool_box) : 0;
-}
-
 /// The depth of the first approach at which the VOI is `fraction` of the tool's box.
 double depth_of_fraction(const BenchSetup& setup, double fraction) {
-  const auto is_less = [&](double mm) { return voi_fraction(setup, pose_at(kApproaches[0], mm)) < fraction; };
+  const auto volume = [](const Aabb& box) { return (box.max - box.min).prod(); };
+  const auto is_less = [&](double mm) {
+    const Rigid tool_from_bone = pose_at(kApproaches[0], mm).bone_from_tool().inverse();
+    const auto voi = broad_phase(setup.tool_box, setup.bone_box, tool_from_bone);
+    return (voi ? volume(*voi) / volume(setup.tool_box) : 0) < fraction;
+  };
   return implicit::bisect(-20, 30, 50, is_less).outside;  // mm: clear of the bone's box, wholly in it
-}
-
-/// Programs that cull points outside the VOI.
-Programs with_voi(Programs programs) {
-  std::erase_if(programs, [](const auto& program) {
-    return program->label().engine != "bricked" && program->label().engine != "direct";
-  });
-  return programs;
 }
 
 double deviation(const std::vector<double>& values) {
@@ -99,14 +89,6 @@ void add_scatter(const std::vector<BatchSample>& samples, Json& row) {
               {"contacts_spread", any ? deviation(contacts) / count : 0},
               {"force_spread", any ? deviation(magnitude) / force : 0},
               {"component_spread", component_spread}});
-}
-
-double mean_touching(const ProgramSet& set, const std::vector<Substep>& frames) {
-  double sum = 0;
-  for (const Substep& frame : frames) {
-    sum += static_cast<double>(count_touching(*set.setup.voxmap, *set.setup.tool, frame));
-  }
-  return sum / static_cast<double>(frames.size());
 }
 
 /// Mean time of `step` in µs, which is too short to time once.
@@ -206,7 +188,10 @@ Json& add_result(Json row, const Json& contacts, const Spread& ms, double kernel
 }
 
 void measure_voi(const ProgramSet& set) {
-  const Programs programs = with_voi(set.programs);
+  Programs programs = set.programs;
+  std::erase_if(programs, [](const auto& program) {  // which do not cull points outside the VOI
+    return program->label().engine != "bricked" && program->label().engine != "direct";
+  });
   for (int tenth = 1; tenth <= 10; ++tenth) {
     const double fraction = std::min(0.1 * tenth, 0.9999);
     const Substep frame = substep_at(pose_at(kApproaches[0], depth_of_fraction(set.setup, fraction)));
@@ -284,7 +269,11 @@ void measure_case(const ProgramSet& set, Contact contact) {
   const auto frames = substeps_of(contact);
   const Programs& programs = set.programs;
   const auto samples = run_alternately(programs, frames, set.plan.repetitions, true, set.control);
-  const double touching = mean_touching(set, frames);
+  double touching = 0;
+  for (const Substep& frame : frames) {
+    touching += static_cast<double>(count_touching(*set.setup.voxmap, *set.setup.tool, frame));
+  }
+  touching /= static_cast<double>(frames.size());
   for (std::size_t i = 0; i < programs.size(); ++i) {
     const bool points = programs[i]->label().engine != "implicit";
     const double contacts = points ? touching : spread_over(samples[i], &BatchSample::voxels, 1).median;

@@ -4,17 +4,16 @@
 #include "sim/bench/scene.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <numbers>
 
-#include "sim/base/error.h"
 #include "sim/base/parallel.h"
 #include "sim/bench/paper.h"
 #include "sim/bone/implicit.h"
 #include "sim/bone/phantom.h"
 #include "sim/bone/voxmap/sample_voxels.h"
+#include "sim/run/frame_stepper.h"
 #include "sim/tool/point_shell.h"
 #include "sim/tool/profile.h"
 
@@ -42,13 +41,6 @@ FilledVoxmap sample(int side) {
   settings.source = BoneSource::phantom;
   settings.side = BodySide::left;
   return sample_glenoid(settings, grid_of(side));
-}
-
-Aabb tight_box(const Voxmap& voxmap) {
-  const VoxelBox bone = bone_extent(voxmap);
-  const VoxelGrid& grid = voxmap.grid;
-  return {grid.origin_mm + grid.voxel_mm * bone.first.cast<double>(),
-          grid.origin_mm + grid.voxel_mm * (bone.last + Vec3i::Ones()).cast<double>()};
 }
 
 /// Bricks of the finer voxmap: a voxel is bone where the interpolated fraction of bone is at least half, with the mean
@@ -134,17 +126,9 @@ Profile arc(double radius_mm, double angle_rad, int steps) {
   return profile;
 }
 
-/// A hemisphere, closed by a lid that the shell does not have.
-Profile hemisphere() {
-  Profile profile = arc(kReamerMm, std::numbers::pi / 2, 96);
-  profile.points.back() = {kReamerMm, kReamerMm};
-  profile.points.emplace_back(0, kReamerMm);
-  return profile;
-}
-
 }  // namespace
 
-BoneSeries::BoneSeries(int sampled) : sampled_(sample(sampled)), box_mm_(tight_box(sampled_)) {}
+BoneSeries::BoneSeries(int sampled) : sampled_(sample(sampled)), box_mm_(bone_box(sampled_)) {}
 
 FilledVoxmap BoneSeries::at(int side) const {
   const int sampled = sampled_.grid.dims.x();
@@ -166,7 +150,10 @@ Tool cap_tool(int resolution) {
   constexpr double kFacetCells = 0.02;
   const int cells = std::max(2, static_cast<int>(std::lround(kCapFraction * resolution)));
   Tool tool;
-  tool.profile = hemisphere();
+  // A hemisphere, closed by a lid that the shell does not have.
+  tool.profile = arc(kReamerMm, std::numbers::pi / 2, 96);
+  tool.profile.points.back() = {kReamerMm, kReamerMm};
+  tool.profile.points.emplace_back(0, kReamerMm);
   const double cell_mm = 2 * kReamerMm / (cells - 1);
   tool.mesh = revolve(tool.profile, segments_for_sagitta(kReamerMm, kFacetCells * cell_mm));
   tool.bounds = tool.mesh.bounds();

@@ -69,13 +69,10 @@ std::string cube(int side) {
   return std::to_string(side) + "³";
 }
 
-std::string number(std::optional<double> value, int decimals) {
-  return value ? fmt::format("{:.{}f}", *value, decimals) : "–";
-}
-
 /// "measured (paper)" in the paper's unit.
 std::string beside(std::optional<double> measured, std::optional<double> paper) {
-  return number(measured, 2) + " (" + number(paper, 2) + ")";
+  const auto number = [](std::optional<double> value) { return value ? fmt::format("{:.2f}", *value) : "–"; };
+  return number(measured) + " (" + number(paper) + ")";
 }
 
 /// The value of a row's key; none where it is null.

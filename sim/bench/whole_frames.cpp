@@ -141,15 +141,12 @@ constexpr int kFramesOfDepth = 16;    // with erosion `remove`
 constexpr int kWindowsOfDepth = 5;    // with `exact`, the first of them untimed
 constexpr double kStepVoxels = 0.25;  // between the depths, where the shell's points have to miss no voxel
 
-double cap_mm3(double depth_mm) {
-  return std::numbers::pi * depth_mm * depth_mm * (kSphereRadiusMm - depth_mm / 3);
-}
-
 /// A row of the report: time per frame of the plunged sphere at 0.2 mm/s and 1 kHz, and the volume's error down to
 /// `depth_mm`. `exact`: whole frames with the rows of forces.csv, by window of 64; others: from the pose to the sums,
 /// by depth. null: what only `exact` has.
 Json sphere_row(const std::string& engine, ErosionMode erosion, double voxel_mm, const Spread& ms, double removed_mm3,
                 double depth_mm) {
+  const double cap_mm3 = std::numbers::pi * depth_mm * depth_mm * (kSphereRadiusMm - depth_mm / 3);
   Json row{{"engine", engine}, {"erosion", name_of(erosion)}, {"voxel_mm", voxel_mm}};
   row.update(spread_ms(ms));
   row.update({{"times_real_time", 1 / ms.median},
@@ -158,7 +155,7 @@ Json sphere_row(const std::string& engine, ErosionMode erosion, double voxel_mm,
               {"one_core_kernel_ms", nullptr},
               {"voxels", nullptr},
               {"removed_mm3", removed_mm3},
-              {"volume_error", removed_mm3 / cap_mm3(depth_mm) - 1},
+              {"volume_error", removed_mm3 / cap_mm3 - 1},
               {"samples", ms.samples}});
   return row;
 }
@@ -190,20 +187,14 @@ Json plunge(Program& program, double voxel_mm, const BenchControl& control) {
                     voxels * std::pow(voxel_mm, 3), depth);
 }
 
-/// The motions of `erosion: exact`: its windows at each depth.
-std::vector<Motion> motions_at_depths() {
-  std::vector<Motion> out;
-  for (int i = 1; i <= kDepths; ++i) {
-    const ToolPose last = sphere_frame(kSphereDepthMm * i / kDepths - kSphereFeedMmS * kSphereFrameS, 0).pose;
-    out.push_back(straight_motion(last, kSphereFeedMmS, kWindowsOfDepth));
-  }
-  return out;
-}
-
 /// Also the median device time of a frame, and the voxels that lose bone in it; and the times on one compute unit of a
 /// processor with several, if its driver can divide it.
 Json exact_row(const FilledVoxmap& bone, const Tool& tool, const Plan& plan, const BenchControl& control) {
-  ExactRuns runs{.bone = &bone, .tool = &tool, .motions = motions_at_depths(), .device = plan.device};
+  ExactRuns runs{.bone = &bone, .tool = &tool, .motions = {}, .device = plan.device};
+  for (int i = 1; i <= kDepths; ++i) {
+    const ToolPose last = sphere_frame(kSphereDepthMm * i / kDepths - kSphereFeedMmS * kSphereFrameS, 0).pose;
+    runs.motions.push_back(straight_motion(last, kSphereFeedMmS, kWindowsOfDepth));
+  }
   const WholeFrames frames = time_whole_frames(runs, control);
   Json row = sphere_row("exact", ErosionMode::exact, bone.grid.voxel_mm, spread_of(frames.ms), frames.removed_mm3,
                         kSphereDepthMm);

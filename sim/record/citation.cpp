@@ -91,17 +91,14 @@ void add(const Json& work, std::vector<Json>& list) {
   }
 }
 
-void add_density(const YamlNode& scenario, Works& out) {
-  if (has_default_density(scenario)) {
-    add(published("knowles2016", "density from radiodensity: the default, of a femur, in Table 1; docs/density.md, 1"),
-        out.method);
-  } else {
-    add({{"id", "density"},
-         {"type", "document"},
-         {"title", "the source of your relation of density and radiodensity"},
-         {"note", "bone.density differs from the default"}},
-        out.method);
-  }
+Json density_work(const YamlNode& scenario) {
+  if (has_default_density(scenario))
+    return published("knowles2016",
+                     "density from radiodensity: the default, of a femur, in Table 1; docs/density.md, 1");
+  return {{"id", "density"},
+          {"type", "document"},
+          {"title", "the source of your relation of density and radiodensity"},
+          {"note", "bone.density differs from the default"}};
 }
 
 /// Reads the resolved scenario of the run where a citation depends on it.
@@ -121,7 +118,7 @@ void add_method(const Json& summary, const std::string& dir, Works& out) {
   if (summary.contains("segmentation")) {
     add(published("aslam2004", "density of boundary voxels; docs/density.md, 1"), out.method);
     const std::string file = dir + "/scenario.yaml";
-    add_density(*parse_yaml(read_file(file, "the scenario.yaml of a run"), file), out);
+    add(density_work(*parse_yaml(read_file(file, "the scenario.yaml of a run"), file)), out.method);
   }
   if (summary.contains("deflection")) {
     add(published("broyden1965", "balance of a tool on springs; docs/feeds.md, 11"), out.method);

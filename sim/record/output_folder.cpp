@@ -241,8 +241,7 @@ OutputFolder::OutputFolder(const OutputRequest& request)
     require_ours(place, kind_, place == dir_);
     complete_ = resumes && read_manifest(place).has_value();
   }
-  if (!request.resume) remove_results(partial_, kind_);
-  create_partial();
+  request.resume ? create_partial() : clear();
 }
 
 void OutputFolder::create_partial() const {

@@ -91,8 +91,7 @@ void add_planes(OrderedJson& markups, const BoneMetrics& metrics) {
     }
   };
   const std::optional<ReamedFace>& face = metrics.face;
-  const JointLine none;
-  const JointLine& line = metrics.joint_line ? *metrics.joint_line : none;
+  const JointLine line = metrics.joint_line.value_or(JointLine{});
   add("native face", line.native, face ? face->plane_before : std::nullopt, kBefore);
   add("reamed face", line.reamed, face ? face->plane : std::nullopt, kAfter);
 }

@@ -66,31 +66,6 @@ double peak_process_mb() {
   return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;  // Linux counts KiB
 }
 
-Json key_results_json(const KeyResults& headline) {
-  return {{"force_name", headline.force().name},
-          {"peak_axial_force_n", headline.peak_axial_force_n},
-          {"peak_spin_torque_nmm", headline.peak_spin_torque_nmm},
-          {"force_definition", headline.force_definition()},
-          {"depth_name", headline.depth().name},
-          {"depth_mm", headline.tool_depth_mm},
-          {"depth_definition", KeyResults::kDepthDefinition}};
-}
-
-Json forces_json(const RunTotals& totals) {
-  return {{"peak_layer_axial_force_n", totals.peak_layer_axial_force_n},
-          {"peak_layer_spin_torque_nmm", totals.peak_layer_spin_torque_nmm},
-          {"peak_force_n", totals.peak_force_n},
-          {"rms_force_n", totals.rms_force_n()},
-          {"mean_force_n", totals.means().force_n},
-          {"peak_axial_force_n", totals.peak_axial_force_n},
-          {"mean_axial_force_n", totals.means().axial_force_n},
-          {"peak_torque_nmm", totals.peak_torque_nmm},
-          {"rms_torque_nmm", totals.rms_torque_nmm()},
-          {"mean_torque_nmm", totals.means().torque_nmm},
-          {"peak_spin_torque_nmm", totals.peak_spin_torque_nmm},
-          {"mean_spin_torque_nmm", totals.means().spin_torque_nmm}};
-}
-
 Json force_law_json(const CuttingSettings& cutting) {
   Json json{{"preset", cutting.preset == EnergyPreset::none ? Json() : Json(name_of(cutting.preset))},
             {"changed_from_preset", changed_from_preset(cutting)}};
@@ -193,7 +168,14 @@ Json deflection_json(const DeflectionTotals& deflection) {
 void put_force_law(const CuttingSettings& cutting, const RunTotals& totals, Json& json) {
   if (cutting.law == CuttingLaw::energy) json["force_law"] = force_law_json(cutting);
   // Where voxels are removed whole, single frames are spikes.
-  json["headline"] = key_results_json(totals.headline(cutting.erosion != ErosionMode::exact));
+  const KeyResults headline = totals.headline(cutting.erosion != ErosionMode::exact);
+  json["headline"] = {{"force_name", headline.force().name},
+                      {"peak_axial_force_n", headline.peak_axial_force_n},
+                      {"peak_spin_torque_nmm", headline.peak_spin_torque_nmm},
+                      {"force_definition", headline.force_definition()},
+                      {"depth_name", headline.depth().name},
+                      {"depth_mm", headline.tool_depth_mm},
+                      {"depth_definition", KeyResults::kDepthDefinition}};
 }
 
 void put_forces(const CuttingSettings& cutting, const RunTotals& totals, Json& json) {
@@ -202,7 +184,18 @@ void put_forces(const CuttingSettings& cutting, const RunTotals& totals, Json& j
   json["floor_energy_mj"] = totals.floor_energy_mj;
   if (cutting.law == CuttingLaw::energy) json["friction_energy_mj"] = cutting.friction_fraction * totals.energy_mj;
   json["balance"] = totals.balance;
-  json["forces"] = forces_json(totals);
+  json["forces"] = {{"peak_layer_axial_force_n", totals.peak_layer_axial_force_n},
+                    {"peak_layer_spin_torque_nmm", totals.peak_layer_spin_torque_nmm},
+                    {"peak_force_n", totals.peak_force_n},
+                    {"rms_force_n", totals.rms_force_n()},
+                    {"mean_force_n", totals.means().force_n},
+                    {"peak_axial_force_n", totals.peak_axial_force_n},
+                    {"mean_axial_force_n", totals.means().axial_force_n},
+                    {"peak_torque_nmm", totals.peak_torque_nmm},
+                    {"rms_torque_nmm", totals.rms_torque_nmm()},
+                    {"mean_torque_nmm", totals.means().torque_nmm},
+                    {"peak_spin_torque_nmm", totals.peak_spin_torque_nmm},
+                    {"mean_spin_torque_nmm", totals.means().spin_torque_nmm}};
 }
 
 Json totals_json(const SimulationInput& scene, const RunTotals& totals, const RunFacts& facts) {

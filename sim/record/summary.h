@@ -8,7 +8,6 @@
 
 #include "sim/anatomy/run_metrics.h"
 #include "sim/base/stopwatch.h"
-#include "sim/base/text.h"
 #include "sim/record/recorder.h"
 #include "sim/scene/clearance.h"
 #include "sim/scene/scene.h"

@@ -91,10 +91,15 @@ struct Findings {
   double seconds = 0;
 
   [[nodiscard]] std::string device() const { return capabilities.empty() ? "" : capabilities.front().second; }
+  /// Those of the program, then those of the device.
+  [[nodiscard]] std::vector<CaseFindings> all_cases() const {
+    std::vector<CaseFindings> all = cases;
+    all.insert(all.end(), device_cases.begin(), device_cases.end());
+    return all;
+  }
   [[nodiscard]] int failed_checks() const {
     int failed = 0;
-    for (const auto* all : {&cases, &device_cases})
-      for (const CaseFindings& row : *all) failed += static_cast<int>(row.failed_checks());
+    for (const CaseFindings& row : all_cases()) failed += static_cast<int>(row.failed_checks());
     return failed;
   }
   [[nodiscard]] bool passed() const { return failed_checks() == 0; }

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <vector>
 
 #include "sim/base/error.h"
 #include "sim/base/stopwatch.h"

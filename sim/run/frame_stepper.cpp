@@ -61,25 +61,12 @@ std::vector<BasisRow> basis_rows(const PendingFrame& frame, const std::vector<Su
   return rows;
 }
 
-Aabb bone_box(const Voxmap& voxmap) {
-  const VoxelBox voxels = bone_extent(voxmap);
-  const Vec3 corner = voxmap.grid.origin_mm;
-  return {corner + voxmap.grid.voxel_mm * voxels.first.cast<double>(),
-          corner + voxmap.grid.voxel_mm * (voxels.last + Vec3i::Ones()).cast<double>()};
-}
-
 /// The box of the shell's points, which may lie half a cell outside the surface, or of the surface that clips voxels.
 Aabb cutting_box(const SimulationInput& scene) {
   if (scene.scenario.cutting.erosion != ErosionMode::exact) {
     return scene.tool.bounds.expanded(0.5 * scene.tool.shell.cell_mm);
   }
   return scene.tool.clip_bounds().expanded(fit_outline(scene.tool.profile).bulge_mm);
-}
-
-/// The tool's origin at the first contact of a plunge that counts from it, B.
-std::optional<Vec3> contact_of(const SimulationInput& scene) {
-  const std::optional<FirstContact> contact = scene.first_contact();
-  return contact ? std::optional(contact->origin_mm) : std::nullopt;
 }
 
 }  // namespace
@@ -118,9 +105,17 @@ FrameResult EnergyBalance::close(const PendingFrame& frame, const std::vector<Su
   // The tool spins about −z of T, so the torque of the bone on it is about +z.
   out.spin_torque_nmm = out.torque_nmm.dot(tool_z);
   if (out.push) out.push->drill_power_w = 1e-3 * out.spin_torque_nmm * out.pose.spin_rpm * kRadPerRpm_s;
-  if (touched_from_mm && !run.first_contact_mm) run.first_contact_mm = contact_mm_.value_or(*touched_from_mm);
+  if (touched_from_mm && !run.first_contact_mm)
+    run.first_contact_mm = contact_ ? contact_->origin_mm : *touched_from_mm;
   if (run.first_contact_mm) out.depth_mm = -(frame.pose.position_mm - *run.first_contact_mm).dot(tool_z);
   return out;
+}
+
+Aabb bone_box(const Voxmap& voxmap) {
+  const VoxelBox voxels = bone_extent(voxmap);
+  const Vec3 corner = voxmap.grid.origin_mm;
+  return {corner + voxmap.grid.voxel_mm * voxels.first.cast<double>(),
+          corner + voxmap.grid.voxel_mm * (voxels.last + Vec3i::Ones()).cast<double>()};
 }
 
 bool is_moved_by_spin(const Scenario& scenario, const Tool& tool) {
@@ -137,7 +132,7 @@ FrameStepper::FrameStepper(SimulationInput& scene, Engine& engine, FrameSink& si
       bone_box_(bone_box(*scene.bone.voxmap)),
       energy_(scene.bone.voxmap->grid.voxel_mm3(),
               scene.scenario.cutting.law == CuttingLaw::per_point && scene.tool.spin == ToolSpin::resolved,
-              contact_of(scene)),
+              scene.first_contact()),
       resolved_(is_moved_by_spin(scene.scenario, scene.tool)),
       exact_(scene.scenario.cutting.erosion == ErosionMode::exact),
       max_step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm) {}

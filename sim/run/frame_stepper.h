@@ -73,9 +73,9 @@ struct EnergySums {
 class EnergyBalance {
  public:
   /// `sums_rotate`: sums are in the shell's frame, which rotates with resolved cutting edges (law per_point).
-  /// `contact_mm`: the tool's origin at the first contact (B), where that has been found before the run.
-  EnergyBalance(double voxel_mm3, bool sums_rotate, const std::optional<Vec3>& contact_mm = {})
-      : voxel_mm3_(voxel_mm3), sums_rotate_(sums_rotate), contact_mm_(contact_mm) {}
+  /// `contact`: of a plunge that counts from its first contact, which has been found before the run.
+  EnergyBalance(double voxel_mm3, bool sums_rotate, const std::optional<FirstContact>& contact)
+      : voxel_mm3_(voxel_mm3), sums_rotate_(sums_rotate), contact_(contact) {}
 
   FrameResult close(const PendingFrame& frame, const std::vector<SubstepSums>& sums);
 
@@ -89,8 +89,11 @@ class EnergyBalance {
  private:
   double voxel_mm3_;
   bool sums_rotate_;
-  std::optional<Vec3> contact_mm_;
+  std::optional<FirstContact> contact_;
 };
+
+/// The box of the voxels with bone, B.
+Aabb bone_box(const Voxmap& voxmap);
 
 /// What a simulation has to know to go on after a frame, besides the fill of the bone and the hand that pushes.
 struct StepState {

@@ -12,7 +12,6 @@
 #include "sim/base/stopwatch.h"
 #include "sim/bone/bone.h"
 #include "sim/record/citation.h"
-#include "sim/record/output_folder.h"
 #include "sim/record/run_totals.h"
 #include "sim/record/summary.h"
 #include "sim/run/checkpoint.h"

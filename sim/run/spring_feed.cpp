@@ -187,7 +187,6 @@ class SpringFeed : public PlannedFeed {
         settings_(*scene.scenario.motion.compliance),
         stepper_(stepper),
         report_(report),
-        frame_s_(scene.motion.frame_s()),
         resolved_(is_moved_by_spin(scene.scenario, scene.tool)),
         step_mm_(scene.scenario.engine.max_step_voxels * scene.bone.voxmap->grid.voxel_mm),
         loss_mm_(smallest_advance_mm(scene.bone.voxmap->grid.voxel_mm)) {}
@@ -198,14 +197,9 @@ class SpringFeed : public PlannedFeed {
     springs_.spring_mj = 0;
     springs_.deflection_mm = springs_.bone_n = springs_.tool_mm_s = Vec3::Zero();
     springs_.bone_n_s_mm.setZero();
-    const std::int64_t first = scene().motion.first_frame;
-    const ToolPose pose = scene().motion.pose_of(first);
-    stepper_.start({.frame = first,
-                    .before = pose,
-                    .pose = pose,
-                    .duration_s = frame_s_,
-                    .time_s = static_cast<double>(first) * frame_s_,
-                    .deflection_mm = Vec3(Vec3::Zero())});
+    FrameMotion rest = planned_motion(scene().motion, scene().motion.first_frame);
+    rest.deflection_mm = Vec3::Zero();
+    stepper_.start(rest);
   }
   void resume(const SimulationState& from) override { springs_ = from.springs; }
 
@@ -218,8 +212,8 @@ class SpringFeed : public PlannedFeed {
       const FrameMotion plan{.frame = frame,
                              .before = interpolate(begin, end, static_cast<double>(i) / parts),
                              .pose = interpolate(begin, end, static_cast<double>(i + 1) / parts),
-                             .duration_s = frame_s_ / parts,
-                             .time_s = static_cast<double>(frame) * frame_s_};
+                             .duration_s = scene().motion.frame_s() / parts,
+                             .time_s = static_cast<double>(frame) * scene().motion.frame_s()};
       const Deflection found = cut_part(plan, i, parts);
       limited |= found.limited;
       balanced &= found.balanced;
@@ -320,7 +314,6 @@ class SpringFeed : public PlannedFeed {
   const ComplianceSettings& settings_;
   FrameStepper& stepper_;
   Diagnostics& report_;
-  double frame_s_;
   bool resolved_;
   double step_mm_;  ///< the longest of a substep
   double loss_mm_;  ///< advance of a smallest loss

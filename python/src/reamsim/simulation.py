@@ -262,15 +262,10 @@ def _stacked(poses: Any, names: list[str], wanted: list[str]) -> numpy.ndarray:
     if missing:
         raise InputError([f"poses: have no column {missing[0]}; expected " + ", ".join(wanted)], 2)
     try:
-        columns = [_two_dimensional(poses[name]) for name in wanted]
-        return numpy.ascontiguousarray(numpy.hstack(columns))
+        columns = [numpy.asarray(poses[name], dtype=numpy.float64) for name in wanted]
+        return numpy.ascontiguousarray(numpy.hstack([one[:, None] if one.ndim == 1 else one for one in columns]))
     except (TypeError, ValueError) as error:
         raise InputError([f"poses: {error}"], 2) from None
-
-
-def _two_dimensional(values: ArrayLike) -> numpy.ndarray:
-    array = numpy.asarray(values, dtype=numpy.float64)
-    return array[:, None] if array.ndim == 1 else array
 
 
 @functools.cache

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import os
 from collections.abc import Sequence
 from typing import Any
 
@@ -142,9 +143,7 @@ def _grouped(column: Column) -> Parameter | None:
 
 def _shortened(levels: list[str]) -> list[str]:
     """Without what all begin with, up to the last separator in it: "reamer_flat" is "flat"."""
-    same = 0
-    while all(same < len(level) and level[same] == levels[0][same] for level in levels):
-        same += 1
+    same = len(os.path.commonprefix(levels))
     begin = 1 + max(levels[0].rfind(separator, 0, same) for separator in "_- ")
     return levels if any(len(level) == begin for level in levels) else [level[begin:] for level in levels]
 
