@@ -5,8 +5,11 @@
 
 #include <fmt/core.h>
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
+
+#include "sim/base/parallel.h"
 
 namespace reamsim {
 
@@ -120,6 +123,17 @@ double score_of(const FittedFace& face, const Vec3& near_mm) {
 
 [[noreturn]] void fail(const Vec3& near_mm, const std::string& found, const std::string& expected) {
   throw InputError({}, "bone.glenoid.near_mm", point_text(near_mm) + ": " + found, expected);
+}
+
+/// The faces to which `fit(i)` leads for each of `count` items, in their order; computed in parallel.
+std::vector<FittedFace> fit_all(std::size_t count, const std::function<std::optional<FittedFace>(std::size_t)>& fit) {
+  std::vector<std::optional<FittedFace>> found(count);
+  parallel_items(count, [&](std::size_t i) { found[i] = fit(i); });
+  std::vector<FittedFace> out;
+  for (auto& face : found) {
+    if (face) out.push_back(std::move(*face));
+  }
+  return out;
 }
 
 /// The first `most` faces that are no repetition of one before, settled finely.

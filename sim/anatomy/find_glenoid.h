@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cmath>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -116,9 +115,6 @@ inline constexpr FitEffort kCoarseEffort{24, 4}, kFineEffort{90, 12};
 /// Fits the face at a start on the surface, +z out of the bone: walks to the rim, fits outline and surface, and moves
 /// the frame to the middle of the face, until it rests or the turns are over. nullopt where there is no face.
 std::optional<FittedFace> fit_face(const BoneProbe& probe, const Rigid& start, const FitEffort& effort);
-
-/// The faces to which `fit(i)` leads for each of `count` items, in their order; computed in parallel.
-std::vector<FittedFace> fit_all(std::size_t count, const std::function<std::optional<FittedFace>(std::size_t)>& fit);
 
 /// How much a face is that of a joint, at most 1: the fraction of its rim, less for a rim that is no pear, a slim face,
 /// or more than one surface. −1: too small, too large, or convex.

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <utility>
 
-#include "sim/base/parallel.h"
 #include "sim/base/statistics.h"
 #include "sim/bone/implicit.h"
 #include "sim/bone/voxel_surface.h"
@@ -297,16 +296,6 @@ std::optional<FittedFace> fit_face(const BoneProbe& probe, const Rigid& start, c
     if (moved.x() < kRest_mm && moved.y() < kRest_rad) break;
   }
   return face;
-}
-
-std::vector<FittedFace> fit_all(std::size_t count, const std::function<std::optional<FittedFace>(std::size_t)>& fit) {
-  std::vector<std::optional<FittedFace>> found(count);
-  parallel_items(count, [&](std::size_t i) { found[i] = fit(i); });
-  std::vector<FittedFace> out;
-  for (auto& face : found) {
-    if (face) out.push_back(std::move(*face));
-  }
-  return out;
 }
 
 double face_score(const FittedFace& face) {

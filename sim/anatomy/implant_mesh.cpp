@@ -4,7 +4,6 @@
 #include "sim/anatomy/run_metrics.h"
 
 #include <fmt/core.h>
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>

@@ -4,7 +4,6 @@
 // Version of a face by the definitions of the literature, as SciKit-SurgeryGlenoid implements them
 // (github.com/SciKit-Surgery/glenoidplanefitting, commit 9c770a9): friedman.py, vault.py, plane_fitting.py.
 
-#include <algorithm>
 #include <cmath>
 
 #include "sim/anatomy/run_metrics.h"

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/api/reamsim/simulation.h"
 #include "sim/api/state_parts.h"
 #include "sim/engine/common/substep.h"
-#include "sim/run/frame_stepper.h"
 #include "sim/run/simulation.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"

@@ -4,7 +4,6 @@
 // States of a simulation, in memory and in files.
 #include <filesystem>
 
-#include "sim/api/reamsim/simulation.h"
 #include "sim/api/state_parts.h"
 #include "sim/base/file.h"
 #include "sim/base/value_file.h"

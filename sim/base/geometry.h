@@ -49,6 +49,11 @@ struct Aabb {
     return {min - Vec3::Constant(margin), max + Vec3::Constant(margin)};
   }
   [[nodiscard]] bool empty() const { return (min.array() > max.array()).any(); }
+  [[nodiscard]] bool contains(const Vec3& p) const {
+    return (p.array() >= min.array()).all() && (p.array() <= max.array()).all();
+  }
+  /// Distance of its farthest corner from the origin.
+  [[nodiscard]] double reach() const { return min.cwiseAbs().cwiseMax(max.cwiseAbs()).norm(); }
   /// Corner 0…7: bit n of the number chooses the maximum along axis n.
   [[nodiscard]] Vec3 corner(int n) const {
     return {(n & 1) != 0 ? max.x() : min.x(), (n & 2) != 0 ? max.y() : min.y(), (n & 4) != 0 ? max.z() : min.z()};

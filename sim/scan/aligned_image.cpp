@@ -17,15 +17,12 @@ constexpr double kAlignedTolerance_voxels = 0.02;
 /// The box around an oblique image has at most 27 times its voxels unless spacing or axes are absurd.
 constexpr double kMaxGrowth = 100;
 
-/// For each image axis the closest LPS axis. If two are equal, the image is oblique.
-std::array<int, 3> dominant_axes(const Mat3& step_mm) {
-  std::array<int, 3> lps_axis{};
-  for (int column = 0; column < 3; ++column) step_mm.col(column).cwiseAbs().maxCoeff(&lps_axis[column]);
-  return lps_axis;
-}
-
-bool is_permutation(const std::array<int, 3>& axes) {
-  return axes[0] != axes[1] && axes[1] != axes[2] && axes[0] != axes[2];
+/// For each image axis the closest LPS axis; nullopt where two are equal: the image is oblique.
+std::optional<std::array<int, 3>> dominant_axes(const Mat3& step_mm) {
+  std::array<int, 3> axes{};
+  for (int column = 0; column < 3; ++column) step_mm.col(column).cwiseAbs().maxCoeff(&axes[column]);
+  const bool all = axes[0] != axes[1] && axes[1] != axes[2] && axes[0] != axes[2];
+  return all ? std::optional(axes) : std::nullopt;
 }
 
 Aabb cropped(Aabb box, const CtSettings& settings) {
@@ -36,7 +33,7 @@ Aabb cropped(Aabb box, const CtSettings& settings) {
 
 AlignedImage permute(const Scan& scan) {
   const ScanGeometry& from = scan.geometry;
-  const std::array<int, 3> lps_axis = dominant_axes(from.step_mm);
+  const std::array<int, 3> lps_axis = *dominant_axes(from.step_mm);
   AlignedImage out;
   std::array<std::int64_t, 3> stride{};  // in the source, along each LPS axis
   const std::array<std::int64_t, 3> source_stride{1, from.dims.x(), std::int64_t{from.dims.x()} * from.dims.y()};
@@ -60,11 +57,11 @@ AlignedImage permute(const Scan& scan) {
 
 /// The spacing along each LPS axis is that of the closest image axis.
 Vec3 lattice_spacing(const ScanGeometry& geometry) {
-  const std::array<int, 3> lps_axis = dominant_axes(geometry.step_mm);
+  const auto lps_axis = dominant_axes(geometry.step_mm);
   const Vec3 spacing = geometry.spacing_mm();
-  if (!is_permutation(lps_axis)) return Vec3::Constant(spacing.minCoeff());
+  if (!lps_axis) return Vec3::Constant(spacing.minCoeff());
   Vec3 out;
-  for (int axis = 0; axis < 3; ++axis) out[lps_axis[axis]] = spacing[axis];
+  for (int axis = 0; axis < 3; ++axis) out[(*lps_axis)[axis]] = spacing[axis];
   return out;
 }
 
@@ -200,12 +197,12 @@ ScanGeometry part_of(const ScanGeometry& geometry, const IndexBox& box) {
 }
 
 bool is_axis_aligned(const ScanGeometry& geometry) {
-  const std::array<int, 3> lps_axis = dominant_axes(geometry.step_mm);
-  if (!is_permutation(lps_axis)) return false;
+  const auto lps_axis = dominant_axes(geometry.step_mm);
+  if (!lps_axis) return false;
   const double smallest = geometry.spacing_mm().minCoeff();
   for (int axis = 0; axis < 3; ++axis) {
     Vec3 drift = geometry.step_mm.col(axis) * (geometry.dims[axis] - 1);
-    drift[lps_axis[axis]] = 0;
+    drift[(*lps_axis)[axis]] = 0;
     if (drift.cwiseAbs().maxCoeff() > kAlignedTolerance_voxels * smallest) return false;
   }
   return true;

@@ -113,23 +113,8 @@ class NegatedField {
  public:
   explicit NegatedField(const AlignedImage& image);
 
-  double operator()(const Vec3& point_mm) const { return value(places(point_mm)); }
-
- private:
-  /// A position between two neighbouring values along one axis.
-  struct Place {
-    std::size_t at = 0;   ///< offset of the lower value
-    double fraction = 0;  ///< weight of the upper value
-  };
-  using Places = std::array<Place, 3>;
-
-  [[nodiscard]] Place place(int axis, double mm) const {
-    const double index = std::min(std::max((mm - origin_mm_[axis]) / spacing_mm_[axis], 0.0), last_[axis]);
-    const int low = std::min(static_cast<int>(index), last_low_[axis]);
-    return {stride_[static_cast<std::size_t>(axis)] * static_cast<std::size_t>(low), index - low};
-  }
-  [[nodiscard]] Places places(const Vec3& mm) const { return {place(0, mm.x()), place(1, mm.y()), place(2, mm.z())}; }
-  [[nodiscard]] double value(const Places& p) const {
+  double operator()(const Vec3& point_mm) const {
+    const std::array<Place, 3> p{place(0, point_mm.x()), place(1, point_mm.y()), place(2, point_mm.z())};
     const float* corner = values_ + p[0].at + p[1].at + p[2].at;
     const auto along_x = [&](std::size_t at) {
       return (1 - p[0].fraction) * double{corner[at]} + p[0].fraction * double{corner[at + step_[0]]};
@@ -138,6 +123,19 @@ class NegatedField {
       return (1 - p[1].fraction) * along_x(at) + p[1].fraction * along_x(at + step_[1]);
     };
     return -((1 - p[2].fraction) * along_y(0) + p[2].fraction * along_y(step_[2]));
+  }
+
+ private:
+  /// A position between two neighbouring values along one axis.
+  struct Place {
+    std::size_t at = 0;   ///< offset of the lower value
+    double fraction = 0;  ///< weight of the upper value
+  };
+
+  [[nodiscard]] Place place(int axis, double mm) const {
+    const double index = std::min(std::max((mm - origin_mm_[axis]) / spacing_mm_[axis], 0.0), last_[axis]);
+    const int low = std::min(static_cast<int>(index), last_low_[axis]);
+    return {stride_[static_cast<std::size_t>(axis)] * static_cast<std::size_t>(low), index - low};
   }
 
   const float* values_;

@@ -321,19 +321,19 @@ SegmentedScan segmented_scan(const BoneSettings& given, Diagnostics& report, std
   return with_open_scan(given.ct, report, [&](const ct::ScanSource& source) {
     const ct::IndexBox box = cropped_box(source, given.ct);
     CroppedImage image = read_cropped(source, box, given.ct, report);
-    SegmentedScan out{.hu = std::move(image.hu), .field = {}, .settings = given.ct, .mistakes = {}};
+    SegmentedScan out{.hu = {}, .field = {}, .settings = given.ct, .mistakes = {}};
     try {
-      const BoneSettings settings = with_cuts(out.hu, given, report);
+      const BoneSettings settings = with_cuts(image.hu, given, report);
       out.settings = settings.ct;
-      const ct::AlignedImage& edges = image.sharp ? *image.sharp : out.hu;
-      ct::BoneField bone = segment(source, box, edges, out.settings, report);
+      ct::BoneField bone = segment(source, box, image.edges(), out.settings, report);
       if (voxmap != nullptr) {
-        *voxmap = voxels_of(out.hu, bone, settings, psf_of(source.geometry, settings.ct), report, nullptr, {});
+        *voxmap = voxels_of(image.hu, bone, settings, psf_of(source.geometry, settings.ct), report, nullptr, {});
       }
       out.field = std::move(bone.field.value);
     } catch (const InputError& error) {
       out.mistakes = error.mistakes();
     }
+    out.hu = std::move(image.hu);
     if (out.field.empty() || out.settings.label_map) return out;
     out.hu.lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
       if (ct::is_cut_away(out.settings, out.hu.lattice.center_mm(voxel))) out.field[at] = -std::abs(out.field[at]);
@@ -347,6 +347,20 @@ std::vector<ct::Joint> joints_in_scan(const BoneSettings& settings, Diagnostics&
     const CroppedImage image = read_cropped(source, cropped_box(source, settings.ct), settings.ct, report, {}, false);
     return ct::find_joints(image.hu, settings.ct.threshold_hu);
   });
+}
+
+std::string sentence_of(const Segmentation& s) {
+  const std::string bone =
+      s.method == "label_map"
+          ? fmt::format("label map, {:.0f} mm3 of bone, {:.1f} % below {:.0f} HU", s.bone_mm3,
+                        100 * s.below_threshold_fraction, s.threshold_hu)
+          : fmt::format(
+                "threshold {:.0f} HU, {} pieces, kept {} (rank {} by size); {:.0f} mm3 of bone, {:.1f} % below the "
+                "threshold; discarded {:.0f} mm3, cut {:.0f} mm3, added by closing {:.0f} mm3, by filling {:.0f} mm3",
+                s.threshold_hu, s.pieces, s.by_seed ? "the one with the seed" : "the largest", s.kept_rank, s.bone_mm3,
+                100 * s.below_threshold_fraction, s.dropped_mm3, s.cut_mm3, s.closed_mm3, s.filled_mm3);
+  return fmt::format("segmentation: {}; on {:.1f} % of its surface the density is a lower bound", bone,
+                     100 * s.lower_bound_fraction);
 }
 
 }  // namespace reamsim

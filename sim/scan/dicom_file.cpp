@@ -8,7 +8,6 @@
 #include <gdcmReader.h>
 #include <gdcmTrace.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>

@@ -4,7 +4,6 @@
 #include "sim/scan/dicom.h"
 
 #include <fmt/core.h>
-#include <algorithm>
 #include <filesystem>
 #include <map>
 
@@ -70,12 +69,6 @@ bool same_size(const DicomSeries& a, const DicomSeries& b) {
          ((a.spacing_mm - b.spacing_mm).cwiseAbs().array() <= kSameSpacing * a.spacing_mm.array()).all();
 }
 
-/// More slices first, then the finer spacing.
-bool is_better(const DicomSeries& a, const DicomSeries& b) {
-  if (a.slices() != b.slices()) return a.slices() > b.slices();
-  return a.spacing_mm.prod() < b.spacing_mm.prod();
-}
-
 /// False for screenshots and renderings.
 bool may_be_a_volume(const DicomSeries& series) {
   const DicomHeader& first = series.first();
@@ -120,7 +113,8 @@ std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, bool any
                      "none of the " + std::to_string(found.series.size()) + " DICOM series is CT",
                      "expected a CT series, or bone.ct.modality: any; found " + list_of(found.series));
   }
-  std::ranges::stable_sort(out, [](const DicomSeries* a, const DicomSeries* b) { return is_better(*a, *b); });
+  // More slices first, then the finer spacing.
+  std::ranges::stable_sort(out, {}, [](const DicomSeries* s) { return std::pair(-s->slices(), s->spacing_mm.prod()); });
   return out;
 }
 

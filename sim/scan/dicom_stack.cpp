@@ -5,9 +5,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <set>
 
@@ -152,12 +150,6 @@ DicomVolume chosen_volume(std::vector<DicomVolume> candidates, const std::vector
                    way_to_choose(candidates, series));
 }
 
-[[noreturn]] void refuse_one_slice(const std::string& path, const DicomFolder& folder) {
-  const ForeignFile file{path, kScanKey};
-  if (path == folder.folder) throw file.error("a single DICOM slice", "give the folder of the series");
-  throw file.error("one DICOM slice", "expected the slices of a volume, at least two of one size and orientation");
-}
-
 void refuse_same_place(const Stack& stack) {
   const std::ptrdiff_t at = same_place(stack);
   if (at < 0) return;
@@ -298,7 +290,11 @@ DicomStack stack_slices(const DicomSeries& series, const SeriesChoice& choice, c
   std::vector<std::string> skipped = folder.damaged;
   std::vector<Stack> groups = groups_of(with_tags(slices_among(series, skipped, report), choice, folder));
   std::vector<DicomVolume> candidates = candidates_in(groups, report);
-  if (candidates.empty()) refuse_one_slice(groups.front().front().path(), folder);
+  if (candidates.empty()) {
+    const ForeignFile file{groups.front().front().path(), kScanKey};
+    if (file.path == folder.folder) throw file.error("a single DICOM slice", "give the folder of the series");
+    throw file.error("one DICOM slice", "expected the slices of a volume, at least two of one size and orientation");
+  }
   const auto number = &series - folder.series.data() + 1;
   const DicomVolume chosen =
       chosen_volume(std::move(candidates), groups, choice.volume, std::to_string(number), folder);

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <fmt/core.h>
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <iterator>

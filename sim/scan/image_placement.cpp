@@ -5,16 +5,12 @@
 #include <itkNrrdImageIO.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
 #include <map>
-#include <optional>
-#include <sstream>
 #include <utility>
-#include <vector>
 
 #include "sim/base/file.h"
 #include "sim/base/text.h"

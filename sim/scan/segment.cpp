@@ -15,8 +15,7 @@ constexpr double kLabelSmoothing_voxels = 0.6;
 
 Mask above_threshold(const AlignedImage& hu, const CtSettings& settings, Diagnostics& report) {
   Mask mask(hu.value.size());
-  std::transform(hu.value.begin(), hu.value.end(), mask.begin(),
-                 [&](float value) { return static_cast<double>(value) >= settings.threshold_hu ? 1 : 0; });
+  std::ranges::transform(hu.value, mask.begin(), [&](float value) { return double{value} >= settings.threshold_hu; });
   const std::int64_t voxels = std::ranges::count(mask, 1);
   if (voxels == 0) {
     const float highest = *std::max_element(hu.value.begin(), hu.value.end());
@@ -226,21 +225,3 @@ BoneField segment_by_label(LabelImages labels, const AlignedImage& hu, const CtS
 }
 
 }  // namespace reamsim::ct
-
-namespace reamsim {
-
-std::string sentence_of(const Segmentation& s) {
-  const std::string bone =
-      s.method == "label_map"
-          ? fmt::format("label map, {:.0f} mm3 of bone, {:.1f} % below {:.0f} HU", s.bone_mm3,
-                        100 * s.below_threshold_fraction, s.threshold_hu)
-          : fmt::format(
-                "threshold {:.0f} HU, {} pieces, kept {} (rank {} by size); {:.0f} mm3 of bone, {:.1f} % below the "
-                "threshold; discarded {:.0f} mm3, cut {:.0f} mm3, added by closing {:.0f} mm3, by filling {:.0f} mm3",
-                s.threshold_hu, s.pieces, s.by_seed ? "the one with the seed" : "the largest", s.kept_rank, s.bone_mm3,
-                100 * s.below_threshold_fraction, s.dropped_mm3, s.cut_mm3, s.closed_mm3, s.filled_mm3);
-  return fmt::format("segmentation: {}; on {:.1f} % of its surface the density is a lower bound", bone,
-                     100 * s.lower_bound_fraction);
-}
-
-}  // namespace reamsim

@@ -3,7 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -108,15 +107,9 @@ bool rounding_explains(const Stack& slices, double header_mm) {
   return !steps.empty();
 }
 
-/// The number of the last gap of the run of equal gaps that begins at `first`.
-std::size_t end_of_run(const std::vector<double>& gaps, std::size_t first) {
-  std::size_t last = first;
-  while (last + 1 < gaps.size() && same_gap(gaps[last + 1], gaps[first])) ++last;
-  return last;
-}
-
 SpacingFault fault_at(const Stack& slices, const std::vector<double>& gaps, double typical, std::size_t gap) {
-  const std::size_t last = end_of_run(gaps, gap);
+  std::size_t last = gap;  // of the run of equal gaps that begins here
+  while (last + 1 < gaps.size() && same_gap(gaps[last + 1], gaps[gap])) ++last;
   const std::size_t length = last - gap + 1;
   const long multiple = std::lround(gaps[gap] / typical);
   const double reach =

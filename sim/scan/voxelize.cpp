@@ -4,9 +4,7 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
-#include <vector>
 
 #include "sim/base/parallel.h"
 #include "sim/bone/voxmap/cube_fraction.h"
@@ -119,8 +117,7 @@ class InsideTest {
 
 /// Whether a point lies in the image and outside the cuts. Cuts do not apply to a label map.
 bool may_be_bone(const CtSettings& settings, const Aabb& image, const Vec3& point_mm) {
-  const bool in_image = (point_mm.array() >= image.min.array()).all() && (point_mm.array() <= image.max.array()).all();
-  return in_image && (settings.label_map || !is_cut_away(settings, point_mm));
+  return image.contains(point_mm) && (settings.label_map || !is_cut_away(settings, point_mm));
 }
 
 /// The fraction of a voxel within the image and outside the cuts.

@@ -10,19 +10,17 @@ namespace {
 constexpr Range kChip = between(1e-5, 10);  // mm
 
 void describe_cutting_edges(KeyVisitor& v, int& count) {
-  v.key("cutting_edges", count, "Number of cutting edges", {.required = true, .range = between(1, 1000)});
+  v.key("cutting_edges", count, "Number of cutting edges", required(between(1, 1000)));
 }
 
 void describe_specific_energy(KeyVisitor& v, SpecificEnergySettings& point) {
-  v.key("density_g_cm3", point.density_g_cm3, "Apparent density", {.required = true, .range = between(0, 2)});
-  v.key("energy_j_mm3", point.energy_j_mm3, "Specific cutting energy", {.required = true, .range = between(0, 10)});
+  v.key("density_g_cm3", point.density_g_cm3, "Apparent density", required(between(0, 2)));
+  v.key("energy_j_mm3", point.energy_j_mm3, "Specific cutting energy", required(between(0, 10)));
 }
 
 void describe_size_effect(KeyVisitor& v, SizeEffectSettings& size) {
-  v.key("exponent", size.exponent, "1: force independent of chip thickness",
-        {.required = true, .range = between(0.001, 1)});
-  v.key("reference_mm", size.reference_mm, "Chip thickness at which specific energy was measured",
-        {.required = true, .range = kChip});
+  v.key("exponent", size.exponent, "1: force independent of chip thickness", required(between(0.001, 1)));
+  v.key("reference_mm", size.reference_mm, "Chip thickness at which specific energy was measured", required(kChip));
   describe_cutting_edges(v, size.cutting_edges);
   v.key("least_mm", size.least_mm, "Lower limit of chip thickness", kChip);
   v.key("most_mm", size.most_mm, "Upper limit of chip thickness", kChip);
@@ -30,9 +28,8 @@ void describe_size_effect(KeyVisitor& v, SizeEffectSettings& size) {
 
 void describe_edge_force(KeyVisitor& v, EdgeForceSettings& edge) {
   v.key("tangential_n_mm", edge.tangential_n_mm, "Force against the motion, per edge length",
-        {.required = true, .range = between(1e-6, 1000)});
-  v.key("normal_n_mm", edge.normal_n_mm, "Normal force out of the bone, per edge length",
-        {.required = true, .range = between(0, 1000)});
+        required(between(1e-6, 1000)));
+  v.key("normal_n_mm", edge.normal_n_mm, "Normal force out of the bone, per edge length", required(between(0, 1000)));
   describe_cutting_edges(v, edge.cutting_edges);
 }
 
@@ -87,11 +84,10 @@ void describe_augment(KeyVisitor& v, AugmentSettings& augment) {
 }
 
 void describe_peg(KeyVisitor& v, PegSettings& peg) {
-  v.key("from_mm", peg.from_mm, "One end of the peg axis, implant frame",
-        {.required = true, .range = between(-200, 200)});
-  v.key("to_mm", peg.to_mm, "Other end", {.required = true, .range = between(-200, 200)});
+  v.key("from_mm", peg.from_mm, "One end of the peg axis, implant frame", required(between(-200, 200)));
+  v.key("to_mm", peg.to_mm, "Other end", required(between(-200, 200)));
   v.key("diameter_mm", peg.diameter_mm, "Peg diameter; the ends are hemispheres about from_mm and to_mm",
-        {.required = true, .range = between(0.1, 50)});
+        required(between(0.1, 50)));
 }
 
 void describe_implant_mesh(KeyVisitor& v, ImplantMeshSettings& mesh) {
@@ -105,7 +101,7 @@ void describe_implant_mesh(KeyVisitor& v, ImplantMeshSettings& mesh) {
 
 void describe_implant(KeyVisitor& v, ImplantSettings& implant) {
   v.key("backside_radius_mm", implant.backside_radius_mm, "Radius of the spherical back; 0: flat",
-        {.required = true, .range = between(0, 500)});
+        required(between(0, 500)));
   constexpr std::string_view kMesh = "mesh";
   v.section(kMesh, implant.mesh, describe_implant_mesh, "Implant with its pegs from a mesh file");
   v.key("diameter_mm", implant.diameter_mm,
@@ -246,8 +242,7 @@ void describe_output(KeyVisitor& v, OutputSettings& output) {
 }
 
 void describe_scenario(KeyVisitor& v, Scenario& scenario) {
-  v.key("version", scenario.version, "Scenario format",
-        {.required = true, .range = between(kScenarioVersion, kScenarioVersion)});
+  v.key("version", scenario.version, "Scenario format", required(between(kScenarioVersion, kScenarioVersion)));
   v.key("name", scenario.name, "Name of the run; default: the file name without extension");
   v.section("bone", scenario.bone, describe_bone, "The bone to be reamed", {.required = true});
   v.section("tool", scenario.tool, describe_tool, "The reamer", {.required = true});

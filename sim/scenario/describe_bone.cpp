@@ -170,7 +170,7 @@ void describe_hu(KeyVisitor& v, HuSettings& hu) {
 
 void describe_cut_sphere(KeyVisitor& v, CutSphereSettings& sphere) {
   v.point("center_mm", sphere.center_mm, "LPS", {.required = true});
-  v.key("radius_mm", sphere.radius_mm, "Bone inside is removed", {.required = true, .range = between(0.01, 500)});
+  v.key("radius_mm", sphere.radius_mm, "Bone inside is removed", required(between(0.01, 500)));
 }
 
 void describe_cut_plane(KeyVisitor& v, CutPlaneSettings& plane) {

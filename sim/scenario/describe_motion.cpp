@@ -45,13 +45,13 @@ void describe_push(KeyVisitor& v, PushSettings& push) {
 
 void describe_compliance(KeyVisitor& v, ComplianceSettings& compliance) {
   v.key("stiffness_n_mm", compliance.stiffness_n_mm, "Stiffness along x, y and z of the tool; 1e6: rigid",
-        {.required = true, .range = between(1e-3, ComplianceSettings::kRigid_n_mm)});
+        required(between(1e-3, ComplianceSettings::kRigid_n_mm)));
   v.key("damping_n_s_mm", compliance.damping_n_s_mm, "Damper parallel to each spring: force per deflection rate",
         between(0, 1000));
 }
 
 void describe_keyframe(KeyVisitor& v, KeyframeSettings& key) {
-  v.key("time_s", key.time_s, "Later than the previous keyframe", {.required = true, .range = between(0, 1e5)});
+  v.key("time_s", key.time_s, "Later than the previous keyframe", required(between(0, 1e5)));
   v.point("position_mm", key.position_mm, "Tool origin", {.required = true});
   v.direction("axis", key.axis, "+z of the tool, out of the bone");
   v.key("quaternion", key.quaternion, "Rotation from tool to motion.frame: unit quaternion w, x, y, z",
@@ -119,10 +119,9 @@ void describe_envelope(KeyVisitor& v, ClearanceEnvelopeSettings& envelope) {
 
 void describe_holder_part(KeyVisitor& v, HolderPartSettings& part) {
   v.key("name", part.name, "Name in messages and results; default: holder and its number");
-  v.key("from_z_mm", part.from_z_mm, "Start on the spin axis, tool frame; +z points to the drive",
-        {.required = true, .range = kBegin});
-  v.key("to_z_mm", part.to_z_mm, "End; greater than from_z_mm", {.required = true, .range = kEnd});
-  v.key("diameter_mm", part.diameter_mm, "Diameter at from_z_mm", {.required = true, .range = between(0.01, 1000)});
+  v.key("from_z_mm", part.from_z_mm, "Start on the spin axis, tool frame; +z points to the drive", required(kBegin));
+  v.key("to_z_mm", part.to_z_mm, "End; greater than from_z_mm", required(kEnd));
+  v.key("diameter_mm", part.diameter_mm, "Diameter at from_z_mm", required(between(0.01, 1000)));
   v.key("end_diameter_mm", part.end_diameter_mm, "Diameter at to_z_mm; 0: diameter_mm", kDiameter);
 }
 

@@ -56,6 +56,11 @@ bool are_parallel(const Vec3& a, const Vec3& b);
 /// the balance of the frame is that of its cut. `scenario` has the edge length of the voxels, which a VDB tells.
 void check_push_step(const Scenario& scenario, const KeyLocations& locations);
 
+/// The rules of a key that has to be given, within a range.
+inline KeyRules required(const Range& range) {
+  return {.required = true, .range = range};
+}
+
 /// Range of densities that are not 0, g/cm³, from the least that a voxel stores.
 constexpr Range kDensity = between(0.008, 2);
 /// Range of the length in mm of a unit of a file, from nanometres to kilometres.

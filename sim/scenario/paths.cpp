@@ -151,10 +151,6 @@ std::string folder_of(ShippedKind kind) {
   return scenarios.empty() || kind == ShippedKind::scenario ? scenarios : scenarios + "/studies";
 }
 
-const char* text_of(ShippedKind kind) {
-  return kind == ShippedKind::scenario ? "scenario" : "study";
-}
-
 /// The file of this name, or "".
 std::string file_of(const std::string& name, ShippedKind kind) {
   const std::vector<std::string> names = shipped_names(kind);
@@ -173,12 +169,12 @@ struct Place {
 [[noreturn]] void refuse_unknown(const std::string& name, ShippedKind kind, const Place& place) {
   const ShippedKind other = kind == ShippedKind::scenario ? ShippedKind::study : ShippedKind::scenario;
   if (place.key.empty() && !file_of(name, other).empty()) {
-    throw InputError(place.where, "", fmt::format("is a shipped {}, not a {}", text_of(other), text_of(kind)),
+    throw InputError(place.where, "", fmt::format("is a shipped {}, not a {}", name_of(other), name_of(kind)),
                      kind == ShippedKind::scenario ? "use reamsim sweep" : "use reamsim run");
   }
   const std::string found = place.key.empty() ? "" : shown_path(name) + ": ";
   throw InputError(place.where, place.key,
-                   fmt::format("{}no such file, and no shipped {} of this name", found, text_of(kind)),
+                   fmt::format("{}no such file, and no shipped {} of this name", found, name_of(kind)),
                    fmt::format("expected a file (YAML) or one of {}", fmt::join(shipped_names(kind), ", ")));
 }
 
@@ -200,7 +196,7 @@ std::string file_meant(const std::string& text, ShippedKind kind, const Place& p
   if (file_of(name, kind).empty()) return text;
   throw InputError(place.where, place.key, "no such file" + (place.key.empty() ? "" : ": " + shown_path(text)),
                    fmt::format("use `{}` (without {}), the shipped {}, or give a file that exists", name,
-                               path.extension().string(), text_of(kind)));
+                               path.extension().string(), name_of(kind)));
 }
 
 }  // namespace

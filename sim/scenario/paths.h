@@ -38,6 +38,8 @@ std::string read_scenario_text(const std::string& path, std::size_t most_bytes);
 std::string shipped_folder(const std::string& name);
 
 enum class ShippedKind { scenario, study };
+template <>
+inline constexpr auto kChoiceNames<ShippedKind> = name_list("scenario", "study");
 
 /// Names of the shipped scenarios or studies, in order: file names without ".yaml"; "validation/NAME" of a study with
 /// published numbers, NAME.csv, beside it.

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "sim/base/text.h"
-#include "sim/scenario/key_tree.h"
 #include "sim/scenario/markups.h"
 #include "sim/scenario/parse_steps.h"
 #include "sim/scenario/paths.h"

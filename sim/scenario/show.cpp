@@ -40,18 +40,15 @@ bool is_reserved_word(std::string_view text) {
 /// Sections and keys that change no number of the results.
 constexpr std::array kWithoutEffect{"version", "name", "output", "render"};
 
-bool holds_maps(const YamlNode& node) {
-  return std::ranges::any_of(node.items, [](const YamlNodePtr& item) { return item->kind == YamlNode::Kind::map; });
-}
-
 /// Adds every value below `node`; a list of plain values is one value.
 void add_values(const YamlNode& node, const std::string& path, ScenarioValues& out) {
+  const auto is_map = [](const YamlNodePtr& item) { return item->kind == YamlNode::Kind::map; };
   if (node.kind == YamlNode::Kind::map) {
     for (const YamlEntry& entry : node.entries) {
       const bool shown = !path.empty() || std::ranges::find(kWithoutEffect, entry.key) == kWithoutEffect.end();
       if (shown) add_values(*entry.value, path.empty() ? entry.key : path + "." + entry.key, out);
     }
-  } else if (node.kind == YamlNode::Kind::sequence && holds_maps(node)) {
+  } else if (std::ranges::any_of(node.items, is_map)) {
     for (std::size_t i = 0; i < node.items.size(); ++i) add_values(*node.items[i], path + "." + std::to_string(i), out);
   } else {
     out.emplace_back(path, flow_text(node, false));

@@ -206,15 +206,13 @@ class ClearanceSearch {
  public:
   ClearanceSearch(const BoneView& bone, const Tool& tool, const Motion& motion, const ClearanceSettings& settings)
       : settings_(tool.holder),
-        pass_(motion.pass),
-        first_frame_(motion.first_frame),
+        motion_(motion),
         voxel_mm_(bone.voxmap.grid.voxel_mm),
         tool_(tool.profile),
         surfaces_(bone, tool, motion, settings) {
     for (const HolderPartSettings& part : settings_) {
       parts_.push_back(profile_of(part));
-      const Aabb box = parts_.back().bounds();
-      reach_mm_ = std::max(reach_mm_, box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs()).norm());
+      reach_mm_ = std::max(reach_mm_, parts_.back().bounds().reach());
     }
   }
 
@@ -242,8 +240,8 @@ class ClearanceSearch {
       if (measure(holder, tool_from_bone, *cluster, best)) nearest_ = cluster;
     }
     if (best.mm > 0 && lies_in_bone(holder, best)) best.mm = -best.mm;
-    best.pass = pass_;
-    best.frame += first_frame_;
+    best.pass = motion_.pass;
+    best.frame += motion_.first_frame;
     return best;
   }
 
@@ -289,8 +287,7 @@ class ClearanceSearch {
   }
 
   const std::vector<HolderPartSettings>& settings_;
-  int pass_;
-  std::int64_t first_frame_;
+  const Motion& motion_;
   double voxel_mm_;
   const Profile& tool_;
   Surfaces surfaces_;
@@ -327,10 +324,6 @@ void add_pass(const BoneView& bone, const Tool& tool, const Motion& motion, cons
 }
 
 }  // namespace
-
-std::string name_of(Obstacle obstacle) {
-  return obstacle == Obstacle::bone ? "bone" : "envelope";
-}
 
 std::string holder_part_name(const Scenario& scenario, const FrameClearance& clearance) {
   const PassSpec pass = passes_of(scenario)[static_cast<std::size_t>(clearance.pass) - 1];

@@ -14,7 +14,8 @@ namespace reamsim {
 
 /// What a part of the holder is near.
 enum class Obstacle { bone, envelope };
-std::string name_of(Obstacle obstacle);
+template <>
+inline constexpr auto kChoiceNames<Obstacle> = name_list("bone", "envelope");
 
 /// The smallest distance of the holder from bone and envelope in a frame.
 struct FrameClearance {

@@ -8,13 +8,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <vector>
 
-#include "sim/base/error.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/voxel_surface.h"
 #include "sim/bone/voxmap/voxmap.h"
-#include "sim/tool/motion.h"
 
 namespace reamsim {
 

@@ -17,14 +17,10 @@ namespace reamsim {
 
 namespace {
 
-/// Engines that clip voxels or test them against the surface need no shell points.
-ShellUse shell_use(const Scenario& scenario) {
-  const bool by_surface = engine_of(scenario) == EngineKind::exact || engine_of(scenario) == EngineKind::implicit;
-  return by_surface ? ShellUse::none : ShellUse::touches_voxels;
-}
-
 Tool load_tool_for(const Scenario& scenario, const ToolSettings& settings, double voxel_mm, Diagnostics& report) {
-  Tool tool = load_tool(settings, voxel_mm, shell_use(scenario), report);
+  // Engines that clip voxels or test them against the surface need no shell points.
+  const bool by_surface = engine_of(scenario) == EngineKind::exact || engine_of(scenario) == EngineKind::implicit;
+  Tool tool = load_tool(settings, voxel_mm, by_surface ? ShellUse::none : ShellUse::touches_voxels, report);
   if (scenario.cutting.erosion != ErosionMode::exact) return tool;
   constexpr double kGridMemoryFraction = 0.25;  // bone, engine and results need the rest
   prepare_clipping(tool, settings, voxel_mm, kGridMemoryFraction * machine_memory_bytes(), report);

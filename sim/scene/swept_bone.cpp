@@ -33,17 +33,12 @@ struct TestedPose {
   std::size_t pose = 0;  ///< index of the pose at the end of the step
 };
 
-bool contains(const Aabb& box, const Vec3& p) {
-  return (p.array() >= box.min.array()).all() && (p.array() <= box.max.array()).all();
-}
-
 /// `tool_box`: T, with the margin.
 std::vector<TestedPose> sample_poses(const std::vector<ToolPose>& poses, const Aabb& tool_box, double step_mm) {
-  const double reach_mm = tool_box.min.cwiseAbs().cwiseMax(tool_box.max.cwiseAbs()).norm();
   std::vector<PathSample> path;
   for (std::size_t k = 0; k < poses.size(); ++k) path.push_back({poses[k], k});
   std::vector<TestedPose> out;
-  for (const PathSample& sample : sample_path(path, reach_mm, step_mm)) {
+  for (const PathSample& sample : sample_path(path, tool_box.reach(), step_mm)) {
     const Rigid bone_from_tool = sample.pose.bone_from_tool();
     const Vec3 middle = bone_from_tool * tool_box.center(), half = bone_from_tool.linear().cwiseAbs() * tool_box.half();
     out.push_back({bone_from_tool.inverse(), {middle - half, middle + half}, sample.frame});
@@ -78,20 +73,17 @@ class SweptBone {
         tested_poses_(sample_poses(poses, tool.bounds().expanded(kToolMarginVoxels * voxmap.grid.voxel_mm),
                                    kStepVoxels * voxmap.grid.voxel_mm)) {}
 
-  [[nodiscard]] std::vector<BrickLoss> losses() const {
+  /// Of the bricks near the path; nullopt where one loses nothing.
+  [[nodiscard]] std::vector<std::optional<BrickLoss>> losses() const {
     std::vector<Vec3i> bricks = grade_.stored_coords();
     Aabb path_box = tested_poses_.front().box;
     for (const TestedPose& tested : tested_poses_) {
       path_box = {path_box.min.cwiseMin(tested.box.min), path_box.max.cwiseMax(tested.box.max)};
     }
-    std::erase_if(bricks, [&](const Vec3i& coord) { return !contains(path_box, grid_.brick_center_mm(coord)); });
+    std::erase_if(bricks, [&](const Vec3i& coord) { return !path_box.contains(grid_.brick_center_mm(coord)); });
     std::vector<std::optional<BrickLoss>> found(bricks.size());
     parallel_items(bricks.size(), [&](std::size_t i) { found[i] = loss_of(bricks[i]); });
-    std::vector<BrickLoss> out;
-    for (std::optional<BrickLoss>& loss : found) {
-      if (loss) out.push_back(*loss);
-    }
-    return out;
+    return found;
   }
 
  private:
@@ -100,7 +92,7 @@ class SweptBone {
     const double radius_mm = RS_BRICK_RADIUS * grid_.voxel_mm;
     std::vector<NearPose> near;
     for (const TestedPose& tested : tested_poses_) {
-      if (!contains(tested.box, middle)) continue;
+      if (!tested.box.contains(middle)) continue;
       const double mm = table_.at(rz_of(tested.tool_from_bone * middle));
       if (mm < radius_mm) near.push_back({&tested, mm});
     }
@@ -172,9 +164,10 @@ PredictedBone predict_swept_bone(const Voxmap& voxmap, const FillBricks& before,
                                  const std::vector<ToolPose>& poses, bool whole_voxels) {
   PredictedBone out{.fill = before, .deepest = poses.front()};
   std::size_t contact = poses.size();
-  for (const BrickLoss& loss : SweptBone(voxmap, before, tool, poses, whole_voxels).losses()) {
-    out.fill.put(loss.coord, loss.fill);
-    contact = std::min(contact, loss.first_pose);
+  for (const auto& loss : SweptBone(voxmap, before, tool, poses, whole_voxels).losses()) {
+    if (!loss) continue;
+    out.fill.put(loss->coord, loss->fill);
+    contact = std::min(contact, loss->first_pose);
   }
   out.touches = contact < poses.size();
   if (out.touches) out.deepest = deepest_from(poses, contact);
@@ -194,9 +187,7 @@ VoxelCuts::VoxelCuts(const VoxelGrid& grid, const Profile& tool, const PoseSeque
     : grid_(grid),
       tool_(tool),
       table_(distance_table_around(tool, kTablePitchVoxels * grid.voxel_mm, kToolMarginVoxels * grid.voxel_mm)) {
-  const Aabb box = tool.bounds();
-  const double reach_mm = box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs()).norm();
-  const double step_mm = kStepVoxels * grid.voxel_mm;
+  const double reach_mm = tool.bounds().reach(), step_mm = kStepVoxels * grid.voxel_mm;
   BoundedPath path(reach_mm, step_mm, {}, kMostCutPoses);
   path.add(poses);
   for (const PathSample& sample : sample_path(path.finish(), reach_mm, step_mm)) {

@@ -29,18 +29,6 @@ KeyValue value_of_cell(const std::string& key, const std::string& cell, const st
   return {cell, json_string(recorded_path(resolve_path(cell, known.info.text, folder, where, key)))};
 }
 
-}  // namespace
-
-KeyValue value_of_node(const std::string& key, const YamlNode& node, const std::string& folder,
-                       const SourceLocation& where) {
-  const bool is_path = names_input(find_key(key, where)) && !node.text.empty();
-  if (is_path) return value_of_cell(key, node.text, folder, where);
-  const std::string applied = flow_text(node, true);
-  return {node.kind == YamlNode::Kind::scalar ? node.text : applied, applied};
-}
-
-namespace {
-
 constexpr std::string_view kLabel = "label";
 constexpr std::size_t kMostRows = 1'000'000;
 constexpr std::size_t kMostTableBytes = 1 << 30;
@@ -98,83 +86,73 @@ class CsvLines {
   int number_ = 1;
 };
 
-class TableReader {
- public:
-  TableReader(const std::string& path, const std::string& folder, MistakeList& mistakes)
-      : file_(shown_path(path)), folder_(folder), mistakes_(mistakes) {}
-
-  CohortTable read(std::string text) {
-    if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-    CsvLines lines(text, file_);
-    CsvLine line;
-    if (!lines.next(line)) refuse_file(file_, "is empty", "expected a header line of scenario keys");
-    const CsvLine header = line;
-    check_header(header);
-    while (lines.next(line)) {
-      if (table_.levels.size() >= kMostRows) {
-        throw InputError({file_, line.number, 0}, "", "more than a million rows", "divide the study");
-      }
-      mistakes_.attempt([&] { add(header, line); });
-    }
-    if (table_.levels.empty() && mistakes_.empty())
-      refuse_file(file_, "has no rows", "expected a row per patient below the header");
-    return std::move(table_);
+/// The keys of the columns but kLabel.
+std::vector<std::string> keys_of_header(const std::vector<std::string>& header, const SourceLocation& where) {
+  std::vector<std::string> keys;
+  if (header.size() == 1) refuse_other_separator(header[0], where);
+  for (const std::string& cell : header) {
+    const std::string name(without_blanks(cell));
+    if (name.empty()) throw InputError(where, "", "a column without a name", "name a key of the scenario, or label");
+    if (std::ranges::count(header, cell) > 1) throw InputError(where, name, "a column given twice", "keep one");
+    if (name == kLabel) continue;
+    // Also finds unknown keys, once instead of in each row.
+    find_key(name, where);
+    keys.push_back(name);
   }
+  if (keys.empty()) throw InputError(where, "", "no column is a scenario key", "expected for example bone.ct.path");
+  return keys;
+}
 
- private:
-  void check_header(const CsvLine& header) {
-    const SourceLocation where{file_, header.number, 0};
-    if (header.cells.size() == 1) refuse_other_separator(header.cells[0], where);
-    for (const std::string& cell : header.cells) {
-      const std::string name(without_blanks(cell));
-      if (name.empty()) throw InputError(where, "", "a column without a name", "name a key of the scenario, or label");
-      if (std::ranges::count(header.cells, cell) > 1) throw InputError(where, name, "a column given twice", "keep one");
-      if (name == kLabel) continue;
-      // Also finds unknown keys, once instead of in each row.
-      find_key(name, where);
-      table_.keys.push_back(name);
-    }
-    if (table_.keys.empty())
-      throw InputError(where, "", "no column is a scenario key", "expected for example bone.ct.path");
+void add_row(const std::vector<std::string>& header, const std::vector<std::string>& cells, const SourceLocation& where,
+             const std::string& folder, CohortTable& table) {
+  if (cells.size() != header.size()) {
+    if (cells.size() == 1) refuse_other_separator(cells[0], where);
+    throw InputError(where, "", "found " + std::to_string(cells.size()) + " cells",
+                     "expected " + std::to_string(header.size()) + ", as in the header");
   }
-
-  void add(const CsvLine& header, const CsvLine& line) {
-    const SourceLocation where{file_, line.number, 0};
-    if (line.cells.size() != header.cells.size()) {
-      if (line.cells.size() == 1) refuse_other_separator(line.cells[0], where);
-      throw InputError(where, "", "found " + std::to_string(line.cells.size()) + " cells",
-                       "expected " + std::to_string(header.cells.size()) + ", as in the header");
+  std::vector<KeyValue> level;
+  MistakeList of_row;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::string name(without_blanks(header[i])), cell(without_blanks(cells[i]));
+    if (name == kLabel) {
+      table.labels.push_back(cell);
+    } else if (!of_row.attempt([&] { level.push_back(value_of_cell(name, cell, folder, where)); })) {
+      level.push_back({.shown = cell, .applied = ""});
     }
-    std::vector<KeyValue> level;
-    std::vector<Mistake> of_row;
-    for (std::size_t i = 0; i < line.cells.size(); ++i) {
-      const std::string name(without_blanks(header.cells[i])), cell(without_blanks(line.cells[i]));
-      if (name == kLabel) {
-        table_.labels.push_back(cell);
-        continue;
-      }
-      try {
-        level.push_back(value_of_cell(name, cell, folder_, where));
-      } catch (const InputError& error) {
-        of_row.insert(of_row.end(), error.mistakes().begin(), error.mistakes().end());
-        level.push_back({.shown = cell, .applied = ""});
-      }
-    }
-    table_.mistakes.push_back(std::move(of_row));
-    table_.levels.push_back(std::move(level));
-    table_.places.push_back(file_ + ":" + std::to_string(line.number));
   }
-
-  std::string file_;
-  const std::string& folder_;
-  MistakeList& mistakes_;
-  CohortTable table_;
-};
+  table.mistakes.push_back(of_row.mistakes());
+  table.levels.push_back(std::move(level));
+  table.places.push_back(where.text());
+}
 
 }  // namespace
 
+KeyValue value_of_node(const std::string& key, const YamlNode& node, const std::string& folder,
+                       const SourceLocation& where) {
+  const bool is_path = names_input(find_key(key, where)) && !node.text.empty();
+  if (is_path) return value_of_cell(key, node.text, folder, where);
+  const std::string applied = flow_text(node, true);
+  return {node.kind == YamlNode::Kind::scalar ? node.text : applied, applied};
+}
+
 CohortTable read_cohort_table(const std::string& path, const std::string& folder, MistakeList& mistakes) {
-  return TableReader(path, folder, mistakes).read(read_scenario_text(path, kMostTableBytes));
+  const std::string file = shown_path(path);
+  std::string text = read_scenario_text(path, kMostTableBytes);
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  CsvLines lines(text, file);
+  CsvLine line;
+  if (!lines.next(line)) refuse_file(file, "is empty", "expected a header line of scenario keys");
+  const std::vector<std::string> header = line.cells;
+  CohortTable table;
+  table.keys = keys_of_header(header, {file, line.number, 0});
+  while (lines.next(line)) {
+    const SourceLocation where{file, line.number, 0};
+    if (table.levels.size() >= kMostRows) throw InputError(where, "", "more than a million rows", "divide the study");
+    mistakes.attempt([&] { add_row(header, line.cells, where, folder, table); });
+  }
+  if (table.levels.empty() && mistakes.empty())
+    refuse_file(file, "has no rows", "expected a row per patient below the header");
+  return table;
 }
 
 }  // namespace reamsim

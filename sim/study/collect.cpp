@@ -11,7 +11,6 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <map>
 #include <random>
 
 #include "sim/base/csv.h"
@@ -80,6 +79,37 @@ void write_row(const CollectedRun& run, std::ostream& out) {
   for (const std::string& text : run.cells) out << ',' << (parse_number(text) ? text : csv_text(text));
   for (const double value : run.numbers) out << ',' << (std::isnan(value) ? std::string() : shortest_text(value));
   out << '\n';
+}
+
+/// Units that only results have, beside those of scenario keys.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kUnitsOfResults{
+    {{"_percent", "%"}, {"_mm3", "mm³"}, {"_mm2", "mm²"}, {"_mj", "mJ"}, {"_nmm", "N·mm"}}};
+
+std::pair<std::string, std::string> name_and_unit(const std::string& part) {
+  if (unit_of(part).empty()) {
+    for (const auto& [suffix, unit] : kUnitsOfResults) {
+      if (part.ends_with(suffix)) return {part.substr(0, part.size() - suffix.size()), std::string(unit)};
+    }
+  }
+  return {std::string(without_unit(part)), std::string(unit_of(part))};
+}
+
+/// The name of a column by the last parts of its key: those that it needs, and `more`.
+ColumnName made_name(const std::string& key, std::size_t more) {
+  const std::vector<std::string> parts = split(key, '.');
+  std::size_t at = parts.size() - 1;
+  std::string index;
+  while (at > 0 && is_whole_number(parts[at])) index = " " + parts[at--] + index;
+  const auto [name, unit] = name_and_unit(parts[at]);
+  std::string text = name + index;
+  // One word, or a part of a tilt or shift, says too little without what is before it.
+  if (name.find('_') == std::string::npos || name.starts_with("tilt_") || name.starts_with("shift_")) ++more;
+  while (at > 0 && (more > 0 || is_whole_number(parts[at]))) {
+    if (!is_whole_number(parts[--at])) --more;
+    text = name_and_unit(parts[at]).first + " " + text;
+  }
+  std::ranges::replace(text, '_', ' ');
+  return {key, text, unit};
 }
 
 }  // namespace
@@ -176,45 +206,6 @@ std::vector<bool> runs_of_table(std::size_t all, std::size_t most) {
   }
   return taken;
 }
-
-namespace {
-
-/// Units that only results have, beside those of scenario keys.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kUnitsOfResults{
-    {{"_percent", "%"}, {"_mm3", "mm³"}, {"_mm2", "mm²"}, {"_mj", "mJ"}, {"_nmm", "N·mm"}}};
-
-std::pair<std::string, std::string> name_and_unit(const std::string& part) {
-  if (unit_of(part).empty()) {
-    for (const auto& [suffix, unit] : kUnitsOfResults) {
-      if (part.ends_with(suffix)) return {part.substr(0, part.size() - suffix.size()), std::string(unit)};
-    }
-  }
-  return {std::string(without_unit(part)), std::string(unit_of(part))};
-}
-
-/// One word, or a part of a tilt or shift, says too little without what is before it.
-bool needs_parent(const std::string& name) {
-  return name.find('_') == std::string::npos || name.starts_with("tilt_") || name.starts_with("shift_");
-}
-
-/// The name of a column by the last parts of its key: those that it needs, and `more`.
-ColumnName made_name(const std::string& key, std::size_t more) {
-  const std::vector<std::string> parts = split(key, '.');
-  std::size_t at = parts.size() - 1;
-  std::string index;
-  while (at > 0 && is_whole_number(parts[at])) index = " " + parts[at--] + index;
-  const auto [name, unit] = name_and_unit(parts[at]);
-  std::string text = name + index;
-  if (needs_parent(name)) ++more;
-  while (at > 0 && (more > 0 || is_whole_number(parts[at]))) {
-    if (!is_whole_number(parts[--at])) --more;
-    text = name_and_unit(parts[at]).first + " " + text;
-  }
-  std::ranges::replace(text, '_', ' ');
-  return {key, text, unit};
-}
-
-}  // namespace
 
 std::string ColumnName::title() const {
   std::string out = text;

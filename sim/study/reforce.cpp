@@ -98,6 +98,34 @@ void require_linear(const CuttingSettings& was, const CuttingSettings& is) {
     fail_for("cutting.edge_force.cutting_edges", "");
 }
 
+constexpr const char* kExpected = "a CSV file with time_s and any of axial_force_n, spin_torque_nmm, force_x_n, ...";
+
+std::size_t place_of(const std::vector<std::string_view>& names, std::string_view name) {
+  return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+}
+
+/// The columns of forces and torques that a file has.
+std::vector<std::string> force_columns_in(const std::vector<std::string_view>& names) {
+  static constexpr std::array<std::string_view, 8> kColumns{"force_x_n",     "force_y_n",      "force_z_n",
+                                                            "torque_x_nmm",  "torque_y_nmm",   "torque_z_nmm",
+                                                            "axial_force_n", "spin_torque_nmm"};
+  const auto has = [&](std::size_t i) { return place_of(names, kColumns[i]) < names.size(); };
+  const bool force = has(0) && has(1) && has(2), torque = has(3) && has(4) && has(5);
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < kColumns.size(); ++i) {
+    if (has(i) && !(i == 6 && force) && !(i == 7 && torque)) out.emplace_back(kColumns[i]);
+  }
+  return out;
+}
+
+/// A cell as a number; NaN where it is empty.
+double cell_value(std::string_view cell, const SourceLocation& where, const std::string& column) {
+  if (cell.empty()) return std::nan("");
+  const auto value = parse_number(cell);
+  if (value && std::isfinite(*value)) return *value;
+  throw InputError(where, column, "is not a finite number", "expected a number or an empty cell");
+}
+
 }  // namespace
 
 BasisRun open_basis_run(const std::string& dir) {
@@ -173,38 +201,6 @@ RunTotals write_reforced(const BasisRun& run, const LawSettings& law, const std:
   replace_file(to + "/summary.json", summary);
   return totals;
 }
-
-namespace {
-
-constexpr const char* kExpected = "a CSV file with time_s and any of axial_force_n, spin_torque_nmm, force_x_n, ...";
-
-std::size_t place_of(const std::vector<std::string_view>& names, std::string_view name) {
-  return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
-}
-
-/// The columns of forces and torques that a file has.
-std::vector<std::string> force_columns_in(const std::vector<std::string_view>& names) {
-  static constexpr std::array<std::string_view, 8> kColumns{"force_x_n",     "force_y_n",      "force_z_n",
-                                                            "torque_x_nmm",  "torque_y_nmm",   "torque_z_nmm",
-                                                            "axial_force_n", "spin_torque_nmm"};
-  const auto has = [&](std::size_t i) { return place_of(names, kColumns[i]) < names.size(); };
-  const bool force = has(0) && has(1) && has(2), torque = has(3) && has(4) && has(5);
-  std::vector<std::string> out;
-  for (std::size_t i = 0; i < kColumns.size(); ++i) {
-    if (has(i) && !(i == 6 && force) && !(i == 7 && torque)) out.emplace_back(kColumns[i]);
-  }
-  return out;
-}
-
-/// A cell as a number; NaN where it is empty.
-double cell_value(std::string_view cell, const SourceLocation& where, const std::string& column) {
-  if (cell.empty()) return std::nan("");
-  const auto value = parse_number(cell);
-  if (value && std::isfinite(*value)) return *value;
-  throw InputError(where, column, "is not a finite number", "expected a number or an empty cell");
-}
-
-}  // namespace
 
 MeasuredForces read_measured_forces(const std::string& path) {
   const std::vector<std::string> lines = split(read_file(path, kExpected), '\n');

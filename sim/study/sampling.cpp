@@ -12,8 +12,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/base/error.h"
-
 namespace reamsim {
 
 namespace {

@@ -62,6 +62,36 @@ std::string absolute(const std::string& dir) {
   return out.string();
 }
 
+constexpr std::size_t kMostShown = 3;
+/// Runs of the plan that are compared. Those of a larger plan differ from each other in what varies alone.
+constexpr std::size_t kMostCompared = 200;
+
+std::vector<std::string> differences_of(const ScenarioValues& there, const ScenarioValues& here) {
+  std::map<std::string, std::array<std::string, 2>> both;
+  for (const auto& [key, value] : there) both[key] = {printable(value), "missing"};
+  for (const auto& [key, value] : here)
+    both.try_emplace(key, std::array<std::string, 2>{"missing"}).first->second[1] = printable(value);
+  std::vector<std::string> out;
+  for (const auto& [key, values] : both) {
+    if (values[0] != values[1])
+      out.push_back(fmt::format("{} is {} there and {} in this plan", key, values[0], values[1]));
+  }
+  return out;
+}
+
+/// Those to the most similar run of the plan.
+std::vector<std::string> least_differences(const ScenarioValues& there, const Study& study, const StudyPlan& plan,
+                                           const std::vector<IdentifiedRun>& runs) {
+  std::optional<std::vector<std::string>> least;
+  for (std::size_t i = 0; i < std::min(runs.size(), kMostCompared); ++i) {
+    if (runs[i].id.empty()) continue;
+    const std::string here = to_yaml(scenario_of(study, plan.runs[i]));
+    std::vector<std::string> found = differences_of(there, values_of_scenario(*parse_yaml(here, "plan")));
+    if (!least || found.size() < least->size()) least = std::move(found);
+  }
+  return least.value_or(std::vector<std::string>{});
+}
+
 }  // namespace
 
 StudyFolder::StudyFolder(const Study& study, const std::string& dir) : dir_(absolute(dir)), keep_(study.keep) {
@@ -149,40 +179,6 @@ std::string run_id(const Scenario& scenario, const KeptFiles& keep, Checksums& c
   constexpr std::size_t kDigits = 16;  // 64 bits: a collision among a million runs has a probability of 3e-8
   return sha256_of_text("reamsim " REAMSIM_VERSION "\n" + to_yaml(counted, sum_of)).substr(0, kDigits);
 }
-
-namespace {
-
-constexpr std::size_t kMostShown = 3;
-/// Runs of the plan that are compared. Those of a larger plan differ from each other in what varies alone.
-constexpr std::size_t kMostCompared = 200;
-
-std::vector<std::string> differences_of(const ScenarioValues& there, const ScenarioValues& here) {
-  std::map<std::string, std::array<std::string, 2>> both;
-  for (const auto& [key, value] : there) both[key] = {printable(value), "missing"};
-  for (const auto& [key, value] : here)
-    both.try_emplace(key, std::array<std::string, 2>{"missing"}).first->second[1] = printable(value);
-  std::vector<std::string> out;
-  for (const auto& [key, values] : both) {
-    if (values[0] != values[1])
-      out.push_back(fmt::format("{} is {} there and {} in this plan", key, values[0], values[1]));
-  }
-  return out;
-}
-
-/// Those to the most similar run of the plan.
-std::vector<std::string> least_differences(const ScenarioValues& there, const Study& study, const StudyPlan& plan,
-                                           const std::vector<IdentifiedRun>& runs) {
-  std::optional<std::vector<std::string>> least;
-  for (std::size_t i = 0; i < std::min(runs.size(), kMostCompared); ++i) {
-    if (runs[i].id.empty()) continue;
-    const std::string here = to_yaml(scenario_of(study, plan.runs[i]));
-    std::vector<std::string> found = differences_of(there, values_of_scenario(*parse_yaml(here, "plan")));
-    if (!least || found.size() < least->size()) least = std::move(found);
-  }
-  return least.value_or(std::vector<std::string>{});
-}
-
-}  // namespace
 
 std::string text_of_other_runs(const Study& study, const StudyPlan& plan, const std::vector<IdentifiedRun>& runs,
                                const StudyFolder& folder) {

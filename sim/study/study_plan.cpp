@@ -10,7 +10,6 @@
 #include <iterator>
 #include <map>
 
-#include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/scenario/key_tree.h"
@@ -166,21 +165,6 @@ class Planner {
   YamlNodePtr base_;
 };
 
-}  // namespace
-
-std::vector<std::string> part_columns(const SampledKey& sampled) {
-  const std::string& key = sampled.key;
-  if (sampled.distribution.kind == Distribution::Kind::tilt_sd_deg) return {key + ".tilt_1_deg", key + ".tilt_2_deg"};
-  if (sampled.distribution.kind != Distribution::Kind::shift_sd_mm) return {};
-  return {key + ".shift_x_mm", key + ".shift_y_mm", key + ".shift_z_mm"};
-}
-
-StudyPlan make_plan(const Study& study, const std::vector<std::string>& overrides) {
-  return Planner(study, overrides).plan();
-}
-
-namespace {
-
 constexpr std::size_t kMostGroups = 3, kMostNumbers = 5;
 
 /// "3, 5 and 7"; of many the first ones.
@@ -223,6 +207,17 @@ IdentifiedRun identified(const Study& study, const PlannedRun& run, Checksums& c
 }
 
 }  // namespace
+
+std::vector<std::string> part_columns(const SampledKey& sampled) {
+  const std::string& key = sampled.key;
+  if (sampled.distribution.kind == Distribution::Kind::tilt_sd_deg) return {key + ".tilt_1_deg", key + ".tilt_2_deg"};
+  if (sampled.distribution.kind != Distribution::Kind::shift_sd_mm) return {};
+  return {key + ".shift_x_mm", key + ".shift_y_mm", key + ".shift_z_mm"};
+}
+
+StudyPlan make_plan(const Study& study, const std::vector<std::string>& overrides) {
+  return Planner(study, overrides).plan();
+}
 
 std::vector<std::size_t> rows_of_run(const std::vector<IdentifiedRun>& runs, std::size_t run) {
   std::vector<std::size_t> out;

@@ -6,12 +6,10 @@
 #include <filesystem>
 #include <set>
 
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/scenario/key_tree.h"
 #include "sim/scenario/paths.h"
 #include "sim/scenario/show.h"
-#include "sim/scenario/yaml_tree.h"
 #include "sim/study/study_plan.h"
 
 namespace reamsim {

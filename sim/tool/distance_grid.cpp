@@ -13,7 +13,7 @@
 #include "sim/base/error.h"
 #include "sim/base/parallel.h"
 #include "sim/bone/vdb/grids.h"
-#include "sim/bone/voxmap/sparse_bricks.h"
+#include "sim/bone/voxmap/voxmap.h"
 
 namespace reamsim {
 
@@ -49,15 +49,14 @@ DistanceGrid make_lattice(const TriangleMesh& mesh, double voxel_mm) {
 /// that of its neighbours along the axes plus the spacing, which the kernels rely on (RS_GRID_STEEPEST).
 void limit_gradient(openvdb::FloatTree& distance) {
   openvdb::tree::ValueAccessor<const openvdb::FloatTree> accessor(distance);
-  constexpr int kSteps[6][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   for (bool lowered = true; lowered;) {
     lowered = false;
     for (auto leaf = distance.beginLeaf(); leaf; ++leaf) {
       for (auto value = leaf->beginValueOn(); value; ++value) {
         const float side = *value < 0 ? -1.0F : 1.0F;
         float least = side * *value;
-        for (const auto& [x, y, z] : kSteps) {
-          const float neighbour = side * accessor.getValue(value.getCoord().offsetBy(x, y, z));
+        for (const Vec3i& step : kFaceSteps) {
+          const float neighbour = side * accessor.getValue(value.getCoord() + vdb_coord(step));
           if (neighbour >= 0) least = std::min(least, neighbour + 1);
         }
         if (least >= side * *value) continue;

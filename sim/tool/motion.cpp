@@ -27,19 +27,15 @@ constexpr double kEndSlack = 1e-6;  // tolerance of the last frame's time, frame
 /// A key pose that the motion at the frame rate misses by more is warned of, mm.
 constexpr double kMissedMm = 0.5;
 
-ToolPose pose_between(const KeyPose& a, const KeyPose& b, double time_s) {
-  ToolPose pose = interpolate(a.pose, b.pose, (time_s - a.time_s) / (b.time_s - a.time_s));
-  pose.spin_angle_rad = a.pose.spin_angle_rad + spin_rad(a.pose.spin_rpm, pose.spin_rpm, time_s - a.time_s);
-  return pose;
-}
-
 /// `keys`: two or more, in B, from time 0, with the spin angle.
 ToolPose pose_in_frame(const std::vector<KeyPose>& keys, std::size_t frame, double frame_rate_hz) {
   const double frame_time_s = static_cast<double>(frame) / frame_rate_hz;
   const double time_s = std::min(frame_time_s, keys.back().time_s);
   const auto after = std::ranges::upper_bound(keys, time_s, {}, &KeyPose::time_s);
   const auto end = std::clamp(after, keys.begin() + 1, keys.end() - 1);
-  ToolPose pose = pose_between(*(end - 1), *end, time_s);
+  const KeyPose &a = *(end - 1), &b = *end;
+  ToolPose pose = interpolate(a.pose, b.pose, (time_s - a.time_s) / (b.time_s - a.time_s));
+  pose.spin_angle_rad = a.pose.spin_angle_rad + spin_rad(a.pose.spin_rpm, pose.spin_rpm, time_s - a.time_s);
   // The motion ends within the last frame: for the rest of that frame the tool only rotates.
   const double rest_s = frame_time_s - time_s;
   if (rest_s * frame_rate_hz > kEndSlack) pose.spin_angle_rad += spin_rad(pose.spin_rpm, pose.spin_rpm, rest_s);

@@ -5,10 +5,7 @@
 
 #include <fmt/core.h>
 #include <algorithm>
-#include <cmath>
-#include <functional>
 #include <numbers>
-#include <vector>
 
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/ct_import.h"

@@ -4,7 +4,6 @@
 // An OpenCL device: every engine and kernel shape against the serial reference, and how long frames take.
 #include <fmt/core.h>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "sim/base/stopwatch.h"

@@ -3,7 +3,6 @@
 
 // Feeds that follow from the balance of forces, and a tool on springs (docs/feeds.md, 10 and 11), against closed forms.
 #include <fmt/core.h>
-#include <cmath>
 #include <limits>
 #include <memory>
 
@@ -76,6 +75,64 @@ double steady_feed(const SteadyPlunge& head, double thrust_n, double voxel_mm, c
   return mean_feed(reamed, begin + 0.05 * voxel_mm, begin + 1.05 * voxel_mm);
 }
 
+/// Grades of density are too coarse for 0.1 g/cm³, so the bone has another density and the specific energy of that.
+constexpr double kGraded_g_cm3 = 0.8, kSoft_g_cm3 = 0.1;
+
+/// A heavy hand on soft bone, from rest in full contact. `thrust_n` sets how much of the resistance is not linear.
+Push heavy(double thrust_n, double rate_hz, double time_s) {
+  const double begin = kExample.full_contact_mm() + 0.3;
+  Push push{.head = head_of(kExample), .voxel_mm = 0.5, .rate_hz = rate_hz, .begin_mm = begin, .block_mm = begin + 6};
+  push.density = [](const Vec3&) { return kGraded_g_cm3; };
+  push.energy_factor = std::pow(kSoft_g_cm3 / kGraded_g_cm3, kDensityExponent);
+  push.settings.approach_mm = 0;
+  push.settings.thrust_n = thrust_n;
+  push.settings.max_feed_mm_s = 100;
+  push.settings.mass_kg = 10;
+  push.settings.until = PushEnd::time;
+  push.settings.time_s = time_s;
+  return push;
+}
+
+constexpr double kTimeLimit = 0.02;
+constexpr double kRigid_n_mm = ComplianceSettings::kRigid_n_mm;
+
+/// The deflection of a steady plunge, over the last voxel of feed. The tool reaches full contact at many times the feed
+/// rate, with a deflection to match, which the voxels before let decay.
+Vec3 steady_deflection_mm(PlungeRun run, const ComplianceSettings& springs, const Setting& setting) {
+  run.compliance = springs;
+  run.voxels = 4;
+  const std::vector<FrameResult> rows = steady_rows(run, setting);
+  Vec3 sum = Vec3::Zero();
+  for (const FrameResult& row : std::span(rows).last(static_cast<std::size_t>(run.frames))) sum += *row.deflection_mm;
+  return sum / static_cast<double>(run.frames);
+}
+
+/// The example fed from full contact and no deflection.
+Reamed approach_of(double stiffness_n_mm, double damping_n_s_mm, double time_s, const Setting& setting) {
+  constexpr double kVoxel_mm = 0.5, kRate_hz = 1000;
+  const Vec3 entry = entry_mm(kVoxel_mm);
+  const double begin = kExample.full_contact_mm() + 0.3, end = begin + kExample.feed_mm_s * time_s;
+  const Motion motion =
+      path(kRate_hz, entry - Vec3(0, 0, begin),
+           {{entry - Vec3(0, 0, end), static_cast<int>(std::lround(kRate_hz * time_s)), kExample.rpm}});
+  SimulationInput scene =
+      scene_of(block({33, 33, end + 1}, kVoxel_mm, kExample.density_g_cm3), make_tool(head_of(kExample)), motion);
+  scene.scenario.motion.compliance = {{kRigid_n_mm, kRigid_n_mm, stiffness_n_mm}, damping_n_s_mm};
+  return ream(std::move(scene), setting);
+}
+
+/// A ball fed down on the edge of a block, whose other half is air, through a dense layer.
+SimulationInput ball_on_edge(double feed_mm_s, double depth_mm, double rate_hz) {
+  constexpr double kRadius_mm = 5, kVoxel_mm = 0.25, kLayer_mm = 0.6, kEdge_mm = 0.05;
+  const FilledVoxmap bone = half_block(
+      {9, 9, 3}, kVoxel_mm, [](const Vec3& p) { return p.z() > -kLayer_mm ? 1.8 : 0.4; }, Vec3::Zero(),
+      Vec3(1, 0.3, 0).normalized());
+  const double above = 0.1;
+  const int frames = static_cast<int>(std::lround((depth_mm + above) / feed_mm_s * rate_hz));
+  const Motion motion = path(rate_hz, {0.03, 0.05, above}, {{{0.03, 0.05, -depth_mm}, frames, 250}});
+  return scene_of(bone, make_tool(ball_profile(kRadius_mm, kEdge_mm)), motion);
+}
+
 }  // namespace
 
 void push_steady_case(const Setting& setting, Report& out) {
@@ -130,28 +187,6 @@ void push_ball_case(const Setting& setting, Report& out) {
   add(1);
   if (!setting.quick) add(4);
 }
-
-namespace {
-
-/// Grades of density are too coarse for 0.1 g/cm³, so the bone has another density and the specific energy of that.
-constexpr double kGraded_g_cm3 = 0.8, kSoft_g_cm3 = 0.1;
-
-/// A heavy hand on soft bone, from rest in full contact. `thrust_n` sets how much of the resistance is not linear.
-Push heavy(double thrust_n, double rate_hz, double time_s) {
-  const double begin = kExample.full_contact_mm() + 0.3;
-  Push push{.head = head_of(kExample), .voxel_mm = 0.5, .rate_hz = rate_hz, .begin_mm = begin, .block_mm = begin + 6};
-  push.density = [](const Vec3&) { return kGraded_g_cm3; };
-  push.energy_factor = std::pow(kSoft_g_cm3 / kGraded_g_cm3, kDensityExponent);
-  push.settings.approach_mm = 0;
-  push.settings.thrust_n = thrust_n;
-  push.settings.max_feed_mm_s = 100;
-  push.settings.mass_kg = 10;
-  push.settings.until = PushEnd::time;
-  push.settings.time_s = time_s;
-  return push;
-}
-
-}  // namespace
 
 void push_mass_case(const Setting& setting, Report& out) {
   out.title = "Mass of the hand";
@@ -222,50 +257,6 @@ void push_energy_case(const Setting& setting, Report& out) {
   out.reported("loss within frames", "mJ", feed.lost_mj);
   out.relative("both sides", "mJ", taken, given, 1e-4);
 }
-
-namespace {
-
-constexpr double kTimeLimit = 0.02;
-constexpr double kRigid_n_mm = ComplianceSettings::kRigid_n_mm;
-
-/// The deflection of a steady plunge, over the last voxel of feed. The tool reaches full contact at many times the feed
-/// rate, with a deflection to match, which the voxels before let decay.
-Vec3 steady_deflection_mm(PlungeRun run, const ComplianceSettings& springs, const Setting& setting) {
-  run.compliance = springs;
-  run.voxels = 4;
-  const std::vector<FrameResult> rows = steady_rows(run, setting);
-  Vec3 sum = Vec3::Zero();
-  for (const FrameResult& row : std::span(rows).last(static_cast<std::size_t>(run.frames))) sum += *row.deflection_mm;
-  return sum / static_cast<double>(run.frames);
-}
-
-/// The example fed from full contact and no deflection.
-Reamed approach_of(double stiffness_n_mm, double damping_n_s_mm, double time_s, const Setting& setting) {
-  constexpr double kVoxel_mm = 0.5, kRate_hz = 1000;
-  const Vec3 entry = entry_mm(kVoxel_mm);
-  const double begin = kExample.full_contact_mm() + 0.3, end = begin + kExample.feed_mm_s * time_s;
-  const Motion motion =
-      path(kRate_hz, entry - Vec3(0, 0, begin),
-           {{entry - Vec3(0, 0, end), static_cast<int>(std::lround(kRate_hz * time_s)), kExample.rpm}});
-  SimulationInput scene =
-      scene_of(block({33, 33, end + 1}, kVoxel_mm, kExample.density_g_cm3), make_tool(head_of(kExample)), motion);
-  scene.scenario.motion.compliance = {{kRigid_n_mm, kRigid_n_mm, stiffness_n_mm}, damping_n_s_mm};
-  return ream(std::move(scene), setting);
-}
-
-/// A ball fed down on the edge of a block, whose other half is air, through a dense layer.
-SimulationInput ball_on_edge(double feed_mm_s, double depth_mm, double rate_hz) {
-  constexpr double kRadius_mm = 5, kVoxel_mm = 0.25, kLayer_mm = 0.6, kEdge_mm = 0.05;
-  const FilledVoxmap bone = half_block(
-      {9, 9, 3}, kVoxel_mm, [](const Vec3& p) { return p.z() > -kLayer_mm ? 1.8 : 0.4; }, Vec3::Zero(),
-      Vec3(1, 0.3, 0).normalized());
-  const double above = 0.1;
-  const int frames = static_cast<int>(std::lround((depth_mm + above) / feed_mm_s * rate_hz));
-  const Motion motion = path(rate_hz, {0.03, 0.05, above}, {{{0.03, 0.05, -depth_mm}, frames, 250}});
-  return scene_of(bone, make_tool(ball_profile(kRadius_mm, kEdge_mm)), motion);
-}
-
-}  // namespace
 
 void compliance_steady_case(const Setting& setting, Report& out) {
   out.title = "Deflection along the axis";

@@ -6,7 +6,6 @@
 // the energy of the removed bone.
 
 #include <fmt/core.h>
-#include <cmath>
 #include <limits>
 
 #include "sim/verify/suite.h"
@@ -55,51 +54,6 @@ std::vector<SteadyPlunge> variations(bool quick) {
   out.push_back(kFlatExample);
   return out;
 }
-
-}  // namespace
-
-void steady_case(const Setting& setting, Report& out) {
-  out.title = "Torque and axial force in uniform bone";
-  out.scene =
-      "cannulated reamer (r₀ 1.25 mm) fed along its axis in full contact, ρ 1.8 g/cm³; means over one voxel of feed; "
-      "refinements: R 29, a 15 mm, 250 rpm, 0.2 mm/s";
-  out.form = "T = π·u·(a² − r₀²)·v_f/ω; F_z = 2π·k_n·u·(v_f/ω)·[C(a) − C(r₀)] + 2π·u·(v_f/ω)²·ln(a/r₀)";
-  out.refinements = steady_refinements(kExample, setting);
-  const double simple[] = {kExample.torque_nmm(), kExample.axial_force_n(), kExample.removal_mm3_s()};
-  for (std::size_t i = 0; i < out.refinements.size(); ++i) {
-    const Refinement& refinement = out.refinements[i];
-    out.relative(refinement.quantity + ", " + text_of(kExample), refinement.unit, simple[i],
-                 refinement.levels.back().found, kFormLimit);
-  }
-  for (const SteadyPlunge& plunge : variations(setting.quick)) {
-    const MeanLoads mean = mean_loads(steady_rows({.plunge = plunge}, setting));
-    out.relative("torque, " + text_of(plunge), "N·mm", plunge.torque_nmm(), mean.spin_torque_nmm, kFormLimit);
-    out.relative("axial force, " + text_of(plunge), "N", plunge.axial_force_n(), mean.axial_force_n, kFormLimit);
-  }
-}
-
-void ripple_case(const Setting& setting, Report& out) {
-  constexpr double kVoxel_mm = 0.25, kRate_hz = 1000;
-  out.title = "Ripple of a steady plunge";
-  out.scene = "the same reamer at 0.25 mm voxels, 0.2 mm/s and 1 kHz, frame by frame over one voxel of feed";
-  out.form = "0: standard deviation of the torque over its mean";
-  const int frames = static_cast<int>(std::lround(kVoxel_mm / kExample.feed_mm_s * kRate_hz));
-  const auto ripple = [&](const SteadyPlunge& plunge, ErosionMode erosion, double tilt_deg) {
-    return torque_ripple(steady_rows(
-        {.plunge = plunge, .voxel_mm = kVoxel_mm, .frames = frames, .erosion = erosion, .tilt_deg = tilt_deg},
-        setting));
-  };
-  out.at_most("convex, axis tilted by 17°, exact", "", kRippleLimit, ripple(kExample, ErosionMode::exact, 17));
-  out.at_most("convex along the lattice, exact", "", kRippleLimit, ripple(kExample, ErosionMode::exact, 0));
-  out.reported("flat along the lattice, exact", "", ripple(kFlatExample, ErosionMode::exact, 0),
-               "0.2 µm per frame is 52 of the 65535 steps of a voxel, and all voxels round together");
-  out.reported("convex along the lattice, remove", "", ripple(kExample, ErosionMode::remove, 0), "beside it");
-  if (!setting.quick) {
-    out.reported("flat along the lattice, remove", "", ripple(kFlatExample, ErosionMode::remove, 0), "beside it");
-  }
-}
-
-namespace {
 
 std::vector<SteadyPlunge> ratio_plunges(bool quick) {
   std::vector<SteadyPlunge> out = {kExample, example_with(&SteadyPlunge::density_g_cm3, 0.4),
@@ -176,7 +130,107 @@ std::vector<Refinement> half_refinements(const Setting& setting) {
   return refinements;
 }
 
+constexpr double kFormLayer_mm = 2, kAround_mm = 1;
+constexpr int kAroundFrames = 400;  // from kAround_mm above the interface to as far below it
+
+/// Rows about the interface of a block with a layer of the first plunge's density on that of the second.
+std::vector<FrameResult> rows_about_interface(const SteadyPlunge& dense, const SteadyPlunge& soft, double voxel_mm,
+                                              const Setting& setting) {
+  constexpr int kApproach = 24;
+  const FilledVoxmap bone = block({18, 18, 4}, voxel_mm, [&](const Vec3& p) {
+    return p.z() > -kFormLayer_mm ? dense.density_g_cm3 : soft.density_g_cm3;
+  });
+  const double x = 0.12 * voxel_mm, y = 0.21 * voxel_mm, rate = dense.feed_mm_s * kAroundFrames / (2 * kAround_mm);
+  const Motion motion = path(rate, {x, y, kClear_mm},
+                             {{{x, y, -(kFormLayer_mm - kAround_mm)}, kApproach, dense.rpm},
+                              {{x, y, -(kFormLayer_mm + kAround_mm)}, kAroundFrames, dense.rpm}});
+  const Reamed reamed = ream(scene_of(bone, make_tool(head_of(dense)), motion), setting);
+  const auto rows = reamed.after(kApproach);
+  return {rows.begin(), rows.end()};
+}
+
+/// Depth of the tool when the torque falls below `torque_nmm`, mm; NaN where it never exceeds it.
+double depth_of_step(const std::vector<FrameResult>& rows, double torque_nmm) {
+  double depth = std::numeric_limits<double>::quiet_NaN();
+  for (const FrameResult& row : rows) {
+    if (row.spin_torque_nmm < torque_nmm) break;
+    depth = -row.pose.position_mm.z();
+  }
+  return depth;
+}
+
+constexpr double kVoxel_mm = 0.25, kEnergyRate_hz = 500, kLayer_mm = 1.5, kDense = 1.8, kSoft = 0.4;
+
+/// Down; sideways, so slowly rotating that most of the face is below the speed floor; tilting.
+Motion every_kind_of_motion() {
+  const Quat first = rotation({1, 0.4, 0}, 10), last = rotation({0.2, 1, 0}, 8) * first;
+  return path(
+      kEnergyRate_hz, {-1.5, -0.5, 2},
+      {{{-1.5, -0.5, -2}, 120, 250, first}, {{0.5, 0.5, -2}, 80, 20, first}, {{0.5, 0.5, -2.5}, 60, 100, last}});
+}
+
+/// Work of the tool on the bone in a frame, from its poses and mean loads: −(T·ω + F·v)·Δt, mJ.
+double work_mj(const ToolPose& before, const FrameResult& row) {
+  const ToolPose& after = row.pose;
+  const Eigen::AngleAxisd tilt(after.orientation * before.orientation.conjugate());
+  const double spin = after.spin_angle_rad - before.spin_angle_rad;
+  const Vec3 turn = tilt.angle() * tilt.axis() - spin * (after.orientation * Vec3::UnitZ());
+  return -(row.torque_nmm.dot(turn) + row.force_n.dot(after.position_mm - before.position_mm));
+}
+
+/// The removed bone, with its cutting energy by the closed form of the law.
+Removed removed_from(const BoneView& remaining) {
+  Removed out;
+  for_each_bone_voxel(remaining, [&](const Vec3i&, std::uint8_t grade, std::uint16_t fill) {
+    const double lost = (1 - double(fill) / FillBricks::kWhole) * remaining.voxmap.grid.voxel_mm3();
+    out.volume_mm3 += lost;
+    out.energy_mj += lost * specific_energy(DensityMapping::density_from_grade(grade));
+  });
+  return out;
+}
+
 }  // namespace
+
+void steady_case(const Setting& setting, Report& out) {
+  out.title = "Torque and axial force in uniform bone";
+  out.scene =
+      "cannulated reamer (r₀ 1.25 mm) fed along its axis in full contact, ρ 1.8 g/cm³; means over one voxel of feed; "
+      "refinements: R 29, a 15 mm, 250 rpm, 0.2 mm/s";
+  out.form = "T = π·u·(a² − r₀²)·v_f/ω; F_z = 2π·k_n·u·(v_f/ω)·[C(a) − C(r₀)] + 2π·u·(v_f/ω)²·ln(a/r₀)";
+  out.refinements = steady_refinements(kExample, setting);
+  const double simple[] = {kExample.torque_nmm(), kExample.axial_force_n(), kExample.removal_mm3_s()};
+  for (std::size_t i = 0; i < out.refinements.size(); ++i) {
+    const Refinement& refinement = out.refinements[i];
+    out.relative(refinement.quantity + ", " + text_of(kExample), refinement.unit, simple[i],
+                 refinement.levels.back().found, kFormLimit);
+  }
+  for (const SteadyPlunge& plunge : variations(setting.quick)) {
+    const MeanLoads mean = mean_loads(steady_rows({.plunge = plunge}, setting));
+    out.relative("torque, " + text_of(plunge), "N·mm", plunge.torque_nmm(), mean.spin_torque_nmm, kFormLimit);
+    out.relative("axial force, " + text_of(plunge), "N", plunge.axial_force_n(), mean.axial_force_n, kFormLimit);
+  }
+}
+
+void ripple_case(const Setting& setting, Report& out) {
+  constexpr double kRate_hz = 1000;
+  out.title = "Ripple of a steady plunge";
+  out.scene = "the same reamer at 0.25 mm voxels, 0.2 mm/s and 1 kHz, frame by frame over one voxel of feed";
+  out.form = "0: standard deviation of the torque over its mean";
+  const int frames = static_cast<int>(std::lround(kVoxel_mm / kExample.feed_mm_s * kRate_hz));
+  const auto ripple = [&](const SteadyPlunge& plunge, ErosionMode erosion, double tilt_deg) {
+    return torque_ripple(steady_rows(
+        {.plunge = plunge, .voxel_mm = kVoxel_mm, .frames = frames, .erosion = erosion, .tilt_deg = tilt_deg},
+        setting));
+  };
+  out.at_most("convex, axis tilted by 17°, exact", "", kRippleLimit, ripple(kExample, ErosionMode::exact, 17));
+  out.at_most("convex along the lattice, exact", "", kRippleLimit, ripple(kExample, ErosionMode::exact, 0));
+  out.reported("flat along the lattice, exact", "", ripple(kFlatExample, ErosionMode::exact, 0),
+               "0.2 µm per frame is 52 of the 65535 steps of a voxel, and all voxels round together");
+  out.reported("convex along the lattice, remove", "", ripple(kExample, ErosionMode::remove, 0), "beside it");
+  if (!setting.quick) {
+    out.reported("flat along the lattice, remove", "", ripple(kFlatExample, ErosionMode::remove, 0), "beside it");
+  }
+}
 
 void ratio_case(const Setting& setting, Report& out) {
   out.title = "Ratio of torque to axial force is independent of the bone";
@@ -213,39 +267,6 @@ void half_face_case(const Setting& setting, Report& out) {
   for (const PlungeRun& run : runs) check_half(run, setting, out);
 }
 
-namespace {
-
-constexpr double kFormLayer_mm = 2, kAround_mm = 1;
-constexpr int kAroundFrames = 400;  // from kAround_mm above the interface to as far below it
-
-/// Rows about the interface of a block with a layer of the first plunge's density on that of the second.
-std::vector<FrameResult> rows_about_interface(const SteadyPlunge& dense, const SteadyPlunge& soft, double voxel_mm,
-                                              const Setting& setting) {
-  constexpr int kApproach = 24;
-  const FilledVoxmap bone = block({18, 18, 4}, voxel_mm, [&](const Vec3& p) {
-    return p.z() > -kFormLayer_mm ? dense.density_g_cm3 : soft.density_g_cm3;
-  });
-  const double x = 0.12 * voxel_mm, y = 0.21 * voxel_mm, rate = dense.feed_mm_s * kAroundFrames / (2 * kAround_mm);
-  const Motion motion = path(rate, {x, y, kClear_mm},
-                             {{{x, y, -(kFormLayer_mm - kAround_mm)}, kApproach, dense.rpm},
-                              {{x, y, -(kFormLayer_mm + kAround_mm)}, kAroundFrames, dense.rpm}});
-  const Reamed reamed = ream(scene_of(bone, make_tool(head_of(dense)), motion), setting);
-  const auto rows = reamed.after(kApproach);
-  return {rows.begin(), rows.end()};
-}
-
-/// Depth of the tool when the torque falls below `torque_nmm`, mm; NaN where it never exceeds it.
-double depth_of_step(const std::vector<FrameResult>& rows, double torque_nmm) {
-  double depth = std::numeric_limits<double>::quiet_NaN();
-  for (const FrameResult& row : rows) {
-    if (row.spin_torque_nmm < torque_nmm) break;
-    depth = -row.pose.position_mm.z();
-  }
-  return depth;
-}
-
-}  // namespace
-
 void layered_case(const Setting& setting, Report& out) {
   const SteadyPlunge dense{std::nullopt, 8, 1.25, 250, 0.2, 1.8}, soft{std::nullopt, 8, 1.25, 250, 0.2, 0.4};
   out.title = "Layered block: step of the force at the interface";
@@ -265,40 +286,6 @@ void layered_case(const Setting& setting, Report& out) {
   out.absolute("depth of the step, finest voxels", "mm", kFormLayer_mm, step_mm, 2 * kAround_mm / kAroundFrames,
                "one frame of feed");
 }
-
-namespace {
-
-constexpr double kVoxel_mm = 0.25, kEnergyRate_hz = 500, kLayer_mm = 1.5, kDense = 1.8, kSoft = 0.4;
-
-/// Down; sideways, so slowly rotating that most of the face is below the speed floor; tilting.
-Motion every_kind_of_motion() {
-  const Quat first = rotation({1, 0.4, 0}, 10), last = rotation({0.2, 1, 0}, 8) * first;
-  return path(
-      kEnergyRate_hz, {-1.5, -0.5, 2},
-      {{{-1.5, -0.5, -2}, 120, 250, first}, {{0.5, 0.5, -2}, 80, 20, first}, {{0.5, 0.5, -2.5}, 60, 100, last}});
-}
-
-/// Work of the tool on the bone in a frame, from its poses and mean loads: −(T·ω + F·v)·Δt, mJ.
-double work_mj(const ToolPose& before, const FrameResult& row) {
-  const ToolPose& after = row.pose;
-  const Eigen::AngleAxisd tilt(after.orientation * before.orientation.conjugate());
-  const double spin = after.spin_angle_rad - before.spin_angle_rad;
-  const Vec3 turn = tilt.angle() * tilt.axis() - spin * (after.orientation * Vec3::UnitZ());
-  return -(row.torque_nmm.dot(turn) + row.force_n.dot(after.position_mm - before.position_mm));
-}
-
-/// The removed bone, with its cutting energy by the closed form of the law.
-Removed removed_from(const BoneView& remaining) {
-  Removed out;
-  for_each_bone_voxel(remaining, [&](const Vec3i&, std::uint8_t grade, std::uint16_t fill) {
-    const double lost = (1 - double(fill) / FillBricks::kWhole) * remaining.voxmap.grid.voxel_mm3();
-    out.volume_mm3 += lost;
-    out.energy_mj += lost * specific_energy(DensityMapping::density_from_grade(grade));
-  });
-  return out;
-}
-
-}  // namespace
 
 void energy_case(const Setting& setting, Report& out) {
   out.title = "Energy";

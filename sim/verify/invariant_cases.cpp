@@ -3,7 +3,6 @@
 
 // Invariants: no load without a cut, and the same loads under symmetries.
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "sim/verify/suite.h"
@@ -65,60 +64,6 @@ Leg down_leg() {
   return {Vec3(0.03, 0.05, 2.5) - turned * Vec3(0, 0, 4.5), kDown, 250, turned};
 }
 
-}  // namespace
-
-void zero_feed_case(const Setting& setting, Report& out) {
-  out.title = "Zero feed";
-  out.scene = "cannulated convex head plunged along an axis tilted by 12°, then rotated at zero feed for 100 frames";
-  out.form = "no force, no torque, nothing removed";
-  Leg stay = down_leg();
-  stay.frames = 100;
-  const Reamed reamed = reamed_along({down_leg(), stay}, setting);
-  add_nothing(reamed.after(kDown), reamed.removed_mm3(), out);
-}
-
-void retraction_case(const Setting& setting, Report& out) {
-  out.title = "Retraction";
-  out.scene =
-      "cannulated convex head plunged 1.5 mm along an axis tilted by 12° in steps of 2.5 µm, then retracted along the "
-      "axis four times as fast";
-  out.form = "no force, no torque, nothing removed";
-  const Quat turned = oblique(12);
-  const Vec3 axis = turned * Vec3(0, 0, 1), entry(0.03, 0.05, 0);
-  // The lowest point of the rim touches the face first.
-  const double touch = kHead.outer_mm * std::tan(12 * pi / 180);
-  const Vec3 above = entry + (touch + 0.05) * axis, low = above - 1.5 * axis;
-  const Leg slow{low, 600, 250, turned}, back{above, 150, 250, turned};
-  const Reamed reamed = ream(
-      scene_of(block({20, 20, 8}, kInvariantVoxel_mm, kDensity), head(), path(kInvariantRate_hz, above, {slow, back})),
-      setting);
-  add_nothing(reamed.after(600), reamed.removed_mm3(), out);
-  // In such a fast plunge the corner of the rim does not pass each voxel at its deepest position.
-  Leg fast = down_leg(), fast_back = fast;
-  fast_back.to_mm = {0.03, 0.05, 2.5};
-  fast_back.frames = 3 * kDown;
-  const Reamed coarse = reamed_along({fast, fast_back}, setting);
-  out.at_most("removed after a plunge in steps of 45 µm, fraction of the plunge volume", "", 1e-4,
-              most_of(coarse.after(kDown)).removed_mm3 / coarse.removed_mm3(),
-              "on retraction the rim, a corner, passes the voxels of the wall at other positions");
-}
-
-void second_pass_case(const Setting& setting, Report& out) {
-  out.title = "Second pass along the same path";
-  out.scene = "a tilted plunge and a sideways sweep through bone, then the whole path once more in the reamed bone";
-  out.form = "no force, no torque, nothing removed";
-  const Quat turned = oblique(12);
-  const Leg down = down_leg(), side{down.to_mm + Vec3(2, 1, 0), 60, 250, turned};
-  SimulationInput scene = scene_of(block({24, 24, 8}, kInvariantVoxel_mm, kDensity), head(),
-                                   path(kInvariantRate_hz, {0.03, 0.05, 2.5}, {down, side}));
-  const Reamed first = ream(scene, setting);
-  scene.bone = first.bone;
-  const Reamed second = ream(std::move(scene), setting);
-  add_nothing(second.after(0), first.removed_mm3(), out);
-}
-
-namespace {
-
 /// A rotation or reflection with a translation: p → turn·p + shift. `turn` is orthogonal.
 struct Change {
   Mat3 turn = Mat3::Identity();
@@ -179,6 +124,56 @@ void compare(const Change& change, const Setting& setting, double tolerance, con
 }
 
 }  // namespace
+
+void zero_feed_case(const Setting& setting, Report& out) {
+  out.title = "Zero feed";
+  out.scene = "cannulated convex head plunged along an axis tilted by 12°, then rotated at zero feed for 100 frames";
+  out.form = "no force, no torque, nothing removed";
+  Leg stay = down_leg();
+  stay.frames = 100;
+  const Reamed reamed = reamed_along({down_leg(), stay}, setting);
+  add_nothing(reamed.after(kDown), reamed.removed_mm3(), out);
+}
+
+void retraction_case(const Setting& setting, Report& out) {
+  out.title = "Retraction";
+  out.scene =
+      "cannulated convex head plunged 1.5 mm along an axis tilted by 12° in steps of 2.5 µm, then retracted along the "
+      "axis four times as fast";
+  out.form = "no force, no torque, nothing removed";
+  const Quat turned = oblique(12);
+  const Vec3 axis = turned * Vec3(0, 0, 1), entry(0.03, 0.05, 0);
+  // The lowest point of the rim touches the face first.
+  const double touch = kHead.outer_mm * std::tan(12 * pi / 180);
+  const Vec3 above = entry + (touch + 0.05) * axis, low = above - 1.5 * axis;
+  const Leg slow{low, 600, 250, turned}, back{above, 150, 250, turned};
+  const Reamed reamed = ream(
+      scene_of(block({20, 20, 8}, kInvariantVoxel_mm, kDensity), head(), path(kInvariantRate_hz, above, {slow, back})),
+      setting);
+  add_nothing(reamed.after(600), reamed.removed_mm3(), out);
+  // In such a fast plunge the corner of the rim does not pass each voxel at its deepest position.
+  Leg fast = down_leg(), fast_back = fast;
+  fast_back.to_mm = {0.03, 0.05, 2.5};
+  fast_back.frames = 3 * kDown;
+  const Reamed coarse = reamed_along({fast, fast_back}, setting);
+  out.at_most("removed after a plunge in steps of 45 µm, fraction of the plunge volume", "", 1e-4,
+              most_of(coarse.after(kDown)).removed_mm3 / coarse.removed_mm3(),
+              "on retraction the rim, a corner, passes the voxels of the wall at other positions");
+}
+
+void second_pass_case(const Setting& setting, Report& out) {
+  out.title = "Second pass along the same path";
+  out.scene = "a tilted plunge and a sideways sweep through bone, then the whole path once more in the reamed bone";
+  out.form = "no force, no torque, nothing removed";
+  const Quat turned = oblique(12);
+  const Leg down = down_leg(), side{down.to_mm + Vec3(2, 1, 0), 60, 250, turned};
+  SimulationInput scene = scene_of(block({24, 24, 8}, kInvariantVoxel_mm, kDensity), head(),
+                                   path(kInvariantRate_hz, {0.03, 0.05, 2.5}, {down, side}));
+  const Reamed first = ream(scene, setting);
+  scene.bone = first.bone;
+  const Reamed second = ream(std::move(scene), setting);
+  add_nothing(second.after(0), first.removed_mm3(), out);
+}
 
 void mirrored_case(const Setting& setting, Report& out) {
   out.title = "Mirrored scene";

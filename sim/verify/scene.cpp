@@ -112,11 +112,9 @@ SimulationInput scene_of(FilledVoxmap bone, Tool tool, Motion motion, ErosionMod
 namespace {
 
 /// Collects the rows.
-class Rows final : public FrameSink {
- public:
-  std::vector<FrameResult> rows;
-
+struct Rows final : FrameSink {
   void frame(const FrameResult& result, const FrameTimes& /*times*/) override { rows.push_back(result); }
+  std::vector<FrameResult> rows;
 };
 
 constexpr double kPlungeClear_mm = 0.1;

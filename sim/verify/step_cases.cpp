@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Refinement in time and space, and settings that must not change the result.
-#include <cmath>
 
 #include "sim/verify/suite.h"
 
@@ -54,6 +53,24 @@ void add_indifference(const Sweep& plain, const Setting& setting, Report& out) {
   add("shell of 0.5 mm spacing", sweep_of(swept_ball(kFrame_s, 0.5), setting));
 }
 
+constexpr SteadyPlunge kStepHead{12, 5, 1, 250, 0.2, kStepDensity};
+
+/// Mean loads of the head in full contact, fed along a tilted axis by 1 mm, entering at `entry`. The axial parts and
+/// the volume per second are what counts.
+MeanLoads tilted_plunge(const Tool& tool, double voxel_mm, const Vec3& entry, const Setting& setting) {
+  constexpr double kBegin_mm = 5.5, kTravel_mm = 1;
+  constexpr int kFrames = 200, kFramesDown = 110;
+  const Quat turned = rotation({1, 0.4, 0}, 25);
+  const Vec3 axis = turned * Vec3(0, 0, 1), begin = entry - kBegin_mm * axis, end = begin - kTravel_mm * axis;
+  const double seconds = kTravel_mm / kStepHead.feed_mm_s;
+  const Motion motion = path(kFrames / seconds, entry + 3 * axis,
+                             {{begin, kFramesDown, kStepHead.rpm, turned}, {end, kFrames, kStepHead.rpm, turned}});
+  const Reamed reamed = ream(scene_of(block({22, 22, 10}, voxel_mm, kStepDensity), tool, motion), setting);
+  MeanLoads mean = mean_loads(reamed.after(kFramesDown));
+  mean.removed_mm3 /= seconds;
+  return mean;
+}
+
 }  // namespace
 
 void time_step_case(const Setting& setting, Report& out) {
@@ -87,28 +104,6 @@ void time_step_case(const Setting& setting, Report& out) {
   out.refinements = {std::move(volume), std::move(torque), std::move(force)};
 }
 
-namespace {
-
-constexpr SteadyPlunge kStepHead{12, 5, 1, 250, 0.2, kStepDensity};
-
-/// Mean loads of the head in full contact, fed along a tilted axis by 1 mm, entering at `entry`. The axial parts and
-/// the volume per second are what counts.
-MeanLoads tilted_plunge(const Tool& tool, double voxel_mm, const Vec3& entry, const Setting& setting) {
-  constexpr double kBegin_mm = 5.5, kTravel_mm = 1;
-  constexpr int kFrames = 200, kFramesDown = 110;
-  const Quat turned = rotation({1, 0.4, 0}, 25);
-  const Vec3 axis = turned * Vec3(0, 0, 1), begin = entry - kBegin_mm * axis, end = begin - kTravel_mm * axis;
-  const double seconds = kTravel_mm / kStepHead.feed_mm_s;
-  const Motion motion = path(kFrames / seconds, entry + 3 * axis,
-                             {{begin, kFramesDown, kStepHead.rpm, turned}, {end, kFrames, kStepHead.rpm, turned}});
-  const Reamed reamed = ream(scene_of(block({22, 22, 10}, voxel_mm, kStepDensity), tool, motion), setting);
-  MeanLoads mean = mean_loads(reamed.after(kFramesDown));
-  mean.removed_mm3 /= seconds;
-  return mean;
-}
-
-}  // namespace
-
 void voxel_case(const Setting& setting, Report& out) {
   out.title = "Voxel halving";
   out.scene =
@@ -118,10 +113,10 @@ void voxel_case(const Setting& setting, Report& out) {
   const Tool tool = make_tool(convex_profile(*kStepHead.radius_mm, kStepHead.outer_mm, kStepHead.bore_mm, 12, 0.05));
   std::vector<Refinement> refinements = load_refinements(kStepHead);
   for (const double voxel_mm : four_voxels(setting.quick ? 0.125 : 0.0625)) {
-    Offsets offsets(25);
+    std::mt19937 random(25);
     std::vector<Sample> samples[3];
     for (int run = 0; run < (setting.quick ? 1 : 4); ++run) {
-      const MeanLoads mean = tilted_plunge(tool, voxel_mm, offsets.draw(voxel_mm), setting);
+      const MeanLoads mean = tilted_plunge(tool, voxel_mm, draw_offset(random, voxel_mm), setting);
       const double found[] = {mean.spin_torque_nmm, mean.axial_force_n, mean.removed_mm3};
       for (std::size_t i = 0; i < refinements.size(); ++i) samples[i].push_back({*refinements[i].expected, found[i]});
     }

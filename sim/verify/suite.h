@@ -135,19 +135,11 @@ inline std::vector<Refinement> load_refinements(const SteadyPlunge& plunge) {
           {"removal rate", "mm³/s", "voxel, mm", plunge.removal_mm3_s()}};
 }
 
-/// Random offsets from a seed.
-class Offsets {
- public:
-  explicit Offsets(unsigned seed) : random_(seed) {}
-  /// Each component within ±step/2.
-  Vec3 draw(double step_mm) {
-    std::uniform_real_distribution<double> u(-0.5, 0.5);
-    const double x = u(random_), y = u(random_), z = u(random_);
-    return step_mm * Vec3(x, y, z);
-  }
-
- private:
-  std::mt19937 random_;
-};
+/// A random offset: each component within ±step/2.
+inline Vec3 draw_offset(std::mt19937& random, double step_mm) {
+  std::uniform_real_distribution<double> u(-0.5, 0.5);
+  const double x = u(random), y = u(random), z = u(random);
+  return step_mm * Vec3(x, y, z);
+}
 
 }  // namespace reamsim::verify

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Removed volumes against closed forms.
-#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -58,6 +57,37 @@ void check_order(const Refinement& refinement, Report& out) {
                "a plane in each voxel is of second order; 0.2 for scatter");
 }
 
+/// Root mean square over tilts of 0 to 60° at random offsets, by erosion and voxel size.
+Level tilted_level(const Tool& tool, double voxel_mm, int tilts, ErosionMode erosion, const Setting& setting) {
+  std::mt19937 random(kSeed);
+  std::vector<Sample> samples;
+  for (int i = 0; i < tilts; ++i) {
+    const Vec3 offset = draw_offset(random, voxel_mm);
+    samples.push_back(plunged_ball(tool, voxel_mm, offset, tilt(60.0 * i / (tilts - 1), 1.0 * i), erosion, setting));
+  }
+  return level_of(voxel_mm, samples, cap_mm3(kRadius_mm, kDepth_mm));
+}
+
+constexpr double kOuter_mm = 8, kLength_mm = 5;
+
+/// A flat-ended cylinder plunged along its axis, at random offsets.
+Level plunged_cylinder(const Tool& tool, double voxel_mm, const Quat& turned, int runs, const Setting& setting) {
+  constexpr int kFrames = 120;
+  constexpr double kEntry_mm = 4;  // clear of the face even when tilted
+  std::mt19937 random(kSeed);
+  const Vec3 axis = turned * Vec3(0, 0, 1);
+  std::vector<Sample> samples;
+  for (int i = 0; i < runs; ++i) {
+    const Vec3 offset = draw_offset(random, voxel_mm), entry(offset.x(), offset.y(), 0);
+    const double length = kLength_mm + offset.z();
+    const Motion motion =
+        path(kVolumeRate_hz, entry + kEntry_mm * axis, {{entry - length * axis, kFrames, 250, turned}});
+    const SimulationInput scene = scene_of(block({24, 24, 11}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
+    samples.push_back({pi * kOuter_mm * kOuter_mm * length, ream(scene, setting).removed_mm3()});
+  }
+  return level_of(voxel_mm, samples, pi * kOuter_mm * kOuter_mm * kLength_mm);
+}
+
 }  // namespace
 
 void half_space_case(const Setting& setting, Report& out) {
@@ -74,21 +104,6 @@ void half_space_case(const Setting& setting, Report& out) {
   out.refinement(std::move(refinement), kAim, kAimReason);
   check_order(out.refinements.back(), out);
 }
-
-namespace {
-
-/// Root mean square over tilts of 0 to 60° at random offsets, by erosion and voxel size.
-Level tilted_level(const Tool& tool, double voxel_mm, int tilts, ErosionMode erosion, const Setting& setting) {
-  Offsets offsets(kSeed);
-  std::vector<Sample> samples;
-  for (int i = 0; i < tilts; ++i) {
-    const Vec3 offset = offsets.draw(voxel_mm);
-    samples.push_back(plunged_ball(tool, voxel_mm, offset, tilt(60.0 * i / (tilts - 1), 1.0 * i), erosion, setting));
-  }
-  return level_of(voxel_mm, samples, cap_mm3(kRadius_mm, kDepth_mm));
-}
-
-}  // namespace
 
 void tilted_cap_case(const Setting& setting, Report& out) {
   constexpr double kLimitVoxel_mm = 0.25, kLeastRatio = 50;
@@ -114,30 +129,6 @@ void tilted_cap_case(const Setting& setting, Report& out) {
   out.at_least("remove / exact", "", kLeastRatio, whole / at_limit);
   out.refinements.push_back(std::move(refinement));
 }
-
-namespace {
-
-constexpr double kOuter_mm = 8, kLength_mm = 5;
-
-/// A flat-ended cylinder plunged along its axis, at random offsets.
-Level plunged_cylinder(const Tool& tool, double voxel_mm, const Quat& turned, int runs, const Setting& setting) {
-  constexpr int kFrames = 120;
-  constexpr double kEntry_mm = 4;  // clear of the face even when tilted
-  Offsets offsets(kSeed);
-  const Vec3 axis = turned * Vec3(0, 0, 1);
-  std::vector<Sample> samples;
-  for (int i = 0; i < runs; ++i) {
-    const Vec3 offset = offsets.draw(voxel_mm), entry(offset.x(), offset.y(), 0);
-    const double length = kLength_mm + offset.z();
-    const Motion motion =
-        path(kVolumeRate_hz, entry + kEntry_mm * axis, {{entry - length * axis, kFrames, 250, turned}});
-    const SimulationInput scene = scene_of(block({24, 24, 11}, voxel_mm, kReferenceDensity_g_cm3), tool, motion);
-    samples.push_back({pi * kOuter_mm * kOuter_mm * length, ream(scene, setting).removed_mm3()});
-  }
-  return level_of(voxel_mm, samples, pi * kOuter_mm * kOuter_mm * kLength_mm);
-}
-
-}  // namespace
 
 void cylinder_case(const Setting& setting, Report& out) {
   out.title = "Cylinder plunge";
