@@ -188,7 +188,7 @@ RS_INLINE rs_real rs_bone_within_both(rs_real bone, rs_real x, rs_real y, rs_rea
   const rs_real zero = RS_REAL(0.0f), tiny = RS_REAL(1e-6f);
   const rs_real divided = rs_min(x * (pq / rs_max(p, tiny)), y * (pq / rs_max(q, tiny)));
   const rs_real least = rs_max(rs_max(x + y - bone, zero), rs_max(x + pq - p, y + pq - q));
-  return rs_max(divided, least);
+  return rs_min(rs_max(divided, least), rs_min(x, y));
 }
 
 /* Whether the edge between the planes of a convex corner is outside the bone of a voxel: 1 where it surely is. A sum of
@@ -207,7 +207,7 @@ RS_INLINE rs_real rs_edge_beyond_bone(const Clip* clip, rs_int face) {
   const rs_real per_sine2 = one / rs_max(one - ab * ab, least);
   const rs_real of_a = rs_max((ab * nb - na) * per_sine2, zero), of_b = rs_max((ab * na - nb) * per_sine2, zero);
   for (int i = 0; i < 3; ++i) size += rs_abs(n[i] + of_a * a->n[i] + of_b * b->n[i]);
-  const rs_real away = rs_plane_away(n, one - rs_face_fill(face)) + of_a * a->away + of_b * b->away;
+  const rs_real away = rs_face_away(face) + of_a * a->away + of_b * b->away;
   return away > 0.5f * size ? one : zero;
 }
 
@@ -223,8 +223,8 @@ RS_INLINE rs_real rs_clip_kept_fraction(const Clip* clip, rs_int face) {
   const rs_real removed = rs_bone_within_both(f, f - first, f - other, one - o.first, one - o.other, in_both);
   const rs_real convex = f - (rs_edge_beyond_bone(clip, face) > 0.0f ? zero : removed);
   const rs_real concave = rs_bone_within_both(f, first, other, o.first, o.other, o.both);
-  const rs_real cornered = clip->corner > 0.0f ? convex : concave;
-  return clip->corner != 0.0f ? cornered : first;
+  const rs_real cornered = clip->corner > 0.0f ? convex : concave, kept = clip->corner != 0.0f ? cornered : first;
+  return face != RS_NO_FACE ? kept : o.tool;
 }
 
 /* Remaining fill of a voxel that was whole before the run, and of one with a face of the bone. */
@@ -232,8 +232,8 @@ RS_INLINE rs_int rs_fill_outside(const Clip* clip) {
   return RS_TO_INT(rs_clip_fractions(clip).tool * (float)RS_WHOLE_FILL + 0.5f);
 }
 RS_INLINE rs_int rs_clip_kept(const Clip* clip, rs_int face) {
-  const rs_real kept = rs_max(rs_clip_kept_fraction(clip, face), RS_REAL(0.0f));
-  return RS_TO_INT(kept * (float)RS_WHOLE_FILL + 0.5f);
+  if (!RS_ANY(face != RS_NO_FACE)) return rs_fill_outside(clip);
+  return rs_fill_of(rs_clip_kept_fraction(clip, face), rs_face_cut(face, &clip->plane).fill);
 }
 
 /* Loss of a voxel with fill `fill` of which the tool leaves at most `kept`. Losses within the rounding of positions are

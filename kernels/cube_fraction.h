@@ -43,14 +43,6 @@ RS_INLINE rs_real rs_outside_fraction(const rs_real* n, rs_real distance) {
   return distance > 0.0f ? RS_REAL(1.0f) - smaller : smaller;
 }
 
-/* The distance at which that fraction is `outside`, to 0.001. */
-RS_INLINE rs_real rs_plane_away(const rs_real* n, rs_real outside) {
-  rs_real away = RS_REAL(0.0f);
-  for (float step = 0.5f * RS_CLIP_REACH; step > 0.0005f; step *= 0.5f)
-    away += rs_outside_fraction(n, away) < outside ? RS_REAL(step) : RS_REAL(-step);
-  return away;
-}
-
 /* A plane next to a voxel: unit normal in lattice axes, distance of the voxel's centre outside it (`away`, voxels), and
  * component of the normal along the spin axis (`nz`). */
 typedef struct {

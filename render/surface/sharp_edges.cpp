@@ -173,7 +173,7 @@ double fraction_within(const Face& a, const Face& b, bool concave, const Vec3& p
     return static_cast<float>(concave ? 1 - face.fraction(p) : face.fraction(p));
   };
   const auto cosine = static_cast<float>(a.closest(p).normal.dot(b.closest(p).normal));
-  const FaceCut cut = rs_face_cut_at(inside(a), cosine);
+  const FaceCut cut = rs_face_cut_at(inside(a), 1, cosine);
   const float both = rs_kept_fraction(&cut, inside(b));
   return concave ? 1 - both : both;
 }

@@ -51,7 +51,9 @@ TEST(BoneFace, KeptFractionIsRightInTheMean) {
       const Vec3 a = random_direction(random), b = Eigen::AngleAxisd(degrees * pi / 180, a.unitOrthogonal()) * a;
       const double away_a = away(random), away_b = away(random);
       const double f = outside(a, away_a), o = outside(b, away_b), both = outside_both(a, away_a, b, away_b);
-      const FaceCut cut = rs_face_cut_at(static_cast<float>(f), static_cast<float>(a.dot(b)));
+      const Eigen::Vector3f bone = -a.cast<float>(), tool = b.cast<float>();
+      const FaceCut cut =
+          rs_face_cut_between(static_cast<float>(f), bone.data(), static_cast<float>(-away_a), tool.data());
       const double found = rs_kept_fraction(&cut, static_cast<float>(o));
       error += (found - both) / kPairs;
       square += (found - both) * (found - both) / kPairs;
@@ -65,19 +67,6 @@ TEST(BoneFace, KeptFractionIsRightInTheMean) {
   }
 }
 
-TEST(BoneFace, PlaneOfAFraction) {
-  std::cout << "seed " << kSeed << '\n';
-  std::mt19937 random(kSeed);
-  std::uniform_real_distribution<double> part(0, 1);
-  for (int i = 0; i < 2000; ++i) {
-    const Vec3 normal = i < 3 ? Vec3(Vec3::Unit(i)) : random_direction(random);
-    const double away = (part(random) - 0.5) * normal.lpNorm<1>();
-    const Eigen::Vector3f n = normal.cast<float>();
-    const float found = rs_plane_away(n.data(), static_cast<float>(outside(normal, away)));
-    EXPECT_NEAR(outside(normal, found), outside(normal, away), 2e-3) << normal.transpose() << "; " << away;
-  }
-}
-
 ClipPlane clip_plane(const Vec3& normal, double away) {
   const Eigen::Vector3f n = normal.cast<float>();
   return {.n = {n.x(), n.y(), n.z()}, .away = static_cast<float>(away), .nz = 0};
@@ -85,12 +74,39 @@ ClipPlane clip_plane(const Vec3& normal, double away) {
 
 /// A face with the fill and the normal of a plane.
 rs_i32 face_of(const Vec3& normal, double away) {
-  auto out = static_cast<rs_i32>(std::lround((1 - outside(normal, away)) * RS_WHOLE_FILL));
-  for (int axis = 0; axis < 3; ++axis) {
-    const double component = normal[axis] / normal.cwiseAbs().maxCoeff();
-    out |= static_cast<rs_i32>(std::lround(RS_FACE_STEPS * (1 + component))) << (16 + RS_FACE_BITS * axis);
+  return packed_face(static_cast<std::uint16_t>(std::lround((1 - outside(normal, away)) * RS_WHOLE_FILL)),
+                     normal.cast<float>());
+}
+
+TEST(BoneFace, KeepsItsFillAndIsTouchedWhenThePlanesMeet) {
+  std::cout << "seed " << kSeed << '\n';
+  std::mt19937 random(kSeed);
+  std::uniform_real_distribution<double> away(-0.5, 0.5);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 bone = i < 3 ? Vec3(Vec3::Unit(i)) : random_direction(random), tool = random_direction(random);
+    const double bone_away = away(random);
+    const rs_i32 face = face_of(bone, bone_away);
+    const FaceCut cut = rs_face_cut(face, std::array{clip_plane(tool, 0)}.data());
+    EXPECT_NEAR(cut.fill, 1 - outside(bone, bone_away), 5e-5) << bone.transpose() << "; " << bone_away;
+    float b[3];
+    rs_face_normal(face, b);
+    const Vec3 kept = Eigen::Map<const Eigen::Vector3f>(b).cast<double>();
+    // The lowest corner of the bone is a corner of the cube, or lies on one of its edges.
+    double nearest = 9;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int corner = 0; corner < 4; ++corner) {
+        Vec3 x = Vec3::Constant(-0.5);
+        x[(axis + 1) % 3] += corner & 1, x[(axis + 2) % 3] += corner >> 1;
+        const double low = kept.dot(x) + rs_face_away(face), high = low + kept[axis];
+        for (const double along : {0.0, 1.0, -low / kept[axis]}) {
+          if (!(along >= 0 && along <= 1) || low + along * (high - low) > 1e-6) continue;
+          nearest = std::min(nearest, tool.dot(x + along * Vec3::Unit(axis)));
+        }
+      }
+    }
+    EXPECT_NEAR(cut.touch, outside(tool, -nearest), 2e-3) << bone.transpose() << "; " << tool.transpose();
+    EXPECT_EQ(rs_kept_fill(&cut, static_cast<int>(std::ceil(cut.touch * RS_WHOLE_FILL)) + 1), RS_WHOLE_FILL);
   }
-  return out;
 }
 
 /// The fraction of a unit cube that is bone and outside a tool with a corner, by points.
@@ -141,14 +157,15 @@ TEST(BoneFace, CornersAgreeWithCountingPoints) {
 TEST(BoneFace, KeptFractionIsExactWherePlanesAreParallelOrOneMissesTheVoxel) {
   for (float f = 0; f <= 1; f += 0.125F) {
     for (float o = 0; o <= 1; o += 0.125F) {
-      const FaceCut same = rs_face_cut_at(f, 1), opposite = rs_face_cut_at(f, -1);
+      const FaceCut same = rs_face_cut_at(f, 1, 1), opposite = rs_face_cut_at(f, 1, -1);
       EXPECT_NEAR(rs_kept_fraction(&same, o), std::min(f, o), 3e-4) << f << ", " << o;
       EXPECT_NEAR(rs_kept_fraction(&opposite, o), std::max(f + o - 1, 0.0F), 3e-4) << f << ", " << o;
     }
     for (const float cosine : {-0.9F, -0.3F, 0.0F, 0.3F, 0.9F}) {
-      const FaceCut cut = rs_face_cut_at(f, cosine);
+      if (f == 0) continue;  // no face
+      const FaceCut cut = rs_face_cut_at(f, 1, cosine);
       EXPECT_EQ(rs_kept_fill(&cut, 0), 0) << f << ", " << cosine;
-      EXPECT_EQ(rs_kept_fill(&cut, RS_WHOLE_FILL), std::lround(f * RS_WHOLE_FILL)) << cosine;
+      EXPECT_EQ(rs_kept_fill(&cut, RS_WHOLE_FILL), RS_WHOLE_FILL) << cosine << ": no limit";
     }
   }
   // A voxel without a face keeps what is outside the tool.
@@ -187,10 +204,11 @@ TEST(BoneFace, NormalIsTheSlopeOfTheFill) {
       return;
     }
     ++found;
-    EXPECT_EQ(face & RS_WHOLE_FILL, fill);
     const ClipPlane along{
         {static_cast<float>(-kNormal.x()), static_cast<float>(-kNormal.y()), static_cast<float>(-kNormal.z())}, 0, 0};
-    EXPECT_GT(rs_face_cut(face, &along).cosine, 0.99F) << voxel.transpose();
+    const FaceCut cut = rs_face_cut(face, &along);
+    EXPECT_NEAR(cut.fill * RS_WHOLE_FILL, fill, 3) << voxel.transpose();
+    EXPECT_GT(cut.cosine, 0.99F) << voxel.transpose();
   });
   EXPECT_GT(found, 1000);
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr int kGathered = RS_BRICK_SIDE + 2;  // a brick and one voxel around it
 using Fractions = std::array<float, kGathered * kGathered * kGathered>;
 
-/// The outward normal at a cell of gathered fractions, largest component ±1; zero where they do not change.
+/// The direction of the outward normal at a cell of gathered fractions; zero where they do not change.
 Eigen::Vector3f outward_normal(const Fractions& fractions, const Vec3i& cell) {
   Eigen::Vector3f slope = Eigen::Vector3f::Zero();
   for_each_voxel(-Vec3i::Ones(), Vec3i::Ones(), [&](const Vec3i& step) {
@@ -27,16 +27,7 @@ Eigen::Vector3f outward_normal(const Fractions& fractions, const Vec3i& cell) {
       slope[axis] -= static_cast<float>(step[axis] * others) * fraction;
     }
   });
-  const float largest = slope.cwiseAbs().maxCoeff();
-  return largest > 0 ? Eigen::Vector3f(slope / largest) : slope;
-}
-
-rs_i32 packed(std::uint16_t fill, const Eigen::Vector3f& normal) {
-  auto out = static_cast<rs_i32>(fill);
-  for (int axis = 0; axis < 3; ++axis) {
-    out |= static_cast<rs_i32>(std::lround(RS_FACE_STEPS * (1 + normal[axis]))) << (16 + RS_FACE_BITS * axis);
-  }
-  return out;
+  return slope;
 }
 
 bool has_face(std::uint8_t grade, std::uint16_t fill) {
@@ -57,12 +48,28 @@ std::vector<rs_i32> faces_of(const BoneView& bone, const Vec3i& brick) {
     if (!has_face(grades[i], (*fill)[i])) continue;
     const Vec3i voxel = BrickLattice::voxel_at(Vec3i::Zero(), offset);
     const Eigen::Vector3f normal = outward_normal(fractions, voxel + Vec3i::Ones());
-    out[static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()))] = packed((*fill)[i], normal);
+    out[static_cast<std::size_t>(rs_brick_offset(voxel.x(), voxel.y(), voxel.z()))] = packed_face((*fill)[i], normal);
   }
   return out;
 }
 
 }  // namespace
+
+rs_i32 packed_face(std::uint16_t fill, const Eigen::Vector3f& normal) {
+  rs_i32 face = 0;
+  const float largest = normal.cwiseAbs().maxCoeff();
+  const Eigen::Vector3f along = largest > 0 ? Eigen::Vector3f(normal / largest) : Eigen::Vector3f::UnitZ();
+  for (int axis = 0; axis < 3; ++axis) {
+    face |= static_cast<rs_i32>(std::lround(RS_FACE_STEPS * (1 + along[axis]))) << (16 + RS_FACE_BITS * axis);
+  }
+  float n[3];
+  rs_face_normal(face, n);
+  const float outside = 1 - static_cast<float>(fill) / FillBricks::kWhole;
+  for (int bit = 1 << 15; bit != 0; bit >>= 1) {  // the largest distance with at most this fraction outside
+    if (rs_outside_fraction(n, rs_face_away(face | bit)) <= outside) face |= bit;
+  }
+  return face;
+}
 
 BoneFaces::BoneFaces(const BoneView& bone)
     : lattice_(BrickLattice::over(bone.voxmap.grid.dims)), number_of_brick_(lattice_.count(), -1) {

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cstdint>
 #include <tuple>
 #include <vector>
 
@@ -12,6 +13,10 @@
 #include "sim/engine/common/device_bricks.h"
 
 namespace reamsim {
+
+/// The face of a voxel with the fill `fill`, not 0 and not whole. `normal`: along the outward normal; zero where
+/// unknown.
+rs_i32 packed_face(std::uint16_t fill, const Eigen::Vector3f& normal);
 
 /// The surface of the bone before the run in the voxels that were partly filled (kernels/bone_face.h). The normal is
 /// the gradient of the fraction of bone over 27 voxels (Parker and Youngs 1992, AWE report 01/92).
