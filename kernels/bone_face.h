@@ -11,7 +11,7 @@
 
 /* A face: the distance of the voxel's centre outside the bone (16 bits, RS_FACE_REACH voxels either way), and the
  * direction of the bone's outward normal in 5 bits per lattice axis: RS_FACE_STEPS plus the component, of which the
- * largest is RS_FACE_STEPS. */
+ * largest is RS_FACE_STEPS. Where all are 0 the direction is unknown, and the 16 bits are the fill. */
 #define RS_FACE_STEPS 15
 #define RS_FACE_BITS 5
 #define RS_FACE_REACH 0.875f
@@ -90,14 +90,18 @@ RS_INLINE FaceCut rs_face_cut_between(rs_real fill, const rs_real* b, rs_real aw
   return rs_face_cut_at(fill, touch, rs_max(rs_min(cosine, one), -one));
 }
 
+/* Whether the direction of a face is unknown. */
+#define RS_IS_UNDIRECTED(face) (((face) | RS_WHOLE_FILL) == RS_NO_FACE)
+
 RS_INLINE FaceCut rs_face_cut(rs_int face, const ClipPlane* plane) {
   const rs_real one = RS_REAL(1.0f), away = rs_face_away(face);
   if (!RS_ANY(face != RS_NO_FACE)) return rs_face_cut_at(one, one, RS_REAL(0.0f));
   rs_real b[3];
   rs_face_normal(face, b);
   FaceCut out = rs_face_cut_between(one - rs_outside_fraction(b, away), b, away, plane->n);
-  out.fill = face != RS_NO_FACE ? out.fill : one;
-  out.touch = face != RS_NO_FACE ? out.touch : one;
+  const rs_real fill = RS_TO_REAL(face & RS_WHOLE_FILL) * (1.0f / (float)RS_WHOLE_FILL);
+  out.fill = RS_IS_UNDIRECTED(face) ? fill : out.fill;
+  out.touch = RS_IS_UNDIRECTED(face) ? one : out.touch;
   return out;
 }
 

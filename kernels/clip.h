@@ -208,7 +208,8 @@ RS_INLINE rs_real rs_edge_beyond_bone(const Clip* clip, rs_int face) {
   const rs_real of_a = rs_max((ab * nb - na) * per_sine2, zero), of_b = rs_max((ab * na - nb) * per_sine2, zero);
   for (int i = 0; i < 3; ++i) size += rs_abs(n[i] + of_a * a->n[i] + of_b * b->n[i]);
   const rs_real away = rs_face_away(face) + of_a * a->away + of_b * b->away;
-  return away > 0.5f * size ? one : zero;
+  const rs_real beyond = away > 0.5f * size ? one : zero;
+  return RS_IS_UNDIRECTED(face) ? zero : beyond;
 }
 
 /* The fraction of a voxel with a face of the bone that is bone and outside the tool. */
@@ -221,7 +222,8 @@ RS_INLINE rs_real rs_clip_kept_fraction(const Clip* clip, rs_int face) {
   const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f), f = first_cut.fill;
   const rs_real other = rs_kept_fraction(&other_cut, o.other), in_both = one - o.first - o.other + o.both;
   const rs_real removed = rs_bone_within_both(f, f - first, f - other, one - o.first, one - o.other, in_both);
-  const rs_real convex = f - (rs_edge_beyond_bone(clip, face) > 0.0f ? zero : removed);
+  const rs_real beyond = RS_ANY(clip->corner > 0.0f) ? rs_edge_beyond_bone(clip, face) : zero;
+  const rs_real convex = f - (beyond > 0.0f ? zero : removed);
   const rs_real concave = rs_bone_within_both(f, first, other, o.first, o.other, o.both);
   const rs_real cornered = clip->corner > 0.0f ? convex : concave, kept = clip->corner != 0.0f ? cornered : first;
   return face != RS_NO_FACE ? kept : o.tool;
@@ -273,7 +275,7 @@ RS_INLINE rs_real rs_probe_loss(const Clip* clip, rs_int face, rs_real nz, rs_re
   advanced.plane.away -= ahead;
   advanced.other.away -= other_ahead;
   const rs_real next = now - rs_clip_kept_fraction(&advanced, face);
-  return -nz > RS_LEAST_FACING ? next : RS_REAL(0.0f);
+  return -nz > RS_LEAST_FACING ? rs_max(next, RS_REAL(0.0f)) : RS_REAL(0.0f);
 }
 
 /* Area of the tool's face in contact with a voxel, mm2: the volume that a small advance would remove, over the advance.

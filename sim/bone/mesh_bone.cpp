@@ -268,13 +268,14 @@ void set_fill_at_surface(const openvdb::FloatTree& distance, const TriangleMesh*
                          FilledVoxmap& voxmap) {
   std::optional<MeshFractions> fractions;
   if (simple != nullptr) fractions.emplace(*simple, voxmap.grid);
+  if (fractions && fractions->overlap()) fractions.reset();
   const DistanceBetween between{distance};
   const std::uint8_t outermost = by_depth.grade(-std::numeric_limits<float>::min());
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
     const double away = double{distance.getValue(vdb_coord(voxel))};
     const std::uint8_t bone = grade != 0 ? grade : outermost;
-    if (std::abs(away) > RS_CLIP_REACH) return {away < 0 ? 1.0 : 0.0, bone};
     if (fractions) return {fractions->at(voxel).value_or(away < 0 ? 1 : 0), bone};
+    if (std::abs(away) > RS_CLIP_REACH) return {away < 0 ? 1.0 : 0.0, bone};
     return {fraction_inside(between, voxel.cast<double>(), 1), bone};
   };
   set_partial_fill(sample, voxmap);
@@ -303,7 +304,7 @@ void check_volume(double mesh_mm3, bool by_winding, double voxels_mm3, Diagnosti
                   voxels_mm3, mesh_mm3));
 }
 
-/// `simple`: the mesh if it has no overlaps.
+/// `simple`: the outer surface of a mesh that overlaps itself little if at all, or null.
 FilledVoxmap voxmap_of(const MeshDepth& depth, const TriangleMesh* simple, const BoneSettings& settings,
                        const VoxelGrid& grid, const GradesByDepth& by_depth) {
   FilledVoxmap out(grid);
@@ -325,7 +326,8 @@ FilledVoxmap filled_voxmap(const BoneSettings& settings, const BoneMesh& source,
   if (source.was_clean) {
     const MeshDepth depth(settings.mesh.path, source.mesh, grid, by_depth.cortical_voxels);
     begin_stage(stages, BoneStage::voxels);
-    FilledVoxmap out = voxmap_of(depth, &source.mesh, settings, grid, by_depth);
+    const TriangleMesh outer = source.nested ? outer_surface(source.mesh) : TriangleMesh{};
+    FilledVoxmap out = voxmap_of(depth, source.nested ? &outer : &source.mesh, settings, grid, by_depth);
     const bool fits = relative_difference(out.bone_mm3(), source.outer_mm3) <= kMaxVolumeErrorOfSimple;
     if (fits || InsideColumns(source.mesh, grid).is_simple()) {
       check_volume(source.outer_mm3, false, out.bone_mm3(), report);

@@ -15,6 +15,9 @@
 namespace reamsim {
 namespace {
 
+constexpr double kRounding = 1e-5;
+constexpr float kTwice = 2;  // the fraction of a voxel in or above an overlap
+
 using Polygon = boost::container::small_vector<Vec3, 10>;  // a triangle cut by the faces of a cube has up to 9 corners
 
 /// The parts of a convex polygon below and above a plane.
@@ -65,25 +68,32 @@ struct Prism {
 
 MeshFractions::MeshFractions(const TriangleMesh& mesh, const VoxelGrid& grid)
     : dims_(grid.dims), layers_(static_cast<std::size_t>(grid.dims.x())) {
-  std::vector<std::vector<std::array<Vec3, 3>>> triangles(layers_.size());
-  for (const MeshTriangle& triangle : mesh.triangles) {
-    std::array<Vec3, 3> corners = mesh.corners(triangle);
-    for (Vec3& corner : corners) corner = (corner - grid.origin_mm) / grid.voxel_mm;
-    const auto [low, high] = std::minmax({corners[0].x(), corners[1].x(), corners[2].x()});
-    const int last = std::min(dims_.x() - 1, static_cast<int>(std::floor(high)));
-    for (int x = std::max(0, static_cast<int>(std::floor(low))); x <= last; ++x) {
-      triangles[static_cast<std::size_t>(x)].push_back(corners);
+  std::vector<std::vector<std::uint32_t>> triangles(layers_.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto [a, b, c] = mesh.corners(mesh.triangles[i]);
+    const auto [low_mm, high_mm] = std::minmax({a.x(), b.x(), c.x()});
+    const auto layer = [&](double mm) {
+      return static_cast<int>(std::floor((mm - grid.origin_mm.x()) / grid.voxel_mm));
+    };
+    const int last = std::min(dims_.x() - 1, layer(high_mm));
+    for (int x = std::max(0, layer(low_mm)); x <= last; ++x) {
+      triangles[static_cast<std::size_t>(x)].push_back(static_cast<std::uint32_t>(i));
     }
   }
-  parallel_items(layers_.size(),
-                 [&](std::size_t x) { layers_[x] = fractions_in_layer(static_cast<int>(x), triangles[x]); });
+  parallel_items(layers_.size(), [&](std::size_t x) {
+    layers_[x] = fractions_in_layer(static_cast<int>(x), mesh, grid, triangles[x]);
+  });
 }
 
 std::vector<MeshFractions::Fraction> MeshFractions::fractions_in_layer(
-    int x, const std::vector<std::array<Vec3, 3>>& triangles) const {
+    int x, const TriangleMesh& mesh, const VoxelGrid& grid, const std::vector<std::uint32_t>& triangles) const {
   std::vector<std::pair<std::int64_t, Prism>> prisms;
-  for (const auto& [a, b, c] : triangles) {
-    for_each_slab({a, b, c}, 0, x, x, [&](int, const Polygon& in_layer) {
+  for (const std::uint32_t triangle : triangles) {
+    Polygon polygon;
+    for (const Vec3& corner : mesh.corners(mesh.triangles[triangle])) {
+      polygon.push_back((corner - grid.origin_mm) / grid.voxel_mm);
+    }
+    for_each_slab(polygon, 0, x, x, [&](int, const Polygon& in_layer) {
       for_each_slab(in_layer, 1, 0, dims_.y() - 1, [&](int y, const Polygon& in_column) {
         for_each_slab(in_column, 2, 0, dims_.z() - 1,
                       [&](int z, const Polygon& piece) { prisms.emplace_back(key(y, z), Prism(piece, z)); });
@@ -101,9 +111,16 @@ std::vector<MeshFractions::Fraction> MeshFractions::fractions_in_layer(
       fraction += prisms[i].second.volume;
       above += prisms[i].second.area;
     }
-    out.emplace_back(voxel, static_cast<float>(fraction));
+    const bool twice = above > 1 + kRounding || above < -kRounding;
+    out.emplace_back(voxel, twice ? kTwice : static_cast<float>(fraction));
   }
   return out;
+}
+
+bool MeshFractions::overlap() const {
+  return std::ranges::any_of(layers_, [](const std::vector<Fraction>& layer) {
+    return std::ranges::any_of(layer, [](const Fraction& voxel) { return voxel.second == kTwice; });
+  });
 }
 
 std::optional<double> MeshFractions::at(const Vec3i& voxel) const {

@@ -195,6 +195,7 @@ void make_solid(const MeshBoneSettings& settings, BoneMesh& bone, Diagnostics& r
   report.note(state);
   const std::vector<MeshPiece> pieces = turn_outwards(bone.mesh, !bone.was_clean);
   bone.outer_mm3 = outer_volume_mm3(pieces);
+  bone.nested = std::ranges::any_of(pieces, &MeshPiece::inside_another);
   if (bone.outer_mm3 <= 1e-9 * bone.mesh.bounds().half().prod() * 8) {
     refuse_file(settings.path, "the mesh encloses no volume", "give the surface of a solid");
   }

@@ -16,6 +16,7 @@ struct BoneMesh {
   TriangleMesh mesh;
   double outer_mm3 = 0;   ///< outer_volume_mm3()
   bool was_clean = true;  ///< nothing was closed, dropped or turned
+  bool nested = false;    ///< a surface lies inside another
 };
 
 /// Reads the mesh of the scenario, and notes its frame, size and state. Small holes (are_small()) are closed with a

@@ -286,8 +286,8 @@ std::string text_of(const std::vector<MeshHole>& holes, double surface_mm2) {
                      one ? ", " : " together, the widest ", two_digits(widest.width_mm), point_text(widest.centre_mm));
 }
 
-std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh, bool all) {
-  const std::vector<std::size_t> piece_of = components_of(mesh);
+NumberedPieces pieces_of(const TriangleMesh& mesh) {
+  std::vector<std::size_t> piece_of = components_of(mesh);
   const std::size_t count = piece_of.empty() ? 0 : 1 + *std::ranges::max_element(piece_of);
   const Vec3 reference = mesh.bounds().center();
   std::vector<PieceSums> sums(count);
@@ -297,11 +297,25 @@ std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh, bool all) {
   std::vector<MeshPiece> out;
   for (const PieceSums& piece : sums) out.push_back(piece.piece(reference));
   if (count > 1) mark_enclosed(mesh, piece_of, sums, out);
+  return {std::move(out), std::move(piece_of)};
+}
+
+std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh, bool all) {
+  auto [out, piece_of] = pieces_of(mesh);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const MeshPiece& piece = out[piece_of[i]];
     if (piece.faces_inwards && (all || !piece.inside_another)) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
   }
   std::ranges::stable_sort(out, std::greater(), &MeshPiece::volume_mm3);
+  return out;
+}
+
+TriangleMesh outer_surface(const TriangleMesh& mesh) {
+  const auto [pieces, piece_of] = pieces_of(mesh);
+  TriangleMesh out{mesh.vertices, {}};
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (!pieces[piece_of[i]].inside_another) out.triangles.push_back(mesh.triangles[i]);
+  }
   return out;
 }
 

@@ -87,6 +87,16 @@ struct MeshPiece {
   bool faces_inwards = false;   ///< its signed volume is negative: right for the wall of a cavity only
 };
 
+/// The pieces of a mesh, which has closed surfaces, and the number of the piece of each triangle.
+struct NumberedPieces {
+  std::vector<MeshPiece> pieces;
+  std::vector<std::size_t> piece_of;
+};
+NumberedPieces pieces_of(const TriangleMesh& mesh);
+
+/// The mesh without pieces inside others.
+TriangleMesh outer_surface(const TriangleMesh& mesh);
+
 /// Turns the triangles of each piece outside the others outwards; those inside another stay as they are, unless `all`.
 /// Returns the pieces of the mesh, which has closed surfaces, as they were: the largest volume first.
 std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh, bool all = false);

@@ -131,6 +131,22 @@ TEST_F(MeshBone, OverlappingSurfacesCountOnce) {
   EXPECT_NEAR(load(settings).bone_mm3(), truth_mm3, 0.01 * truth_mm3);
 }
 
+TEST_F(MeshBone, FractionsOfSurfacesThatEncloseOrOverlapOthersCountOnce) {
+  const auto volume_mm3 = [&](const TriangleMesh& mesh) {
+    BoneSettings settings = settings_for(mesh, 0.5);
+    settings.surface_voxels = SurfaceVoxels::partial;
+    return load(settings).bone_mm3();
+  };
+  // A wall of 0.6 mm about a hollow, which is bone, as of any surface inside another.
+  const TriangleMesh ball = sphere_mesh({0.1, 0.2, 0.3}, 12, 4), inner = sphere_mesh({0.1, 0.2, 0.3}, 11.4, 4);
+  EXPECT_NEAR(volume_mm3(joined({ball, inside_out(inner)})) / ball.volume_mm3(), 1, 1e-6);
+  EXPECT_NEAR(volume_mm3(joined({ball, inner})) / ball.volume_mm3(), 1, 1e-6);
+  // A plate sunk into a block, whose top is 0.05 mm above that of the block.
+  const TriangleMesh block = box_mesh({0.1, 0.2, 0.3}, {40, 40, 40}), plate = box_mesh({10, 10, 39.6}, {30, 30, 40.05});
+  const double union_mm3 = block.volume_mm3() + 20 * 20 * 0.05;
+  EXPECT_NEAR(volume_mm3(joined({block, plate})), union_mm3, 25) << "by distances";
+}
+
 TEST_F(MeshBone, WallsWithinTheSolidAreNoCortex) {
   BoneSettings settings = settings_for(overlapping_boxes(), 0.25);
   settings.mesh.cortical_mm = 1;

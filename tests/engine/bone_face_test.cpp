@@ -213,14 +213,16 @@ TEST(BoneFace, NormalIsTheSlopeOfTheFill) {
   EXPECT_GT(found, 1000);
 }
 
-/// A ball of 6 mm radius, 2 mm deep along the normal of a tilted half-space, with forces of cutting edges.
-SimulationInput tilted_plunge(const std::string& device, double voxel_mm) {
+const Profile kBall = cap_profile(6, 11, 6, 0);
+
+/// A tool, 2 mm deep along the normal of a tilted half-space, with forces of cutting edges.
+SimulationInput tilted_plunge(const std::string& device, double voxel_mm, const Profile& tool = kBall) {
   SimulationInput scene;
   scene.scenario = quiet_scenario(device);
   scene.scenario.cutting.erosion = ErosionMode::exact;
   scene.scenario.cutting.edge_force.emplace();
   scene.bone.set_voxels(tilted_half_space(kNormal, voxel_mm));
-  scene.tool = make_tool(cap_profile(6, 11, 6, 0), 64);
+  scene.tool = make_tool(tool, 64);
   const Quat turned = Quat::FromTwoVectors(Vec3::UnitZ(), kNormal);
   scene.motion = straight(0.1 * kNormal, -2 * kNormal, 100, 1000, 250, turned);
   return scene;
@@ -237,10 +239,12 @@ TEST(BoneFace, VolumeOfACapInATiltedHalfSpace) {
 }
 
 TEST(BoneFace, ShapesOfTheKernelEqualTheSerialReference) {
-  const auto scene = [](const std::string& device) { return tilted_plunge(device, 0.4); };
-  const Outcome serial = run(scene("serial"));
-  EXPECT_GT(serial.removed.size(), 500U);
-  expect_all_shapes_give(serial, scene);
+  for (const Profile& tool : {kBall, cap_profile(29, 5, 6, 1.25)}) {  // the second with sharp edges, convex and concave
+    const auto scene = [&](const std::string& device) { return tilted_plunge(device, 0.4, tool); };
+    const Outcome serial = run(scene("serial"));
+    EXPECT_GT(serial.removed.size(), 200U);
+    expect_all_shapes_give(serial, scene);
+  }
 }
 
 TEST(BoneFace, ShapesOfTheKernelEqualTheSerialReferenceOnBoneWithoutASurface) {

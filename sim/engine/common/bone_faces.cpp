@@ -56,9 +56,10 @@ std::vector<rs_i32> faces_of(const BoneView& bone, const Vec3i& brick) {
 }  // namespace
 
 rs_i32 packed_face(std::uint16_t fill, const Eigen::Vector3f& normal) {
-  rs_i32 face = 0;
   const float largest = normal.cwiseAbs().maxCoeff();
-  const Eigen::Vector3f along = largest > 0 ? Eigen::Vector3f(normal / largest) : Eigen::Vector3f::UnitZ();
+  if (!(largest > 0)) return RS_NO_FACE - RS_WHOLE_FILL + fill;
+  const Eigen::Vector3f along = normal / largest;
+  rs_i32 face = 0;
   for (int axis = 0; axis < 3; ++axis) {
     face |= static_cast<rs_i32>(std::lround(RS_FACE_STEPS * (1 + along[axis]))) << (16 + RS_FACE_BITS * axis);
   }

@@ -36,12 +36,13 @@ ExactPasses exact_passes_for(Target target) {
   return {plain::list_bricks, plain::cut_exact};
 }
 
-void check_supported(const Tool& tool, const CuttingSettings& cutting) {
+void check_supported(const BoneView& bone, const Tool& tool, const CuttingSettings& cutting) {
   if (cutting.law != CuttingLaw::energy || cutting.erosion != ErosionMode::exact || cutting.edge_force) {
     throw RunError("the reference of exact supports only law energy without edge force and erosion exact, not " +
                    name_of(cutting.law) + " and " + name_of(cutting.erosion));
   }
   if (tool.teeth) throw RunError("the reference of exact supports no resolved cutting edges");
+  if (bone.fill_before.stored_bricks() > 0) throw RunError("the reference of exact supports only bone of whole voxels");
 }
 
 /// Memory whose pages the system provides when they are first written.
@@ -180,7 +181,7 @@ struct ExactReference::State {
 
 ExactReference::ExactReference(const BoneView& bone, const Tool& tool, const CuttingSettings& cutting, Target target,
                                unsigned threads) {
-  check_supported(tool, cutting);
+  check_supported(bone, tool, cutting);
   state_ = std::make_unique<State>(bone, tool, cutting, target, threads);
 }
 
