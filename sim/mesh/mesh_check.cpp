@@ -286,7 +286,7 @@ std::string text_of(const std::vector<MeshHole>& holes, double surface_mm2) {
                      one ? ", " : " together, the widest ", two_digits(widest.width_mm), point_text(widest.centre_mm));
 }
 
-NumberedPieces pieces_of(const TriangleMesh& mesh) {
+NumberedPieces numbered_pieces(const TriangleMesh& mesh) {
   std::vector<std::size_t> piece_of = components_of(mesh);
   const std::size_t count = piece_of.empty() ? 0 : 1 + *std::ranges::max_element(piece_of);
   const Vec3 reference = mesh.bounds().center();
@@ -301,7 +301,7 @@ NumberedPieces pieces_of(const TriangleMesh& mesh) {
 }
 
 std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh, bool all) {
-  auto [out, piece_of] = pieces_of(mesh);
+  auto [out, piece_of] = numbered_pieces(mesh);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const MeshPiece& piece = out[piece_of[i]];
     if (piece.faces_inwards && (all || !piece.inside_another)) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
@@ -311,7 +311,7 @@ std::vector<MeshPiece> turn_outwards(TriangleMesh& mesh, bool all) {
 }
 
 TriangleMesh outer_surface(const TriangleMesh& mesh) {
-  const auto [pieces, piece_of] = pieces_of(mesh);
+  const auto [pieces, piece_of] = numbered_pieces(mesh);
   TriangleMesh out{mesh.vertices, {}};
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     if (!pieces[piece_of[i]].inside_another) out.triangles.push_back(mesh.triangles[i]);

@@ -92,7 +92,7 @@ struct NumberedPieces {
   std::vector<MeshPiece> pieces;
   std::vector<std::size_t> piece_of;
 };
-NumberedPieces pieces_of(const TriangleMesh& mesh);
+NumberedPieces numbered_pieces(const TriangleMesh& mesh);
 
 /// The mesh without pieces inside others.
 TriangleMesh outer_surface(const TriangleMesh& mesh);

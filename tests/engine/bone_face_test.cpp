@@ -234,7 +234,7 @@ TEST(BoneFace, VolumeOfACapInATiltedHalfSpace) {
     const SimulationInput scene = tilted_plunge("serial", voxel_mm);
     const double removed = run(scene).totals.removed_mm3;
     std::cout << voxel_mm << " mm: " << 100 * (removed / cap - 1) << " %\n";
-    EXPECT_NEAR(removed / cap, 1, 3e-4) << voxel_mm;  // 0.5 % with the smaller fraction
+    EXPECT_NEAR(removed / cap, 1, 3e-4) << voxel_mm;
   }
 }
 
