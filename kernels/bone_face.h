@@ -109,15 +109,15 @@ RS_INLINE FaceCut rs_face_cut(rs_int face, const ClipPlane* plane) {
  * cube this is min(f, o) where they are nested, max(f + o - 1, 0) where they are opposite, and f o on average where
  * they are perpendicular. At other angles it falls below the smaller one only where the planes can cross in the cube:
  * min - weight (1 - |f - o|/width)^2 (min - f o), with width 0.65 tan and weight sin (1 - cos/3), which makes the mean
- * over all positions right to 0.001 of the cube (tests/engine/bone_face_test.cpp); RMS error 0.006. No more is
- * lost than the tool has entered of the cube since it reached the bone. */
+ * over all positions right to 0.001 of the cube (tests/engine/bone_face_test.cpp); RMS error 0.006. Nothing is lost
+ * before the tool can reach the bone. */
 RS_INLINE rs_real rs_kept_fraction(const FaceCut* face, rs_real outside) {
   const rs_real zero = RS_REAL(0.0f), one = RS_REAL(1.0f), f = face->fill;
   const rs_real o = face->cosine >= 0.0f ? outside : one - outside, least = rs_min(f, o);
   const rs_real near = rs_max(one - rs_abs(f - o) * face->per_width, zero);
   const rs_real both = least - face->weight * (near * near) * (least - f * o);
   const rs_real kept = face->cosine >= 0.0f ? both : f - both;
-  return rs_max(kept, rs_min(f - (face->touch - outside), f));
+  return outside < face->touch ? kept : f;
 }
 
 /* The most fill of a voxel that keeps the fraction `kept`; no limit where it keeps all of its bone. */

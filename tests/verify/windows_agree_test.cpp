@@ -210,8 +210,9 @@ TEST(WindowsAgree, WithFrameByFrameOnAScan) {
   test::run_on(*engine, scene);
   ASSERT_TRUE(all.front()->any_window);
   // Near the spin axis a voxel passes from one piece of the outline to the next: it then loses up to 0.7 % of its
-  // volume in one frame of the path without windows. Where the tool is slow, one voxel has a large force.
-  expect_agreement("shoulder", all, {.single = 2e-3, .mean = 2e-5});
+  // volume in one frame of the path without windows. At the rim a voxel loses up to 3 % when the tool reaches its bone,
+  // which can be a frame earlier or later. Where the tool is slow, one voxel has a large force.
+  expect_agreement("shoulder", all, {.single = 3e-3, .mean = 2e-5});
 }
 
 }  // namespace
