@@ -37,6 +37,7 @@ RS_INLINE rs_i32 rs_face_at(RS_GLOBAL const FaceBrick* brick, RS_GLOBAL const rs
   return (there & bit) == 0 ? RS_NO_FACE : faces[brick->begin[place >> 5] + (rs_u32)RS_BITS_SET(there & (bit - 1u))];
 }
 
+/* The distance of the voxel's centre outside the bone, voxels. */
 RS_INLINE rs_real rs_face_away(rs_int face) {
   return RS_TO_REAL(face & RS_WHOLE_FILL) * (2.0f * RS_FACE_REACH / (float)RS_WHOLE_FILL) - RS_FACE_REACH;
 }
@@ -54,7 +55,7 @@ RS_INLINE void rs_face_normal(rs_int face, rs_real* n) {
 
 /* A face against a plane of the tool. */
 typedef struct {
-  rs_real fill;      /* before the run, 0..1 */
+  rs_real fill;      /* of the voxel before the run, 0..1 */
   rs_real touch;     /* the fraction outside the tool from which on the tool does not reach the bone */
   rs_real cosine;    /* between the outward normal of the tool and the inward normal of the bone: 1 where the tool cuts
                       * parallel to the bone's surface from outside, -1 from inside */
@@ -83,7 +84,8 @@ RS_INLINE rs_real rs_nearest_bone(const rs_real* b, rs_real away, const rs_real*
   return nearest;
 }
 
-/* Of a voxel with the fill `fill`: `b` and `away`: of the bone; `n`: outward unit normal of the tool. */
+/* Of a voxel with the fill `fill` (0..1). `b`, `away`: outward unit normal of the bone in lattice axes, and distance of
+ * the voxel's centre outside it, voxels; `n`: outward unit normal of the tool. */
 RS_INLINE FaceCut rs_face_cut_between(rs_real fill, const rs_real* b, rs_real away, const rs_real* n) {
   const rs_real one = RS_REAL(1.0f), cosine = -(b[0] * n[0] + b[1] * n[1] + b[2] * n[2]);
   const rs_real touch = rs_outside_fraction(n, -rs_nearest_bone(b, away, n));

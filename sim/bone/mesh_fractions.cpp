@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Triangles are cut at the faces of the voxels. The part of the solid below a piece is a prism within the voxel of the
-// piece, and the same share of every voxel below it: counted with the sign of the normal's z, these add up to the
-// solid.
+// Triangles are cut at the faces of the voxels. Below a piece lies a prism in its own voxel, and its projected area
+// times the edge length in each voxel below; negative where the piece faces down. The sum is the volume of the solid.
 #include "sim/bone/mesh_fractions.h"
 
 #include <algorithm>
