@@ -136,11 +136,9 @@ void Outputs::end(const SimulationInput& scene, const std::string& dir) {
   run_.emplace(dir);
 }
 
-void Outputs::make_figures(Diagnostics& report) const {
+void Outputs::make_plots(Diagnostics& report) const {
   const std::string& dir = run_->dir();
   if (options_.plots || draft_) write_force_plots(dir, run_->log());
-  if (options_.depth_map && options_.finished) write_depth_picture(*run_, options_.pictures.settings.depth_max_mm);
-  if (options_.meshes && options_.finished) write_meshes(*run_, options_.pictures.settings.depth_max_mm, report);
   if (!options_.plots || !options_.pictures.settings.enabled) return;
   write_depth_and_energy_plots(dir, run_->log());
   // Only a push has events.
@@ -150,31 +148,50 @@ void Outputs::make_figures(Diagnostics& report) const {
   if (options_.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
 }
 
+nlohmann::ordered_json Outputs::make_bone(Diagnostics& report) const {
+  const double depth_max_mm = options_.pictures.settings.depth_max_mm;
+  // First, because it takes much memory, as the last pictures do.
+  nlohmann::ordered_json out = reports() ? bone_data(*run_, report_settings()) : nullptr;
+  if (options_.depth_map && options_.finished) write_depth_picture(*run_, depth_max_mm);
+  if (options_.meshes && options_.finished) write_meshes(*run_, depth_max_mm, report);
+  return out;
+}
+
 void Outputs::make_pictures(Diagnostics& report) {
   Progress progress(console_, "render", "pictures");
   const auto tell = [&](int done, int total, const std::string&) {
     progress.update(done, total);
     if (stop_requested()) throw Interrupted();
   };
+  if (reports()) {
+    options_.pictures.written = [&](const std::string& path, PixelImage& image) {
+      add_page_picture(path, image, page_pictures_);
+    };
+  }
   render_context_ = render_pictures(*run_, options_.pictures, tell, &report, render_thread_.get());
   progress.finish();
 }
 
 void Outputs::make(Diagnostics& report) {
   const RenderSettings& settings = options_.pictures.settings;
-  const bool reports = settings.enabled && settings.report && options_.finished;
-  Diagnostics of_figures;
-  std::future<nlohmann::ordered_json> figures = std::async(std::launch::async, [&] {
-    make_figures(of_figures);
-    return reports ? bone_data(*run_, report_settings()) : nullptr;  // needs no picture
-  });
+  Diagnostics of_plots, of_bone;
+  std::future<void> plots = std::async(std::launch::async, [&] { make_plots(of_plots); });
+  std::future<nlohmann::ordered_json> bone = std::async(std::launch::async, [&] { return make_bone(of_bone); });
   if (settings.enabled) make_pictures(report);
-  if (reports) {
-    report_ = report_parts(*run_, report_settings(), [&] { return figures.get(); });
+  if (reports()) {
+    report_ = report_parts(
+        *run_, report_settings(), [&] { return bone.get(); }, page_pictures_);
   } else {
-    figures.get();
+    bone.get();
   }
-  report.warnings.insert(report.warnings.end(), of_figures.warnings.begin(), of_figures.warnings.end());
+  plots.get();
+  for (const Diagnostics* part : {&of_bone, &of_plots}) {
+    report.warnings.insert(report.warnings.end(), part->warnings.begin(), part->warnings.end());
+  }
+}
+
+bool Outputs::reports() const {
+  return options_.pictures.settings.enabled && options_.pictures.settings.report && options_.finished;
 }
 
 RenderSettings Outputs::report_settings() const {

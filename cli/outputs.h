@@ -63,16 +63,19 @@ class Outputs : public PictureSink {
   void begin(const SimulationInput& scene, const std::string& dir) override;
   void snapshots_written(std::int64_t frame) override;
   void end(const SimulationInput& scene, const std::string& dir) override;
-  /// Another thread makes plots, meshes and the bone of the report meanwhile. Throws InputError for a missing or
-  /// damaged result, RunError and Interrupted, always after both threads have ended.
+  /// Other threads make plots, meshes and the bone of the report meanwhile. Throws InputError for a missing or damaged
+  /// result, RunError and Interrupted, always after all threads have ended.
   void make(Diagnostics& report) override;
   [[nodiscard]] std::string render_context() const override { return render_context_; }
   /// Writes report.html if the options ask for it.
   void make_report() override;
 
  private:
-  void make_figures(Diagnostics& report) const;
+  void make_plots(Diagnostics& report) const;
+  /// Depth map and meshes. Returns the bone of the report, or null.
+  [[nodiscard]] nlohmann::ordered_json make_bone(Diagnostics& report) const;
   void make_pictures(Diagnostics& report);
+  [[nodiscard]] bool reports() const;
   [[nodiscard]] RenderSettings report_settings() const;
 
   const Console& console_;
@@ -80,6 +83,7 @@ class Outputs : public PictureSink {
   OutputOptions options_;
   std::optional<RunData> run_;
   std::string render_context_;
+  PagePictures page_pictures_;
   std::optional<ReportParts> report_;
   std::unique_ptr<RenderThread> render_thread_;  ///< during a simulation with pictures
 };

@@ -16,7 +16,7 @@ endif()
 # them take time (HOT of reamsim_library): with -O1, loading a CT took a quarter longer and writing a grid two thirds; simulation
 # did not. The same bytes: no option lets a compiler change floating-point results.
 set(REAMSIM_QUICK_TO_COMPILE $<$<CONFIG:Release>:-O1>)
-set(REAMSIM_FAST_TO_RUN $<$<CONFIG:Release>:-O2>)
+set(REAMSIM_FAST_TO_RUN $<$<CONFIG:Release>:-O3>)
 
 # A precompiled header no longer counts as a system header, and GCC 12 warns of what cannot happen in std::string's
 # operator+ (GCC bug 105651).

@@ -180,12 +180,14 @@ namespace {
 /// Writes pictures on another thread, and reports progress.
 class PngWriter {
  public:
-  PngWriter(PictureProgress progress, int total) : progress_(std::move(progress)), total_(total) {}
+  PngWriter(PictureProgress progress, int total, const PictureOptions& options)
+      : progress_(std::move(progress)), total_(total), written_(options.written) {}
 
   void write(const std::string& path, PixelImage image) {
     finish();
-    writing_ = std::async(std::launch::async, [path, image = std::move(image)] {
+    writing_ = std::async(std::launch::async, [this, path, image = std::move(image)]() mutable {
       write_png(path, image);
+      if (written_) written_(path, image);
       return path;
     });
   }
@@ -203,6 +205,7 @@ class PngWriter {
  private:
   PictureProgress progress_;
   int total_;
+  decltype(PictureOptions::written) written_;
   int done_ = 0;
   std::future<std::string> writing_;  ///< gives the path
 };
@@ -220,7 +223,7 @@ class PictureComposer {
         captions_(run.log(), options.settings.force_arrow),
         report_(report),
         cells_(options.settings.contact_sheet ? ContactSheet::frames_on(view_) : std::vector<std::int64_t>()),
-        writer_(progress, count_pictures(options, view_.frames(), run.contact())) {
+        writer_(progress, count_pictures(options, view_.frames(), run.contact()), options) {
     std::filesystem::create_directories(dir_ + "/frames");
     if (turns() == 0) return;
     std::filesystem::create_directories(dir_ + "/turntable");

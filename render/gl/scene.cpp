@@ -156,10 +156,10 @@ void Scene::add_tool(const ToolSurface& tool) {
   tools_.emplace_back(gl_, tool.vertices, ToolSurface::kAttributeSizes, tool.indices);
 }
 
-void Scene::set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed) {
+void Scene::set_bone(const BoneTiles::Surfaces& tiles, const std::vector<std::size_t>& changed) {
   for (const std::size_t tile : changed) {
     bone_.erase(tile);
-    if (!tiles[tile].indices.empty()) bone_.try_emplace(tile, gl_, tiles[tile]);
+    if (!tiles[tile]->indices.empty()) bone_.try_emplace(tile, gl_, *tiles[tile]);
   }
 }
 
@@ -168,8 +168,10 @@ PixelImage Scene::draw(const DrawCall& call) {
   const int width_px = factor * call.camera.width_px;
   const int height_px = factor * call.camera.height_px;
   const bool multisample = factor < kSupersamplingAlone && !call.filtered;
-  const GlTarget& target =
-      targets_.try_emplace({width_px, height_px, multisample}, gl_, width_px, height_px, multisample).first->second;
+  const std::tuple size(width_px, height_px, multisample);
+  // Those with samples take up to 100 MB, and pictures of one size follow each other.
+  if (!targets_.contains(size)) std::erase_if(targets_, [](const auto& target) { return std::get<2>(target.first); });
+  const GlTarget& target = targets_.try_emplace(size, gl_, width_px, height_px, multisample).first->second;
   target.bind();
   gl_.Enable(GL_MULTISAMPLE);
   gl_.Enable(GL_CLIP_DISTANCE0);

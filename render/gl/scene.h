@@ -73,7 +73,7 @@ class Scene {
   /// The tool of the next pass.
   void add_tool(const ToolSurface& tool);
   /// Uploads the changed tiles of the bone.
-  void set_bone(const std::vector<BoneSurface>& tiles, const std::vector<std::size_t>& changed);
+  void set_bone(const BoneTiles::Surfaces& tiles, const std::vector<std::size_t>& changed);
   /// The picture without labels, of the camera's size. Throws RunError when that is too large.
   [[nodiscard]] PixelImage draw(const DrawCall& call);
 

@@ -24,36 +24,48 @@ constexpr int kMinKnown = 4;             // columns for a plane
 constexpr double kRidge = 1e-3;          // of the weight; keeps the fit to few columns defined
 constexpr double kLeastMargin = 0.1;     // of the spacing: the least value below zero outside the rim
 
-/// The value of a plane (3 terms) or quadratic (6) fitted in a window with these weights, and its known columns.
-template <int Terms>
+/// The value of a plane (`degree` 1) or quadratic (2) fitted in a window with these weights, and its known columns.
+template <int degree>
 std::pair<double, int> fit_in(const RasterField& field, const std::vector<std::uint8_t>& known,
                               const std::vector<double>& weights, std::size_t own) {
-  const int reach = static_cast<int>(weights.size()) / 2;
-  using Basis = Eigen::Matrix<double, Terms, 1>;
-  Eigen::Matrix<double, Terms, Terms> normal = Eigen::Matrix<double, Terms, Terms>::Zero();
-  Basis right = Basis::Zero();
+  const Raster& raster = field.raster;
+  const int reach = static_cast<int>(weights.size()) / 2, i = raster.column(own), j = raster.row(own);
+  // Sums of weight·x^a·y^b, and of the same times the value, by [b][a].
+  std::array<std::array<double, 2 * degree + 1>, 2 * degree + 1> sums{};
+  std::array<std::array<double, degree + 1>, degree + 1> value_sums{};
   int count = 0;
-  const int i = field.raster.column(own), j = field.raster.row(own);
-  field.raster.for_each_near(own, reach, [&](std::size_t n) {
-    if (known[n] == 0) return;
-    const int di = field.raster.column(n) - i, dj = field.raster.row(n) - j;
-    // Against the bias of a quadratic that spans a rim and the level face beside it (a bilateral filter).
-    const double away = known[own] != 0 ? (field.values[n] - field.values[own]) / kValueSigma : 0;
-    const double weight = weights[static_cast<std::size_t>(di + reach)] *
-                          weights[static_cast<std::size_t>(dj + reach)] * std::exp(-0.5 * away * away);
-    const double x = static_cast<double>(di) / reach, y = static_cast<double>(dj) / reach;
-    Basis basis;
-    if constexpr (Terms == 3) {
-      basis << 1, x, y;
-    } else {
-      basis << 1, x, y, x * x, x * y, y * y;
+  for (int dj = std::max(-reach, -j); dj <= std::min(reach, raster.ny - 1 - j); ++dj) {
+    std::array<double, 2 * degree + 1> row{};
+    std::array<double, degree + 1> value_row{};
+    for (int di = std::max(-reach, -i); di <= std::min(reach, raster.nx - 1 - i); ++di) {
+      const std::size_t n = raster.index(i + di, j + dj);
+      if (known[n] == 0) continue;
+      // Against the bias of a quadratic that spans a rim and the level face beside it (a bilateral filter).
+      const double away = known[own] != 0 ? (field.values[n] - field.values[own]) / kValueSigma : 0;
+      const double bilateral = away != 0 ? std::exp(-0.5 * away * away) : 1;
+      double term = weights[static_cast<std::size_t>(di + reach)] * bilateral;
+      for (std::size_t a = 0; a < row.size(); ++a, term *= static_cast<double>(di) / reach) {
+        row[a] += term;
+        if (a <= degree) value_row[a] += term * field.values[n];
+      }
+      ++count;
     }
-    normal += weight * basis * basis.transpose();
-    right += weight * field.values[n] * basis;
-    ++count;
-  });
+    double power = weights[static_cast<std::size_t>(dj + reach)];
+    for (std::size_t b = 0; b < row.size(); ++b, power *= static_cast<double>(dj) / reach) {
+      for (std::size_t a = 0; a < row.size(); ++a) sums[b][a] += power * row[a];
+      for (std::size_t a = 0; a <= degree && b <= degree; ++a) value_sums[b][a] += power * value_row[a];
+    }
+  }
   if (count == 0) return {0, 0};
-  for (int k = 1; k < Terms; ++k) normal(k, k) += kRidge * normal(0, 0);
+  constexpr int kTerms = (degree + 1) * (degree + 2) / 2;
+  constexpr std::array<std::size_t, 6> kX{0, 1, 0, 2, 1, 0}, kY{0, 0, 1, 0, 1, 2};
+  Eigen::Matrix<double, kTerms, kTerms> normal;
+  Eigen::Matrix<double, kTerms, 1> right;
+  for (int k = 0; k < kTerms; ++k) {
+    right(k) = value_sums[kY[k]][kX[k]];
+    for (int l = 0; l < kTerms; ++l) normal(k, l) = sums[kY[k] + kY[l]][kX[k] + kX[l]];
+  }
+  for (int k = 1; k < kTerms; ++k) normal(k, k) += kRidge * normal(0, 0);
   return {solve_ldlt(normal, right)(0), count};
 }
 
@@ -207,7 +219,7 @@ RasterField local_fit(const RasterField& field, const std::vector<std::uint8_t>&
   parallel_items(known.size(), [&](std::size_t n) {
     if (!wanted.empty() && wanted[n] == 0) return;
     const auto [value, count] =
-        known[n] != 0 ? fit_in<6>(field, known, inside, n) : fit_in<3>(field, known, outside, n);
+        known[n] != 0 ? fit_in<2>(field, known, inside, n) : fit_in<1>(field, known, outside, n);
     out.values[n] = known[n] != 0 || count >= kMinKnown ? value : std::numeric_limits<double>::quiet_NaN();
   });
   return out;

@@ -40,9 +40,10 @@ struct FaceRaster {
 };
 
 /// The triangles with a reamed corner.
-std::vector<MapTriangle> reamed_triangles(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone) {
+std::vector<MapTriangle> reamed_triangles(const BoneTiles::Surfaces& tiles, const Rigid& map_from_bone) {
   std::vector<MapTriangle> out;
-  for (const BoneSurface& tile : tiles) {
+  for (const auto& surface : tiles) {
+    const BoneSurface& tile = *surface;
     const auto vertex = [&](std::size_t i) { return tile.vertices.data() + tile.indices[i] * BoneSurface::kStride; };
     const auto mapped = [&](std::size_t i) -> MapVertex {
       const Vec3 bone = Eigen::Map<const Eigen::Vector3f>{vertex(i)}.cast<double>();
@@ -81,7 +82,7 @@ void rasterize(const MapTriangle& t, FaceRaster& face) {
   }
 }
 
-FaceRaster rasterized(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone, double spacing_mm) {
+FaceRaster rasterized(const BoneTiles::Surfaces& tiles, const Rigid& map_from_bone, double spacing_mm) {
   const std::vector<MapTriangle> triangles = reamed_triangles(tiles, map_from_bone);
   Eigen::AlignedBox2d bounds;
   for (const MapTriangle& triangle : triangles) {
@@ -157,8 +158,8 @@ std::vector<std::uint8_t> columns_at(const std::vector<ContourLine>& lines, cons
 
 /// The contours of the depth of a reamed surface at the ticks of a legend, as in the depth map: the depth of the
 /// vertices is sampled on a raster across +z of the map, from above, smoothed, and its lines are laid on the face.
-std::vector<SurfaceLine> face_contours(const std::vector<BoneSurface>& tiles, const Rigid& map_from_bone,
-                                       double spacing_mm, const Scale& scale) {
+std::vector<SurfaceLine> face_contours(const BoneTiles::Surfaces& tiles, const Rigid& map_from_bone, double spacing_mm,
+                                       const Scale& scale) {
   const FaceRaster face = rasterized(tiles, map_from_bone, spacing_mm);
   std::vector<SurfaceLine> out;
   if (std::ranges::count(face.reamed, std::uint8_t{1}) == 0) return out;
@@ -183,8 +184,9 @@ Renderer::Renderer(const RunView& view)
     : view_(view),
       context_(make_context(view.settings().context, warning_)),
       fields_(view.run().voxmap(), fill_at(view.run().inputs(), view.frames().front()), view.run().unreamed()),
-      tiles_(fields_),
+      tiles_(view.run().unreamed_tiles()),
       scene_(context_->gl()) {
+  tiles_.update(fields_, differing_bricks(view.run().unreamed().before, fields_.fill));
   for (const ToolPass& pass : view.run().inputs().passes) scene_.add_tool(make_tool_surface(pass.tool));
   std::vector<std::size_t> all(tiles_.surfaces().size());
   std::iota(all.begin(), all.end(), std::size_t{0});

@@ -203,16 +203,21 @@ RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
 RunData::RunData(std::string dir)
     : dir_(std::move(dir)),
       outcome_(lazily([folder = dir_] { return read_outcome(folder); })),
-      inputs_(lazily([outcome = outcome_] { return *outcome.get().inputs; })),
-      prediction_(lazily([inputs = inputs_] { return predict_outcome(inputs.get()); })) {}
+      inputs_(lazily([outcome = outcome_] { return *outcome.get().inputs; })) {
+  predict(std::launch::deferred);
+}
 
 RunData::RunData(RunInputs inputs)
-    : dir_(inputs.dir),
-      inputs_(lazily([known = std::move(inputs)]() mutable { return std::move(known); })),
-      prediction_(lazily([all = inputs_] { return predict_outcome(all.get()); })) {}
+    : dir_(inputs.dir), inputs_(lazily([known = std::move(inputs)]() mutable { return std::move(known); })) {
+  predict(std::launch::deferred);
+}
 
-void RunData::predict() {
-  prediction_ = std::async(std::launch::async, [inputs = inputs_] { return predict_outcome(inputs.get()); }).share();
+void RunData::predict(std::launch when) {
+  prediction_ = std::async(when, [inputs = inputs_] { return predict_outcome(inputs.get()); }).share();
+  unreamed_tiles_ = lazily([inputs = inputs_, prediction = prediction_] {
+    const UnreamedSurface& unreamed = prediction.get().unreamed;
+    return BoneTiles(BoneFields(*inputs.get().voxmap, unreamed.before, unreamed));
+  });
 }
 
 void RunData::finish(FillBricks fill) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
@@ -13,7 +14,7 @@
 
 #include "render/gl/camera.h"
 #include "render/pictures/overlay.h"
-#include "render/surface/solid_field.h"
+#include "render/surface/bone_surface.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/mesh/triangle_mesh.h"
 #include "sim/record/force_log.h"
@@ -72,7 +73,7 @@ class RunData {
   explicit RunData(RunInputs inputs);
 
   /// Starts computing unreamed() and target() on another thread. Call it before their first use.
-  void predict();
+  void predict() { predict(std::launch::async); }
   /// Marks the run as ended with this fill and a complete forces.csv.
   void finish(FillBricks fill);
 
@@ -81,6 +82,8 @@ class RunData {
   [[nodiscard]] const RunInputs& inputs() const { return inputs_.get(); }
   [[nodiscard]] const Voxmap& voxmap() const { return *inputs().voxmap; }
   [[nodiscard]] const UnreamedSurface& unreamed() const { return prediction_.get().unreamed; }
+  /// The surface of the bone before the run, unreamed().before.
+  [[nodiscard]] const BoneTiles& unreamed_tiles() const { return unreamed_tiles_.get(); }
   [[nodiscard]] const ViewTarget& target() const { return prediction_.get().target; }
   /// The frames in which the tools are expected to touch bone.
   [[nodiscard]] const FrameSpans& contact() const { return prediction_.get().contact; }
@@ -103,12 +106,14 @@ class RunData {
   };
   static Outcome read_outcome(const std::string& dir);
   static Prediction predict_outcome(const RunInputs& inputs);
+  void predict(std::launch when);
   [[nodiscard]] const Outcome& outcome() const;
 
   std::string dir_;
   std::shared_future<Outcome> outcome_;
   std::shared_future<RunInputs> inputs_;
   std::shared_future<Prediction> prediction_;
+  std::shared_future<BoneTiles> unreamed_tiles_;
 };
 
 /// The fill after the first snapshot, that of `frame`; without a folder the fill at the start. Throws InputError.
@@ -122,6 +127,8 @@ struct PictureOptions {
   bool film = true;                     ///< of the run, if the settings have one; the turntable has its own
   bool stills = true;                   ///< reamed.png and frames/; the settings decide on the rest
   std::string camera_without_suffix{};  ///< "": the first of the settings
+  /// Gets each PNG after it is written, its path first, on another thread, one at a time.
+  std::function<void(const std::string&, PixelImage&)> written{};
 };
 
 /// What all pictures of a run share and is known before the first: target, cameras and legends. Immutable.

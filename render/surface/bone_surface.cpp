@@ -4,6 +4,7 @@
 #include "render/surface/bone_surface.h"
 
 #include <meshoptimizer.h>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -182,9 +183,11 @@ float AmbientOcclusion::Level::sample(const Eigen::Vector3f& point) const {
   // Voxel (0,0,0) has its centre at 0, so the first cell has its centre at (cell − 1)/2.
   const auto cell = static_cast<float>(cell_voxels);
   const Eigen::Vector3f p = (point.array() - 0.5F * (cell - 1)) / cell;
-  const Eigen::Vector3f base = p.array().floor();
-  const Eigen::Vector3f t = p - base;
-  const Vec3i c = base.cast<int>();
+  const auto below = [](float x) {
+    return static_cast<int>(x) - (x < static_cast<float>(static_cast<int>(x)) ? 1 : 0);
+  };
+  const Vec3i c(below(p.x()), below(p.y()), below(p.z()));  // std::floor() calls the library
+  const Eigen::Vector3f t = p - c.cast<float>();
   const auto trilinear = [&](const auto& at) {
     const auto along_x = [&](int y, int z) { return (1 - t.x()) * at(0, y, z) + t.x() * at(1, y, z); };
     const float low = (1 - t.y()) * along_x(0, 0) + t.y() * along_x(1, 0);
@@ -297,17 +300,10 @@ std::vector<Vec3i> BoneFields::update() {
   return bricks;
 }
 
-BoneSurface make_bone_surface(const BoneFields& fields) {
-  const auto far = Eigen::Vector3f::Constant(std::numeric_limits<float>::max());
-  BoneSurface out = add_vertex_attributes(extract_surface(*fields.solid.grid().vdb, 0), fields, {-far, far});
-  add_density_and_ambient(fields, out);
-  return out;
-}
-
 BoneTiles::BoneTiles(const BoneFields& fields) {
   const Vec3i bricks = (fields.voxmap.grid.dims.array() + kSide - 1) / kSide;
   tiles_ = {(bricks.array() + 2 + kSideBricks - 1) / kSideBricks};
-  surfaces_.resize(tiles_.count());
+  surfaces_.resize(tiles_.count(), std::make_shared<BoneSurface>());
   mesh(fields, std::vector<bool>(surfaces_.size(), true));
 }
 
@@ -337,7 +333,7 @@ void BoneTiles::mesh_together(const BoneFields& fields, const std::vector<Vec3i>
   Eigen::AlignedBox3i box;
   for (const Vec3i& tile : tiles) {
     box.extend(tile);
-    surfaces_[tiles_.index(tile)] = {};
+    surfaces_[tiles_.index(tile)] = std::make_shared<BoneSurface>();
   }
   const Vec3i ones = Vec3i::Ones();
   const VoxelBox voxels{lower_of(box.min()), lower_of(box.max() + ones) - ones};
@@ -351,8 +347,9 @@ void BoneTiles::mesh_together(const BoneFields& fields, const std::vector<Vec3i>
   const Eigen::AlignedBox3i where(voxels.first - kDepthRounds * ones, voxels.last + (2 + kDepthRounds) * ones);
   const BoneSurface all = add_vertex_attributes(iso, fields, where.cast<float>());
   for (const Vec3i& tile : tiles) {
-    BoneSurface& own = surfaces_[tiles_.index(tile)] = extract_owned(all, owners, tile);
+    BoneSurface own = extract_owned(all, owners, tile);
     add_density_and_ambient(fields, own);
+    surfaces_[tiles_.index(tile)] = std::make_shared<BoneSurface>(std::move(own));
   }
 }
 
@@ -362,17 +359,46 @@ std::vector<std::size_t> BoneTiles::update(const BoneFields& fields, const std::
       tiles_within(bricks, static_cast<int>(std::ceil(fields.ambient.reach_voxels() / kSide)));
   std::vector<std::size_t> out;
   for (std::size_t tile = 0; tile < surfaces_.size(); ++tile) {
-    if (changed[tile] || (lit[tile] && !surfaces_[tile].indices.empty())) out.push_back(tile);
+    if (changed[tile] || (lit[tile] && !surfaces_[tile]->indices.empty())) out.push_back(tile);
   }
   mesh(fields, changed);
   parallel_items(out.size(), [&](std::size_t i) {
-    if (!changed[out[i]]) update_ambient(fields, surfaces_[out[i]]);
+    if (changed[out[i]]) return;
+    BoneSurface surface = *surfaces_[out[i]];
+    update_ambient(fields, surface);
+    surfaces_[out[i]] = std::make_shared<BoneSurface>(std::move(surface));
   });
   return out;
 }
 
+BoneSurface BoneTiles::whole() const {
+  BoneSurface all;
+  all.deepest_mm = deepest_mm();
+  std::vector<std::array<std::int64_t, 3>> places;
+  for (const auto& surface : surfaces_) {
+    const BoneSurface& tile = *surface;
+    const auto first = static_cast<std::uint32_t>(all.count());
+    all.vertices.insert(all.vertices.end(), tile.vertices.begin(), tile.vertices.end());
+    for (const std::uint32_t index : tile.indices) all.indices.push_back(first + index);
+    for (std::size_t i = 0; i < tile.count(); ++i) {
+      const auto micrometres = [&](int axis) { return std::llround(1000 * double{tile.position_mm(i)[axis]}); };
+      places.push_back({micrometres(0), micrometres(1), micrometres(2)});
+    }
+  }
+  std::vector<std::uint32_t> remap(all.count());
+  constexpr std::size_t kBytes = BoneSurface::kStride * sizeof(float);
+  const std::size_t count = meshopt_generateVertexRemap(remap.data(), all.indices.data(), all.indices.size(),
+                                                        places.data(), places.size(), sizeof(places[0]));
+  meshopt_remapIndexBuffer(all.indices.data(), all.indices.data(), all.indices.size(), remap.data());
+  meshopt_remapVertexBuffer(all.vertices.data(), all.vertices.data(), remap.size(), kBytes, remap.data());
+  all.vertices.resize(count * BoneSurface::kStride);
+  return all;
+}
+
 double BoneTiles::deepest_mm() const {
-  return std::ranges::max_element(surfaces_, {}, &BoneSurface::deepest_mm)->deepest_mm;
+  double out = 0;
+  for (const auto& surface : surfaces_) out = std::max(out, surface->deepest_mm);
+  return out;
 }
 
 }  // namespace reamsim

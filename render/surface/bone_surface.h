@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -134,14 +135,12 @@ struct BoneFields {
   AmbientOcclusion ambient;
 };
 
-/// Meshes the current bone, with all vertex attributes.
-BoneSurface make_bone_surface(const BoneFields& fields);
-
 /// The bone's surface in tiles of the lattice, so that only tiles near changed bone are meshed again. Together they are
-/// the surface of make_bone_surface(): neighbouring tiles mesh what crosses their border alike.
+/// the whole surface: neighbouring tiles mesh what crosses their border alike.
 class BoneTiles {
  public:
   static constexpr int kSideBricks = 4;
+  using Surfaces = std::vector<std::shared_ptr<const BoneSurface>>;  ///< shared by copies
 
   explicit BoneTiles(const BoneFields& fields);
 
@@ -149,7 +148,9 @@ class BoneTiles {
   std::vector<std::size_t> update(const BoneFields& fields, const std::vector<Vec3i>& bricks);
 
   /// One per tile; most are empty.
-  [[nodiscard]] const std::vector<BoneSurface>& surfaces() const { return surfaces_; }
+  [[nodiscard]] const Surfaces& surfaces() const { return surfaces_; }
+  /// The tiles as one surface; vertices of neighbours at the same place, to 0.001 mm, are one.
+  [[nodiscard]] BoneSurface whole() const;
   /// Of the reamed vertices, mm; 0 when nothing is reamed.
   [[nodiscard]] double deepest_mm() const;
 
@@ -160,7 +161,7 @@ class BoneTiles {
   void mesh_together(const BoneFields& fields, const std::vector<Vec3i>& tiles);
 
   BrickLattice tiles_;  ///< the first tile begins one brick below the lattice, as the surface may
-  std::vector<BoneSurface> surfaces_;
+  Surfaces surfaces_;
 };
 
 /// The bone after reaming as one closed surface, for slicing, printing and viewers.

@@ -71,11 +71,22 @@ struct ReportParts {
   nlohmann::ordered_json pictures, bone;  ///< pictures along the run; bone_data()
 };
 
-/// From the run, its bone_data(), and where present from frames/, reamed*.png, depth_map.png and segmentation.png in
-/// DIR. `bone` gives bone_data() and is called after the pictures along the run have been read. Throws InputError for a
-/// result that is missing or damaged, and what `bone` throws.
+/// A picture of the page.
+struct PagePicture {
+  int width_px = 0;
+  int height_px = 0;
+  std::string jpeg_base64;
+};
+/// By the path of their PNG files.
+using PagePictures = std::map<std::string, PagePicture>;
+/// Adds a picture of frames/ or a reamed*.png for report_parts(), which would read its file: three times as long.
+void add_page_picture(const std::string& path, PixelImage& image, PagePictures& pictures);
+
+/// From the run, its bone_data(), the pictures that are `ready`, and where present from frames/, reamed*.png,
+/// depth_map.png and segmentation.png in DIR. `bone` gives bone_data() and is called after the pictures along the run
+/// have been read. Throws InputError for a result that is missing or damaged, and what `bone` throws.
 ReportParts report_parts(const RunData& run, const RenderSettings& settings,
-                         const std::function<nlohmann::ordered_json()>& bone);
+                         const std::function<nlohmann::ordered_json()>& bone, const PagePictures& ready = {});
 
 /// Writes DIR/report.html, a self-contained page of a run, from its parts and results, and where present from
 /// forces.png and verification.json. Deterministic. Throws InputError (a result missing or damaged), RunError (the page

@@ -95,11 +95,11 @@ Png read_png(const std::string& path) {
 }
 
 /// Scaled down to at most `most_px` wide, on white.
-PixelImage scaled(const Png& image, int most_px) {
-  const int width = cairo_image_surface_get_width(image.get()), height = cairo_image_surface_get_height(image.get());
+PixelImage scaled(cairo_surface_t* image, int most_px) {
+  const int width = cairo_image_surface_get_width(image), height = cairo_image_surface_get_height(image);
   const double scale = std::min(1.0, static_cast<double>(most_px) / width);
   const auto reduced = [&](int pixels) { return std::max(1, static_cast<int>(std::lround(pixels * scale))); };
-  return scaled_middle(image.get(), reduced(width), reduced(height));
+  return scaled_middle(image, reduced(width), reduced(height));
 }
 
 std::string jpeg_base64(PixelImage& image) {
@@ -159,25 +159,20 @@ std::string frame_path(const std::string& dir, std::int64_t frame, const std::st
   return fmt::format("{}/frames/{:06}{}.png", dir, frame, suffix);
 }
 
-/// A picture of the page.
-struct PagePicture {
-  std::string name;  ///< stem of its source file
-  int width_px = 0;
-  int height_px = 0;
-  std::string jpeg_base64;
-};
+PagePicture page_picture(cairo_surface_t* image, int most_px) {
+  PixelImage small = scaled(image, most_px);
+  return {.width_px = small.width_px, .height_px = small.height_px, .jpeg_base64 = jpeg_base64(small)};
+}
 
-/// Converts PNG files to JPEGs in base 64, at most `most_px` wide. If they exceed `most_bytes` together, all are
-/// reduced until they fit or are an eighth as wide. Throws InputError when one cannot be read.
-std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, int most_px, std::size_t most_bytes) {
+/// Those of `ready`, or PNG files converted to JPEGs in base 64, at most `most_px` wide. If they exceed `most_bytes`
+/// together, all are reduced until they fit or are an eighth as wide. Throws InputError when one cannot be read.
+std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, int most_px, std::size_t most_bytes,
+                                       const PagePictures& ready) {
   std::vector<PagePicture> out(paths.size());
   for (int width = most_px; width >= most_px / 8; width = width * 3 / 4) {
     parallel_items(paths.size(), [&](std::size_t i) {
-      PixelImage image = scaled(read_png(paths[i]), width);
-      out[i] = {.name = std::filesystem::path(paths[i]).stem().string(),
-                .width_px = image.width_px,
-                .height_px = image.height_px,
-                .jpeg_base64 = jpeg_base64(image)};
+      const auto found = width == most_px ? ready.find(paths[i]) : ready.end();
+      out[i] = found != ready.end() ? found->second : page_picture(read_png(paths[i]).get(), width);
     });
     std::size_t bytes = 0;
     for (const PagePicture& picture : out) bytes += picture.jpeg_base64.size();
@@ -188,10 +183,13 @@ std::vector<PagePicture> page_pictures(const std::vector<std::string>& paths, in
 
 /// Adds the final pictures of a folder as figures: the first as `bone_figure`, which stands in place of the 3D view on
 /// paper and without JavaScript, the others as `figures`. `first_camera` is the one without a suffix.
-void add_figures(const std::string& dir, const std::string& first_camera, PageTexts& texts) {
+void add_figures(const std::string& dir, const std::string& first_camera, const PagePictures& ready, PageTexts& texts) {
   std::string &first = texts["bone_figure"], &others = texts["figures"];
-  for (const PagePicture& picture : page_pictures(final_pictures(dir), kPicture_px, kMaxPictureBytes)) {
-    const std::string caption = escape_html(caption_of(picture.name, first_camera));
+  const std::vector<std::string> paths = final_pictures(dir);
+  const std::vector<PagePicture> pictures = page_pictures(paths, kPicture_px, kMaxPictureBytes, ready);
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const PagePicture& picture = pictures[i];
+    const std::string caption = escape_html(caption_of(fs::path(paths[i]).stem().string(), first_camera));
     (first.empty() ? first : others) += fmt::format(
         "<figure{0}><img alt=\"{1}\" width=\"{2}\" height=\"{3}\" src=\"data:image/jpeg;base64,{4}\"><figcaption>{1}"
         "</figcaption></figure>\n",
@@ -200,7 +198,7 @@ void add_figures(const std::string& dir, const std::string& first_camera, PageTe
 }
 
 /// The pictures during the run, and the cameras that have one of each of these frames.
-Json frames_json(const RunData& run, const std::vector<std::string>& cameras) {
+Json frames_json(const RunData& run, const std::vector<std::string>& cameras, const PagePictures& ready) {
   Json json{{"frames", Json::array()}, {"time_s", Json::array()}, {"cameras", Json::array()}};
   const std::string& dir = run.dir();
   std::vector<std::int64_t> drawn = run.inputs().frames;
@@ -218,7 +216,7 @@ Json frames_json(const RunData& run, const std::vector<std::string>& cameras) {
       paths.push_back(frame_path(dir, frame, camera == cameras.front() ? "" : "_" + camera));
     }
     if (!std::ranges::all_of(paths, [](const std::string& path) { return fs::exists(path); })) continue;
-    const auto pictures = page_pictures(paths, kFrame_px, kMaxFrameBytes / cameras.size());
+    const auto pictures = page_pictures(paths, kFrame_px, kMaxFrameBytes / cameras.size(), ready);
     Json view{{"name", camera}, {"width_px", pictures.front().width_px}, {"height_px", pictures.front().height_px}};
     for (const PagePicture& picture : pictures) view["jpegs"].push_back(picture.jpeg_base64);
     json["cameras"].push_back(std::move(view));
@@ -291,11 +289,19 @@ nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm) {
   return json;
 }
 
-ReportParts report_parts(const RunData& run, const RenderSettings& settings, const std::function<Json()>& bone) {
+void add_page_picture(const std::string& path, PixelImage& image, PagePictures& pictures) {
+  const fs::path file(path);
+  const bool along_run = file.parent_path().filename() == "frames";
+  if (!along_run && !file.filename().string().starts_with("reamed")) return;
+  pictures[path] = page_picture(Canvas(image).surface(), along_run ? kFrame_px : kPicture_px);
+}
+
+ReportParts report_parts(const RunData& run, const RenderSettings& settings, const std::function<Json()>& bone,
+                         const PagePictures& ready) {
   ReportParts out;
-  out.pictures = frames_json(run, names_of(settings.cameras));
+  out.pictures = frames_json(run, names_of(settings.cameras), ready);
   out.bone = bone();
-  add_figures(run.dir(), name_of(settings.cameras.front()), out.figures);
+  add_figures(run.dir(), name_of(settings.cameras.front()), ready, out.figures);
   return out;
 }
 

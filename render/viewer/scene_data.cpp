@@ -88,8 +88,12 @@ Json mesh_json(const BoneSurface& surface, const Eigen::AlignedBox3f& box, doubl
           {"bytes", compressed_base64(mesh_bytes(surface, box, depth_max_mm))}};
 }
 
-BoneSurface surface_of(const Voxmap& voxmap, const FillBricks& fill, const UnreamedSurface& unreamed) {
-  return simplified(make_bone_surface(BoneFields(voxmap, fill, unreamed)), MeshBudget());
+/// The surface of the bone after the run.
+BoneTiles last_tiles(const RunData& run) {
+  BoneTiles out = run.unreamed_tiles();
+  out.update(BoneFields(run.voxmap(), run.last_fill(), run.unreamed()),
+             differing_bricks(run.unreamed().before, run.last_fill()));
+  return out;
 }
 
 Json colors_json(const ColorMap& map, const Scale& scale) {
@@ -349,9 +353,8 @@ DensityVolume density_volume(const Voxmap& voxmap, std::int64_t most_cells) {
 
 Json bone_data(const RunData& run, const RenderSettings& settings) {
   const Voxmap& voxmap = run.voxmap();
-  const UnreamedSurface& unreamed = run.unreamed();
-  const BoneSurface after = surface_of(voxmap, run.last_fill(), unreamed);
-  const BoneSurface before = surface_of(voxmap, unreamed.before, unreamed);
+  const BoneSurface after = simplified(last_tiles(run).whole(), MeshBudget());
+  const BoneSurface before = simplified(run.unreamed_tiles().whole(), MeshBudget());
   const Scale depth = depth_scale(run, settings.depth_max_mm);
   const Eigen::AlignedBox3f box = bounds_of(before).merged(bounds_of(after));
   const DensityVolume volume = density_volume(voxmap, kMaxDensityCells);

@@ -23,8 +23,10 @@ double rise_mm(double radius_mm, double from_axis_mm) {
 
 using implicit::pear, implicit::polygon, implicit::smooth_intersection, implicit::smooth_union, implicit::smoothstep;
 
-constexpr double kRimBlend_mm = 2.4;       // rounds the rim to a radius of about 1.2 mm
-constexpr double kWornRimBlend_mm = 4;     // for the acute rim of a worn face
+constexpr double kRimBlend_mm = 2.4;    // rounds the rim to a radius of about 1.2 mm
+constexpr double kWornRimBlend_mm = 4;  // for the acute rim of a worn face
+constexpr double kCoracoidBlend_mm = 4;
+constexpr double kCrestBlend_mm = 5;
 constexpr double kRimLoss_mm = 0.35;       // compensates the loss of outline by the rounding
 constexpr double kStumpLength_mm = 17;     // of blade, border and spine behind the neck
 constexpr double kReferenceWidth_mm = 26;  // the face of the proportions below
@@ -162,8 +164,17 @@ void GlenoidShape::place_stumps(double face_radius_mm) {
                {at(-13, 20, 6), 7.0 * thick, at(-9, 25, 13), 5.6 * thick},
                {at(-9, 25, 13), 5.6 * thick, at(-4, 26, 20), 4.8 * thick},
                {at(-4, 26, 20), 4.8 * thick, at(2, 23, 26), 4.6 * thick}};
+  for (const Rod& rod : coracoid_) {
+    const Vec3 widest = Vec3::Constant(rod.radius_a + std::max(rod.growth, 0.0));
+    for (const Vec3& end : {rod.a, Vec3(rod.a + rod.axis)}) {
+      coracoid_mm_.extend(end - widest);
+      coracoid_mm_.extend(end + widest);
+    }
+  }
   border_ = {at(-16, -11, 0), 5.0 * thick, at(-47, -37, -2), 3.8 * thick};
   crest_ = {at(-35, 15, -18), 3.0 * thick, at(-60, 13, -15), 2.8 * thick};
+  // Lateral to this the distance from the body is at least that from this plane, less the fillets between its parts.
+  body_end_mm_ = std::max(-12 * deep, -16 * deep + 5 * thick) + (6 + 5 + kCrestBlend_mm) / 4;
   // Blade in (lateral, superior), with the suprascapular notch beside the coracoid; spine in (lateral, anterior), with
   // the spinoglenoid notch towards the neck.
   blade_outline_ = {outline_at(-12, -9, tall), outline_at(-12, 12, tall), outline_at(-24, 14, tall),
@@ -199,9 +210,10 @@ double GlenoidShape::vault(const Vec3& q) const {
   const double low = -(height_mm_ / 2 - half_width_mm_) - 0.045 * height_mm_ * narrowing;
   const double high = height_mm_ / 2 - kUpperRadiusRatio * half_width_mm_ - 0.03 * height_mm_ * narrowing;
   const double notch_at = (q.y() - 0.19 * height_mm_) / (0.11 * height_mm_);
-  const double notch_mm = 0.13 * half_width_mm_ * std::exp(-notch_at * notch_at) *
-                          smoothstep(0, 0.5 * half_width_mm_, q.z()) * (1 - narrowing);
-  return pear(q.z(), q.y(), low, low_radius, high, high_radius) + notch_mm;
+  const double wall_mm = pear(q.z(), q.y(), low, low_radius, high, high_radius);
+  if (q.z() <= 0) return wall_mm;
+  return wall_mm + 0.13 * half_width_mm_ * std::exp(-notch_at * notch_at) * smoothstep(0, 0.5 * half_width_mm_, q.z()) *
+                       (1 - narrowing);
 }
 
 /// Width of the rim's rounding: uniform except at the posteroinferior part of a dysplastic face.
@@ -210,26 +222,46 @@ double GlenoidShape::rim_blend_mm(const Vec3& q) const {
   return rim_mm_ + (posteroinferior_rim_mm_ - rim_mm_) * smoothstep(0, 0.8 * half_width_mm_, posteroinferior_mm);
 }
 
-/// The thin plate between lateral border, spine and upper edge: concave in front, thicker towards the neck.
+/// The thin plate between lateral border, spine and upper edge, concave in front and thicker towards the neck, with the
+/// border.
 double GlenoidShape::blade(const Vec3& point) const {
   const double middle_mm = -0.0035 * point.y() * point.y() * smoothstep(-12, -40, point.x());
   const double half_thickness_mm = 1.7 + 1.6 * smoothstep(-38, -22, point.x());
-  return smooth_intersection(std::abs(point.z() - middle_mm) - half_thickness_mm,
-                             polygon({point.x(), point.y()}, blade_outline_), 2.0);
+  const double plate = std::abs(point.z() - middle_mm) - half_thickness_mm;
+  return smooth_union(border_.distance(point), plate, 6.0, [&] {
+    return smooth_intersection(plate, polygon({point.x(), point.y()}, blade_outline_), 2.0);
+  });
 }
 
-double GlenoidShape::spine(const Vec3& point) const {
+double GlenoidShape::body(const Vec3& point) const {
   const double middle_mm = 9 - 0.28 * point.z();
-  const double fin =
-      smooth_intersection(std::abs(point.y() - middle_mm) - 1.9, polygon({point.x(), point.z()}, spine_outline_), 2.0);
-  return smooth_union(fin, crest_.distance(point), 5.0);
+  const double fin = std::abs(point.y() - middle_mm) - 1.9;
+  const double crest = crest_.distance(point);
+  return smooth_union(blade(point), std::min(fin, crest) - kCrestBlend_mm / 4, 5.0, [&] {
+    return smooth_union(crest, fin, kCrestBlend_mm, [&] {
+      return smooth_intersection(fin, polygon({point.x(), point.z()}, spine_outline_), 2.0);
+    });
+  });
 }
 
-double GlenoidShape::stumps(const Vec3& point) const {
+double GlenoidShape::coracoid(const Vec3& point) const {
   double out = coracoid_[0].distance(point);
-  for (std::size_t i = 1; i < coracoid_.size(); ++i) out = smooth_union(out, coracoid_[i].distance(point), 4.0);
-  const double body = smooth_union(smooth_union(blade(point), border_.distance(point), 6.0), spine(point), 5.0);
-  return smooth_union(out, body, 4.0);
+  for (std::size_t i = 1; i < coracoid_.size(); ++i) {
+    out = smooth_union(out, coracoid_[i].distance(point), kCoracoidBlend_mm);
+  }
+  return out;
+}
+
+double GlenoidShape::stumps(const Vec3& point, double limit) const {
+  constexpr double kFillet_mm = kCoracoidBlend_mm / 4;  // what each union adds at most
+  const double outside_mm = (coracoid_mm_.min - point).cwiseMax(point - coracoid_mm_.max).maxCoeff();
+  const double least_coracoid = outside_mm - kFillet_mm * static_cast<double>(coracoid_.size() - 1);
+  const double least_body = point.x() - body_end_mm_;
+  if (std::min(least_coracoid, least_body) - kFillet_mm >= limit) return limit;
+  if (least_body < least_coracoid) {
+    return smooth_union(body(point), least_coracoid, kCoracoidBlend_mm, [&] { return coracoid(point); });
+  }
+  return smooth_union(coracoid(point), least_body, kCoracoidBlend_mm, [&] { return body(point); });
 }
 
 std::vector<Vec3> GlenoidShape::rim_mm(bool rounded) const {
@@ -259,12 +291,21 @@ std::vector<Vec3> GlenoidShape::rim_mm(bool rounded) const {
 }
 
 double GlenoidShape::solid(const Vec3& point) const {
+  constexpr double kNeckBlend_mm = 5;
   const Vec3 q = in_face(point);
+  const double rim_blend_mm = this->rim_blend_mm(q), in_front_mm = -face_.below_mm(point);
   // The vault ends inside the body, where the pear of the neck is buried.
   const double buried_mm = -q.x() - (vault_depth_mm_ + 2);
-  double out = smooth_intersection(vault(q), buried_mm, 6.0);
-  out = smooth_union(out, stumps(point), 5.0);
-  return smooth_intersection(out, -face_.below_mm(point), rim_blend_mm(q));
+  const auto buried_vault = [&] { return smooth_intersection(vault(q), buried_mm, 6.0); };
+  double out;
+  if (buried_mm > 0) {
+    out = smooth_union(stumps(point), buried_mm, kNeckBlend_mm, buried_vault);
+  } else {
+    out = buried_vault();
+    if (in_front_mm - out >= rim_blend_mm) return in_front_mm;
+    out = smooth_union(out, stumps(point, out + kNeckBlend_mm), kNeckBlend_mm);
+  }
+  return smooth_intersection(out, in_front_mm, rim_blend_mm);
 }
 
 }  // namespace reamsim

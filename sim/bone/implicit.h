@@ -37,6 +37,12 @@ inline double smooth_union(double a, double b, double blend_mm) {
   return std::min(a, b) - 0.25 * h * h * blend_mm;
 }
 
+/// The same with a solid that is at least `least_b` and evaluated only where it matters.
+template <class Solid>
+double smooth_union(double a, double least_b, double blend_mm, const Solid& b) {
+  return least_b - a >= blend_mm ? a : smooth_union(a, b(), blend_mm);
+}
+
 /// Intersection of two solids with a rounded edge.
 inline double smooth_intersection(double a, double b, double blend_mm) {
   return -smooth_union(-a, -b, blend_mm);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -79,15 +80,21 @@ class GlenoidShape {
  private:
   /// A rod between two points whose radius varies linearly.
   struct Rod {
-    Vec3 a;
-    double radius_a = 0;
-    Vec3 b;
-    double radius_b = 0;
+    Rod() = default;
+    Rod(const Vec3& from, double radius_from, const Vec3& to, double radius_to)
+        : a(from),
+          axis(to - from),
+          length2(axis.squaredNorm()),
+          radius_a(radius_from),
+          growth(radius_to - radius_from) {}
+
+    Vec3 a = Vec3::Zero(), axis = Vec3::Zero();
+    double length2 = 1, radius_a = 0, growth = 0;
 
     [[nodiscard]] double distance(const Vec3& point) const {
-      const Vec3 axis = b - a;
-      const double fraction = std::clamp((point - a).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
-      return (point - a - fraction * axis).norm() - (radius_a + fraction * (radius_b - radius_a));
+      const Vec3 from_a = point - a;
+      const double fraction = std::clamp(from_a.dot(axis) / length2, 0.0, 1.0);
+      return (from_a - fraction * axis).norm() - (radius_a + fraction * growth);
     }
   };
 
@@ -96,9 +103,11 @@ class GlenoidShape {
   /// q: in the frame of the face.
   [[nodiscard]] double vault(const Vec3& q) const;
   [[nodiscard]] double rim_blend_mm(const Vec3& q) const;
-  [[nodiscard]] double stumps(const Vec3& point) const;
+  /// A value that is at least `limit` may be replaced by `limit`.
+  [[nodiscard]] double stumps(const Vec3& point, double limit = std::numeric_limits<double>::infinity()) const;
+  [[nodiscard]] double coracoid(const Vec3& point) const;
+  [[nodiscard]] double body(const Vec3& point) const;
   [[nodiscard]] double blade(const Vec3& point) const;
-  [[nodiscard]] double spine(const Vec3& point) const;
 
   GlenoidFace face_;
   double half_width_mm_;
@@ -107,7 +116,9 @@ class GlenoidShape {
   double rim_mm_;  ///< width of the rim's rounding
   double posteroinferior_rim_mm_;
   double medial_end_mm_ = 0;
+  double body_end_mm_ = 0;
   std::vector<Rod> coracoid_;
+  Aabb coracoid_mm_ = Aabb::none();
   Rod border_;
   Rod crest_;
   std::vector<Vec2> blade_outline_;

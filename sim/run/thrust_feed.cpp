@@ -183,7 +183,7 @@ class ThrustFeed : public Feed {
  private:
   /// The number of the picture that is due at a travel.
   [[nodiscard]] double level(double travel_mm) const {
-    constexpr double kStills = 10, kFilm = 150;
+    constexpr double kStills = 7, kFilm = 150;
     const RenderSettings& render = scene_.scenario.render;
     const double most = render.enabled && render.film != FilmFormat::none ? kFilm : kStills;
     const double depth_mm = travel_mm - plan_.settings().approach_mm;

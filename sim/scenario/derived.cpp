@@ -52,7 +52,7 @@ std::string ct_input(const std::string& path) {
 }
 
 /// Frames if the settings give no number, the first and the last included.
-constexpr std::int64_t kStills = 11;
+constexpr std::int64_t kStills = 8;
 constexpr std::int64_t kFilmPictures = 150;
 /// Margin around the contact, parts of it: 1/20.
 constexpr std::int64_t kMarginParts = 20;

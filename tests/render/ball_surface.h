@@ -61,7 +61,7 @@ inline std::vector<Vertex> vertices(const BoneSurface& surface) {
 /// Of a bone that began with the fill `before`.
 inline BoneSurface surface_of(const FilledVoxmap& voxmap, const FillBricks& before) {
   const UnreamedSurface unreamed(voxmap, before, voxmap.fill);
-  return make_bone_surface(BoneFields(voxmap, voxmap.fill, unreamed));
+  return BoneTiles(BoneFields(voxmap, voxmap.fill, unreamed)).whole();
 }
 
 /// Of a bone that began whole.

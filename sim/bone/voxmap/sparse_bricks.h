@@ -239,4 +239,15 @@ class FillBricks : private SparseBricks<std::uint16_t, 65535> {
   std::vector<std::size_t> changed_;  // indices of bricks
 };
 
+/// The bricks in which two fills of a lattice may differ, x fastest.
+inline std::vector<Vec3i> differing_bricks(const FillBricks& a, const FillBricks& b) {
+  std::vector<Vec3i> out;
+  for (std::size_t i = 0; i < a.lattice().count(); ++i) {
+    const Vec3i coord = a.lattice().coord(i);
+    const FillBricks::Brick *in_a = a.brick(coord), *in_b = b.brick(coord);
+    if (in_a != in_b && (in_a == nullptr || in_b == nullptr || *in_a != *in_b)) out.push_back(coord);
+  }
+  return out;
+}
+
 }  // namespace reamsim
