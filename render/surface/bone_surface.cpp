@@ -182,7 +182,7 @@ float AmbientOcclusion::Level::get(const Vec3i& cell) const {
 float AmbientOcclusion::Level::sample(const Eigen::Vector3f& point) const {
   // Voxel (0,0,0) has its centre at 0, so the first cell has its centre at (cell − 1)/2.
   const auto cell = static_cast<float>(cell_voxels);
-  const Eigen::Vector3f p = (point.array() - 0.5F * (cell - 1)) / cell;
+  const Eigen::Vector3f p = (point.array() - 0.5F * (cell - 1)) * (1 / cell);  // a power of two: exact
   const auto below = [](float x) {
     return static_cast<int>(x) - (x < static_cast<float>(static_cast<int>(x)) ? 1 : 0);
   };
