@@ -45,7 +45,8 @@ void draw_half_title(PixelImage& image, const PageLayout& page, const std::strin
 constexpr std::size_t kMaxFrames = 16;  // four rows of four fill the page
 constexpr std::uint32_t kPage_rgb = 0xf4f6f9;
 constexpr double kMargin = 24, kGap = 8, kCaption = 20;  // pixels of a page 1080 high and at least 1440 wide
-constexpr int kMinCaptioned_px = 80;                     // captions of lower cells would be illegible
+constexpr double kLeastWidth = 0.65;  // of a picture in its cell: both sides may be cut off to fill the page
+constexpr int kMinCaptioned_px = 80;  // captions of lower cells would be illegible
 
 /// The camera of a cell that scaled_middle() makes of a picture.
 Camera cell_camera(const SheetGrid& grid, const Camera& picture) {
@@ -93,9 +94,10 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px) {
     const int rows = (cells + columns - 1) / columns;
     const double across = (area.width - (columns - 1) * best.gap_px) / columns;
     const double down = (area.height - (rows - 1) * best.gap_px) / rows;
-    const int height = std::max(1, static_cast<int>(std::min(down, across / aspect)));
-    if (height <= best.cell_height_px) continue;
-    best = {cells, columns, rows, std::max(1, static_cast<int>(aspect * height)), height, area, best.gap_px};
+    const int width = std::max(1, static_cast<int>(std::min(across, aspect * down)));
+    const int height = std::max(1, static_cast<int>(std::min(down, width / (kLeastWidth * aspect))));
+    if (width * height <= best.cell_width_px * best.cell_height_px) continue;
+    best = {cells, columns, rows, width, height, area, best.gap_px};
   }
   return best;
 }

@@ -52,7 +52,7 @@ std::string ct_input(const std::string& path) {
 }
 
 /// Frames if the settings give no number, the first and the last included.
-constexpr std::int64_t kStills = 8;
+constexpr std::int64_t kStills = 8, kStillsOfPasses = 11;
 constexpr std::int64_t kFilmPictures = 150;
 /// Margin around the contact, parts of it: 1/20.
 constexpr std::int64_t kMarginParts = 20;
@@ -67,6 +67,11 @@ std::int64_t frame_of(const FrameSpans& spans, std::int64_t i) {
   return spans.back().last;
 }
 
+/// More where several passes are to be seen.
+std::int64_t stills_of(const FrameSpans& contact) {
+  return contact.size() > 1 ? kStillsOfPasses : kStills;
+}
+
 /// 0, `last`, and between them as many in contact as make the number of stills.
 std::vector<std::int64_t> spread_over(FrameSpans contact, std::int64_t last) {
   std::int64_t frames = 0;
@@ -76,7 +81,7 @@ std::vector<std::int64_t> spread_over(FrameSpans contact, std::int64_t last) {
     frames += span.last - span.first + 1;
   }
   const int ends = (contact.front().first > 0 ? 1 : 0) + (contact.back().last < last ? 1 : 0);
-  const std::int64_t steps = kStills - ends - 1;
+  const std::int64_t steps = stills_of(contact) - ends - 1;
   std::set<std::int64_t> out{0, last};
   for (std::int64_t i = 0; i <= steps; ++i) out.insert(frame_of(contact, (2 * i * (frames - 1) + steps) / (2 * steps)));
   return {out.begin(), out.end()};
@@ -214,7 +219,7 @@ std::vector<std::string> draft_overrides(const Scenario& scenario) {
 std::vector<std::int64_t> picture_frames(const RenderSettings& settings, std::int64_t last, const FrameSpans& contact) {
   const bool film = settings.enabled && settings.film != FilmFormat::none;
   if (settings.every_frames == 0 && !film && !contact.empty()) return spread_over(contact, last);
-  const std::int64_t pictures = film ? kFilmPictures : kStills - 1;
+  const std::int64_t pictures = film ? kFilmPictures : stills_of(contact) - 1;
   const std::int64_t spread = std::max<std::int64_t>(1, (last + pictures - 1) / pictures);
   const std::int64_t interval = settings.every_frames > 0 ? settings.every_frames : spread;
   std::vector<std::int64_t> out;
@@ -247,7 +252,7 @@ std::vector<std::int64_t> still_frames(const std::vector<std::int64_t>& frames, 
   if (settings.film == FilmFormat::none || settings.every_frames > 0) return frames;
   const std::vector<std::int64_t> among = in_contact(frames, contact);
   const auto ends = std::int64_t{among.front() != frames.front()} + std::int64_t{among.back() != frames.back()};
-  const std::vector<std::int64_t> spread = evenly_among(among, static_cast<std::size_t>(kStills - ends));
+  const std::vector<std::int64_t> spread = evenly_among(among, static_cast<std::size_t>(stills_of(contact) - ends));
   std::set<std::int64_t> out{frames.front(), frames.back()};
   out.insert(spread.begin(), spread.end());
   return {out.begin(), out.end()};

@@ -238,7 +238,7 @@ struct RenderSettings {
   int width_px = 1920;
   int height_px = 1080;
   int frame_height_px = 540;  ///< of pictures along the run, of the same proportions; at most height_px
-  int every_frames = 0;       ///< 0 = ten pictures over the run, and a film of 150
+  int every_frames = 0;       ///< 0: as picture_frames() spreads them
   /// The first names the files without a suffix.
   std::vector<CameraView> cameras{CameraView::oblique, CameraView::glenoid, CameraView::section};
   std::vector<UserCamera> user_cameras;
