@@ -150,7 +150,7 @@ void Outputs::make_plots(Diagnostics& report) const {
 
 nlohmann::ordered_json Outputs::make_bone(Diagnostics& report) const {
   const double depth_max_mm = options_.pictures.settings.depth_max_mm;
-  // First, because it takes much memory, as the last pictures do.
+  // First, because meshes take less memory beside the last pictures.
   nlohmann::ordered_json out = reports() ? bone_data(*run_, report_settings()) : nullptr;
   if (options_.depth_map && options_.finished) write_depth_picture(*run_, depth_max_mm);
   if (options_.meshes && options_.finished) write_meshes(*run_, depth_max_mm, report);
@@ -165,7 +165,7 @@ void Outputs::make_pictures(Diagnostics& report) {
   };
   if (reports()) {
     options_.pictures.written = [&](const std::string& path, PixelImage& image) {
-      add_page_picture(path, image, page_pictures_);
+      keep_page_picture(run_->dir(), path, image, page_pictures_);
     };
   }
   render_context_ = render_pictures(*run_, options_.pictures, tell, &report, render_thread_.get());

@@ -175,7 +175,7 @@ void choose_kinds(const RenderOptions& options, PictureOptions& pictures) {
   if (pictures.film && settings.film == FilmFormat::none) settings.film = FilmFormat::mp4;
 }
 
-/// Shorter films are refused unless the user sets their frame rate: a run without a film keeps eleven states.
+/// Shorter films are refused unless the user sets their frame rate: a run without a film keeps eight or eleven states.
 constexpr double kShortestFilm_s = 2;
 
 /// Throws InputError for a film that would show only a few states, and says what would give more.

@@ -53,17 +53,17 @@ if(REAMSIM_SANITIZE OR REAMSIM_COVERAGE)
   set(REAMSIM_PROGRAM_TIMEOUT_S 600)
 endif()
 
-# reamsim_library(NAME SOURCES ... LINK ... [PRIVATE ...] [HOT]): a static library of a folder, so that the linker enforces the
-# layers. HOT: compiled for a fast program instead of a quick build.
+# reamsim_library(NAME SOURCES ... LINK ... [PRIVATE ...] [HOT n]): a static library of a folder, so that the linker enforces the
+# layers. HOT: compiled with -O2 or -O3, for a fast program instead of a quick build.
 function(reamsim_library name)
-  cmake_parse_arguments(ARG "HOT" "" "SOURCES;LINK;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "HOT" "SOURCES;LINK;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   set_property(GLOBAL APPEND PROPERTY REAMSIM_LIBRARIES ${name})
   target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE reamsim_options ${ARG_PRIVATE})
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   if(ARG_HOT)
-    target_compile_options(${name} PRIVATE ${REAMSIM_FAST_TO_RUN})
-    reamsim_precompile(${name} hot_headers)
+    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O${ARG_HOT}>)
+    reamsim_precompile(${name} hot${ARG_HOT}_headers)
   else()
     target_compile_options(${name} PRIVATE ${REAMSIM_QUICK_TO_COMPILE})
     reamsim_precompile(${name} common_headers)

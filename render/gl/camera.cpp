@@ -47,6 +47,7 @@ void frame_target(Camera& camera, const Mat3& eye_from_bone, const ViewTarget& t
   const Vec2 size = extent.sizes().cwiseMax(5.0);
   const Vec2 middle = 0.5 * (extent.min() + extent.max());
   camera.mm_per_px = std::max(size.x() / camera.width_px, size.y() / camera.height_px) / kUsable;
+  camera.used_width = std::min(1.0, size.x() / (kUsable * camera.mm_per_px * camera.width_px));
   camera.depth_range_mm = 2 * target.radius_mm + 10;
   camera.eye_from_bone.linear() = eye_from_bone;
   camera.eye_from_bone.translation() = -(eye_from_bone * target.focus_mm) - Vec3(middle.x(), middle.y(), 0);

@@ -44,6 +44,7 @@ struct Camera {
   std::optional<double> eye_mm{};              ///< perspective: the eye is at z = eye_mm; without it orthographic
   std::optional<Eigen::Vector4d> cut_plane{};  ///< points with a negative value are clipped; unit normal
   bool shows_tool = true;                      ///< false: only its outline
+  double used_width = 1;  ///< fraction of the width, about the middle, that the target takes with its margin
 
   [[nodiscard]] Eigen::Matrix4d clip_from_bone() const;
   /// Decrease of clip-space z, times w, per mm towards the viewer.

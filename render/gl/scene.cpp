@@ -169,7 +169,7 @@ PixelImage Scene::draw(const DrawCall& call) {
   const int height_px = factor * call.camera.height_px;
   const bool multisample = factor < kSupersamplingAlone && !call.filtered;
   const std::tuple size(width_px, height_px, multisample);
-  // Those with samples take up to 100 MB, and pictures of one size follow each other.
+  // Multisampled targets take 32 bytes per pixel, and pictures of one size follow each other.
   if (!targets_.contains(size)) std::erase_if(targets_, [](const auto& target) { return std::get<2>(target.first); });
   const GlTarget& target = targets_.try_emplace(size, gl_, width_px, height_px, multisample).first->second;
   target.bind();

@@ -45,8 +45,7 @@ void draw_half_title(PixelImage& image, const PageLayout& page, const std::strin
 constexpr std::size_t kMaxFrames = 16;  // four rows of four fill the page
 constexpr std::uint32_t kPage_rgb = 0xf4f6f9;
 constexpr double kMargin = 24, kGap = 8, kCaption = 20;  // pixels of a page 1080 high and at least 1440 wide
-constexpr double kLeastWidth = 0.65;  // of a picture in its cell: both sides may be cut off to fill the page
-constexpr int kMinCaptioned_px = 80;  // captions of lower cells would be illegible
+constexpr int kMinCaptioned_px = 80;                     // captions of lower cells would be illegible
 
 /// The camera of a cell that scaled_middle() makes of a picture.
 Camera cell_camera(const SheetGrid& grid, const Camera& picture) {
@@ -84,7 +83,7 @@ PixelImage before_and_after(const RunView& view, const Camera& half, const Pixel
   return annotated_picture(std::move(both), page, half, labels, background);
 }
 
-SheetGrid sheet_grid(int cells, int width_px, int height_px) {
+SheetGrid sheet_grid(int cells, int width_px, int height_px, double least_width) {
   const PageLayout page = page_layout(width_px, height_px);
   const double u = page.labelled() ? page.unit : 0;
   const Box area{kMargin * u, kMargin * u, page.view_width_px - 2 * kMargin * u, height_px - 2 * kMargin * u};
@@ -95,7 +94,7 @@ SheetGrid sheet_grid(int cells, int width_px, int height_px) {
     const double across = (area.width - (columns - 1) * best.gap_px) / columns;
     const double down = (area.height - (rows - 1) * best.gap_px) / rows;
     const int width = std::max(1, static_cast<int>(std::min(across, aspect * down)));
-    const int height = std::max(1, static_cast<int>(std::min(down, width / (kLeastWidth * aspect))));
+    const int height = std::max(1, static_cast<int>(std::min(down, width / (least_width * aspect))));
     if (width * height <= best.cell_width_px * best.cell_height_px) continue;
     best = {cells, columns, rows, width, height, area, best.gap_px};
   }
@@ -108,7 +107,8 @@ std::vector<std::int64_t> ContactSheet::frames_on(const RunView& view) {
 
 ContactSheet::ContactSheet(const RunView& view, const Camera& camera)
     : view_(view),
-      grid_(sheet_grid(static_cast<int>(frames_on(view).size()), view.settings().width_px, view.settings().height_px)),
+      grid_(sheet_grid(static_cast<int>(frames_on(view).size()), view.settings().width_px, view.settings().height_px,
+                       camera.used_width)),
       camera_(cell_camera(grid_, camera)),
       page_(plain_image(view.page().view_width_px, view.page().height_px, kPage_rgb)) {}
 

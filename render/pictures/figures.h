@@ -56,10 +56,12 @@ struct SheetGrid {
   Box area;  ///< of all cells, with the gaps between them
   int gap_px = 0;
 };
-/// The layout with the largest cells that leaves room for title, legend and scale.
-SheetGrid sheet_grid(int cells, int width_px, int height_px);
+/// The layout with the largest cells that leaves room for title, legend and scale. Cells show at least `least_width`, a
+/// fraction, of the width of a picture.
+SheetGrid sheet_grid(int cells, int width_px, int height_px, double least_width);
 
-/// The run in contact on one page: up to sixteen pictures of one camera, reduced. The title says what is not shown.
+/// The run in contact on one page: up to sixteen pictures of one camera, reduced, without what is beside the target if
+/// they fill the page better so. The title says what is not shown.
 class ContactSheet {
  public:
   /// The frames with a cell, ascending.

@@ -79,8 +79,9 @@ struct PagePicture {
 };
 /// By the path of their PNG files.
 using PagePictures = std::map<std::string, PagePicture>;
-/// Adds a picture of frames/ or a reamed*.png for report_parts(), which would read its file: three times as long.
-void add_page_picture(const std::string& path, PixelImage& image, PagePictures& pictures);
+/// Keeps a picture just written for report_parts(), if the page may show it: reading its file later takes three times
+/// as long. `dir`: of the run. No more than a page has.
+void keep_page_picture(const std::string& dir, const std::string& path, PixelImage& image, PagePictures& pictures);
 
 /// From the run, its bone_data(), the pictures that are `ready`, and where present from frames/, reamed*.png,
 /// depth_map.png and segmentation.png in DIR. `bone` gives bone_data() and is called after the pictures along the run

@@ -289,10 +289,9 @@ nlohmann::ordered_json plot_data(const ForceLog& log, double mean_travel_mm) {
   return json;
 }
 
-void add_page_picture(const std::string& path, PixelImage& image, PagePictures& pictures) {
-  const fs::path file(path);
-  const bool along_run = file.parent_path().filename() == "frames";
-  if (!along_run && !file.filename().string().starts_with("reamed")) return;
+void keep_page_picture(const std::string& dir, const std::string& path, PixelImage& image, PagePictures& pictures) {
+  const bool along_run = path.starts_with(dir + "/frames/");
+  if (along_run ? pictures.size() >= kMaxFrames : !path.starts_with(dir + "/reamed")) return;
   pictures[path] = page_picture(Canvas(image).surface(), along_run ? kFrame_px : kPicture_px);
 }
 

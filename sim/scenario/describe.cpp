@@ -200,8 +200,8 @@ void describe_render(KeyVisitor& v, RenderSettings& render) {
         "shows them reduced",
         between(64, 16384));
   v.key("every_frames", render.every_frames,
-        "Frames between pictures; 0: eight pictures, six of them during expected contact (eleven and nine of several "
-        "passes), and 150 for a film",
+        "Frames between pictures; 0: eight pictures, six of them during expected contact (eleven and nine where "
+        "several passes touch bone), and 150 for a film",
         between(0, 1e9));
   v.key("cameras", render.cameras, "Views, each at most once; files of the first have no suffix");
   v.list("user_cameras", render.user_cameras, describe_user_camera, "User cameras; their files end in _NAME");

@@ -216,7 +216,7 @@ TEST(PictureFrames, OnTheContactSheetAreThoseInContact) {
 TEST(ContactSheetTest, EveryCellHasItsPlaceOnThePage) {
   for (const auto& [width, height] : {std::pair{1920, 1080}, {1080, 1920}, {640, 360}, {64, 64}}) {
     for (int cells = 1; cells <= 20; ++cells) {
-      const SheetGrid grid = sheet_grid(cells, width, height);
+      const SheetGrid grid = sheet_grid(cells, width, height, 0.8);
       EXPECT_GE(grid.columns * grid.rows, cells);
       EXPECT_LT((grid.columns - 1) * grid.rows, cells) << "an empty column";
       const double right = grid.area.x + grid.columns * (grid.cell_width_px + grid.gap_px) - grid.gap_px;
@@ -225,7 +225,9 @@ TEST(ContactSheetTest, EveryCellHasItsPlaceOnThePage) {
       EXPECT_LE(bottom, height);
     }
   }
-  const SheetGrid full = sheet_grid(16, 1920, 1080);  // the most that a sheet has
+  // Six pictures fill the page if their sides may be cut off.
+  EXPECT_GT(sheet_grid(6, 1920, 1080, 0.6).cell_height_px, 1.3 * sheet_grid(6, 1920, 1080, 1).cell_height_px);
+  const SheetGrid full = sheet_grid(16, 1920, 1080, 0.8);  // the most that a sheet has
   EXPECT_EQ(full.columns, 4);
   EXPECT_EQ(full.rows, 4);
 }
@@ -239,10 +241,12 @@ TEST_F(Views, TheContactSheetHasACellPerSnapshotInContact) {
     const Picture sheet = picture("contact_sheet.png");
     ASSERT_EQ(sheet.width, kViewWidth);
     ASSERT_EQ(sheet.height, kViewHeight);
-    const std::vector<std::int64_t> shown = ContactSheet::frames_on(RunView(dir_.path(), settings_));
+    const RunView view(dir_.path(), settings_);
+    const std::vector<std::int64_t> shown = ContactSheet::frames_on(view);
     EXPECT_GE(shown.size(), 2U);
     EXPECT_LE(shown.size(), 7U);
-    const SheetGrid grid = sheet_grid(static_cast<int>(shown.size()), kViewWidth, kViewHeight);
+    const Camera camera = view.camera("oblique", view.page().view_width_px, view.page().height_px);
+    const SheetGrid grid = sheet_grid(static_cast<int>(shown.size()), kViewWidth, kViewHeight, camera.used_width);
     std::vector<int>& of_cells = bone_px.emplace_back();
     for (int i = 0; i < grid.columns * grid.rows; ++i) {
       const int x0 = static_cast<int>(grid.area.x) + i % grid.columns * (grid.cell_width_px + grid.gap_px);
