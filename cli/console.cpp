@@ -30,6 +30,19 @@ bool is_terminal(int descriptor) {
   return isatty(descriptor) == 1 && kind != nullptr && std::strcmp(kind, "dumb") != 0;
 }
 
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Mistake& mistake) {
+  Json out;
+  if (!mistake.where.file.empty()) out["file"] = mistake.where.file;
+  if (mistake.where.line > 0) out["line"] = mistake.where.line;
+  if (mistake.where.column > 0) out["column"] = mistake.where.column;
+  if (!mistake.key.empty()) out["key"] = mistake.key;
+  out["found"] = mistake.found;
+  if (!mistake.expected.empty()) out["expected"] = mistake.expected;
+  return out;
+}
+
 }  // namespace
 
 void Console::say(const std::string& line) const {
@@ -129,23 +142,6 @@ void Progress::finish() {
   if (open_) std::printf("\n");
   open_ = false;
 }
-
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json json_of(const Mistake& mistake) {
-  Json out;
-  if (!mistake.where.file.empty()) out["file"] = mistake.where.file;
-  if (mistake.where.line > 0) out["line"] = mistake.where.line;
-  if (mistake.where.column > 0) out["column"] = mistake.where.column;
-  if (!mistake.key.empty()) out["key"] = mistake.key;
-  out["found"] = mistake.found;
-  if (!mistake.expected.empty()) out["expected"] = mistake.expected;
-  return out;
-}
-
-}  // namespace
 
 void print_json(const Json& json) {
   std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());

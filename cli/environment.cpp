@@ -68,34 +68,6 @@ bool reader_has_left(int descriptor) {
   return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
 }
 
-}  // namespace
-
-void open_standard_streams() {
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    if (fcntl(stream, F_GETFD) == -1 && errno == EBADF) open("/dev/null", O_RDWR);
-  }
-}
-
-void explain_fatal_signals() {
-  const std::string limit = address_space_note();
-  if (limit.empty()) return;
-  const std::string line =
-      "reamsim: error: a library ended the program; " + limit + ", which is the likely cause: raise the limit\n";
-  std::strncpy(fatal_reason, line.c_str(), sizeof fatal_reason - 1);
-  explained_process = getpid();
-  for (const int signal : {SIGABRT, SIGTRAP, SIGSEGV, SIGBUS}) std::signal(signal, end_with_reason);
-}
-
-int flush_standard_output(int status) {
-  const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
-  if (!lost || status != 0 || reader_has_left(STDOUT_FILENO)) return status;
-  write_text(
-      "reamsim: error: standard output: cannot be written; is the disk full? Results in files are not affected\n");
-  return 1;
-}
-
-namespace {
-
 constexpr const char* kTuningVariable = "REAMSIM_ENGINE_TUNING";
 
 /// Sets one member from "name=value"; false where the text is none of them.
@@ -116,35 +88,6 @@ bool set_tuning(EngineTuning& tuning, const std::string& text) {
   return true;
 }
 
-}  // namespace
-
-EngineTuning tuning_of_environment() {
-  EngineTuning tuning;
-  const char* const given = std::getenv(kTuningVariable);
-  std::istringstream words(given == nullptr ? "" : given);
-  for (std::string word; words >> word;) {
-    if (!set_tuning(tuning, word)) {
-      throw InputError(
-          {}, kTuningVariable, "found " + word,
-          "expected kernel_shape=auto|cpu|gpu, culling=true|false, windows=true|false or work_group_size=N");
-    }
-  }
-  return tuning;
-}
-
-std::unique_ptr<cl::KernelCache> prepare_opencl(const std::string& device, const Console& console) {
-  if (device == "serial") return nullptr;
-  auto cache = std::make_unique<cl::KernelCache>();
-  if (console.verbose && !cache->note().empty()) console.say(cache->note());
-  if (!address_space_note().empty()) {
-    cl::list_devices();  // loads the drivers, whose compilers set handlers of their own
-    explain_fatal_signals();
-  }
-  return cache;
-}
-
-namespace {
-
 std::string libraries_text() {
   std::vector<std::string> out;
   for (const auto& [name, version] : kLibraryVersions)
@@ -164,17 +107,6 @@ std::string opencl_text() try {
 } catch (const std::exception& error) {
   return "not available: " + printable(message_of(error));
 }
-
-}  // namespace
-
-std::string version_text() {
-  const std::string commit = kCommit[0] == '\0' ? "" : std::string("commit ") + kCommit + ", ";
-  return "reamsim " REAMSIM_VERSION "\n" + commit + std::string(kBuildType) + " build by " + std::string(kCompiler) +
-         "\nlibraries: " + libraries_text() + "\nOpenCL: " + opencl_text() +
-         "\nLicensed under the Apache License, Version 2.0. Copyright the reamsim authors.";
-}
-
-namespace {
 
 std::string line(const cl::DeviceInfo& device, cl_device_id chosen) {
   std::string out = fmt::format("{} {}  [{}, driver {}, {}, {} compute units, {} MB, largest allocation {} MB]",
@@ -254,6 +186,62 @@ void print_devices_as_json(const Console& console) {
 }
 
 }  // namespace
+
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) == -1 && errno == EBADF) open("/dev/null", O_RDWR);
+  }
+}
+
+void explain_fatal_signals() {
+  const std::string limit = address_space_note();
+  if (limit.empty()) return;
+  const std::string line =
+      "reamsim: error: a library ended the program; " + limit + ", which is the likely cause: raise the limit\n";
+  std::strncpy(fatal_reason, line.c_str(), sizeof fatal_reason - 1);
+  explained_process = getpid();
+  for (const int signal : {SIGABRT, SIGTRAP, SIGSEGV, SIGBUS}) std::signal(signal, end_with_reason);
+}
+
+int flush_standard_output(int status) {
+  const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+  if (!lost || status != 0 || reader_has_left(STDOUT_FILENO)) return status;
+  write_text(
+      "reamsim: error: standard output: cannot be written; is the disk full? Results in files are not affected\n");
+  return 1;
+}
+
+EngineTuning tuning_of_environment() {
+  EngineTuning tuning;
+  const char* const given = std::getenv(kTuningVariable);
+  std::istringstream words(given == nullptr ? "" : given);
+  for (std::string word; words >> word;) {
+    if (!set_tuning(tuning, word)) {
+      throw InputError(
+          {}, kTuningVariable, "found " + word,
+          "expected kernel_shape=auto|cpu|gpu, culling=true|false, windows=true|false or work_group_size=N");
+    }
+  }
+  return tuning;
+}
+
+std::unique_ptr<cl::KernelCache> prepare_opencl(const std::string& device, const Console& console) {
+  if (device == "serial") return nullptr;
+  auto cache = std::make_unique<cl::KernelCache>();
+  if (console.verbose && !cache->note().empty()) console.say(cache->note());
+  if (!address_space_note().empty()) {
+    cl::list_devices();  // loads the drivers, whose compilers set handlers of their own
+    explain_fatal_signals();
+  }
+  return cache;
+}
+
+std::string version_text() {
+  const std::string commit = kCommit[0] == '\0' ? "" : std::string("commit ") + kCommit + ", ";
+  return "reamsim " REAMSIM_VERSION "\n" + commit + std::string(kBuildType) + " build by " + std::string(kCompiler) +
+         "\nlibraries: " + libraries_text() + "\nOpenCL: " + opencl_text() +
+         "\nLicensed under the Apache License, Version 2.0. Copyright the reamsim authors.";
+}
 
 void add_devices_command(CLI::App& app, Console& console) {
   auto* command = app.add_subcommand("devices", "List OpenCL devices and mark the one that `auto` selects");

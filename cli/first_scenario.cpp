@@ -163,12 +163,7 @@ std::string reamer_or_own(const std::string& given) {
 BoneSettings first_bone(const std::string& path, double voxel_mm, double scale, double threshold_hu,
                         const std::vector<std::string>& more) {
   const BoneSource source = source_of_file(path);
-  if (source == BoneSource::vdb) {
-    BoneSettings out;
-    out.source = source;
-    out.vdb.path = path;
-    return out;
-  }
+  if (source == BoneSource::vdb) return {.source = source, .vdb = {.path = path}};
   std::vector<std::string> set{"bone.voxel_mm=" + shortest_text(voxel_mm)};
   set.push_back(source == BoneSource::mesh ? "bone.mesh.scale=" + shortest_text(scale)
                                            : "bone.ct.threshold_hu=" + shortest_text(threshold_hu));

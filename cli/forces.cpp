@@ -115,8 +115,7 @@ Json limits() {
     const Range& range = find_key(key, {}).info.range;
     keys[name] = {{"key", key}, {"min", range.min}, {"max", range.max}, {"text", range_text(range)}};
   }
-  CuttingSettings low;
-  low.preset = EnergyPreset::assumed_low;
+  CuttingSettings low{.preset = EnergyPreset::assumed_low};
   apply_preset({}, low);
   return {{"keys", keys},
           {"least_energy",

@@ -94,6 +94,19 @@ RunTable without_forces(RunTable table) {
   return table;
 }
 
+[[noreturn]] void refuse(const std::string& dir, const std::string& found) {
+  throw InputError({shown_path(dir), 0, 0}, "output folder", found, "choose another with -o");
+}
+
+/// Whether a study has begun to simulate in this folder.
+bool holds_runs(const std::string& dir) {
+  std::error_code error;
+  if (!fs::exists(dir + "/study.json", error)) return false;
+  if (fs::exists(dir + "/runs.csv", error)) return true;
+  const bool none = fs::is_empty(dir + "/runs", error);
+  return !error && !none;
+}
+
 }  // namespace
 
 std::string counts_text(const StudyCounts& counts) {
@@ -132,23 +145,6 @@ void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const C
                            collected.warnings.runs(), collected.counts.done),
                console);
 }
-
-namespace {
-
-[[noreturn]] void refuse(const std::string& dir, const std::string& found) {
-  throw InputError({shown_path(dir), 0, 0}, "output folder", found, "choose another with -o");
-}
-
-/// Whether a study has begun to simulate in this folder.
-bool holds_runs(const std::string& dir) {
-  std::error_code error;
-  if (!fs::exists(dir + "/study.json", error)) return false;
-  if (fs::exists(dir + "/runs.csv", error)) return true;
-  const bool none = fs::is_empty(dir + "/runs", error);
-  return !error && !none;
-}
-
-}  // namespace
 
 void keep_results_of_uq(const SweepOptions& options, const std::string& dir) {
   if (!holds_uq_runs(dir)) return;

@@ -29,7 +29,6 @@
 #include "sim/base/process.h"
 #include "sim/base/text.h"
 #include "sim/record/output_folder.h"
-#include "sim/scenario/parse.h"
 #include "sim/study/study_folder.h"
 
 namespace reamsim {
@@ -246,32 +245,6 @@ class Work {
   int deaths_ = 0;
 };
 
-}  // namespace
-
-bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
-             const std::string& dir, const Console& console, const std::function<void(const WorkerAnswer&)>& answered) {
-  if (runs.empty()) return true;
-  const int jobs = std::min(options.workers(), static_cast<int>(runs.size()));
-  if (jobs > 1) {
-    // Workers share the processors: PoCL of each uses its part only, and does not pin its threads to the first ones.
-    const long processors = std::max(1L, sysconf(_SC_NPROCESSORS_ONLN));
-    setenv("POCL_AFFINITY", "0", 1);
-    setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(std::max(1L, processors / jobs)).c_str(), 0);
-  }
-  std::vector<std::string> command{"/proc/self/exe", "sweep", "worker", options.file};
-  if (!dir.empty()) command.insert(command.end(), {"-o", dir});
-  for (const std::string& text : options.overrides) command.insert(command.end(), {"--set", text});
-  Progress progress(console, dir.empty() ? "check" : "sweep", "runs");
-  std::int64_t count = 0;
-  const auto counted = [&](const WorkerAnswer& answer) {
-    answered(answer);
-    progress.update(++count, std::ssize(runs));
-  };
-  return Work(std::move(command), options.devices, sweep, runs, static_cast<std::size_t>(jobs), counted).run();
-}
-
-namespace {
-
 /// Leaves this process part `index` of `count` of the processors it may use.
 void take_processors(int index, int count) {
   if (count < 2) return;
@@ -369,6 +342,28 @@ class RunWorker {
 };
 
 }  // namespace
+
+bool work_on(const SweepRuns& sweep, const std::vector<std::size_t>& runs, const SweepOptions& options,
+             const std::string& dir, const Console& console, const std::function<void(const WorkerAnswer&)>& answered) {
+  if (runs.empty()) return true;
+  const int jobs = std::min(options.workers(), static_cast<int>(runs.size()));
+  if (jobs > 1) {
+    // Workers share the processors: PoCL of each uses its part only, and does not pin its threads to the first ones.
+    const long processors = std::max(1L, sysconf(_SC_NPROCESSORS_ONLN));
+    setenv("POCL_AFFINITY", "0", 1);
+    setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(std::max(1L, processors / jobs)).c_str(), 0);
+  }
+  std::vector<std::string> command{"/proc/self/exe", "sweep", "worker", options.file};
+  if (!dir.empty()) command.insert(command.end(), {"-o", dir});
+  for (const std::string& text : options.overrides) command.insert(command.end(), {"--set", text});
+  Progress progress(console, dir.empty() ? "check" : "sweep", "runs");
+  std::int64_t count = 0;
+  const auto counted = [&](const WorkerAnswer& answer) {
+    answered(answer);
+    progress.update(++count, std::ssize(runs));
+  };
+  return Work(std::move(command), options.devices, sweep, runs, static_cast<std::size_t>(jobs), counted).run();
+}
 
 void add_sweep_worker(CLI::App& sweep) {
   auto* command = sweep.add_subcommand("worker", "")->group("");  // not listed: only work_on() starts it

@@ -117,11 +117,9 @@ BenchPlot plot_of(const bench::Json& report) {
 
 /// Measures, prints the tables and writes the JSON.
 bench::Json measure(const bench::Plan& plan, const BenchOptions& options, const Console& console) {
-  bench::BenchControl control;
   Progress progress(console, "bench", "steps");
-  control.part = [&](double fraction, const std::string& step) { progress.update_part(fraction, step); };
-  control.stop = stop_requested;
-  bench::Json report = bench::run_bench(plan, control);
+  const auto part = [&](double fraction, const std::string& step) { progress.update_part(fraction, step); };
+  bench::Json report = bench::run_bench(plan, {.part = part, .stop = stop_requested});
   progress.finish();
   console.say_lines("\n" + bench::text_of(report));
   const auto replace_bytes = bench::Json::error_handler_t::replace;
@@ -155,6 +153,55 @@ void bench_command(const BenchOptions& options, const Console& console) {
     measure_with_figure(plan, options, console);
   }
   if (!options.json.empty()) console.say("measurements: " + options.json);
+}
+
+struct VerifyOptions {
+  bool quick = false;
+  std::string output = "out/verify";
+  std::string device = "auto";
+  bool overwrite = false;
+  bool json = false;
+};
+
+/// Runs the suite and writes the report. Returns what was found, and where the report is.
+std::pair<verify::Findings, std::string> verify_into_folder(const VerifyOptions& options, const Console& console) {
+  const auto kernels = prepare_opencl(options.device, console);
+  // Fail early where there is no such device or the report cannot be written.
+  if (options.device != "serial") cl::choose_device(options.device);
+  OutputFolder folder(
+      {.dir = options.output, .kind = ResultKind::verification, .overwrite = options.overwrite, .inputs = {}});
+  const auto forced = abandoning(folder);
+  Progress progress(console, "verify", "cases");
+  const auto part = [&](double fraction, const std::string& name) { progress.update_part(fraction, name); };
+  verify::Findings findings =
+      verify::run_suite({.quick = options.quick, .device = options.device, .part = part, .stop = stop_requested});
+  progress.finish();
+  write_verification(folder.path(), findings);
+  write_citation(folder.path(), cite_program());
+  finish(folder, console);
+  return {std::move(findings), folder.final_path() + "/verification.md"};
+}
+
+/// Prints verification.json or a line per case. Then throws RunError where a figure exceeds its tolerance.
+void verify_command(const VerifyOptions& options, const Console& console) {
+  std::pair<verify::Findings, std::string> done;
+  const auto& [findings, report] = done;
+  const auto run = [&](const Console& shown) { done = verify_into_folder(options, shown); };
+  if (options.json) {
+    run_with_json(console, run);
+    std::fputs(verification_json(findings).c_str(), stdout);
+  } else {
+    run(console);
+    for (const verify::CaseFindings& found : findings.all_cases())
+      console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
+    console.say("report: " + report);
+  }
+  if (findings.passed()) return;
+  for (const verify::CaseFindings& found : findings.all_cases()) {
+    for (const verify::Check& check : found.checks)
+      if (!check.passed()) console.warn(found.title + ": " + check.quantity + " exceeds its tolerance");
+  }
+  throw RunError(std::to_string(findings.failed_checks()) + " figures exceed their tolerance; see " + report);
 }
 
 }  // namespace
@@ -195,62 +242,6 @@ void add_bench_command(CLI::App& app, Console& console) {
       ->excludes(latency);
   command->add_flag("--quiet", console.quiet, "Print only warnings and errors")->excludes(latency);
 }
-
-namespace {
-
-struct VerifyOptions {
-  bool quick = false;
-  std::string output = "out/verify";
-  std::string device = "auto";
-  bool overwrite = false;
-  bool json = false;
-};
-
-/// Runs the suite and writes the report. Returns what was found, and where the report is.
-std::pair<verify::Findings, std::string> verify_into_folder(const VerifyOptions& options, const Console& console) {
-  const auto kernels = prepare_opencl(options.device, console);
-  // Fail early where there is no such device or the report cannot be written.
-  if (options.device != "serial") cl::choose_device(options.device);
-  OutputFolder folder(
-      {.dir = options.output, .kind = ResultKind::verification, .overwrite = options.overwrite, .inputs = {}});
-  const auto forced = abandoning(folder);
-  verify::Setting setting;
-  setting.quick = options.quick;
-  setting.device = options.device;
-  Progress progress(console, "verify", "cases");
-  setting.part = [&](double fraction, const std::string& name) { progress.update_part(fraction, name); };
-  setting.stop = stop_requested;
-  verify::Findings findings = verify::run_suite(setting);
-  progress.finish();
-  write_verification(folder.path(), findings);
-  write_citation(folder.path(), cite_program());
-  finish(folder, console);
-  return {std::move(findings), folder.final_path() + "/verification.md"};
-}
-
-/// Prints verification.json or a line per case. Then throws RunError where a figure exceeds its tolerance.
-void verify_command(const VerifyOptions& options, const Console& console) {
-  std::pair<verify::Findings, std::string> done;
-  const auto& [findings, report] = done;
-  const auto run = [&](const Console& shown) { done = verify_into_folder(options, shown); };
-  if (options.json) {
-    run_with_json(console, run);
-    std::fputs(verification_json(findings).c_str(), stdout);
-  } else {
-    run(console);
-    for (const verify::CaseFindings& found : findings.all_cases())
-      console.say((found.passed() ? "pass  " : "FAIL  ") + found.title);
-    console.say("report: " + report);
-  }
-  if (findings.passed()) return;
-  for (const verify::CaseFindings& found : findings.all_cases()) {
-    for (const verify::Check& check : found.checks)
-      if (!check.passed()) console.warn(found.title + ": " + check.quantity + " exceeds its tolerance");
-  }
-  throw RunError(std::to_string(findings.failed_checks()) + " figures exceed their tolerance; see " + report);
-}
-
-}  // namespace
 
 void add_verify_command(CLI::App& app, Console& console) {
   const auto [command, options] = add_command(

@@ -109,11 +109,6 @@ bool is_kept(const Vec3& point_mm, const Camera& camera) {
   return !camera.cut_plane || camera.cut_plane->dot(point_mm.homogeneous()) >= 0;
 }
 
-bool is_beside_cut(const Vec3& point_mm, const Camera& camera) {
-  return camera.cut_plane &&
-         !is_kept(point_mm - kCutMargin_mm * Vec3(camera.cut_plane->head<3>().normalized()), camera);
-}
-
 /// Is there no bone in front of a point on the face?
 bool is_visible(const Vec3& point_mm, const Camera& camera, const BoneFields& bone) {
   const VoxelGrid& grid = bone.voxmap.grid;
@@ -215,13 +210,15 @@ void Renderer::update_bone() {
 
 std::vector<SeenContour> Renderer::contours(const Camera& camera) const {
   std::vector<SeenContour> out;
+  const Vec3 beside_cut_mm =
+      camera.cut_plane ? Vec3(kCutMargin_mm * camera.cut_plane->head<3>().normalized()) : Vec3(Vec3::Zero());
   for (const SurfaceLine& contour : contours_) {
     SeenContour& seen = out.emplace_back(contour_style(contour.value, view_.depth_scale()));
     bool visible = false;
     for (const Vec3& p : contour.points_mm) {
       if (seen.points_px.size() % kTestedPoints == 0) visible = is_visible(p, camera, fields_);
       seen.points_px.push_back(camera.pixel(p));
-      seen.visible.push_back(visible && !is_beside_cut(p, camera));
+      seen.visible.push_back(visible && is_kept(p - beside_cut_mm, camera));
     }
   }
   return out;

@@ -89,13 +89,10 @@ constexpr int kVertices = 34962, kIndices = 34963;
 /// Colour of bone that was not reamed, linear.
 const Eigen::Vector3f kBoneColor(0.72F, 0.60F, 0.45F);
 
-float linear_from_srgb(float c) {
-  return c <= 0.04045F ? c / 12.92F : std::pow((c + 0.055F) / 1.055F, 2.4F);
-}
-
 /// glTF's vertex colours are linear.
 Eigen::Vector3f color_of(float depth_mm, float reamed, const ColorMap& map, double depth_max_mm) {
-  const Eigen::Vector3f depth = map.at(depth_mm / depth_max_mm).unaryExpr(&linear_from_srgb);
+  const auto linear = [](float c) { return c <= 0.04045F ? c / 12.92F : std::pow((c + 0.055F) / 1.055F, 2.4F); };
+  const Eigen::Vector3f depth = map.at(depth_mm / depth_max_mm).unaryExpr(linear);
   // The same smoothstep as in the shader of the pictures.
   const float t = std::clamp((reamed - 0.35F) / 0.3F, 0.0F, 1.0F);
   const float fraction = t * t * (3 - 2 * t);

@@ -29,13 +29,6 @@ constexpr float kBone = -0.5F;
 using Kernel = std::array<float, 2 * kReach + 1>;
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
-Kernel smoothing_kernel() {
-  Kernel kernel{};
-  std::ranges::transform(gaussian_weights(SolidField::kSmoothing_voxels, kReach), kernel.begin(),
-                         [](double weight) { return static_cast<float>(weight); });
-  return kernel;
-}
-
 /// Convolves `kGathered` rows of `cells` values along the slowest axis into `kBrickSide` rows.
 void smooth_rows(const Kernel& kernel, int cells, const float* in, float* out) {
   for (int row = 0; row < kBrickSide; ++row) {
@@ -138,7 +131,9 @@ void SolidField::update(const Occupancy& occupancy, const std::vector<Vec3i>& br
 void SolidField::compute(const Occupancy& occupancy, const std::vector<Vec3i>& bricks) {
   std::vector<std::unique_ptr<Leaf>> leaves(bricks.size());
   std::vector<Occupancy::Kind> kinds(bricks.size());
-  const Kernel kernel = smoothing_kernel();
+  Kernel kernel{};
+  std::ranges::transform(gaussian_weights(kSmoothing_voxels, kReach), kernel.begin(),
+                         [](double weight) { return static_cast<float>(weight); });
   parallel_items(bricks.size(), [&](std::size_t i) {
     kinds[i] = neighbourhood(occupancy, bricks[i]);
     if (kinds[i] == Occupancy::Kind::kMixed) leaves[i] = smoothed_leaf(occupancy, kernel, bricks[i]);

@@ -51,12 +51,6 @@ Json optional_json(const std::optional<Vec3>& v) {
   return v ? vector_json(*v) : Json();
 }
 
-Json points_json(const std::vector<Vec3>& points) {
-  Json json = Json::array();
-  for (const Vec3& p : points) json.push_back(vector_json(p));
-  return json;
-}
-
 Json spheres_json(std::span<const CutSphereSettings> spheres) {
   Json out = Json::array();
   for (const CutSphereSettings& sphere : spheres) {
@@ -101,6 +95,8 @@ Json glenoid_json(const PreviewBone& bone, const GlenoidSettings& given) {
     if (written) return vector_json(column == 3 ? *written : Vec3(written->normalized()));
     return bone.glenoid ? vector_json(bone.glenoid->bone_from_glenoid.matrix().col(column)) : Json();
   };
+  Json rim_mm = Json::array();
+  for (const Vec3& p : bone.rim_mm) rim_mm.push_back(vector_json(p));
   Json json{{"given", given.near_mm     ? "near"
                       : given.landmarks ? "landmarks"
                       : given.center_mm ? "face"
@@ -109,23 +105,13 @@ Json glenoid_json(const PreviewBone& bone, const GlenoidSettings& given) {
             {"normal", shown(given.normal, 2)},
             {"superior", shown(given.superior, 1)},
             {"landmarks", Json()},
-            {"rim_mm", points_json(bone.rim_mm)},
+            {"rim_mm", rim_mm},
             {"rim_given", !given.rim_mm.empty()}};
   if (bone.landmarks) {
     json["landmarks"] = {{"glenoid_center_mm", vector_json(bone.landmarks->glenoid_center_mm)},
                          {"trigonum_spinae_mm", vector_json(bone.landmarks->trigonum_spinae_mm)},
                          {"inferior_angle_mm", vector_json(bone.landmarks->inferior_angle_mm)}};
   }
-  return json;
-}
-
-/// The envelope of revolution of the tool; null where it cannot be read.
-Json tool_json(const ToolSettings& settings, double voxel_mm, MistakeList& mistakes, Diagnostics& report) {
-  Json json;
-  mistakes.attempt([&] {
-    const Tool tool = load_tool(settings, voxel_mm, ShellUse::none, report);
-    for (const Vec2& p : tool.profile.points) json["profile"].push_back({short_number(p.x()), short_number(p.y())});
-  });
   return json;
 }
 
@@ -310,7 +296,12 @@ Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::i
   json["ct"] = settings.source == BoneSource::ct ? ct_json(settings.ct, bone.scan.settings) : Json();
   json["glenoid"] = glenoid_json(bone, settings.glenoid);
   const PassSpec last = passes_of(scenario).back();
-  json["tool"] = tool_json(last.tool, settings.voxel_mm, mistakes, report);
+  json["tool"] = Json();  // the envelope of revolution; null where it cannot be read
+  mistakes.attempt([&] {
+    const Tool tool = load_tool(last.tool, settings.voxel_mm, ShellUse::none, report);
+    for (const Vec2& p : tool.profile.points)
+      json["tool"]["profile"].push_back({short_number(p.x()), short_number(p.y())});
+  });
   json["motion"] = motion_json(last.motion, mistakes, report);
   json["volume"] =
       volume_json(bone.bone ? preview_of_voxmap(*bone.bone, most_voxels) : preview_of_scan(bone.scan, most_voxels));

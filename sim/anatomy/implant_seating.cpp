@@ -34,16 +34,6 @@ constexpr double kWallVoxels = 2;
 /// The map exceeds the footprint, so that cores and holes at its edge are known, voxels.
 constexpr double kMapMarginVoxels = 4;
 
-ColumnMap map_under(const BoneView& bone, const Rigid& bone_from_implant, const ImplantShape& shape) {
-  const double voxel_mm = bone.voxmap.grid.voxel_mm;
-  return map_columns(bone, bone_from_implant,
-                     {.margin_mm = voxel_mm,
-                      .radius_mm = shape.has_outline() ? shape.reach_mm() + kMapMarginVoxels * voxel_mm : 0,
-                      .around_axis = shape.has_outline(),
-                      .below_mm = kOverhangDepth_mm + shape.augment_depth_mm(),
-                      .pitch_mm = voxel_mm / kColumnsPerVoxel});
-}
-
 template <class Property>
 std::vector<std::uint8_t> mark_groups(const ColumnMap& map, ColumnState state, const Property& property) {
   std::vector<std::uint8_t> out(map.columns.size(), 0);
@@ -313,8 +303,14 @@ std::optional<Rigid> implant_pose(const ImplantSettings& settings, const Rigid& 
 std::optional<SeatedImplant> place_implant(const BoneView& bone, const Rigid& bone_from_implant,
                                            const ImplantShape& shape, const ImplantSettings& settings) {
   SeatedImplant out;
-  out.map = map_under(bone, bone_from_implant, shape);
-  out.footprint = footprint_of(out.map, shape, bone.voxmap.grid.voxel_mm);
+  const double voxel_mm = bone.voxmap.grid.voxel_mm;
+  out.map = map_columns(bone, bone_from_implant,
+                        {.margin_mm = voxel_mm,
+                         .radius_mm = shape.has_outline() ? shape.reach_mm() + kMapMarginVoxels * voxel_mm : 0,
+                         .around_axis = shape.has_outline(),
+                         .below_mm = kOverhangDepth_mm + shape.augment_depth_mm(),
+                         .pitch_mm = voxel_mm / kColumnsPerVoxel});
+  out.footprint = footprint_of(out.map, shape, voxel_mm);
   const auto resting_mm = resting_height(out, [](const FootprintColumn&) { return true; });
   if (!resting_mm) return std::nullopt;
   if (settings.seat) out.apex_mm = *resting_mm;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <new>
-#include <tuple>
 
 #include "sim/base/process.h"
 
@@ -92,10 +91,9 @@ void MistakeList::throw_if_any() const {
     return std::make_tuple(m.where.line == 0, m.where.file, m.where.line, m.where.column);
   });
   if (sorted.size() > kMostShown) {
-    Mistake rest;
-    rest.found = "and " + std::to_string(sorted.size() - kMostShown) + " mistakes more";
+    const std::string rest = "and " + std::to_string(sorted.size() - kMostShown) + " mistakes more";
     sorted.resize(kMostShown);
-    sorted.push_back(rest);
+    sorted.push_back({.where = {}, .key = "", .found = rest, .expected = ""});
   }
   throw InputError(std::move(sorted));
 }

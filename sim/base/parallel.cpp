@@ -8,12 +8,10 @@
 #include <tbb/parallel_for.h>
 
 #ifdef REAMSIM_THREAD_SANITIZER
-#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>
 #include <thread>
-#include <vector>
 #endif
 
 namespace reamsim {

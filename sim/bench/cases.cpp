@@ -311,8 +311,7 @@ void measure_plunge(const ProgramSet& set) {
       if (run.continues()) run.run(chunk);
     }
   }
-  const auto direct =
-      std::find_if(runs.begin(), runs.end(), [](const PlungeRun& r) { return r.is_published_direct(); });
+  const auto direct = std::ranges::find_if(runs, &PlungeRun::is_published_direct);
   for (const PlungeRun& run : runs) {
     run.program->restore();
     add_plunge(set, run, direct == runs.end() ? std::vector<BatchSample>{} : direct->chunks);

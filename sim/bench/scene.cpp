@@ -37,10 +37,7 @@ VoxelGrid grid_of(int side) {
 }
 
 FilledVoxmap sample(int side) {
-  BoneSettings settings;
-  settings.source = BoneSource::phantom;
-  settings.side = BodySide::left;
-  return sample_glenoid(settings, grid_of(side));
+  return sample_glenoid({.source = BoneSource::phantom, .side = BodySide::left}, grid_of(side));
 }
 
 /// Bricks of the finer voxmap: a voxel is bone where the interpolated fraction of bone is at least half, with the mean
@@ -192,9 +189,7 @@ Aabb shell_box(const Tool& tool) {
 }
 
 CuttingSettings bench_cutting() {
-  CuttingSettings cutting;
-  cutting.erosion = ErosionMode::remove;
-  return cutting;
+  return {.erosion = ErosionMode::remove};
 }
 
 const std::array<Approach, 4> kApproaches{{
@@ -215,22 +210,17 @@ ToolPose pose_at(const Approach& approach, double depth_mm) {
   const Vec3 axis =
       Eigen::AngleAxisd(implicit::radians(approach.tilt_posterior_deg), Vec3::UnitZ()) *
       (Eigen::AngleAxisd(-implicit::radians(approach.tilt_up_deg), Vec3::UnitY()) * (center - place).normalized());
-  ToolPose pose;
-  pose.orientation = smallest_rotation(Vec3::UnitZ(), axis);
-  pose.position_mm = place - depth_mm * axis;
-  pose.spin_rpm = kSpinRpm;
-  return pose;
+  const Quat turned = smallest_rotation(Vec3::UnitZ(), axis);
+  return {.position_mm = place - depth_mm * axis, .orientation = turned, .spin_rpm = kSpinRpm};
 }
 
 Substep substep_at(const ToolPose& pose) {
   const Vec3 axis = pose.orientation * Vec3::UnitZ();
-  Substep out;
-  out.pose = pose;
-  out.origin_velocity_mm_s = -kFeedMmS * axis;
-  out.angular_velocity = -kSpinRpm * 2 * std::numbers::pi / 60 * axis;
-  out.duration_s = kFrameS;
-  out.frame = 1;
-  return out;
+  return {.pose = pose,
+          .origin_velocity_mm_s = -kFeedMmS * axis,
+          .angular_velocity = -kSpinRpm * 2 * std::numbers::pi / 60 * axis,
+          .duration_s = kFrameS,
+          .frame = 1};
 }
 
 std::vector<Substep> substeps_of(Contact contact) {
@@ -293,10 +283,7 @@ Tool sphere_cap(double voxel_mm) {
 }
 
 Substep sphere_frame(double depth_mm, std::int64_t number) {
-  ToolPose pose;
-  pose.position_mm = {0, 0, -depth_mm};
-  pose.spin_rpm = 250;
-  Substep frame = substep_at(pose);
+  Substep frame = substep_at({.position_mm = {0, 0, -depth_mm}, .spin_rpm = 250});
   frame.origin_velocity_mm_s = {0, 0, -kSphereFeedMmS};
   frame.duration_s = kSphereFrameS;
   frame.frame = number;

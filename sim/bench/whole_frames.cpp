@@ -91,8 +91,7 @@ double time_run(const ExactRuns& runs, const Motion& motion, const BenchControl&
   Stopwatch watch;
   double kernel_before_s = 0;
   std::int64_t contacts_before = 0, contacts = 0;
-  RunControl hooks;
-  hooks.stop = control.stop;
+  RunControl hooks{.stop = control.stop};
   hooks.progress = [&](std::int64_t frame, std::int64_t last) {
     if (frame == last) return;
     if (frame >= kWindowFrames) {

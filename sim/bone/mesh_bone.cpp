@@ -138,14 +138,10 @@ double value_between(const Samples& distance, const Vec3i& lower, const Vec3& fr
 }
 
 /// The same at the coordinates of samples.
-struct DistanceBetween {
-  const openvdb::FloatTree& distance;
-
-  [[nodiscard]] double operator()(const Vec3& index) const {
-    const Vec3 base = index.array().floor();
-    return value_between(distance, base.cast<int>(), index - base);
-  }
-};
+double distance_between(const openvdb::FloatTree& distance, const Vec3& index) {
+  const Vec3 base = index.array().floor();
+  return value_between(distance, base.cast<int>(), index - base);
+}
 
 constexpr double kSamplesInLayer = 5;  // the least number of samples across a layer
 /// Every voxel is sampled down to this depth, voxels, where the samples below are further apart.
@@ -193,7 +189,7 @@ class MeshDepth {
   [[nodiscard]] bool interpolated() const { return ratio_ > 1; }
   /// The interpolated distance at voxel coordinates, below the surface.
   [[nodiscard]] double below(const Vec3& voxel) const {
-    return ratio_ * DistanceBetween{deep_->tree()}(voxel / ratio_);
+    return ratio_ * distance_between(deep_->tree(), voxel / ratio_);
   }
 
   using Distances = std::array<float, BrickLattice::kVoxels>;
@@ -269,7 +265,7 @@ void set_fill_at_surface(const openvdb::FloatTree& distance, const TriangleMesh*
   std::optional<MeshFractions> fractions;
   if (simple != nullptr) fractions.emplace(*simple, voxmap.grid);
   if (fractions && fractions->overlap()) fractions.reset();
-  const DistanceBetween between{distance};
+  const auto between = [&](const Vec3& index) { return distance_between(distance, index); };
   const std::uint8_t outermost = by_depth.grade(-std::numeric_limits<float>::min());
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
     const double away = double{distance.getValue(vdb_coord(voxel))};

@@ -178,14 +178,6 @@ void check_change(const MeshBoneSettings& settings, const TriangleMesh& closed, 
   report.warn("volume of the mesh by winding numbers: " + volumes);
 }
 
-/// Pieces without volume, as closed flaps are, are not named.
-void warn_of_pieces(std::vector<MeshPiece> pieces, Diagnostics& report) {
-  constexpr double kNone = 1e-9;  // of the largest
-  const double largest = pieces.empty() ? 0 : pieces.front().volume_mm3;
-  std::erase_if(pieces, [&](const MeshPiece& piece) { return piece.volume_mm3 <= kNone * largest; });
-  for (const std::string& warning : warnings_of(pieces)) report.warn(warning);
-}
-
 void make_solid(const MeshBoneSettings& settings, BoneMesh& bone, Diagnostics& report) {
   const MeshDiagnosis found = diagnose(bone.mesh);
   bone.was_clean = found.closed_manifold();
@@ -193,14 +185,17 @@ void make_solid(const MeshBoneSettings& settings, BoneMesh& bone, Diagnostics& r
   const std::string state = "mesh: " + std::to_string(bone.mesh.triangles.size()) + " triangles, " + found.text();
   if (!bone.was_clean) triangles_before = close_surface(settings, found, bone.mesh, report);
   report.note(state);
-  const std::vector<MeshPiece> pieces = turn_outwards(bone.mesh, !bone.was_clean);
+  std::vector<MeshPiece> pieces = turn_outwards(bone.mesh, !bone.was_clean);
   bone.outer_mm3 = outer_volume_mm3(pieces);
   bone.nested = std::ranges::any_of(pieces, &MeshPiece::inside_another);
   if (bone.outer_mm3 <= 1e-9 * bone.mesh.bounds().half().prod() * 8) {
     refuse_file(settings.path, "the mesh encloses no volume", "give the surface of a solid");
   }
   if (settings.repair && !bone.was_clean) check_change(settings, bone.mesh, triangles_before, report);
-  warn_of_pieces(pieces, report);
+  constexpr double kNone = 1e-9;  // of the largest; pieces without volume, as closed flaps are, are not named
+  const double largest = pieces.empty() ? 0 : pieces.front().volume_mm3;
+  std::erase_if(pieces, [&](const MeshPiece& piece) { return piece.volume_mm3 <= kNone * largest; });
+  for (const std::string& warning : warnings_of(pieces)) report.warn(warning);
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <numeric>
 #include <sstream>
 
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 
 namespace reamsim::cl {
@@ -92,10 +91,6 @@ Program Device::build(const std::string& name, const char* source, const std::st
   if (program.get() == nullptr) program = build_program(info(), context(), name, source, options);
   check(clRetainProgram(program.get()), "clRetainProgram");
   return Program(program.get());
-}
-
-void Device::finish() const {
-  check(clFinish(queue()), "clFinish");
 }
 
 Memory allocate_memory(const Device& device, std::size_t bytes, const char* what, const char* key) {

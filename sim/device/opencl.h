@@ -61,7 +61,7 @@ class Device {
   /// exists, with compiler options such as "-DNAME=1". Throws RunError with the compiler's log.
   [[nodiscard]] Program build(const std::string& name, const char* source, const std::string& options = "") const;
 
-  void finish() const;
+  void finish() const { check(clFinish(queue()), "clFinish"); }
 
  private:
   struct Opened {

@@ -15,7 +15,6 @@ namespace reamsim {
 
 namespace {
 
-constexpr std::size_t kHeadBytes = 16384;
 constexpr std::uint64_t kLeastResult = std::uint64_t{1} << 20;
 void* const kNotAttached = reinterpret_cast<void*>(-1);
 
@@ -51,10 +50,6 @@ SharedMemory::SharedMemory(const Handle& handle) : id_(handle.id), capacity_(han
 
 SharedMemory::~SharedMemory() {
   shmdt(memory_);
-}
-
-std::byte* SharedMemory::result() const {
-  return static_cast<std::byte*>(memory_) + kHeadBytes;
 }
 
 void ResultWriter::begin_file(const std::string& path) {

@@ -69,10 +69,12 @@ class SharedMemory {
 
   [[nodiscard]] Handle handle() const { return {id_, capacity_}; }
   [[nodiscard]] Head& head() const { return *static_cast<Head*>(memory_); }
-  [[nodiscard]] std::byte* result() const;
+  [[nodiscard]] std::byte* result() const { return static_cast<std::byte*>(memory_) + kHeadBytes; }
   [[nodiscard]] std::uint64_t capacity() const { return capacity_; }
 
  private:
+  static constexpr std::size_t kHeadBytes = 16384;
+
   int id_ = -1;
   void* memory_ = nullptr;
   std::uint64_t capacity_ = 0;

@@ -152,14 +152,6 @@ void read_and_put(ResultWriter& out, const std::string& path, MeshFormat format,
   out.put(stated_space(std::string_view(bytes).substr(0, kMeshHeaderBytes), format));
 }
 
-/// What assimp may need: its own arrays for each number in a text file.
-ReadLimits limits_for(std::uintmax_t file_bytes) {
-  constexpr std::uint64_t kMemoryPerFileByte = 48;
-  ReadLimits limits = ReadLimits().with(file_bytes, kMemoryPerFileByte * file_bytes);
-  limits.result_bytes += 16 * file_bytes;
-  return limits;
-}
-
 void append_point(std::string& out, const Vec3& p) {
   const Eigen::Vector3f narrow = p.cast<float>();
   out.append(reinterpret_cast<const char*>(narrow.data()), 3 * sizeof(float));
@@ -177,7 +169,11 @@ MeshContents read_mesh_contents(const std::string& path, double scale, const std
     if (key.empty()) throw;
     throw InputError({}, key, error.what(), "");
   }
-  ResultReader result = read_in_child<read_and_put>({path, ""}, limits_for(bytes_of_file(path)), path, format, scale);
+  constexpr std::uint64_t kMemoryPerFileByte = 48;  // assimp's own arrays for each number in a text file
+  const std::uintmax_t file_bytes = bytes_of_file(path);
+  ReadLimits limits = ReadLimits().with(file_bytes, kMemoryPerFileByte * file_bytes);
+  limits.result_bytes += 16 * file_bytes;
+  ResultReader result = read_in_child<read_and_put>({path, ""}, limits, path, format, scale);
   MeshContents out;
   out.mesh = take_mesh(result);
   out.report.warnings = result.texts();

@@ -131,11 +131,10 @@ std::optional<Manifest> read_manifest(const std::string& dir) {
 }
 
 void write_manifest(const std::string& dir, const Manifest& manifest, bool durable) {
-  Json json;
-  json["program"] = "reamsim " REAMSIM_VERSION;
-  json["kind"] = manifest.kind;
-  json["complete"] = manifest.complete;
-  json["files"] = manifest.files;
+  const Json json{{"program", "reamsim " REAMSIM_VERSION},
+                  {"kind", manifest.kind},
+                  {"complete", manifest.complete},
+                  {"files", manifest.files}};
   const std::string path = dir + "/" + kManifestName, text = json.dump(2) + "\n";
   durable ? replace_file(path, text) : write_file(path, text);
 }

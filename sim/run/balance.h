@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/base/geometry.h"
+#include "sim/scenario/motion_settings.h"
 
 namespace reamsim {
 
@@ -91,7 +92,7 @@ struct SpringBalance {
   double most_mm = 0;   ///< the deflection changes by no more
   double least_mm = 0;  ///< smaller differences of a position have no meaning
 
-  [[nodiscard]] bool is_rigid(int axis) const;
+  [[nodiscard]] bool is_rigid(int axis) const { return stiffness_n_mm[axis] >= ComplianceSettings::kRigid_n_mm; }
 };
 
 /// Forces of the bone at deflections at the end of the substep, each from the bone as it is before, N.

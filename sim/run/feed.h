@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -42,9 +43,12 @@ class Feed {
 /// A feed along planned poses, whose last frame is known.
 class PlannedFeed : public Feed {
  public:
-  explicit PlannedFeed(const SimulationInput& scene);
+  explicit PlannedFeed(const SimulationInput& scene)
+      : scene_(scene), pictures_(picture_frames(scene.scenario.render, scene.last_frame(), scene.contact)) {}
   [[nodiscard]] bool has_ended(std::int64_t frame) const override { return frame >= scene_.motion.last_frame(); }
-  [[nodiscard]] bool has_picture(std::int64_t frame) const override;
+  [[nodiscard]] bool has_picture(std::int64_t frame) const override {
+    return std::ranges::binary_search(pictures_, frame);
+  }
   [[nodiscard]] std::int64_t last_frame() const override { return scene_.last_frame(); }
 
  protected:

@@ -72,13 +72,12 @@ Aabb cutting_box(const SimulationInput& scene) {
 }  // namespace
 
 FrameResult EnergyBalance::close(const PendingFrame& frame, const std::vector<SubstepSums>& sums) {
-  FrameResult out;
-  out.frame = frame.frame;
-  out.pass = frame.pass;
-  out.time_s = frame.time_s;
-  out.push = frame.push;
-  out.deflection_mm = frame.deflection_mm;
-  out.pose = frame.pose;
+  FrameResult out{.frame = frame.frame,
+                  .pass = frame.pass,
+                  .time_s = frame.time_s,
+                  .pose = frame.pose,
+                  .push = frame.push,
+                  .deflection_mm = frame.deflection_mm};
   rs_i64 removed = 0;
   std::optional<Vec3> touched_from_mm;  // where the first substep with contact begins
   for (const auto& [slot, substep] : frame.cut) {

@@ -5,7 +5,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "sim/engine/common/substep.h"
@@ -116,13 +115,6 @@ void warn_of_edges(const SimulationInput& scene, const RunTotals& totals, Diagno
 }
 
 }  // namespace
-
-PlannedFeed::PlannedFeed(const SimulationInput& scene)
-    : scene_(scene), pictures_(picture_frames(scene.scenario.render, scene.last_frame(), scene.contact)) {}
-
-bool PlannedFeed::has_picture(std::int64_t frame) const {
-  return std::ranges::binary_search(pictures_, frame);
-}
 
 std::unique_ptr<Engine> load_engine(const SimulationInput& scene, EngineDevices& devices) {
   try {

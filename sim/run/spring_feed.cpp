@@ -9,7 +9,6 @@
 
 #include "sim/run/balance.h"
 #include "sim/run/feed.h"
-#include "sim/scenario/motion_settings.h"
 #include "sim/tool/tool_path.h"
 
 namespace reamsim {
@@ -321,10 +320,6 @@ class SpringFeed : public PlannedFeed {
 };
 
 }  // namespace
-
-bool SpringBalance::is_rigid(int axis) const {
-  return stiffness_n_mm[axis] >= ComplianceSettings::kRigid_n_mm;
-}
 
 Deflection balanced_deflection(const SpringBalance& balance, const BoneForces& bone, const SpringState& before) {
   return SpringSolver(balance, bone, before).solve(before);

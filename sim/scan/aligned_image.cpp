@@ -79,8 +79,7 @@ double interpolated_cubic(const std::vector<float>& value, const Vec3i& dims, co
   const Vec3 inside = index.cwiseMax(0).cwiseMin((dims - Vec3i::Ones()).cast<double>());
   const Vec3i low = inside.cast<int>();
   std::array<std::array<double, 4>, 3> weights{};
-  for (int axis = 0; axis < 3; ++axis)
-    weights[static_cast<std::size_t>(axis)] = cubic_weights(inside[axis] - low[axis]);
+  for (int axis = 0; axis < 3; ++axis) weights[axis] = cubic_weights(inside[axis] - low[axis]);
   double sum = 0, least = std::numeric_limits<double>::infinity(), most = -least;
   for_each_voxel(Vec3i::Zero(), Vec3i::Constant(3), [&](const Vec3i& step) {
     const Vec3i at = (low + step - Vec3i::Ones()).cwiseMax(0).cwiseMin(dims - Vec3i::Ones());
@@ -125,8 +124,7 @@ AxisWeights average(double from, double to, int count) {
   const double low = std::clamp<double>(from, 0, count - 1);
   const double high = std::clamp<double>(to, low, count);
   AxisWeights out;
-  out.first = static_cast<int>(std::floor(low + kRounding));
-  out.first = std::min(out.first, count - 1);
+  out.first = std::min(static_cast<int>(std::floor(low + kRounding)), count - 1);
   const int last = std::clamp(static_cast<int>(std::ceil(high - kRounding)) - 1, out.first, count - 1);
   double sum = 0;
   for (int n = out.first; n <= last; ++n) {
@@ -288,10 +286,7 @@ NegatedField::NegatedField(const AlignedImage& image)
       last_(image.lattice.dims.cast<double>() - Vec3::Ones()),
       last_low_((image.lattice.dims - Vec3i::Constant(2)).cwiseMax(0)),
       stride_{1, image.lattice.index({0, 1, 0}), image.lattice.index({0, 0, 1})} {
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto at = static_cast<std::size_t>(axis);
-    step_[at] = image.lattice.dims[axis] > 1 ? stride_[at] : 0;
-  }
+  for (int axis = 0; axis < 3; ++axis) step_[axis] = image.lattice.dims[axis] > 1 ? stride_[axis] : 0;
 }
 
 }  // namespace reamsim::ct

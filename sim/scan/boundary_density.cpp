@@ -41,14 +41,6 @@ void smooth_along(AlignedImage& image, int axis, double sigma_voxels) {
   }
 }
 
-/// A mask after a Gaussian filter, which smooths the voxel steps. Its gradient is normal to the boundary.
-AlignedImage smoothed(const Mask& bone, const Lattice& lattice) {
-  AlignedImage out{lattice, std::vector<float>(bone.begin(), bone.end())};
-  const double sigma_mm = kSigma * lattice.spacing_mm.maxCoeff();
-  for (int axis = 0; axis < 3; ++axis) smooth_along(out, axis, sigma_mm / lattice.spacing_mm[axis]);
-  return out;
-}
-
 /// Unit vector into the bone, LPS; zero where the mask is uniform.
 Vec3 inward_normal(const AlignedImage& smooth, const Vec3i& voxel) {
   const Vec3 gradient = smooth.gradient(voxel);
@@ -162,7 +154,8 @@ class BoundaryEstimator {
     const Ray ray = make_ray(voxel, normal);
     const std::optional<double> boundary = boundary_on(ray, voxel);
     if (!boundary) return {densest_around(voxel), false};
-    const double most = densest_on(ray, *boundary);
+    double most = -std::numeric_limits<double>::infinity();
+    visit_window(ray, *boundary, [&](const Vec3i& place) { most = std::max(most, double{hu_.at(place)}); });
     const std::optional<Line> line = trusted_line(ray, std::max(*boundary, 0.0));
     if (!line || measured_exceeds(ray, *boundary, *line)) return {most, false};
     return {std::min(line->at(0), std::max(most, line->value)), true};
@@ -220,12 +213,6 @@ class BoundaryEstimator {
       if (!is_bone(voxel)) return;
       visit(voxel);
     }
-  }
-
-  [[nodiscard]] double densest_on(const Ray& ray, double boundary) const {
-    double most = -std::numeric_limits<double>::infinity();
-    visit_window(ray, boundary, [&](const Vec3i& voxel) { most = std::max(most, double{hu_.at(voxel)}); });
-    return most;
   }
 
   /// The largest value of bone in the 3×3×3 neighbourhood; without bone the value of the voxel.
@@ -316,7 +303,10 @@ BoundaryDensity correct(AlignedImage& hu, const Mask& mask, const Vec3& psf_mm, 
   const Lattice& lattice = hu.lattice;
   const Vec3i spread = spread_in_voxels(lattice, psf_mm);
   const Mask trusted = eroded(mask, lattice, spread);
-  const AlignedImage smooth = smoothed(mask, lattice);
+  // The mask after a Gaussian filter, which smooths the voxel steps. Its gradient is normal to the boundary.
+  AlignedImage smooth{lattice, std::vector<float>(mask.begin(), mask.end())};
+  const double sigma_mm = kSigma * lattice.spacing_mm.maxCoeff();
+  for (int axis = 0; axis < 3; ++axis) smooth_along(smooth, axis, sigma_mm / lattice.spacing_mm[axis]);
   BoundaryDensity out;
   out.noise_hu = noise_between(hu, trusted);
   const BoundaryEstimator estimate(hu, mask, trusted, smooth, out.noise_hu, spread);

@@ -31,11 +31,6 @@ struct SurfacePoint {
   Vec3 outward;
 };
 
-double value_at(const AlignedImage& hu, const Vec3& point_mm) {
-  const Vec3 place = (point_mm - hu.lattice.origin_mm).cwiseQuotient(hu.lattice.spacing_mm);
-  return interpolated(hu.value, hu.lattice.dims, place);
-}
-
 /// The surface of all bone in a box of voxels; of every `step`-th voxel along each axis.
 std::vector<SurfacePoint> surface_in(const AlignedImage& hu, double threshold_hu, const Vec3i& first, const Vec3i& last,
                                      int step = 1) {
@@ -165,7 +160,9 @@ std::optional<GapPoint> gap_on(const AlignedImage& hu, double threshold_hu, cons
   std::vector<double> values;
   const double from_mm = head.radius_mm - kInside_mm;
   for (double at = 0; at <= 2 * kInside_mm + kWidest_mm; at += kStep_mm) {
-    values.push_back(value_at(hu, head.center_mm + (from_mm + at) * direction));
+    const Vec3 point_mm = head.center_mm + (from_mm + at) * direction;
+    const Vec3 place = (point_mm - hu.lattice.origin_mm).cwiseQuotient(hu.lattice.spacing_mm);
+    values.push_back(interpolated(hu.value, hu.lattice.dims, place));
   }
   const auto plate_end = values.begin() + static_cast<std::ptrdiff_t>((kInside_mm + 1) / kStep_mm);
   const auto plate = std::max_element(values.begin(), plate_end);

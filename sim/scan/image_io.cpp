@@ -141,15 +141,6 @@ std::map<std::string, std::string> metadata_of(const itk::ImageIOBase& io) {
 
 constexpr std::size_t kLongestLine = 200;
 
-/// The beginning of a line of a damaged file, for a message.
-std::string printable_start(const std::string& line) {
-  constexpr std::size_t kMost = 60;
-  std::string out = line.substr(0, kMost);
-  std::ranges::replace_if(
-      out, [](char c) { return c < 0x20 || c > 0x7e; }, '?');
-  return out;
-}
-
 /// MetaIO reads as many numbers as the header has dimensions, without end, and takes the header for compressed voxels
 /// where these follow it and have no size.
 void check_meta_image(const ForeignFile& file) {
@@ -168,7 +159,11 @@ void check_meta_image(const ForeignFile& file) {
                        "add it, or save the image without compression");
     }
     if (line.find("NDims") == std::string::npos || few_dimensions.matches(line.substr(0, kLongestLine))) continue;
-    throw file.error("the MetaImage header says \"" + printable_start(line) + "\"", "expected NDims = 3");
+    constexpr std::size_t kMostInMessage = 60;
+    line.resize(std::min(line.size(), kMostInMessage));
+    std::ranges::replace_if(
+        line, [](char c) { return c < 0x20 || c > 0x7e; }, '?');
+    throw file.error("the MetaImage header says \"" + line + "\"", "expected NDims = 3");
   }
 }
 

@@ -47,7 +47,10 @@ class MissingBone {
       const bool dense = static_cast<double>(hu.value[in_image]) >= map.refine_hu;
       missing_[at] = !labelled && dense && (closed[at] || holes_[at]);
     });
-    keep_thick_parts();
+    const Vec3i one = Vec3i::Ones();
+    const Mask thick = dilated(eroded(missing_, part_, one), part_, 2 * one);
+    for (std::size_t at = 0; at < missing_.size(); ++at) missing_[at] = missing_[at] && thick[at];
+    pieces_ = connected_pieces(missing_, part_);
   }
 
   /// Volume and place of the parts that are worth a warning.
@@ -83,13 +86,6 @@ class MissingBone {
   [[nodiscard]] bool is_worth(std::size_t at) const {
     const std::uint32_t piece = pieces_.label[at];
     return piece != 0 && static_cast<double>(pieces_.list[piece - 1].voxels) * part_.voxel_mm3() >= kWorthWarning_mm3;
-  }
-
-  void keep_thick_parts() {
-    const Vec3i one = Vec3i::Ones();
-    const Mask thick = dilated(eroded(missing_, part_, one), part_, 2 * one);
-    for (std::size_t at = 0; at < missing_.size(); ++at) missing_[at] = missing_[at] && thick[at];
-    pieces_ = connected_pieces(missing_, part_);
   }
 
   Mask label_;

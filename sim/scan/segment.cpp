@@ -105,15 +105,6 @@ Mask with_cut_margin(const Mask& kept, const Mask& before_cuts, const Mask& afte
   return out;
 }
 
-void note_pieces(const Pieces& pieces, const SolidPiece& solid, const CtSettings& settings, const Lattice& lattice,
-                 Diagnostics& report) {
-  const double kept_mm3 = static_cast<double>(std::ranges::count(solid.mask, 1)) * lattice.voxel_mm3();
-  report.note(fmt::format(
-      "{} connected pieces; kept the {}, {:.0f} mm3 when closed ({} voxels added by {:.1f} mm) and filled ({} voxels)",
-      pieces.list.size(), settings.seed_mm ? "one with the seed" : "largest", kept_mm3, solid.closed,
-      settings.closing_mm, solid.filled));
-}
-
 Segmentation facts_of(const Pieces& pieces, const SolidPiece& solid, std::int64_t cut, const CtSettings& settings,
                       const Lattice& lattice) {
   const auto mm3 = [&](std::int64_t voxels) { return static_cast<double>(voxels) * lattice.voxel_mm3(); };
@@ -188,7 +179,11 @@ BoneField segment_by_threshold(const AlignedImage& hu, const CtSettings& setting
                      "a plane removes the side to which its normal points");
   }
   const SolidPiece solid = choose_piece(pieces, hu, settings);
-  note_pieces(pieces, solid, settings, lattice, report);
+  const double kept_mm3 = static_cast<double>(std::ranges::count(solid.mask, 1)) * lattice.voxel_mm3();
+  report.note(fmt::format(
+      "{} connected pieces; kept the {}, {:.0f} mm3 when closed ({} voxels added by {:.1f} mm) and filled ({} voxels)",
+      pieces.list.size(), settings.seed_mm ? "one with the seed" : "largest", kept_mm3, solid.closed,
+      settings.closing_mm, solid.filled));
 
   Mask kept(hu.value.size(), 0);
   solid.lattice.for_each(

@@ -125,10 +125,9 @@ SpacingFault fault_at(const Stack& slices, const std::vector<double>& gaps, doub
     return {SpacingFault::Kind::missing, gap + 1, typical, gaps[gap], multiple - 1};
   }
   const long also_numbers = is_multiple && numbers_jump ? multiple - 1 : 0;
-  if (length == 1 && gap > 0 && gap + 1 < gaps.size())
-    return {SpacingFault::Kind::irregular, gap + 1, typical, gaps[gap], 0};
-  if (gap > 0) return {SpacingFault::Kind::change, gap + 1, gaps[gap - 1], gaps[gap], also_numbers};
-  if (last + 1 < gaps.size()) return {SpacingFault::Kind::change, last + 2, gaps[gap], gaps[last + 1], 0};
+  const bool is_single = length == 1 && is_inside;
+  if (gap > 0 && !is_single) return {SpacingFault::Kind::change, gap + 1, gaps[gap - 1], gaps[gap], also_numbers};
+  if (gap == 0 && last + 1 < gaps.size()) return {SpacingFault::Kind::change, last + 2, gaps[gap], gaps[last + 1], 0};
   return {SpacingFault::Kind::irregular, gap + 1, typical, gaps[gap], 0};
 }
 

@@ -139,20 +139,16 @@ std::uint8_t grade_from_hu(double hu, const DensityMapping& mapping) {
   return DensityMapping::grade_from_density(mapping.density_from_hu(hu));
 }
 
-/// Number of halvings of a voxel until its parts are no larger than the voxels of the image.
-int halvings(const Lattice& image, double voxel_mm) {
-  constexpr double kRoundingOfLog = 1e-6;
-  constexpr int kMax = 3;
-  const double ratio = voxel_mm / image.spacing_mm.minCoeff();
-  return std::clamp(static_cast<int>(std::ceil(std::log2(ratio) - kRoundingOfLog)), 0, kMax);
-}
-
 /// The fill follows from the zero of the field. The grade follows from the image, whose values were corrected on both
 /// sides of the boundary.
 void set_fill_at_surface(const BoneField& bone, const SliceResampler& hu, const CtSettings& settings, const Aabb& image,
                          FilledVoxmap& voxmap) {
   const VoxelGrid& grid = voxmap.grid;
-  const int splits = halvings(bone.field.lattice, grid.voxel_mm);
+  // A voxel is halved until its parts are no larger than the voxels of the image.
+  constexpr double kRoundingOfLog = 1e-6;
+  constexpr int kMostSplits = 3;
+  const double ratio = grid.voxel_mm / bone.field.lattice.spacing_mm.minCoeff();
+  const int splits = std::clamp(static_cast<int>(std::ceil(std::log2(ratio) - kRoundingOfLog)), 0, kMostSplits);
   const NegatedField outside(bone.field);
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
     const Vec3 center = grid.center_mm(voxel);

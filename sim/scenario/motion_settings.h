@@ -66,7 +66,7 @@ struct PushSettings {
   PlungeStart from = PlungeStart::entry;  ///< where depth and approach begin
   double approach_mm = 2;
   double thrust_n = 50;
-  std::string profile;  ///< CSV of the thrust over time, instead of thrust_n; "" = none
+  std::string profile{};  ///< CSV of the thrust over time, instead of thrust_n; "" = none
   double max_feed_mm_s = 5;
   double spin_rpm = 250;
   PushEnd until = PushEnd::depth;

@@ -89,12 +89,12 @@ struct HuSettings {
 
 struct CtSettings {
   std::string path;                  ///< DICOM folder, NRRD, NIfTI or MetaImage
-  std::optional<HuSettings> hu;      ///< of values that are no HU
-  std::string series;                ///< of a DICOM folder, and its volume (docs/inputs.md); "" = the largest
+  std::optional<HuSettings> hu{};    ///< of values that are no HU
+  std::string series{};              ///< of a DICOM folder, and its volume (docs/inputs.md); "" = the largest
   Modality modality = Modality::ct;  ///< what a DICOM series may be
   Uneven uneven = Uneven::refuse;    ///< DICOM slices whose spacing changes
-  std::optional<Vec3> crop_min_mm;
-  std::optional<Vec3> crop_max_mm;
+  std::optional<Vec3> crop_min_mm{};
+  std::optional<Vec3> crop_max_mm{};
   CtFilter filter = CtFilter::none;
   int median_radius_voxels = 1;
   int anisotropic_iterations = 5;
@@ -103,11 +103,11 @@ struct CtSettings {
   double psf_mm = 0;  ///< full width of the point spread; 0: the voxel spacing along each axis
   double closing_mm = 1.5;
   bool fill_holes = true;
-  std::optional<Vec3> seed_mm;         ///< the piece that contains it is kept; without it the largest
+  std::optional<Vec3> seed_mm{};       ///< the piece that contains it is kept; without it the largest
   Separate separate = Separate::none;  ///< humerus: its head is found next to the glenoid and cut off
-  std::vector<CutSphereSettings> cut_spheres;
-  std::vector<CutPlaneSettings> cut_planes;
-  std::optional<LabelMapSettings> label_map;  ///< instead of threshold, closing, filling, seed and cuts
+  std::vector<CutSphereSettings> cut_spheres{};
+  std::vector<CutPlaneSettings> cut_planes{};
+  std::optional<LabelMapSettings> label_map{};  ///< instead of threshold, closing, filling, seed and cuts
 };
 
 struct MeshBoneSettings {
@@ -140,13 +140,13 @@ struct BoneSettings {
   double voxel_mm = 0.25;
   bool cache = true;  ///< keep the loaded bone on disk for the next command (sim/scene/bone_store.h)
   SurfaceVoxels surface_voxels = SurfaceVoxels::automatic;  ///< see with_surface_voxels()
-  DensitySettings density;
-  GlenoidSettings glenoid;
-  PhantomSettings phantom;
-  CtSettings ct;
-  MeshBoneSettings mesh;
-  VdbBoneSettings vdb;
-  std::optional<PilotHoleSettings> pilot_hole;
+  DensitySettings density{};
+  GlenoidSettings glenoid{};
+  PhantomSettings phantom{};
+  CtSettings ct{};
+  MeshBoneSettings mesh{};
+  VdbBoneSettings vdb{};
+  std::optional<PilotHoleSettings> pilot_hole{};
 };
 
 // ---- engine, cutting ---------------------------------------------------------------------------------------------
@@ -198,14 +198,14 @@ struct CuttingSettings {
   CuttingLaw law = CuttingLaw::energy;
   ErosionMode erosion = ErosionMode::exact;
   EnergyPreset preset = EnergyPreset::none;
-  std::vector<SpecificEnergySettings> specific_energy_table;  ///< empty: the power law
+  std::vector<SpecificEnergySettings> specific_energy_table{};  ///< empty: the power law
   double specific_energy_j_mm3 = 0.15;
   double reference_density_g_cm3 = 1.8;
   double density_exponent = 2;
   double normal_ratio = 0.5;
   double friction_fraction = 0;  ///< of the tangential force
-  std::optional<SizeEffectSettings> size_effect;
-  std::optional<EdgeForceSettings> edge_force;
+  std::optional<SizeEffectSettings> size_effect{};
+  std::optional<EdgeForceSettings> edge_force{};
   double speed_floor_mm_s = 10;
   double force_per_point_n = 0.001;  ///< law: per_point
   double wear_g_cm3_per_s = 80;      ///< erosion: wear; density that a touched voxel loses per second

@@ -10,7 +10,6 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/mark.h>
 #include <algorithm>
-#include <array>
 #include <map>
 #include <optional>
 #include <set>
@@ -222,32 +221,32 @@ struct Rephrased {
   const char* expected;
 };
 
-constexpr std::array kRephrased{
-    Rephrased{"end of map not found", "a line that does not continue the section above it",
-              "expected \"key: value\" with the same indentation as its neighbours"},
-    Rephrased{"end of map flow not found", "a \"{\" that is not closed", "expected \"}\""},
-    Rephrased{"end of sequence not found", "a line that does not continue the list above it",
-              "expected \"- value\" with the same indentation as its neighbours"},
-    Rephrased{"end of sequence flow not found", "a \"[\" that is not closed", "expected \"]\""},
-    Rephrased{"illegal EOF in scalar", "a quotation mark that is not closed", "close it before the end"},
-    Rephrased{"illegal document indicator in scalar", "a quotation mark that is not closed",
-              "close it before the end of the document"},
-    Rephrased{"illegal map value", "a \":\" where no key can be",
-              "expected one \"key: value\" per line, with even indentation, and texts that hold \": \" in quotes"},
-    Rephrased{"illegal map key", "a key where none can be", "expected one \"key: value\" per line"},
-    Rephrased{"illegal block entry", "a \"-\" where no list entry can be",
-              "expected it on a line of its own, indented with spaces"},
-    Rephrased{"illegal flow end", "a \"]\" or \"}\" that closes nothing", "expected the bracket that opens it"},
-    Rephrased{"unknown escape character", "an unknown escape after \"\\\" in a quoted text",
-              "expected \\\\ for a backslash, or single quotes"},
-    Rephrased{"bad character found while scanning hex number", "a \\x, \\u or \\U without its hex digits",
-              "expected 2, 4 or 8 hex digits"},
-    Rephrased{"invalid unicode", "a \\u or \\U that is no Unicode character", "expected a Unicode code point"},
-    Rephrased{"the referenced anchor is not defined", "an alias (*name) without its anchor",
-              "expected the anchor (&name) before it"},
-    Rephrased{"alias not found", "a \"*\" without a name", "expected an alias name, or the text in quotes"},
-    Rephrased{"anchor not found", "a \"&\" without a name", "expected an anchor name, or the text in quotes"},
-    Rephrased{"unknown token", "a character that cannot begin a value", "expected the text in quotes"},
+constexpr Rephrased kRephrased[]{
+    {"end of map not found", "a line that does not continue the section above it",
+     "expected \"key: value\" with the same indentation as its neighbours"},
+    {"end of map flow not found", "a \"{\" that is not closed", "expected \"}\""},
+    {"end of sequence not found", "a line that does not continue the list above it",
+     "expected \"- value\" with the same indentation as its neighbours"},
+    {"end of sequence flow not found", "a \"[\" that is not closed", "expected \"]\""},
+    {"illegal EOF in scalar", "a quotation mark that is not closed", "close it before the end"},
+    {"illegal document indicator in scalar", "a quotation mark that is not closed",
+     "close it before the end of the document"},
+    {"illegal map value", "a \":\" where no key can be",
+     "expected one \"key: value\" per line, with even indentation, and texts that hold \": \" in quotes"},
+    {"illegal map key", "a key where none can be", "expected one \"key: value\" per line"},
+    {"illegal block entry", "a \"-\" where no list entry can be",
+     "expected it on a line of its own, indented with spaces"},
+    {"illegal flow end", "a \"]\" or \"}\" that closes nothing", "expected the bracket that opens it"},
+    {"unknown escape character", "an unknown escape after \"\\\" in a quoted text",
+     "expected \\\\ for a backslash, or single quotes"},
+    {"bad character found while scanning hex number", "a \\x, \\u or \\U without its hex digits",
+     "expected 2, 4 or 8 hex digits"},
+    {"invalid unicode", "a \\u or \\U that is no Unicode character", "expected a Unicode code point"},
+    {"the referenced anchor is not defined", "an alias (*name) without its anchor",
+     "expected the anchor (&name) before it"},
+    {"alias not found", "a \"*\" without a name", "expected an alias name, or the text in quotes"},
+    {"anchor not found", "a \"&\" without a name", "expected an anchor name, or the text in quotes"},
+    {"unknown token", "a character that cannot begin a value", "expected the text in quotes"},
 };
 
 [[noreturn]] void throw_syntax_error(const YAML::Exception& error, const LineIndex& lines, const YamlBuilder& builder,
@@ -259,7 +258,7 @@ constexpr std::array kRephrased{
   const std::string_view theirs = error.msg;
   YamlMark mark = lines.mark(error.mark.line, error.mark.column);
   const auto match = std::ranges::find_if(kRephrased, [&](const auto& r) { return theirs.starts_with(r.theirs); });
-  if (match == kRephrased.end()) {
+  if (match == std::end(kRephrased)) {
     throw InputError(mark.in(file), "", "YAML syntax error", "expected \"key: value\" lines in valid YAML");
   }
   // yaml-cpp reports a bracket that is never closed at the end of the file; where it was opened helps more.

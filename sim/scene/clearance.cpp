@@ -299,12 +299,6 @@ class ClearanceSearch {
   double way_mm_ = 0;
 };
 
-/// Where and when a clearance is.
-std::string place_of(const FrameClearance& at, const SimulationInput& scene) {
-  return fmt::format("the {} at {} mm, in frame {} ({:.3f} s)", name_of(at.obstacle), point_text(at.point_mm), at.frame,
-                     static_cast<double>(at.frame) * scene.motion.frame_s());
-}
-
 /// Adds the frames of a pass.
 void add_pass(const BoneView& bone, const Tool& tool, const Motion& motion, const ClearanceSettings& settings,
               HolderClearance& out) {
@@ -344,7 +338,9 @@ std::optional<HolderClearance> find_clearance(const SimulationInput& scene) {
 std::string sentence_of(const HolderClearance& clearance, const SimulationInput& scene) {
   const FrameClearance& least = clearance.least;
   const std::string part = holder_part_name(scene.scenario, least);
-  const std::string place = place_of(least, scene);
+  const std::string place =
+      fmt::format("the {} at {} mm, in frame {} ({:.3f} s)", name_of(least.obstacle), point_text(least.point_mm),
+                  least.frame, static_cast<double>(least.frame) * scene.motion.frame_s());
   if (least.mm <= 0) {
     return fmt::format("clearance of the holder: none, {} touches {}, {:.2f} mm deep", part, place, -least.mm);
   }

@@ -231,14 +231,6 @@ double margin_mm(const Scenario& scenario, const Tool& tool) {
   return kVoxelRadius_voxels * tool.shell.cell_mm;  // a point of the shell lies in a cell that the surface cuts
 }
 
-/// Whether earlier passes leave what is predicted, to within a voxel. Wear, springs, a hand, cutting edges that turn
-/// and points of a shell can leave more bone.
-bool leaves_as_predicted(const SimulationInput& scene) {
-  const auto is_envelope = [](const Tool& tool) { return !tool.teeth; };
-  return scene.scenario.cutting.erosion == ErosionMode::exact && scene.scenario.motion.is_prescribed() &&
-         is_envelope(scene.tool) && std::ranges::all_of(scene.later_passes, is_envelope, &Pass::tool);
-}
-
 /// `most`: at least the bone that the pass meets.
 ContactForecast forecast_pass(const SimulationInput& scene, const FillBricks& fill, const FillBricks& most,
                               const Tool& tool, const Motion& motion) {
@@ -272,7 +264,12 @@ ContactForecast forecast_pass(const SimulationInput& scene, const FillBricks& fi
 
 std::vector<ContactForecast> forecast_passes(const SimulationInput& scene) {
   std::vector<ContactForecast> out;
-  const bool predictable = leaves_as_predicted(scene);
+  // Whether earlier passes leave what is predicted, to within a voxel. Wear, springs, a hand, cutting edges that turn
+  // and points of a shell can leave more bone.
+  const auto is_envelope = [](const Tool& tool) { return !tool.teeth; };
+  const bool predictable = scene.scenario.cutting.erosion == ErosionMode::exact &&
+                           scene.scenario.motion.is_prescribed() && is_envelope(scene.tool) &&
+                           std::ranges::all_of(scene.later_passes, is_envelope, &Pass::tool);
   for_each_predicted_pass(scene, [&](const FillBricks& fill, const Tool& tool, const Motion& motion) {
     out.push_back(forecast_pass(scene, fill, predictable ? fill : scene.bone.fill, tool, motion));
   });

@@ -144,13 +144,6 @@ double inside_volume_mm3(const DistanceGrid& grid) {
   return sum * std::pow(grid.spacing_mm, 3);
 }
 
-/// Edges may protrude from the sampled envelope; the trilinear distance may be wrong by half a cell's diagonal.
-double envelope_slack(const TriangleMesh& mesh, const Profile& envelope, double spacing_mm) {
-  double out = 0;
-  for (const Vec3& v : mesh.vertices) out = std::max(out, envelope.nearest(rz_of(v)).distance_mm);
-  return out + kOutlineStepMm + kHalfDiagonalCells * spacing_mm;
-}
-
 /// Whether `axis` separates the triangle (relative to the box's centre) from the box.
 bool separates(const Vec3& axis, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& half) {
   const double pa = axis.dot(a), pb = axis.dot(b), pc = axis.dot(c);
@@ -177,7 +170,10 @@ DistanceGrid make_distance_grid(const TriangleMesh& mesh, const Profile& envelop
   } catch (const openvdb::Exception&) {
     throw InputError("tool.mesh: the distance grid cannot be computed; give a closed surface");
   }
-  grid.slack_mm = envelope_slack(mesh, envelope, grid.spacing_mm);
+  // Edges may protrude from the sampled envelope; the trilinear distance may be wrong by half a cell's diagonal.
+  double beyond_mm = 0;
+  for (const Vec3& v : mesh.vertices) beyond_mm = std::max(beyond_mm, envelope.nearest(rz_of(v)).distance_mm);
+  grid.slack_mm = beyond_mm + kOutlineStepMm + kHalfDiagonalCells * grid.spacing_mm;
   grid.mesh_mm3 = mesh.volume_mm3();
   grid.volume_mm3 = inside_volume_mm3(grid);
   return grid;

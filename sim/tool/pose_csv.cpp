@@ -61,11 +61,6 @@ CsvLayout layout_of(const CsvMotionSettings& settings) {
   return out;
 }
 
-bool is_plain(const CsvMotionSettings& settings) {
-  return settings.format == PoseFormat::csv && settings.separator == Separator::comma &&
-         settings.time_column == kNames[kTime] && settings.position_columns.front() == kNames[kX];
-}
-
 /// False for a row without a pose. Throws InputError for a part of one, or no time.
 bool has_pose(const std::vector<double>& row, const SourceLocation& where) {
   const auto missing = std::count_if(row.begin() + kX, row.begin() + kSpin, [](double v) { return std::isnan(v); });
@@ -117,7 +112,9 @@ void check_interval(const SourceLocation& where, double before_s, double time_s,
 }  // namespace
 
 std::vector<KeyPose> read_pose_csv(const CsvMotionSettings& settings, Diagnostics& report) {
-  CsvReader rows(settings.path, layout_of(settings), is_plain(settings) ? kPoseColumns : kDescribedColumns);
+  const bool plain = settings.format == PoseFormat::csv && settings.separator == Separator::comma &&
+                     settings.time_column == kNames[kTime] && settings.position_columns.front() == kNames[kX];
+  CsvReader rows(settings.path, layout_of(settings), plain ? kPoseColumns : kDescribedColumns);
   std::string ignored;
   for (const std::string& name : rows.skipped()) ignored += (ignored.empty() ? "\"" : ", \"") + printable(name) + '"';
   if (!ignored.empty()) report.note(rows.where().text() + ": ignored columns: " + ignored.substr(0, 200));

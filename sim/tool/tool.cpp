@@ -172,15 +172,6 @@ Vec3 normal_of(const Triangle& t) {
   return (t[1] - t[0]).cross(t[2] - t[0]).normalized();
 }
 
-std::vector<Triangle> triangles_of(const TriangleMesh& mesh) {
-  std::vector<Triangle> out;
-  for (const auto& triangle : mesh.triangles) {
-    const Triangle t = mesh.corners(triangle);
-    if (normal_of(t).norm() > 0.5) out.push_back(t);  // no area, no normal
-  }
-  return out;
-}
-
 /// Calls body(point) for points of a triangle, at most `step_mm` apart.
 template <typename Body>
 void each_point(const Triangle& t, double step_mm, const Body& body) {
@@ -296,7 +287,11 @@ Tool load_tool(const ToolSettings& settings, double voxel_mm, ShellUse use, Diag
 }
 
 std::optional<ThinWall> thinnest_wall(const TriangleMesh& mesh, double limit_mm) {
-  const std::vector<Triangle> triangles = triangles_of(mesh);
+  std::vector<Triangle> triangles;
+  for (const auto& triangle : mesh.triangles) {
+    const Triangle t = mesh.corners(triangle);
+    if (normal_of(t).norm() > 0.5) triangles.push_back(t);  // no area, no normal
+  }
   const TriangleCells cells(triangles, limit_mm);
   const double skin = kSkin * limit_mm;
   std::optional<ThinWall> thinnest;

@@ -15,15 +15,13 @@ namespace reamsim::verify {
 using std::numbers::pi;
 
 CuttingSettings stated_cutting(ErosionMode erosion) {
-  CuttingSettings cutting;
-  cutting.law = CuttingLaw::energy;
-  cutting.erosion = erosion;
-  cutting.specific_energy_j_mm3 = kSpecificEnergy_mj_mm3 / 1000;
-  cutting.reference_density_g_cm3 = kReferenceDensity_g_cm3;
-  cutting.density_exponent = kDensityExponent;
-  cutting.normal_ratio = kNormalRatio;
-  cutting.speed_floor_mm_s = kSpeedFloor_mm_s;
-  return cutting;
+  return {.law = CuttingLaw::energy,
+          .erosion = erosion,
+          .specific_energy_j_mm3 = kSpecificEnergy_mj_mm3 / 1000,
+          .reference_density_g_cm3 = kReferenceDensity_g_cm3,
+          .density_exponent = kDensityExponent,
+          .normal_ratio = kNormalRatio,
+          .speed_floor_mm_s = kSpeedFloor_mm_s};
 }
 
 double specific_energy(double density_g_cm3) {
@@ -132,14 +130,12 @@ HalfFaceLoads SteadyPlunge::half_face() const {
   const double per_mm = specific_energy(density_g_cm3) * feed_mm_s / angular_speed(rpm);
   const double squares = outer_mm * outer_mm - bore_mm * bore_mm;
   const double flat = outer_mm - bore_mm, bent = face_integral(*this, outer_mm) - face_integral(*this, bore_mm);
-  HalfFaceLoads out;
-  out.torque_nmm = torque_nmm() / 2;
-  out.axial_force_n = axial_force_n() / 2;
-  out.along_e_n = radius_mm ? -kNormalRatio * per_mm * squares / *radius_mm : 0;
-  out.along_t_n = 2 * per_mm * flat;
-  out.about_e_nmm = radius_mm ? -2 * per_mm * *radius_mm * (flat - bent) : 0;
-  out.about_t_nmm = -kNormalRatio * per_mm * squares;
-  return out;
+  return {.torque_nmm = torque_nmm() / 2,
+          .axial_force_n = axial_force_n() / 2,
+          .along_e_n = radius_mm ? -kNormalRatio * per_mm * squares / *radius_mm : 0,
+          .along_t_n = 2 * per_mm * flat,
+          .about_e_nmm = radius_mm ? -2 * per_mm * *radius_mm * (flat - bent) : 0,
+          .about_t_nmm = -kNormalRatio * per_mm * squares};
 }
 
 HalfFaceLoads SteadyPlunge::full_half_face() const {

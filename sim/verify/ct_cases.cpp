@@ -90,13 +90,10 @@ ct::ScanSource scan_of(const CtSlab& slab) {
 
 /// Scans the slab and imports it at `voxel_mm`, as `bone.source: ct` does.
 FilledVoxmap scan_and_import(const CtSlab& slab, double voxel_mm) {
-  BoneSettings settings;
-  settings.source = BoneSource::ct;
-  settings.voxel_mm = voxel_mm;
-  settings.surface_voxels = SurfaceVoxels::partial;
-  settings.ct.path = "slab";
-  settings.ct.threshold_hu = kSlabThreshold_hu;
-  settings.ct.closing_mm = 0;
+  const BoneSettings settings{.source = BoneSource::ct,
+                              .voxel_mm = voxel_mm,
+                              .surface_voxels = SurfaceVoxels::partial,
+                              .ct = {.path = "slab", .threshold_hu = kSlabThreshold_hu, .closing_mm = 0}};
   Diagnostics report;
   return voxmap_from_scan(scan_of(slab), settings, report);
 }
@@ -225,10 +222,8 @@ void ct_plate_case(const Setting& setting, Report& out) {
     Worst worst;
     double mean = 0;
     for (const double offset : {0.0, 0.31, 0.74}) {
-      CtSlab slab{.hu = [=](double depth) { return depth < thickness_mm ? 1600.0 : 400.0; }};
-      slab.breaks_mm = {thickness_mm};
-      slab.spacing_mm = 0.8;
-      slab.offset_voxels = offset;
+      const auto hu = [=](double depth) { return depth < thickness_mm ? 1600.0 : 400.0; };
+      const CtSlab slab{.hu = hu, .breaks_mm = {thickness_mm}, .spacing_mm = 0.8, .offset_voxels = offset};
       for (const double voxel_mm : voxels) {
         const double expected = specific_energy(DensityMapping().density_from_hu(1600));
         const double found = plunge(slab, voxel_mm, {0.75 * thickness_mm}, setting)[0].per_mm3();
@@ -248,9 +243,7 @@ void ct_force_case(const Setting& setting, Report& out) {
       "slab of 1000 HU scanned at 1 mm, face at 0.31 voxels and tilted by 30°; convex head of 29 mm radius, 8 mm wide, "
       "cannula radius 1.25 mm, 0.5 mm/s and 250 rpm in full contact, voxels halved";
   out.form = "integral of the law over the face";
-  CtSlab slab{.hu = [](double) { return 1000.0; }};
-  slab.offset_voxels = 0.31;
-  slab.tilt_deg = 30;
+  const CtSlab slab{.hu = [](double) { return 1000.0; }, .offset_voxels = 0.31, .tilt_deg = 30};
   const double density =
       DensityMapping::density_from_grade(DensityMapping::grade_from_density(DensityMapping().density_from_hu(1000)));
   const SteadyPlunge form{

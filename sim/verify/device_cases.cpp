@@ -138,9 +138,7 @@ void speed_case(const Setting& setting, Report& out) {
                    .verify_poses = false,
                    .details = false,
                    .sphere_voxels_mm = {0.25}};
-  bench::BenchControl control;
-  control.stop = setting.stop;
-  const bench::Json report = bench::run_bench(plan, control);
+  const bench::Json report = bench::run_bench(plan, {.stop = setting.stop});
   for (const bench::Json& row : report["results"]) {
     median(fmt::format("{}, {}", bench::name_of({row["engine"], row["variant"]}), row["case"].get<std::string>()), row);
   }

@@ -68,9 +68,7 @@ double steady_feed(const SteadyPlunge& head, double thrust_n, double voxel_mm, c
   Push push{.head = head_of(head), .voxel_mm = voxel_mm, .rate_hz = 50, .begin_mm = begin};
   push.density = [density = head.density_g_cm3](const Vec3&) { return density; };
   push.block_mm = begin + 2 * voxel_mm + 1;
-  push.settings.approach_mm = 0;
-  push.settings.thrust_n = thrust_n;
-  push.settings.depth_mm = 1.1 * voxel_mm;
+  push.settings = {.approach_mm = 0, .thrust_n = thrust_n, .depth_mm = 1.1 * voxel_mm};
   const Reamed reamed = pushed(push, setting);
   return mean_feed(reamed, begin + 0.05 * voxel_mm, begin + 1.05 * voxel_mm);
 }
@@ -150,10 +148,7 @@ void push_steady_case(const Setting& setting, Report& out) {
   constexpr double kLayer_mm = 1.5, kVoxel_mm = 0.5, kThrust_n = 50;
   Push push{.head = head_of(kFlatExample), .voxel_mm = kVoxel_mm, .rate_hz = 100, .begin_mm = 0.3, .block_mm = 4};
   push.density = [](const Vec3& p) { return p.z() > -kLayer_mm ? 1.8 : 0.4; };
-  push.settings.approach_mm = 0;
-  push.settings.thrust_n = kThrust_n;
-  push.settings.max_feed_mm_s = 20;
-  push.settings.depth_mm = 2.5;
+  push.settings = {.approach_mm = 0, .thrust_n = kThrust_n, .max_feed_mm_s = 20, .depth_mm = 2.5};
   const Reamed reamed = pushed(push, setting);
   SteadyPlunge soft = kFlatExample;
   soft.density_g_cm3 = 0.4;
@@ -176,8 +171,7 @@ void push_ball_case(const Setting& setting, Report& out) {
             .rate_hz = 500,
             .block_mm = deepest + 1,
             .width_mm = setting.quick ? 20.0 : 33.0};
-  push.settings.approach_mm = 0.2;
-  push.settings.depth_mm = deepest + 0.02;
+  push.settings = {.approach_mm = 0.2, .depth_mm = deepest + 0.02};
   const Reamed reamed = pushed(push, setting);
   const double contact_s = time_at(reamed, 0);
   const auto add = [&](double depth_mm) {
@@ -218,10 +212,7 @@ void push_stall_case(const Setting& setting, Report& out) {
   const auto run = [&](double thrust_n) {
     Push push{.head = head_of(kFlatExample), .voxel_mm = 0.5, .rate_hz = 100, .begin_mm = 0.3, .block_mm = 3};
     push.edge = EdgeForceSettings{.tangential_n_mm = 1e-6, .normal_n_mm = 1};
-    push.settings.approach_mm = 0;
-    push.settings.thrust_n = thrust_n;
-    push.settings.until = PushEnd::stall;
-    push.settings.time_s = 2;
+    push.settings = {.approach_mm = 0, .thrust_n = thrust_n, .until = PushEnd::stall, .time_s = 2};
     return pushed(push, setting);
   };
   const Reamed below = run(0.95 * edge_n), above = run(edge_n + kMore_n);
@@ -241,11 +232,7 @@ void push_energy_case(const Setting& setting, Report& out) {
   Push push{.head = convex_profile(12, 5, 0, kPushHead_mm, 0.05), .voxel_mm = 0.25, .rate_hz = 500, .block_mm = 3};
   push.width_mm = 13;
   push.density = [](const Vec3& p) { return p.z() > -1 ? 1.8 : 0.4; };
-  push.settings.approach_mm = 0.2;
-  push.settings.thrust_n = 40;
-  push.settings.depth_mm = 1.5;
-  push.settings.mass_kg = 0.5;
-  push.settings.damping_n_s_mm = 0.5;
+  push.settings = {.approach_mm = 0.2, .thrust_n = 40, .depth_mm = 1.5, .mass_kg = 0.5, .damping_n_s_mm = 0.5};
   const Reamed reamed = pushed(push, setting);
   const double floor = reamed.sum(&FrameResult::floor_energy_mj), cut = reamed.sum(&FrameResult::energy_mj);
   const FeedState& feed = reamed.feed;

@@ -179,8 +179,7 @@ void mirrored_case(const Setting& setting, Report& out) {
   out.title = "Mirrored scene";
   out.scene = "tilted plunge and sweep through uneven bone, and the same in the mirror x → −x, the spin reversed";
   out.form = "F' = M·F, T' = −M·T in every frame";
-  Change mirror;
-  mirror.turn = Vec3(-1, 1, 1).asDiagonal();
+  const Change mirror{.turn = Vec3(-1, 1, 1).asDiagonal()};
   compare(mirror, setting, 1e-4, "positions are rounded: a voxel may lose 1/65535 one frame earlier", out);
 }
 

@@ -73,21 +73,16 @@ Quat rotation(const Vec3& axis, double degrees) {
 }
 
 Motion path(double rate_hz, const Vec3& from_mm, const std::vector<Leg>& legs) {
-  std::vector<ToolPose> poses;
-  ToolPose pose;
-  pose.position_mm = from_mm;
-  pose.orientation = legs.front().turned;
-  pose.spin_rpm = legs.front().rpm;
-  poses.push_back(pose);
+  std::vector<ToolPose> poses{
+      {.position_mm = from_mm, .orientation = legs.front().turned, .spin_rpm = legs.front().rpm}};
   for (const Leg& leg : legs) {
     const ToolPose begin = poses.back();
     for (int k = 1; k <= leg.frames; ++k) {
       const double fraction = double(k) / leg.frames;
-      pose.position_mm = begin.position_mm + fraction * (leg.to_mm - begin.position_mm);
-      pose.orientation = begin.orientation.slerp(fraction, leg.turned);
-      pose.spin_rpm = leg.rpm;
-      pose.spin_angle_rad = begin.spin_angle_rad + angular_speed(leg.rpm) * k / rate_hz;
-      poses.push_back(pose);
+      poses.push_back({.position_mm = begin.position_mm + fraction * (leg.to_mm - begin.position_mm),
+                       .orientation = begin.orientation.slerp(fraction, leg.turned),
+                       .spin_angle_rad = begin.spin_angle_rad + angular_speed(leg.rpm) * k / rate_hz,
+                       .spin_rpm = leg.rpm});
     }
   }
   return {rate_hz, std::move(poses)};
@@ -136,9 +131,7 @@ Reamed ream(SimulationInput scene, const Setting& setting) {
   const auto engine = setting.engine(scene.scenario, scene.bone, scene.tool);
   Rows sink;
   Diagnostics report;
-  RunControl control;
-  control.stop = setting.stop;
-  const SimulationState end = simulate(scene, *engine, sink, control, report);
+  const SimulationState end = simulate(scene, *engine, sink, {.stop = setting.stop}, report);
   return {std::move(sink.rows), std::move(scene.bone), end.feed, end.springs};
 }
 

@@ -60,15 +60,6 @@ struct Placement {
   openvdb::Coord first;
 };
 
-/// The lattice in the metadata; nullopt for a grid of another program.
-std::optional<Placement> lattice_from_metadata(const openvdb::FloatGrid& grid) {
-  const auto dims = value_of<openvdb::Vec3i>(grid, vdb_keys::kDims);
-  const auto origin = value_of<openvdb::Vec3d>(grid, vdb_keys::kOrigin);
-  const auto voxel_mm = value_of<double>(grid, vdb_keys::kVoxel);
-  if (!dims || !origin || !voxel_mm) return std::nullopt;
-  return Placement{{{dims->x(), dims->y(), dims->z()}, *voxel_mm, {origin->x(), origin->y(), origin->z()}}, {}};
-}
-
 /// Upper bound of the fraction of a lattice of `voxels` in bricks with bone.
 double bone_fraction(const openvdb::FloatGrid& density, double voxels) {
   constexpr double kAcross = 8;  // bricks that a leaf may overlap
@@ -82,17 +73,19 @@ Placement checked_placement(const std::string& path, const openvdb::FloatGrid& d
   const double voxel_mm = checked_voxel(path, density);
   const openvdb::CoordBBox active = density.evalActiveVoxelBoundingBox();
   if (active.empty()) refuse_file(path, "a grid \"density\" without active voxels", "expected bone");
-  Eigen::Array3d dims;
-  for (int axis = 0; axis < 3; ++axis) dims[axis] = 1.0 + active.max()[axis] - 1.0 * active.min()[axis];
-  check_lattice(path, dims, voxel_mm, {.bone_fraction = bone_fraction(density, dims.prod())});
+  Eigen::Array3d extent;
+  for (int axis = 0; axis < 3; ++axis) extent[axis] = 1.0 + active.max()[axis] - 1.0 * active.min()[axis];
+  check_lattice(path, extent, voxel_mm, {.bone_fraction = bone_fraction(density, extent.prod())});
 
-  const std::optional<Placement> written = lattice_from_metadata(density);
-  if (!written) {
+  const auto dims = value_of<openvdb::Vec3i>(density, vdb_keys::kDims);
+  const auto origin = value_of<openvdb::Vec3d>(density, vdb_keys::kOrigin);
+  const auto written_mm = value_of<double>(density, vdb_keys::kVoxel);
+  if (!dims || !origin || !written_mm) {  // a grid of another program
     const openvdb::Coord size = active.dim();
     const openvdb::Vec3d corner = density.indexToWorld(active.min().asVec3d() - openvdb::Vec3d(0.5));
     return {{{size.x(), size.y(), size.z()}, voxel_mm, {corner.x(), corner.y(), corner.z()}}, active.min()};
   }
-  const VoxelGrid& lattice = written->lattice;
+  const VoxelGrid lattice{{dims->x(), dims->y(), dims->z()}, *written_mm, {origin->x(), origin->y(), origin->z()}};
   const Eigen::Array3d size = lattice.dims.cast<double>().array();
   check_lattice(path, size, voxel_mm, {.bone_fraction = bone_fraction(density, size.prod())});
   const openvdb::Vec3d corner = density.indexToWorld(openvdb::Vec3d(-0.5));
@@ -103,7 +96,7 @@ Placement checked_placement(const std::string& path, const openvdb::FloatGrid& d
     refuse_file(path, "a lattice in the metadata that contradicts the grid",
                 "expected the metadata that reamsim wrote");
   }
-  return *written;
+  return {lattice, {}};
 }
 
 /// Returns the densest voxel, g/cm³.

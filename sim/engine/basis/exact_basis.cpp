@@ -29,11 +29,6 @@ struct NodeUnits {
 /// The grade of the edge force in a basis.
 constexpr int kEdge = 0;
 
-/// The block of 4×4×4 voxels of a voxel in its brick.
-int block_of(int offset) {
-  return (offset >> 2 & 1) | (offset >> 5 & 1) << 1 | (offset >> 8 & 1) << 2;
-}
-
 BrickMiddle middle_of(const SubstepArgs& args, const Vec3i& brick) {
   BrickMiddle out;
   const Vec3i voxel = RS_BRICK_SIDE * brick;
@@ -198,7 +193,8 @@ class ExactBasisEngine final : public BasisEngine {
       const unsigned blocks = blocks_in_reach(args, shift, brick, middle);
       for (int offset = 0; offset < RS_BRICK_VOXELS; ++offset) {
         const auto i = static_cast<std::size_t>(offset);
-        if ((blocks >> block_of(offset) & 1U) == 0 || brick.grades[i] == 0 || brick.fill[i] == 0) continue;
+        const int block = (offset >> 2 & 1) | (offset >> 5 & 1) << 1 | (offset >> 8 & 1) << 2;  // of 4×4×4 voxels
+        if ((blocks >> block & 1U) == 0 || brick.grades[i] == 0 || brick.fill[i] == 0) continue;
         if (!in_reach(args, shift, brick, middle, offset)) continue;
         if (window.motion < 0 || !cut_smoothly(visit, window, brick, offset))
           cut_by_frames(visit, window, brick, offset);

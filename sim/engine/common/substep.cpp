@@ -33,16 +33,13 @@ std::pair<int, int> cell_range(double low, double high, const PointShell& shell)
   return {clamp(first), clamp(last)};
 }
 
-rs_i32 erosion_of(const CuttingSettings& cutting) {
-  if (cutting.erosion == ErosionMode::exact) return RS_EROSION_EXACT;
-  return cutting.erosion == ErosionMode::wear ? RS_EROSION_WEAR : RS_EROSION_REMOVE;
-}
-
 /// The parameters of force law and erosion; zeros for options that are off. `spin_rate`: rad/s, unsigned.
 void set_law(const CuttingSettings& cutting, double duration_s, double spin_rate, SubstepArgs& args) {
   constexpr double kTurn = 2 * M_PI;
   args.law = cutting.law == CuttingLaw::per_point ? RS_LAW_PER_POINT : RS_LAW_ENERGY;
-  args.erosion = erosion_of(cutting);
+  args.erosion = cutting.erosion == ErosionMode::exact  ? RS_EROSION_EXACT
+                 : cutting.erosion == ErosionMode::wear ? RS_EROSION_WEAR
+                                                        : RS_EROSION_REMOVE;
   const double wear = std::min(cutting.wear_g_cm3_per_s * duration_s, DensityMapping::kMaxDensity_g_cm3);
   args.wear = std::llround(RS_WHOLE_FILL * wear * RS_DENSITY_SCALE);
   args.duration = static_cast<float>(duration_s);

@@ -183,15 +183,6 @@ std::uint16_t offset_of(const Vec3i& point, const ShellCell& cell) {
                                     (point.z() - cell.first[2]) << (2 * RS_CELL_BITS));
 }
 
-void append_cell(ShellCells& out, const std::vector<Vec3i>& points) {
-  ShellCell cell = bounds_of(points);
-  cell.begin = static_cast<rs_u32>(out.offsets.size());
-  cell.count = static_cast<rs_u32>(points.size());
-  for (const Vec3i& p : points) out.offsets.push_back(offset_of(p, cell));
-  while (out.offsets.size() % kLanes != 0) out.offsets.push_back(out.offsets.back());
-  out.cells.push_back(cell);
-}
-
 /// The bounds of a run are those of its cells' corners.
 void append_runs(ShellCells& out) {
   for (std::size_t begin = 0; begin < out.cells.size(); begin += kRunCells) {
@@ -283,7 +274,12 @@ ShellCells make_shell_cells(const PointShell& shell, int side) {
     points.push_back(morton_decode(shell.codes[i]));
     const bool last = i + 1 == shell.codes.size() || shell.codes[i + 1] >> shift != shell.codes[i] >> shift;
     if (!last) continue;
-    append_cell(out, points);
+    ShellCell cell = bounds_of(points);
+    cell.begin = static_cast<rs_u32>(out.offsets.size());
+    cell.count = static_cast<rs_u32>(points.size());
+    for (const Vec3i& p : points) out.offsets.push_back(offset_of(p, cell));
+    while (out.offsets.size() % kLanes != 0) out.offsets.push_back(out.offsets.back());
+    out.cells.push_back(cell);
     points.clear();
   }
   append_runs(out);

@@ -22,7 +22,7 @@ Mat3 spin_rotation(const SubstepArgs& args) {
 
 /// Bound of the motion from substep `a` to `b` of a lattice point that lies in `box` (T) in `b`, mm. The displacement
 /// is linear in the point, and so largest in a corner. `spin`: additional rotation of the tool from `b` back to `a`.
-double motion_bound(const SubstepArgs& a, const SubstepArgs& b, const Aabb& box, const Mat3& spin) {
+double motion_bound(const SubstepArgs& a, const SubstepArgs& b, const Aabb& box, const Mat3& spin = Mat3::Identity()) {
   const Eigen::Affine3d motion = spin * tool_from_voxel(a) * tool_from_voxel(b).inverse();
   double longest = 0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -34,7 +34,7 @@ double motion_bound(const SubstepArgs& a, const SubstepArgs& b, const Aabb& box,
 
 /// The same in the frame that rotates with resolved cutting edges, and at least the bound without spin.
 double motion_bound_with_spin(const SubstepArgs& a, const SubstepArgs& b, const Aabb& box) {
-  const double without_spin = motion_bound(a, b, box, Mat3::Identity());
+  const double without_spin = motion_bound(a, b, box);
   if (a.spin_cos == b.spin_cos && a.spin_sin == b.spin_sin) return without_spin;
   return std::max(without_spin, motion_bound(a, b, box, spin_rotation(b).transpose() * spin_rotation(a)));
 }
@@ -43,13 +43,6 @@ void include(const VoxelBox& part, VoxelBox& whole) {
   if (part.empty()) return;
   whole.first = whole.empty() ? part.first : Vec3i(whole.first.cwiseMin(part.first));
   whole.last = whole.last.cwiseMax(part.last);
-}
-
-/// Bound of the motion between any two frames of a window, mm.
-float shift_of(const MotionWindow& window, const Aabb& box) {
-  const Mat3 no_spin = Mat3::Identity();
-  return static_cast<float>(motion_bound(window.first, window.middle, box, no_spin) +
-                            motion_bound(window.middle, window.last, box, no_spin));
 }
 
 /// Adds a substep to the last window of the plan, or to a new one.
@@ -61,8 +54,10 @@ void add_to_window(std::span<const SubstepArgs> args, const MotionsOfSlots& moti
   const bool same = window != nullptr && motions[window->first].get() == motion;
   if (motion != nullptr) {
     if (!same) {
-      plan.windows.push_back(
-          {static_cast<rs_u32>(slot), 0, shift_of(*motion, box), static_cast<rs_i32>(plan.motions.size())});
+      // Bound of the motion between any two frames of the window.
+      const auto shift_mm = static_cast<float>(motion_bound(motion->first, motion->middle, box) +
+                                               motion_bound(motion->middle, motion->last, box));
+      plan.windows.push_back({static_cast<rs_u32>(slot), 0, shift_mm, static_cast<rs_i32>(plan.motions.size())});
       plan.motions.push_back(*motion);
     }
   } else {
@@ -87,7 +82,7 @@ BrickBatchPlan plan_brick_batch(std::span<const SubstepArgs> args, const Motions
       .first = first, .end = first, .windows = {}, .motions = {}, .superbricks = {Vec3i::Zero(), Vec3i::Constant(-1)}};
   const int last = std::min(static_cast<int>(args.size()), first + std::min(most, RS_VISIT_SUBSTEPS));
   for (int slot = first; slot < last; ++slot) {
-    const double motion = motion_bound(at(first), at(slot), box, Mat3::Identity());
+    const double motion = motion_bound(at(first), at(slot), box);
     if (slot > first && motion > kVisitShiftVoxels * voxel_mm) break;
     add_to_window(args, motions, slot, box, plan);
     plan.end = slot + 1;
