@@ -4,7 +4,6 @@
 #include "cli/outputs.h"
 
 #include <filesystem>
-#include <future>
 
 #include "render/pictures/figures.h"
 #include "render/plots/plots.h"
@@ -109,6 +108,7 @@ RunData open_run(const std::string& dir) {
   RunInputs inputs = scene.scenario.motion.is_prescribed() ? inputs_of(scene, dir) : inputs_so_far(scene, dir, last);
   std::erase_if(inputs.frames, [&](std::int64_t frame) { return frame > last; });
   RunData run(std::move(inputs));
+  run.finish_log();
   restore_fill(*checkpoint, scene.bone.fill, dir);
   run.finish(std::move(scene.bone.fill));
   return run;
@@ -130,28 +130,41 @@ void Outputs::snapshots_written(std::int64_t frame) {
   if (render_thread_) render_thread_->snapshots_written(frame);
 }
 
+void Outputs::forces_written() {
+  run_->finish_log();
+  start_plots();
+}
+
 void Outputs::end(const SimulationInput& scene, const std::string& dir) {
   if (run_) return run_->finish(scene.bone.fill);
   options_ = output_options_of(scene);
   run_.emplace(dir);
 }
 
-void Outputs::make_plots(Diagnostics& report) const {
+void Outputs::start_plots() {
+  plots_ = std::async(std::launch::async, [this] { return make_plots(); });
+}
+
+Diagnostics Outputs::make_plots() const {
+  Diagnostics report;
   const std::string& dir = run_->dir();
   if (options_.plots || draft_) write_force_plots(dir, run_->log());
-  if (!options_.plots || !options_.pictures.settings.enabled) return;
+  if (!options_.plots || !options_.pictures.settings.enabled) return report;
   write_depth_and_energy_plots(dir, run_->log());
   // Only a push has events.
   write_feedback_plots(dir, {.push = std::filesystem::exists(dir + "/events.csv"),
                              .springs = run_->log().rows.front().deflection_mm.has_value()});
-  write_removed_density(dir, {run_->voxmap(), run_->last_fill(), run_->inputs().fill});
   if (options_.torque_spectrum && !write_torque_spectrum(dir)) report.warn(kNoSpectrum);
+  return report;
 }
 
 nlohmann::ordered_json Outputs::make_bone(Diagnostics& report) const {
   const double depth_max_mm = options_.pictures.settings.depth_max_mm;
   // First, because meshes take less memory beside the last pictures.
   nlohmann::ordered_json out = reports() ? bone_data(*run_, report_settings()) : nullptr;
+  if (options_.plots && options_.pictures.settings.enabled) {
+    write_removed_density(run_->dir(), {run_->voxmap(), run_->last_fill(), run_->inputs().fill});
+  }
   if (options_.depth_map && options_.finished) write_depth_picture(*run_, depth_max_mm);
   if (options_.meshes && options_.finished) write_meshes(*run_, depth_max_mm, report);
   return out;
@@ -174,8 +187,8 @@ void Outputs::make_pictures(Diagnostics& report) {
 
 void Outputs::make(Diagnostics& report) {
   const RenderSettings& settings = options_.pictures.settings;
-  Diagnostics of_plots, of_bone;
-  std::future<void> plots = std::async(std::launch::async, [&] { make_plots(of_plots); });
+  if (!plots_.valid()) start_plots();
+  Diagnostics of_bone;
   std::future<nlohmann::ordered_json> bone = std::async(std::launch::async, [&] { return make_bone(of_bone); });
   if (settings.enabled) make_pictures(report);
   if (reports()) {
@@ -184,7 +197,7 @@ void Outputs::make(Diagnostics& report) {
   } else {
     bone.get();
   }
-  plots.get();
+  Diagnostics of_plots = plots_.get();
   for (const Diagnostics* part : {&of_bone, &of_plots}) {
     report.warnings.insert(report.warnings.end(), part->warnings.begin(), part->warnings.end());
   }

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <future>
 #include <optional>
 
 #include "cli/console.h"
@@ -62,6 +63,8 @@ class Outputs : public PictureSink {
   void draw_segmentation(const SimulationInput& scene, const std::string& dir) override;
   void begin(const SimulationInput& scene, const std::string& dir) override;
   void snapshots_written(std::int64_t frame) override;
+  /// Starts the plots, beside what follows.
+  void forces_written() override;
   void end(const SimulationInput& scene, const std::string& dir) override;
   /// Other threads make plots, meshes and the bone of the report meanwhile. Throws InputError for a missing or damaged
   /// result, RunError and Interrupted, always after all threads have ended.
@@ -71,8 +74,10 @@ class Outputs : public PictureSink {
   void make_report() override;
 
  private:
-  void make_plots(Diagnostics& report) const;
-  /// Depth map and meshes. Returns the bone of the report, or null.
+  void start_plots();
+  /// What is plotted of forces.csv. Returns warnings.
+  [[nodiscard]] Diagnostics make_plots() const;
+  /// Depth map, meshes and the plot of the removed bone. Returns the bone of the report, or null.
   [[nodiscard]] nlohmann::ordered_json make_bone(Diagnostics& report) const;
   void make_pictures(Diagnostics& report);
   [[nodiscard]] bool reports() const;
@@ -86,6 +91,7 @@ class Outputs : public PictureSink {
   PagePictures page_pictures_;
   std::optional<ReportParts> report_;
   std::unique_ptr<RenderThread> render_thread_;  ///< during a simulation with pictures
+  std::future<Diagnostics> plots_;               ///< uses run_
 };
 
 }  // namespace reamsim

@@ -316,6 +316,7 @@ void check_command(const CheckOptions& options, const Console& console) {
   const Stopwatch load_watch;
   const Scenario scenario = options.scenario.parse();
   require_picture_file(options, scenario);
+  const auto kernels = prepare_opencl(scenario.engine.device, console);
   const auto [scene, report, mistakes, figures] = examine(options, scenario, load_watch, console);
   // On a terminal, standard error would repeat them.
   if (isatty(STDOUT_FILENO) == 0 || console.quiet) {

@@ -179,7 +179,7 @@ std::vector<ToolPass> read_tools(const std::string& dir) {
   return out;
 }
 
-RunData::Outcome RunData::read_outcome(const std::string& dir) {
+std::shared_ptr<RunData::Stored> RunData::read_stored(const std::string& dir) {
   if (!std::filesystem::is_directory(dir)) refuse_file(dir, "folder not found", "the output folder of a run");
   auto bone = std::make_shared<StoredBone>(read_stored_bone(dir + "/reamed.vdb"));
   FillBricks fill = std::exchange(bone->voxmap.fill, FillBricks(bone->voxmap.grid.dims));
@@ -190,7 +190,7 @@ RunData::Outcome RunData::read_outcome(const std::string& dir) {
   ForceLog log = read_force_log(log_path(dir), options);
   for (const std::int64_t frame : inputs.frames) static_cast<void>(log.at(frame, log_path(dir)));
   path.give(inputs);
-  return {std::move(fill), std::move(log), std::move(inputs)};
+  return std::make_shared<Stored>(Stored{std::move(fill), std::move(log), std::move(inputs)});
 }
 
 RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
@@ -200,10 +200,11 @@ RunData::Prediction RunData::predict_outcome(const RunInputs& inputs) {
   return {std::move(unreamed), std::move(target), predicted.contact};
 }
 
-RunData::RunData(std::string dir)
-    : dir_(std::move(dir)),
-      outcome_(lazily([folder = dir_] { return read_outcome(folder); })),
-      inputs_(lazily([outcome = outcome_] { return *outcome.get().inputs; })) {
+RunData::RunData(std::string dir) : dir_(std::move(dir)) {
+  const auto stored = lazily([folder = dir_] { return read_stored(folder); });
+  fill_ = lazily([stored] { return std::move(stored.get()->fill); });
+  log_ = lazily([stored] { return std::move(stored.get()->log); });
+  inputs_ = lazily([stored] { return std::move(stored.get()->inputs); });
   predict(std::launch::deferred);
 }
 
@@ -220,15 +221,12 @@ void RunData::predict(std::launch when) {
   });
 }
 
-void RunData::finish(FillBricks fill) {
-  outcome_ = lazily([dir = dir_, inputs = inputs_, fill = std::move(fill)]() mutable {
-    return Outcome{std::move(fill), read_force_log(log_path(dir), log_options(inputs.get()))};
-  });
+void RunData::finish_log() {
+  log_ = lazily([dir = dir_, inputs = inputs_] { return read_force_log(log_path(dir), log_options(inputs.get())); });
 }
 
-const RunData::Outcome& RunData::outcome() const {
-  if (!outcome_.valid()) throw std::logic_error("the run has not ended");
-  return outcome_.get();
+void RunData::finish(FillBricks fill) {
+  fill_ = lazily([known = std::move(fill)]() mutable { return std::move(known); });
 }
 
 namespace {

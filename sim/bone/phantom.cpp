@@ -30,7 +30,7 @@ Bone make_block(const BoneSettings& settings, const DensityField& density_in_blo
   };
   PartialField partial;
   if (settings.surface_voxels == SurfaceVoxels::partial) {
-    partial = [&](const Vec3& center) -> PartialVoxel {
+    partial = [&](const Vec3& center, bool) -> PartialVoxel {
       const double fraction = carved ? 1 - fraction_inside(carved, center, grid.voxel_mm) : 1;
       return {fraction * fraction_in_box(box, center, grid.voxel_mm),
               density_in_block(center.cwiseMax(box.min).cwiseMin(box.max))};
@@ -64,7 +64,7 @@ Bone sphere_phantom(const BoneSettings& settings) {
   const auto field = [=](const Vec3& point) { return point.squaredNorm() <= radius * radius ? density : kAir; };
   PartialField partial;
   if (settings.surface_voxels == SurfaceVoxels::partial) {
-    partial = [=](const Vec3& voxel) -> PartialVoxel {
+    partial = [=](const Vec3& voxel, bool) -> PartialVoxel {
       const auto distance = [radius](const Vec3& point) { return point.norm() - radius; };
       return {fraction_inside(distance, voxel, grid.voxel_mm), density};
     };
@@ -118,8 +118,8 @@ class GlenoidDensity {
     return soft + cortical_fraction * (dense(below_face_mm) - soft);
   }
 
-  /// The fraction of bone in a voxel, and the density of that bone: at its centre, or at the surface below it.
-  [[nodiscard]] PartialVoxel partial(const Vec3& center, double voxel_mm) const {
+  /// The fraction of bone in a voxel, and the density at the surface below its centre if that is air.
+  [[nodiscard]] PartialVoxel partial(const Vec3& center, double voxel_mm, bool center_is_bone) const {
     const double solid = shape_.solid(center);
     const double reach_mm = GlenoidShape::kMaxSlope * RS_CLIP_REACH * voxel_mm;
     const double before_end = std::clamp((center.x() - shape_.medial_end_mm()) / voxel_mm + 0.5, 0.0, 1.0);
@@ -127,7 +127,7 @@ class GlenoidDensity {
     if (std::abs(solid) > reach_mm) return out;
     const auto field = [this](const Vec3& point) { return shape_.solid(point); };
     out.fraction = before_end * fraction_inside(field, center, voxel_mm);
-    if (out.fraction > 0) out.density_g_cm3 = density_below(center, solid);
+    if (out.fraction > 0 && !center_is_bone) out.density_g_cm3 = density_below(center, solid);
     return out;
   }
 
@@ -283,7 +283,9 @@ FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid)
   const Sides sides(settings.side);
   PartialField partial;
   if (settings.surface_voxels == SurfaceVoxels::partial) {
-    partial = [&](const Vec3& center) { return density.partial(sides.anatomy_from_bone(center), grid.voxel_mm); };
+    partial = [&](const Vec3& center, bool is_bone) {
+      return density.partial(sides.anatomy_from_bone(center), grid.voxel_mm, is_bone);
+    };
   }
   return sample_phantom(
       grid, settings.density, [&](const Vec3& point) { return density.at(sides.anatomy_from_bone(point)); }, partial,
@@ -310,7 +312,7 @@ FilledVoxmap sample_phantom(const VoxelGrid& grid, const DensitySettings& densit
   });
   if (!partial) return voxmap;
   const auto sample = [&](const Vec3i& voxel, std::uint8_t grade) -> SurfaceVoxel {
-    const PartialVoxel found = partial(grid.center_mm(voxel));
+    const PartialVoxel found = partial(grid.center_mm(voxel), grade != 0);
     return {found.fraction, grade != 0 ? grade : DensityMapping::grade_from_density(found.density_g_cm3)};
   };
   set_partial_fill(sample, voxmap);

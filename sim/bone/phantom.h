@@ -137,11 +137,11 @@ inline constexpr double kAir = -1;
 using AirTest = std::function<bool(const Vec3&, double)>;
 
 struct PartialVoxel {
-  double fraction = 0;  ///< of bone, 0…1
-  double density_g_cm3 = 0;
+  double fraction = 0;       ///< of bone, 0…1
+  double density_g_cm3 = 0;  ///< of that bone; not used where the centre is bone
 };
 /// Describes the voxel around a point of B, mm. Called for voxels at the surface only, from several threads at once.
-using PartialField = std::function<PartialVoxel(const Vec3& center_mm)>;
+using PartialField = std::function<PartialVoxel(const Vec3& center_mm, bool center_is_bone)>;
 
 /// Samples the density at the centres of the voxels, in the frame "phantom", except in bricks for which `all_air` is
 /// true. Without `partial` the voxels at the surface are whole. The result does not depend on the threads.

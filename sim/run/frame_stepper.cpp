@@ -268,7 +268,7 @@ void FrameStepper::enqueue(const Substep& substep, const SubstepArgs& args, std:
                            PendingFrame& pending) {
   if (engine_.full()) collect();
   engine_.enqueue(args, std::move(window));
-  uncut_ = true;
+  uncut_ = cut_since_read_ = true;
   pending.cut.emplace_back(enqueued_++, substep);
 }
 

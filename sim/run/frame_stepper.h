@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "sim/base/stopwatch.h"
@@ -134,7 +135,9 @@ class FrameStepper {
 
   /// Gives the fill of the bone to the sink, as a snapshot of `frame`.
   void snapshot(std::int64_t frame);
-  void read_fill() { engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill); }
+  void read_fill() {
+    if (std::exchange(cut_since_read_, false)) engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill);
+  }
 
   /// The sums of motions of a single substep, each from the present fill, which they leave as it is. Only for the
   /// engine `exact`; all of the batch must have been cut.
@@ -186,7 +189,8 @@ class FrameStepper {
   std::vector<PendingFrame> pending_;
   Batch batch_;               ///< of the pending frames
   std::size_t enqueued_ = 0;  ///< substeps of these frames
-  bool uncut_ = false;        ///< some of them wait in the engine
+  bool cut_since_read_ = false;
+  bool uncut_ = false;  ///< some of them wait in the engine
   RemovedFrames removed_;
   Stopwatch batch_watch_;    ///< since the first frame of the batch was added
   double frame_wall_s_ = 0;  ///< of the last batch

@@ -140,7 +140,10 @@ class ScenarioRun {
     report_.note(checkpoints_.cost());
     recorder.close();
     warn_of_peaks(scene_, recorder.totals(), report_);
-    if (draws_during_run()) pictures_->snapshots_written(end.frame);  // also where that is frame 0
+    if (draws_during_run()) {
+      pictures_->snapshots_written(end.frame);  // also where that is frame 0
+      pictures_->forces_written();
+    }
     tell_report();
   }
 

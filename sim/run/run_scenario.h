@@ -44,6 +44,8 @@ class PictureSink {
   virtual void begin(const SimulationInput& scene, const std::string& dir) = 0;
   /// After begin(): all snapshots up to and including this frame's are on disk.
   virtual void snapshots_written(std::int64_t frame) = 0;
+  /// After begin(): forces.csv is complete.
+  virtual void forces_written() = 0;
   /// The run has ended, and all its results are on disk. Called without begin() where the poses were not known.
   virtual void end(const SimulationInput& scene, const std::string& dir) = 0;
   /// Makes everything but the report, of which it makes what takes time. `report` gets the warnings. Throws RunError

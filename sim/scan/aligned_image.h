@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/bone/voxmap/cube_fraction.h"
 #include "sim/bone/voxmap/voxmap.h"
 #include "sim/scan/scan.h"
 
@@ -113,16 +114,14 @@ class NegatedField {
  public:
   explicit NegatedField(const AlignedImage& image);
 
-  double operator()(const Vec3& point_mm) const {
-    const std::array<Place, 3> p{place(0, point_mm.x()), place(1, point_mm.y()), place(2, point_mm.z())};
-    const float* corner = values_ + p[0].at + p[1].at + p[2].at;
-    const auto along_x = [&](std::size_t at) {
-      return (1 - p[0].fraction) * double{corner[at]} + p[0].fraction * double{corner[at + step_[0]]};
-    };
-    const auto along_y = [&](std::size_t at) {
-      return (1 - p[1].fraction) * along_x(at) + p[1].fraction * along_x(at + step_[1]);
-    };
-    return -((1 - p[2].fraction) * along_y(0) + p[2].fraction * along_y(step_[2]));
+  double operator()(const Vec3& mm) const { return at(place(0, mm.x()), place(1, mm.y()), place(2, mm.z())); }
+  /// For field_stencil(): a coordinate that points share is placed once.
+  friend SevenPoints seven_points(const NegatedField& field, const Vec3& mm, double step) {
+    const Place x = field.place(0, mm.x()), y = field.place(1, mm.y()), z = field.place(2, mm.z());
+    const auto on_x = [&](double offset) { return field.at(field.place(0, mm.x() + offset), y, z); };
+    const auto on_y = [&](double offset) { return field.at(x, field.place(1, mm.y() + offset), z); };
+    const auto on_z = [&](double offset) { return field.at(x, y, field.place(2, mm.z() + offset)); };
+    return {field.at(x, y, z), {on_x(-step), on_y(-step), on_z(-step)}, {on_x(step), on_y(step), on_z(step)}};
   }
 
  private:
@@ -132,6 +131,16 @@ class NegatedField {
     double fraction = 0;  ///< weight of the upper value
   };
 
+  [[nodiscard]] double at(Place x, Place y, Place z) const {
+    const float* corner = values_ + x.at + y.at + z.at;
+    const auto along_x = [&](std::size_t at) {
+      return (1 - x.fraction) * double{corner[at]} + x.fraction * double{corner[at + step_[0]]};
+    };
+    const auto along_y = [&](std::size_t at) {
+      return (1 - y.fraction) * along_x(at) + y.fraction * along_x(at + step_[1]);
+    };
+    return -((1 - z.fraction) * along_y(0) + z.fraction * along_y(step_[2]));
+  }
   [[nodiscard]] Place place(int axis, double mm) const {
     const double index = std::min(std::max((mm - origin_mm_[axis]) / spacing_mm_[axis], 0.0), last_[axis]);
     const int low = std::min(static_cast<int>(index), last_low_[axis]);

@@ -26,9 +26,8 @@ void smooth_along(AlignedImage& image, int axis, double sigma_voxels) {
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   const std::size_t stride = lattice.index(Vec3i::Unit(axis));
   const int length = lattice.dims[axis];
-  std::vector<double> line(static_cast<std::size_t>(length));
-  for (std::size_t start = 0; start < image.value.size(); ++start) {
-    if (lattice.voxel_at(start)[axis] != 0) continue;
+  const auto smooth_line = [&](std::size_t start) {
+    std::vector<double> line(static_cast<std::size_t>(length));
     for (std::size_t n = 0; n < line.size(); ++n) line[n] = double{image.value[start + stride * n]};
     for (int n = 0; n < length; ++n) {
       double value = 0;
@@ -38,7 +37,11 @@ void smooth_along(AlignedImage& image, int axis, double sigma_voxels) {
       }
       image.value[start + stride * static_cast<std::size_t>(n)] = static_cast<float>(value / sum);
     }
-  }
+  };
+  Vec3i starts = lattice.dims;
+  starts[axis] = 1;
+  parallel_items(static_cast<std::size_t>(starts.prod()),
+                 [&](std::size_t i) { smooth_line(lattice.index(cell_at(starts, i))); });
 }
 
 /// Unit vector into the bone, LPS; zero where the mask is uniform.
@@ -68,16 +71,15 @@ double noise_between(const AlignedImage& image, const Mask& mask) {
   constexpr double kDeviationOfMedian = 1.4826;  // normal distribution: standard over median absolute deviation
   const Lattice& lattice = image.lattice;
   std::vector<float> differences;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t stride = lattice.index(Vec3i::Unit(axis));
-    for (std::size_t at = 0; at < mask.size(); ++at) {
-      if (mask[at] == 0) continue;
-      const int here = lattice.voxel_at(at)[axis];
-      if (here == 0 || here + 1 == lattice.dims[axis]) continue;
+  lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
+    if (mask[at] == 0) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::size_t stride = lattice.index(Vec3i::Unit(axis));
+      if (voxel[axis] == 0 || voxel[axis] + 1 == lattice.dims[axis]) continue;
       if (mask[at - stride] == 0 || mask[at + stride] == 0) continue;
       differences.push_back(std::abs(image.value[at - stride] - 2 * image.value[at] + image.value[at + stride]));
     }
-  }
+  });
   if (differences.size() < kFewest) return 0;
   const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
   std::nth_element(differences.begin(), middle, differences.end());

@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/parallel.h"
+
 namespace reamsim::ct {
 
 namespace {
@@ -51,16 +53,24 @@ void apply(Filter& filter, AlignedImage& image) {
 /// along x: half the width, and the place, of each. The mask grows from its boundary, the voxels with a neighbour
 /// outside: those farther inside add nothing, where the set contains all that is nearer along each axis.
 Mask dilated(const Mask& mask, const Lattice& lattice, const std::vector<Vec3i>& rows) {
-  Mask out = mask;
-  lattice.for_each([&](const Vec3i& voxel, std::size_t at) {
-    if (mask[at] == 0 || !has_face_outside(mask, lattice, voxel)) return;
+  Mask out = mask, boundary(mask.size());
+  const auto length = static_cast<std::size_t>(lattice.dims.x());
+  parallel_items(static_cast<std::size_t>(lattice.dims.y() * lattice.dims.z()), [&](std::size_t row) {
+    Vec3i voxel = lattice.voxel_at(row * length);
+    for (std::size_t at = row * length; at < (row + 1) * length; ++at, ++voxel.x()) {
+      boundary[at] = mask[at] != 0 && has_face_outside(mask, lattice, voxel) ? 1 : 0;
+    }
+  });
+  for (std::size_t at = 0; at < boundary.size(); ++at) {
+    if (boundary[at] == 0) continue;
+    const Vec3i voxel = lattice.voxel_at(at);
     for (const Vec3i& row : rows) {
       const Vec3i first(std::max(voxel.x() - row.x(), 0), voxel.y() + row.y(), voxel.z() + row.z());
       if (!lattice.contains(first)) continue;
       const int last = std::min(voxel.x() + row.x(), lattice.dims.x() - 1);
       std::fill_n(&out[lattice.index(first)], last - first.x() + 1, std::uint8_t{1});
     }
-  });
+  }
   return out;
 }
 

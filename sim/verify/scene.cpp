@@ -59,7 +59,7 @@ FilledVoxmap half_block(const Vec3& size_mm, double voxel_mm, const DensityField
   const auto behind = [=](const Vec3& p) { return (point_mm - p).dot(inward); };
   return sample_phantom(
       block_grid(size_mm, voxel_mm), {}, [&](const Vec3& p) { return behind(p) < 0 ? field(p) : kAir; },
-      [&](const Vec3& center) {
+      [&](const Vec3& center, bool) {
         return PartialVoxel{fraction_inside(behind, center, voxel_mm), field(center)};
       });
 }

@@ -40,7 +40,7 @@ FilledVoxmap sampled(const PhantomSettings& settings, const Rigid& scan_from_bon
     const Vec3 at = anatomy(p);
     return std::max(shape.solid(at), shape.medial_end_mm() - at.x());
   };
-  const auto fraction = [&](const Vec3& p) {
+  const auto fraction = [&](const Vec3& p, bool) {
     constexpr double kStep_mm = 1e-3;
     const double here = solid(p);
     Vec3 slope;

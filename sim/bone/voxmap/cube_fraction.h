@@ -24,14 +24,25 @@ struct FieldStencil {
   [[nodiscard]] bool smooth() const { return kink <= 0.5 * gradient.norm(); }
 };
 
+/// A field at a point, and a step before and after it along each axis.
+struct SevenPoints {
+  double center, before[3], after[3];
+};
+template <class Field>
+SevenPoints seven_points(const Field& field, const Vec3& center, double step) {
+  const auto at = [&](int axis, double offset) { return field(center + offset * Vec3::Unit(axis)); };
+  return {field(center), {at(0, -step), at(1, -step), at(2, -step)}, {at(0, step), at(1, step), at(2, step)}};
+}
+
 /// Central differences over `step`.
 template <class Field>
 FieldStencil field_stencil(const Field& field, const Vec3& center, double side, double step) {
+  const SevenPoints at = seven_points(field, center, step);
   FieldStencil out;
-  out.value = field(center);
+  out.value = at.center;
   const double sides = side / step;
   for (int axis = 0; axis < 3; ++axis) {
-    const double before = field(center - step * Vec3::Unit(axis)), after = field(center + step * Vec3::Unit(axis));
+    const double before = at.before[axis], after = at.after[axis];
     const double second = before + after - 2 * out.value;
     out.gradient[axis] = 0.5 * (after - before) * sides;
     out.laplacian += second * sides * sides;
