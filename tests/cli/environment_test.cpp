@@ -91,6 +91,9 @@ TEST_F(Environment, KernelsAreInAFolderOfTheUserWhereACacheCannotBeWrittenOrTher
     EXPECT_THAT(result.out, HasSubstr("compiled kernels are in " + private_kernels()));
     EXPECT_FALSE(std::filesystem::is_empty(private_kernels()));
     remove_results();
+    const ProgramResult check = shell("reamsim check opencl.yaml", environment);
+    EXPECT_EQ(check.status, 0) << check.err;
+    EXPECT_THAT(check.out, HasSubstr("for the simulation")) << "the time estimate needs a device";
   }
   std::filesystem::remove_all(private_kernels());
   const ProgramResult result = shell("unset HOME; reamsim run --verbose -o out opencl.yaml", none);
