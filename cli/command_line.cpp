@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "cli/commands.h"
-#include "sim/base/error.h"
 #include "sim/base/text.h"
 #include "sim/mesh/mesh_io.h"
 #include "sim/scenario/key_tree.h"
@@ -231,16 +230,10 @@ std::string lower_extension(const std::string& path) {
 }
 
 BoneSource source_of_file(const std::string& path) {
-  switch (content_kind(path)) {
-    case ContentKind::mesh:
-      return BoneSource::mesh;
-    case ContentKind::vdb:
-      return BoneSource::vdb;
-    case ContentKind::image:
-      return BoneSource::ct;
-    case ContentKind::unknown:
-      break;
-  }
+  const ContentKind content = content_kind(path);
+  if (content == ContentKind::mesh) return BoneSource::mesh;
+  if (content == ContentKind::vdb) return BoneSource::vdb;
+  if (content == ContentKind::image) return BoneSource::ct;
   constexpr std::array kMeshes{".stl", ".obj", ".ply", ".vtp", ".vtk", ".off", ".3mf", ".step", ".stp", ".glb", ".fbx"};
   const std::string kind = lower_extension(path);
   if (kind == ".vdb") return BoneSource::vdb;

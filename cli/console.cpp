@@ -107,9 +107,8 @@ bool Progress::is_due(double fraction, double left_s) {
 
 void Progress::draw(double fraction, const std::string& text) {
   if (terminal_) {
-    const int cells = static_cast<int>(fraction * kBarCells);
-    const std::string bar = std::string(static_cast<std::size_t>(cells), '#') +
-                            std::string(static_cast<std::size_t>(kBarCells - cells), '.');
+    const std::string done(static_cast<std::size_t>(fraction * kBarCells), '#');
+    const std::string bar = fmt::format("{:.<{}}", done, kBarCells);
     std::printf("\r%s [%s] %s \033[K", stage_.c_str(), bar.c_str(), text.c_str());
     open_ = true;
   } else {

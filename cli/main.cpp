@@ -45,15 +45,13 @@ void add_commands(CLI::App& app, reamsim::Console& console) {
   for (const auto add : {reamsim::add_run_command, reamsim::add_check_command, reamsim::add_render_command,
                          reamsim::add_compare_command, reamsim::add_reforce_command, reamsim::add_fit_command,
                          reamsim::add_sweep_command, reamsim::add_uq_command, reamsim::add_validate_command,
-                         reamsim::add_import_command, reamsim::add_init_command, reamsim::add_preview_command}) {
+                         reamsim::add_import_command, reamsim::add_init_command, reamsim::add_preview_command,
+#ifdef REAMSIM_VERIFICATION
+                         reamsim::add_bench_command, reamsim::add_verify_command,
+#endif
+                         reamsim::add_devices_command, reamsim::add_cache_command}) {
     add(app, console);
   }
-#ifdef REAMSIM_VERIFICATION
-  reamsim::add_bench_command(app, console);
-  reamsim::add_verify_command(app, console);
-#endif
-  reamsim::add_devices_command(app, console);
-  reamsim::add_cache_command(app, console);
   reamsim::add_cite_command(app);
   reamsim::add_help_command(app);
 }

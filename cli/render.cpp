@@ -55,17 +55,17 @@ ResultSettings settings_of(const RenderOptions& options, const std::string& own_
         "expected render.KEY=VALUE: this command only renders; to change anything else, run the scenario again");
   }
   const auto set = [&](const std::string& key, const std::string& value) {
-    overrides.push_back("render." + key + "=" + value);
+    if (!value.empty()) overrides.push_back("render." + key + "=" + value);
   };
-  if (options.width_px) set("width_px", std::to_string(*options.width_px));
-  if (options.height_px) {
-    for (const char* key : {"height_px", "frame_height_px"}) set(key, std::to_string(*options.height_px));
-  }
-  if (!options.context.empty()) set("context", options.context);
-  if (!options.film.empty()) set("film", options.film);
-  if (options.film_rate_hz) set("film_rate_hz", std::to_string(*options.film_rate_hz));
-  if (options.turntable_pictures) set("turntable_pictures", std::to_string(*options.turntable_pictures));
-  if (!own_cameras.empty()) set("user_cameras", own_cameras);
+  const auto text = [](const std::optional<int>& number) { return number ? std::to_string(*number) : ""; };
+  set("width_px", text(options.width_px));
+  set("height_px", text(options.height_px));
+  set("frame_height_px", text(options.height_px));
+  set("context", options.context);
+  set("film", options.film);
+  set("film_rate_hz", text(options.film_rate_hz));
+  set("turntable_pictures", text(options.turntable_pictures));
+  set("user_cameras", own_cameras);
   return parse_result_settings(options.dir + "/scenario.yaml", overrides);
 }
 

@@ -25,10 +25,6 @@ void SweepOptions::add_to(CLI::App& command) {
   add_overrides(command, overrides, "Override a key of every run, for example engine.device=serial");
 }
 
-std::string SweepOptions::dir(const Study& study) const {
-  return output.empty() ? "out/" + study.name : output;
-}
-
 void add_jobs(CLI::App& command, int& jobs) {
   jobs = static_cast<int>(std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
   command

@@ -35,7 +35,7 @@ struct SweepOptions {
   /// One for each job, and for each device at least.
   [[nodiscard]] int workers() const { return std::max(jobs, static_cast<int>(devices.size())); }
   /// DIR of -o, else out/NAME of the study.
-  [[nodiscard]] std::string dir(const Study& study) const;
+  [[nodiscard]] std::string dir(const Study& study) const { return output.empty() ? "out/" + study.name : output; }
 };
 
 /// A study, its plan, and the names of its runs.

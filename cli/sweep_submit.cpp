@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 
 #include "cli/commands.h"
 #include "cli/sweep.h"
@@ -87,13 +86,13 @@ void submit_command(const SubmitOptions& options, const Console& console) {
 }  // namespace
 
 void add_sweep_submit(CLI::App& sweep, Console& console) {
-  auto* command = sweep.add_subcommand("submit", "Write scripts that run the study on a cluster; start nothing");
-  auto options = std::make_shared<SubmitOptions>();
+  const auto [command, options] = add_command(
+      sweep, "submit", "Write scripts that run the study on a cluster; start nothing", console, submit_command);
   options->sweep.add_to(*command);
   auto* system = command->add_option_group("system");
-  const auto add = [&](const char* flag, BatchSystem chosen, const char* description) {
+  const auto add = [system, into = options](const char* flag, BatchSystem chosen, const char* description) {
     return system->add_flag_callback(
-        flag, [options, chosen] { options->system = chosen; }, description);
+        flag, [into, chosen] { into->system = chosen; }, description);
   };
   add("--slurm", BatchSystem::slurm, "A Slurm job array, which is requeued before its time limit");
   add("--snakemake", BatchSystem::snakemake, "A Snakemake 7 workflow with a profile for Slurm");
@@ -110,7 +109,6 @@ void add_sweep_submit(CLI::App& sweep, Console& console) {
       ->excludes(parallel);
   add_path_option(*command, "--to", options->to, "Folder for the scripts", "DIR")->required();
   command->add_flag("--overwrite", options->overwrite, "Replace scripts of an earlier submit");
-  command->callback([options, &console] { submit_command(*options, console); });
 }
 
 }  // namespace reamsim

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "sim/base/parallel.h"
 
@@ -95,11 +94,10 @@ CutFace sample_cut_face(const BoneFields& bone, const Camera& camera) {
   out.texels.resize(static_cast<std::size_t>(out.width) * out.height * 2);
   // By fill, so that air does not reduce the density at the edge of the cut.
   const auto by_fill = [&](const Vec3i& voxel) { return static_cast<double>(bone.fill.get(voxel)); };
-  const auto width = static_cast<std::size_t>(out.width);
-  std::vector<Vec3> all(width * static_cast<std::size_t>(out.height));
+  std::vector<Vec3> all(bone.voxmap.layers ? out.texels.size() / 2 : 0);
   parallel_items(static_cast<std::size_t>(out.height), [&](std::size_t row) {
-    const std::span<Vec3> points = std::span(all).subspan(row * width, width);
-    for (std::size_t column = 0; column < width; ++column) {
+    std::vector<Vec3> points(static_cast<std::size_t>(out.width));
+    for (std::size_t column = 0; column < points.size(); ++column) {
       const Vec3 mm = rectangle.origin_mm + step_mm * ((static_cast<double>(column) + 0.5) * rectangle.across +
                                                        (static_cast<double>(row) + 0.5) * rectangle.upward);
       points[column] = (mm - grid.origin_mm) / grid.voxel_mm - Vec3::Constant(0.5);
@@ -111,6 +109,7 @@ CutFace sample_cut_face(const BoneFields& bone, const Camera& camera) {
           fields[column] < 0.45F ? static_cast<float>(mean_density<double>(bone.voxmap, points[column], by_fill)) : 0;
       texel[1] = -fields[column];
     }
+    if (!all.empty()) std::ranges::copy(points, all.begin() + static_cast<std::ptrdiff_t>(row * points.size()));
   });
   if (bone.voxmap.layers) draw_layers(bone, all, step_mm / grid.voxel_mm, out);
   return out;

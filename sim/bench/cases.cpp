@@ -131,12 +131,9 @@ struct PlungeRun {
   /// The two programs of the ratio always finish.
   [[nodiscard]] bool continues() const {
     constexpr double kMost_s = 20;
-    const Label& who = program->label();
-    return spent_s <= kMost_s || who.engine == "bricked" || is_published_direct();
+    return spent_s <= kMost_s || program->label().engine == "bricked" || is_published_direct();
   }
-  [[nodiscard]] bool is_published_direct() const {
-    return program->label().engine == "direct" && program->label().variant == "published";
-  }
+  [[nodiscard]] bool is_published_direct() const { return program->label() == Label{"direct", "published"}; }
 
   void run(std::span<const Substep> chunk) {
     BatchSample sample = program->run(chunk, true);
@@ -250,7 +247,7 @@ void measure_scatter(const ProgramSet& set) {
   }
   for (const auto& program : set.programs) {
     const Label& label = program->label();
-    if (label.variant == "published" && label.engine == "octree") racing.push_back(program);
+    if (label == Label{"octree", "published"}) racing.push_back(program);
     if (label.variant == "deterministic" && label.engine != "implicit" && voxels.is_null()) {
       voxels = static_cast<double>(program->run({&frame, 1}, true).voxels);
       program->restore();

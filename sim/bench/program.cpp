@@ -16,12 +16,11 @@
 #include "sim/engine/dense/dense_state.h"
 #include "sim/tool/point_shell.h"
 
-namespace reamsim {
-namespace embedded {
+namespace reamsim::embedded {
 extern const char* const kernel_published;
 }
 
-namespace bench {
+namespace reamsim::bench {
 
 namespace {
 
@@ -189,9 +188,8 @@ class PublishedOctree final : public PublishedProgram {
       : PublishedProgram("octree", info, setup, false),
         detect_(program_, "published_octree"),
         reduce_(program_, "published_reduce"),
-        voxels_(static_cast<std::size_t>(setup.voxmap->grid.size())),
-        hu_(device_, voxels_, "the voxmap's HU"),
-        collided_(device_, voxels_, "the voxmap's collision flags"),
+        hu_(device_, static_cast<std::size_t>(setup.voxmap->grid.size()), "the voxmap's HU"),
+        collided_(device_, hu_.count(), "the voxmap's collision flags"),
         shell_(cl::upload(device_, cell_numbers(setup.tool->shell), "the point shell")),
         steps_(cl::upload(device_, descent_steps(setup.voxmap->grid), "the look-up table")),
         forces_(device_, 4 * points_, "the points' forces"),
@@ -208,7 +206,7 @@ class PublishedOctree final : public PublishedProgram {
   [[nodiscard]] StructureBytes bytes() const override { return {hu_.bytes() + collided_.bytes(), shell_.bytes()}; }
 
  private:
-  void restore_all() override { collided_.clear(device_, voxels_); }
+  void restore_all() override { collided_.clear(device_, collided_.count()); }
 
   cl::Event reduce(const cl::Buffer<float>& in, std::size_t count, const cl::Buffer<float>& out, std::size_t groups) {
     reduce_.set_from(0, in, static_cast<cl_uint>(count), out);
@@ -227,7 +225,6 @@ class PublishedOctree final : public PublishedProgram {
   }
 
   cl::Kernel detect_, reduce_;
-  std::size_t voxels_;
   cl::Buffer<float> hu_;
   cl::Buffer<cl_uchar> collided_;
   cl::Buffer<float> shell_;
@@ -311,5 +308,4 @@ std::unique_ptr<Program> make_program(const Label& label, const std::string& dev
   return std::make_unique<PublishedDirect>(info, setup, count);
 }
 
-}  // namespace bench
-}  // namespace reamsim
+}  // namespace reamsim::bench

@@ -36,60 +36,46 @@ VoxelGrid grid_of(int side) {
   return {Vec3i::Constant(side), kBoxMm / side, kBoxCornerMm};
 }
 
-FilledVoxmap sample(int side) {
-  return sample_glenoid({.source = BoneSource::phantom, .side = BodySide::left}, grid_of(side));
+/// The grades of `dims` voxels from `low` on, x fastest. Beyond the lattice they are those of its outer voxels.
+std::vector<int> grades_from(const Voxmap& coarse, const Vec3i& low, const Vec3i& dims) {
+  const Vec3i last = coarse.grid.dims - Vec3i::Ones();
+  std::vector<int> out;
+  for_each_voxel(dims,
+                 [&](const Vec3i& step) { out.push_back(coarse.grade.get((low + step).cwiseMax(0).cwiseMin(last))); });
+  return out;
 }
 
-/// Bricks of the finer voxmap: a voxel is bone where the interpolated fraction of bone is at least half, with the mean
+/// A brick of the finer voxmap: a voxel is bone where the interpolated fraction of bone is at least half, with the mean
 /// grade of the bone about it. The factor is a power of two, so that weights and their sums are exact.
-class Refinement {
- public:
-  Refinement(const Voxmap& coarse, int factor) : coarse_(coarse), factor_(factor) {
-    about_.dims = Vec3i::Constant(GradeBricks::kSide / factor + 2);
-  }
-
-  void brick(const Vec3i& coord, GradeBricks::Brick& out) const {
-    const Vec3i low = place_of(GradeBricks::kSide * coord).array().floor().cast<int>();
-    const std::vector<int> grades = grades_from(low);
-    if (std::ranges::count(grades, 0) == std::ssize(grades)) return;
-    for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
-      const Vec3 place = place_of(BrickLattice::voxel_at(coord, offset)) - low.cast<double>();
-      const Vec3i lower = place.array().floor().cast<int>();
-      double bone = 0, sum = 0;
-      for_each_trilinear_weight(place - lower.cast<double>(), [&](const Vec3i& step, double weight) {
-        const int grade = grades[static_cast<std::size_t>(about_.index(lower + step))];
-        bone += grade != 0 ? weight : 0;
-        sum += weight * grade;
-      });
-      if (bone < 0.5) continue;
-      out[static_cast<std::size_t>(offset)] = static_cast<std::uint8_t>(sum / bone);
-    }
-  }
-
- private:
-  /// The centre of a fine voxel in coarse ones, from the centre of the first.
-  [[nodiscard]] Vec3 place_of(const Vec3i& fine) const { return (fine.cast<double>().array() + 0.5) / factor_ - 0.5; }
-
-  /// The coarse grades about a brick, x fastest. Beyond the lattice they are those of its outer voxels.
-  [[nodiscard]] std::vector<int> grades_from(const Vec3i& low) const {
-    const Vec3i last = coarse_.grid.dims - Vec3i::Ones();
-    std::vector<int> out;
-    for_each_voxel(about_.dims, [&](const Vec3i& step) {
-      out.push_back(coarse_.grade.get((low + step).cwiseMax(0).cwiseMin(last)));
+void refine_brick(const Voxmap& coarse, int factor, const Vec3i& coord, GradeBricks::Brick& out) {
+  // The centre of a fine voxel in coarse ones, from the centre of the first.
+  const auto place_of = [factor](const Vec3i& fine) -> Vec3 {
+    return (fine.cast<double>().array() + 0.5) / factor - 0.5;
+  };
+  const Vec3i low = place_of(GradeBricks::kSide * coord).array().floor().cast<int>();
+  const Vec3i dims = Vec3i::Constant(GradeBricks::kSide / factor + 2);
+  const std::vector<int> grades = grades_from(coarse, low, dims);
+  if (std::ranges::count(grades, 0) == std::ssize(grades)) return;
+  for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
+    const Vec3 place = place_of(BrickLattice::voxel_at(coord, offset)) - low.cast<double>();
+    const Vec3i lower = place.array().floor().cast<int>();
+    double bone = 0, sum = 0;
+    for_each_trilinear_weight(place - lower.cast<double>(), [&](const Vec3i& step, double weight) {
+      const int grade = grades[index_in(dims, lower + step)];
+      bone += grade != 0 ? weight : 0;
+      sum += weight * grade;
     });
-    return out;
+    if (bone < 0.5) continue;
+    out[static_cast<std::size_t>(offset)] = static_cast<std::uint8_t>(sum / bone);
   }
-
-  const Voxmap& coarse_;
-  int factor_;
-  VoxelGrid about_;  ///< the coarse voxels about a brick
-};
+}
 
 FilledVoxmap refine(const Voxmap& coarse, int side) {
   FilledVoxmap fine(grid_of(side));
-  const Refinement refinement(coarse, side / coarse.grid.dims.x());
-  fine.grade = sample_bricks(fine.grid.dims,
-                             [&](const Vec3i& coord, GradeBricks::Brick& brick) { refinement.brick(coord, brick); });
+  const int factor = side / coarse.grid.dims.x();
+  fine.grade = sample_bricks(fine.grid.dims, [&](const Vec3i& coord, GradeBricks::Brick& brick) {
+    refine_brick(coarse, factor, coord, brick);
+  });
   return fine;
 }
 
@@ -125,7 +111,9 @@ Profile arc(double radius_mm, double angle_rad, int steps) {
 
 }  // namespace
 
-BoneSeries::BoneSeries(int sampled) : sampled_(sample(sampled)), box_mm_(bone_box(sampled_)) {}
+BoneSeries::BoneSeries(int sampled)
+    : sampled_(sample_glenoid({.source = BoneSource::phantom, .side = BodySide::left}, grid_of(sampled))),
+      box_mm_(bone_box(sampled_)) {}
 
 FilledVoxmap BoneSeries::at(int side) const {
   const int sampled = sampled_.grid.dims.x();
@@ -182,14 +170,6 @@ Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm) {
   }
   for (const Vec2& rz : profile.points) tool.reach_mm = std::max(tool.reach_mm, rz.norm());
   return tool;
-}
-
-Aabb shell_box(const Tool& tool) {
-  return tool.bounds.expanded(0.5 * tool.shell.cell_mm);
-}
-
-CuttingSettings bench_cutting() {
-  return {.erosion = ErosionMode::remove};
 }
 
 const std::array<Approach, 4> kApproaches{{

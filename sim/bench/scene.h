@@ -46,10 +46,14 @@ Tool cap_tool(int resolution);
 Tool make_tool(const Profile& profile, std::optional<double> shell_spacing_mm = {});
 
 /// Box of the shell points, T, mm: half a cell beyond the surface.
-Aabb shell_box(const Tool& tool);
+inline Aabb shell_box(const Tool& tool) {
+  return tool.bounds.expanded(0.5 * tool.shell.cell_mm);
+}
 
 /// The program's default cutting settings with whole voxels removed.
-CuttingSettings bench_cutting();
+inline CuttingSettings bench_cutting() {
+  return {.erosion = ErosionMode::remove};
+}
 
 /// The paper's cases of contact: in `severe` 103,000 points touch with voxmap and shell at 1024³, in `light` 1 % of the
 /// points; in `none` the boxes overlap and no point touches.

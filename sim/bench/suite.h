@@ -33,6 +33,8 @@ inline constexpr double kExactBytes = 5.0 / 64;
 struct Label {
   std::string engine;   ///< bricked | direct | octree | implicit
   std::string variant;  ///< deterministic: that of `reamsim run` | published: the paper's racing pass
+
+  bool operator==(const Label&) const = default;
 };
 inline std::string name_of(const Label& who) {
   return who.engine + (who.variant == "published" ? ", published" : "");

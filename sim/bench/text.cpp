@@ -84,8 +84,7 @@ std::optional<double> value(const Json& row, const char* key) {
 std::vector<Label> labels_of(const Json& report) {
   std::vector<Label> out;
   for (const Json& row : report["results"]) {
-    const auto same = [&](const Label& l) { return name_of(l) == name_of(label(row)); };
-    if (std::none_of(out.begin(), out.end(), same)) out.push_back(label(row));
+    if (std::ranges::count(out, label(row)) == 0) out.push_back(label(row));
   }
   return out;
 }

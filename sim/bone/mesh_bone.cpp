@@ -353,9 +353,8 @@ FilledVoxmap voxmap_from_mesh(const BoneSettings& settings, Diagnostics& report,
   const DensityMapping mapping{settings.density};
   warn_of_density_limit(mapping, "bone.mesh.cortical_hu", bone.cortical_hu, report);
   warn_of_density_limit(mapping, "bone.mesh.trabecular_hu", bone.trabecular_hu, report);
-  const auto grade = [&mapping](double hu) { return DensityMapping::grade_from_density(mapping.density_from_hu(hu)); };
-  const GradesByDepth by_depth{bone.cortical_mm / settings.voxel_mm, grade(bone.cortical_hu),
-                               grade(bone.trabecular_hu)};
+  const GradesByDepth by_depth{bone.cortical_mm / settings.voxel_mm, mapping.grade_from_hu(bone.cortical_hu),
+                               mapping.grade_from_hu(bone.trabecular_hu)};
   FilledVoxmap voxmap = filled_voxmap(settings, source, grid, by_depth, stages, report);
   voxmap.mapping = mapping;
   voxmap.layers = BoneLayers{bone.cortical_mm, DensityMapping::density_from_grade(by_depth.cortical),

@@ -18,6 +18,11 @@ namespace {
 // Verification blocks have closed-form surfaces. Lattice planes lie at multiples of the voxel size, so that a top face
 // at z = 0 lies between two layers of voxels. The glenoid frame is at the centre of the top face, +z up.
 
+/// None where the surface has no partial voxels.
+PartialField if_partial(const BoneSettings& settings, const PartialField& partial) {
+  return settings.surface_voxels == SurfaceVoxels::partial ? partial : PartialField();
+}
+
 /// A block centred on the z axis. `carved`: a solid that is removed from it, negative inside.
 Bone make_block(const BoneSettings& settings, const DensityField& density_in_block,
                 const std::function<double(const Vec3&)>& carved = {}) {
@@ -25,18 +30,14 @@ Bone make_block(const BoneSettings& settings, const DensityField& density_in_blo
   const Aabb box{{-size.x() / 2, -size.y() / 2, -size.z()}, {size.x() / 2, size.y() / 2, 0}};
   const VoxelGrid grid = lattice_around("bone.phantom.size_mm", box, settings.voxel_mm, kMarginVoxels);
   const auto density = [&](const Vec3& point) {
-    const bool inside = (point.array() >= box.min.array()).all() && (point.array() <= box.max.array()).all();
-    return inside && !(carved && carved(point) < 0) ? density_in_block(point) : kAir;
+    return box.contains(point) && !(carved && carved(point) < 0) ? density_in_block(point) : kAir;
   };
-  PartialField partial;
-  if (settings.surface_voxels == SurfaceVoxels::partial) {
-    partial = [&](const Vec3& center, bool) -> PartialVoxel {
-      const double fraction = carved ? 1 - fraction_inside(carved, center, grid.voxel_mm) : 1;
-      return {fraction * fraction_in_box(box, center, grid.voxel_mm),
-              density_in_block(center.cwiseMax(box.min).cwiseMin(box.max))};
-    };
-  }
-  return Bone(sample_phantom(grid, settings.density, density, partial), GlenoidFrame{});
+  const PartialField partial = [&](const Vec3& center, bool) -> PartialVoxel {
+    const double fraction = carved ? 1 - fraction_inside(carved, center, grid.voxel_mm) : 1;
+    return {fraction * fraction_in_box(box, center, grid.voxel_mm),
+            density_in_block(center.cwiseMax(box.min).cwiseMin(box.max))};
+  };
+  return Bone(sample_phantom(grid, settings.density, density, if_partial(settings, partial)), GlenoidFrame{});
 }
 
 /// The block with a spherical cup of `radius_mm`, `cup_depth_mm` deep, in the middle of its top face.
@@ -62,14 +63,11 @@ Bone sphere_phantom(const BoneSettings& settings) {
   const VoxelGrid grid = lattice_around("bone.phantom.radius_mm", box, settings.voxel_mm, kMarginVoxels);
   const double density = settings.phantom.density_g_cm3;
   const auto field = [=](const Vec3& point) { return point.squaredNorm() <= radius * radius ? density : kAir; };
-  PartialField partial;
-  if (settings.surface_voxels == SurfaceVoxels::partial) {
-    partial = [=](const Vec3& voxel, bool) -> PartialVoxel {
-      const auto distance = [radius](const Vec3& point) { return point.norm() - radius; };
-      return {fraction_inside(distance, voxel, grid.voxel_mm), density};
-    };
-  }
-  return Bone(sample_phantom(grid, settings.density, field, partial),
+  const PartialField partial = [=](const Vec3& voxel, bool) -> PartialVoxel {
+    const auto distance = [radius](const Vec3& point) { return point.norm() - radius; };
+    return {fraction_inside(distance, voxel, grid.voxel_mm), density};
+  };
+  return Bone(sample_phantom(grid, settings.density, field, if_partial(settings, partial)),
               GlenoidFrame{Rigid(Eigen::Translation3d(0, 0, radius))});
 }
 
@@ -281,14 +279,12 @@ FilledVoxmap sample_glenoid(const BoneSettings& settings, const VoxelGrid& grid)
   check(settings.phantom);
   const GlenoidDensity density(settings.phantom);
   const Sides sides(settings.side);
-  PartialField partial;
-  if (settings.surface_voxels == SurfaceVoxels::partial) {
-    partial = [&](const Vec3& center, bool is_bone) {
-      return density.partial(sides.anatomy_from_bone(center), grid.voxel_mm, is_bone);
-    };
-  }
+  const PartialField partial = [&](const Vec3& center, bool is_bone) {
+    return density.partial(sides.anatomy_from_bone(center), grid.voxel_mm, is_bone);
+  };
   return sample_phantom(
-      grid, settings.density, [&](const Vec3& point) { return density.at(sides.anatomy_from_bone(point)); }, partial,
+      grid, settings.density, [&](const Vec3& point) { return density.at(sides.anatomy_from_bone(point)); },
+      if_partial(settings, partial),
       [&](const Vec3& center, double radius_mm) {
         return density.shape().solid(sides.anatomy_from_bone(center)) > GlenoidShape::kMaxSlope * radius_mm;
       });

@@ -27,8 +27,7 @@ std::string info_text(Id id, cl_uint parameter, Query query) {
   if (query(id, parameter, 0, nullptr, &size) != CL_SUCCESS || size == 0) return {};
   std::string text(size, '\0');
   query(id, parameter, size, text.data(), nullptr);
-  text.resize(text.find('\0') == std::string::npos ? text.size() : text.find('\0'));
-  return text;
+  return text.substr(0, text.find('\0'));
 }
 
 template <class T>

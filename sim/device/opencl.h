@@ -28,17 +28,9 @@ class DeviceError : public RunError {
 /// Throws DeviceError naming the call and OpenCL's error unless `status` is CL_SUCCESS.
 void check(cl_int status, const char* call);
 
-/// Releases an OpenCL object, and ignores errors of the release.
-template <auto Function>
-struct Release {
-  template <class T>
-  void operator()(T* object) const {
-    Function(object);
-  }
-};
-/// Sole owner of an OpenCL object.
+/// Sole owner of an OpenCL object, which the function releases; ignores errors of the release.
 template <class T, auto Function>
-using Handle = std::unique_ptr<std::remove_pointer_t<T>, Release<Function>>;
+using Handle = std::unique_ptr<std::remove_pointer_t<T>, std::integral_constant<decltype(Function), Function>>;
 
 using Context = Handle<cl_context, clReleaseContext>;
 using Queue = Handle<cl_command_queue, clReleaseCommandQueue>;
@@ -119,6 +111,12 @@ class Buffer {
   std::size_t count_ = 0;
   Memory memory_;
 };
+
+/// The device memory of some buffers, bytes.
+template <class... T>
+std::size_t bytes_of(const std::tuple<Buffer<T>...>& buffers) {
+  return std::apply([](const auto&... buffer) { return (buffer.bytes() + ...); }, buffers);
+}
 
 /// A buffer with these elements; with a single zero element where `data` is empty.
 template <class Range, class T = std::ranges::range_value_t<Range>>

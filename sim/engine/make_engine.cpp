@@ -19,14 +19,10 @@ std::unique_ptr<Engine> make_plain_engine(EngineDevices& devices, const Scenario
                                           const Tool& tool) {
   if (scenario.engine.device == "serial") return make_serial_engine(scenario, bone, tool);
   const cl::Device device = devices.of(scenario.engine);
-  switch (engine_of(scenario)) {
-    case EngineKind::exact:
-      return make_exact_engine(device, scenario, bone, tool);
-    case EngineKind::bricked:
-      return make_bricked_engine(device, scenario, bone, tool);
-    default:
-      return make_dense_engine(device, scenario, bone, tool);
-  }
+  const EngineKind kind = engine_of(scenario);
+  if (kind == EngineKind::exact) return make_exact_engine(device, scenario, bone, tool);
+  if (kind == EngineKind::bricked) return make_bricked_engine(device, scenario, bone, tool);
+  return make_dense_engine(device, scenario, bone, tool);
 }
 
 }  // namespace

@@ -65,10 +65,6 @@ void set_limits(const ChildStart& start) {
 
 using Filter = std::unique_ptr<void, decltype(&seccomp_release)>;
 
-int allow(const Filter& filter, int call) {
-  return seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, call, 0);
-}
-
 /// Calls that are allowed with some arguments only.
 int allow_in_part(const Filter& filter) {
   constexpr scmp_datum_t kWriting = O_ACCMODE | O_CREAT | O_TRUNC | O_APPEND;
@@ -76,7 +72,7 @@ int allow_in_part(const Filter& filter) {
   scmp_filter_ctx f = filter.get();
   int error = 0;
   const auto add = [&](int call, const scmp_arg_cmp& condition) {
-    error |= seccomp_rule_add(f, SCMP_ACT_ALLOW, call, 1, condition);
+    error |= seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, call, 1, condition);
   };
   add(SCMP_SYS(open), SCMP_A1(SCMP_CMP_MASKED_EQ, kWriting, O_RDONLY));
   add(SCMP_SYS(openat), SCMP_A2(SCMP_CMP_MASKED_EQ, kWriting, O_RDONLY));
@@ -98,7 +94,8 @@ int allow_in_part(const Filter& filter) {
   add(SCMP_SYS(tgkill), SCMP_A0(SCMP_CMP_EQ, self));
   add(SCMP_SYS(kill), SCMP_A0(SCMP_CMP_EQ, self));
 #ifdef __SANITIZE_ADDRESS__  // the sanitizers write to a pipe to know whether memory can be read
-  error |= allow(filter, SCMP_SYS(pipe2)) | allow(filter, SCMP_SYS(write));
+  for (const int call : {SCMP_SYS(pipe2), SCMP_SYS(write)})
+    error |= seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, call, 0);
 #endif
   return error;
 }
@@ -110,7 +107,7 @@ void restrict_system_calls() {
   // Older kernels otherwise switch off speculation, which slows the reader down.
   seccomp_attr_set(filter.get(), SCMP_FLTATR_CTL_SSB, 1);
   int error = allow_in_part(filter);
-  for (const int call : kAllowed) error |= allow(filter, call);
+  for (const int call : kAllowed) error |= seccomp_rule_add(filter.get(), SCMP_ACT_ALLOW, call, 0);
   if (error == 0) seccomp_load(filter.get());
 }
 

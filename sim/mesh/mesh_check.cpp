@@ -9,7 +9,6 @@
 #include <boost/pending/disjoint_sets.hpp>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <numeric>
 #include <set>
@@ -49,8 +48,9 @@ std::string at_text(const std::optional<Vec3>& point) {
   return fmt::format(" (the first at {:.2f}, {:.2f}, {:.2f} mm)", point->x(), point->y(), point->z());
 }
 
-std::string count_text(std::size_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
+/// "1 edge" or "2 edges".
+std::string count_text(std::size_t count, const char* one) {
+  return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
 }
 
 /// The next vertices of the rims from each vertex.
@@ -244,16 +244,13 @@ MeshDiagnosis diagnose(const TriangleMesh& mesh) {
 }
 
 std::string MeshDiagnosis::text() const {
-  std::string out = count_text(boundary_edges, "boundary edge", "boundary edges") + at_text(first_hole_mm) + ", " +
-                    count_text(nonmanifold_edges, "non-manifold edge", "non-manifold edges") +
-                    at_text(first_nonmanifold_mm);
+  std::string out = count_text(boundary_edges, "boundary edge") + at_text(first_hole_mm) + ", " +
+                    count_text(nonmanifold_edges, "non-manifold edge") + at_text(first_nonmanifold_mm);
   if (inconsistent_edges > 0) {
-    out += ", " + count_text(inconsistent_edges, "edge", "edges") + " between triangles with opposite orientation";
+    out += ", " + count_text(inconsistent_edges, "edge") + " between triangles with opposite orientation";
   }
-  if (degenerate_triangles > 0) {
-    out += ", " + count_text(degenerate_triangles, "degenerate triangle", "degenerate triangles");
-  }
-  return out + ", " + count_text(components, "component", "components");
+  if (degenerate_triangles > 0) out += ", " + count_text(degenerate_triangles, "degenerate triangle");
+  return out + ", " + count_text(components, "component");
 }
 
 std::vector<MeshHole> holes_of(const TriangleMesh& mesh) {
@@ -280,9 +277,8 @@ std::string text_of(const std::vector<MeshHole>& holes, double surface_mm2) {
   const bool one = holes.size() == 1;
   // Two digits, and no exponent.
   const auto two_digits = [](double x) { return x < 10 ? fmt::format("{:.2g}", x) : fmt::format("{:.0f}", x); };
-  return fmt::format("{}, {} mm2 ({} % of the surface){}{} mm wide at {} mm",
-                     one ? "1 hole" : fmt::format("{} holes", holes.size()), two_digits(area),
-                     two_digits(surface_mm2 > 0 ? 100 * area / surface_mm2 : 100),
+  return fmt::format("{}, {} mm2 ({} % of the surface){}{} mm wide at {} mm", count_text(holes.size(), "hole"),
+                     two_digits(area), two_digits(surface_mm2 > 0 ? 100 * area / surface_mm2 : 100),
                      one ? ", " : " together, the widest ", two_digits(widest.width_mm), point_text(widest.centre_mm));
 }
 

@@ -39,18 +39,14 @@ void keep_only_reader(Assimp::Importer& importer, const std::string& extension) 
 
 /// assimp's own checks do not find faces without vertices, and its triangulation crashes on them.
 void check_faces(const aiScene& scene, const std::string& path) {
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-    const aiMesh& part = *scene.mMeshes[m];
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices == 0 || face.mIndices == nullptr) {
-        refuse_file(path, "face " + std::to_string(f + 1) + " has no vertices", "give a complete mesh");
-      }
-      for (unsigned c = 0; c < face.mNumIndices; ++c) {
-        if (face.mIndices[c] >= part.mNumVertices) {
-          refuse_file(path, "face " + std::to_string(f + 1) + " refers to a missing vertex", "give a complete mesh");
-        }
-      }
+  for (const aiMesh* part : std::span(scene.mMeshes, scene.mNumMeshes)) {
+    for (unsigned f = 0; f < part->mNumFaces; ++f) {
+      const aiFace& face = part->mFaces[f];
+      const auto is_missing = [part](unsigned vertex) { return vertex >= part->mNumVertices; };
+      const bool empty = face.mNumIndices == 0 || face.mIndices == nullptr;
+      if (!empty && std::ranges::none_of(std::span(face.mIndices, face.mNumIndices), is_missing)) continue;
+      refuse_file(path, fmt::format("face {} {}", f + 1, empty ? "has no vertices" : "refers to a missing vertex"),
+                  "give a complete mesh");
     }
   }
 }

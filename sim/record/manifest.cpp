@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <vector>
 
-#include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/base/text.h"
 #include "sim/record/output_folder.h"

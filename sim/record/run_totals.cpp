@@ -182,12 +182,8 @@ void RunTotals::add(const FrameResult& row) {
   torque_squares_ += row.torque_nmm.squaredNorm();
 }
 
-double RunTotals::rms_force_n() const {
-  return contact_frames == 0 ? 0 : std::sqrt(force_squares_ / static_cast<double>(contact_frames));
-}
-
-double RunTotals::rms_torque_nmm() const {
-  return contact_frames == 0 ? 0 : std::sqrt(torque_squares_ / static_cast<double>(contact_frames));
+double RunTotals::root_mean(double squares) const {
+  return contact_frames == 0 ? 0 : std::sqrt(squares / static_cast<double>(contact_frames));
 }
 
 KeyResults RunTotals::headline(bool means) const {

@@ -182,8 +182,8 @@ class RunTotals : public PassTotals {
 
   void add(const FrameResult& row);
   /// Root mean square over the frames in contact; 0 without contact.
-  [[nodiscard]] double rms_force_n() const;
-  [[nodiscard]] double rms_torque_nmm() const;
+  [[nodiscard]] double rms_force_n() const { return root_mean(force_squares_); }
+  [[nodiscard]] double rms_torque_nmm() const { return root_mean(torque_squares_); }
 
   /// Rows from the first to the last with contact, with all between: contact of one frame depends on rounding to
   /// voxels.
@@ -203,6 +203,8 @@ class RunTotals : public PassTotals {
   [[nodiscard]] double work_mj() const { return energy_mj * (1 + balance) - floor_energy_mj; }
 
  private:
+  [[nodiscard]] double root_mean(double squares) const;
+
   double force_squares_ = 0;
   double torque_squares_ = 0;
   Means sums_;                            // rows without contact have no force, so these are sums over the reaming time

@@ -319,9 +319,7 @@ BoundaryDensity correct(AlignedImage& hu, const Mask& mask, const Vec3& psf_mm, 
     if (known[at] != 0 && trusted[at] == 0) places.push_back(at);
   }
   std::vector<Estimate> found(places.size());
-  parallel_ranges(places.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) found[i] = estimate(lattice.voxel_at(places[i]));
-  });
+  parallel_items(places.size(), 1024, [&](std::size_t i) { found[i] = estimate(lattice.voxel_at(places[i])); });
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (mask[places[i]] == 0 || !has_face_outside(mask, lattice, lattice.voxel_at(places[i]))) continue;
     ++out.boundary_voxels;

@@ -168,12 +168,6 @@ double mm_of_unit(int units) {
   return units == kMetre ? 1e3 : units == kMicron ? 1e-3 : 1.0;
 }
 
-/// Coordinates of a template count after those of the scanner.
-bool is_of_template(int code) {
-  constexpr int kTalairach = 3;
-  return code >= kTalairach;
-}
-
 /// The geometry of a transform from indices to RAS in the unit of the file.
 ScanGeometry geometry_of(const NiftiHeader& header, const Mat3& steps, const Vec3& origin) {
   const Vec3 to_lps_mm = mm_of_unit(header.units) * Vec3(-1, -1, 1);
@@ -286,7 +280,8 @@ void place(const NiftiHeader& header, const ForeignFile& file, ImageFacts& out) 
     throw file.error("the axes or the origin in the NIfTI header (sform, qform) are not finite, zero or degenerate",
                      "the file is damaged: export it again");
   }
-  const bool takes_qform = qform && (!sform || (is_of_template(sform->code) && !is_of_template(qform->code)));
+  constexpr int kTalairach = 3;  // from here on, coordinates of a template, which count after those of the scanner
+  const bool takes_qform = qform && (!sform || (sform->code >= kTalairach && qform->code < kTalairach));
   const Form& taken = takes_qform ? *qform : *sform;
   if (!takes_qform) compare_with_pixdim(header, taken, out.warnings);
   if (sform && qform) compare(taken, takes_qform ? *sform : *qform, out.warnings);

@@ -122,10 +122,6 @@ std::vector<std::string> extensions_of(PackedFile& file, bool swapped, std::int6
   return out;
 }
 
-bool has_axes(const NiftiHeader& header) {
-  return header.dim[0] >= 1 && header.dim[0] <= 7;
-}
-
 /// Fields, and the order of their bytes, of the first bytes of a file; nullopt for another format.
 std::optional<NiftiHeader> parsed(const std::string& bytes) {
   for (const bool swapped : {false, true}) {
@@ -137,12 +133,13 @@ std::optional<NiftiHeader> parsed(const std::string& bytes) {
       take_fields<std::int16_t, float, float, std::int16_t, char>(in, kLayout1, out);
       const std::string magic = bytes.substr(344, 3);
       out.is_analyze = magic != "n+1" && magic != "ni1";
-      return has_axes(out) ? std::optional(out) : std::nullopt;
-    }
-    if (size == kBytes2 && bytes.size() >= kBytes2 && (bytes.substr(4, 3) == "n+2" || bytes.substr(4, 3) == "ni2")) {
+    } else if (size == kBytes2 && bytes.size() >= kBytes2 &&
+               (bytes.substr(4, 3) == "n+2" || bytes.substr(4, 3) == "ni2")) {
       take_fields<std::int64_t, double, std::int64_t, std::int32_t, std::int32_t>(in, kLayout2, out);
-      return has_axes(out) ? std::optional(out) : std::nullopt;
+    } else {
+      continue;
     }
+    return out.dim[0] >= 1 && out.dim[0] <= 7 ? std::optional(out) : std::nullopt;
   }
   return std::nullopt;
 }

@@ -135,10 +135,6 @@ double remaining_fraction(const CtSettings& settings, const Aabb& image, const V
   return fraction;
 }
 
-std::uint8_t grade_from_hu(double hu, const DensityMapping& mapping) {
-  return DensityMapping::grade_from_density(mapping.density_from_hu(hu));
-}
-
 /// The fill follows from the zero of the field. The grade follows from the image, whose values were corrected on both
 /// sides of the boundary.
 void set_fill_at_surface(const BoneField& bone, const SliceResampler& hu, const CtSettings& settings, const Aabb& image,
@@ -155,7 +151,7 @@ void set_fill_at_surface(const BoneField& bone, const SliceResampler& hu, const 
     const double part = fraction_inside(outside, center, grid.voxel_mm, splits);
     if (part == 0) return {0, grade};
     return {part * remaining_fraction(settings, image, center, grid.voxel_mm),
-            grade != 0 ? grade : grade_from_hu(hu.at(voxel), voxmap.mapping)};
+            grade != 0 ? grade : voxmap.mapping.grade_from_hu(hu.at(voxel))};
   };
   set_partial_fill(sample, voxmap);
 }
@@ -197,7 +193,7 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
   };
   const auto store = [&](std::size_t, const Values& values) {
     for (const auto& [voxel, value] : values) {
-      voxmap.grade.set(voxel, grade_from_hu(value, voxmap.mapping));
+      voxmap.grade.set(voxel, voxmap.mapping.grade_from_hu(value));
       stats.add(value);
       limit.add(value, grid.voxel_mm3());
     }

@@ -103,14 +103,9 @@ double normal_quantile(double u) {
 
 double sample_number(const Distribution& distribution, double u) {
   const auto [kind, a, b] = distribution;
-  switch (kind) {
-    case Distribution::Kind::lognormal:
-      return a * std::exp(b * normal_quantile(u));
-    case Distribution::Kind::uniform:
-      return a + (b - a) * u;
-    default:
-      return a + b * normal_quantile(u);
-  }
+  if (kind == Distribution::Kind::uniform) return a + (b - a) * u;
+  const double z = normal_quantile(u);
+  return kind == Distribution::Kind::lognormal ? a * std::exp(b * z) : a + b * z;
 }
 
 Vec3 tilted(const Vec3& direction, double a_deg, double b_deg) {

@@ -244,8 +244,7 @@ void ct_force_case(const Setting& setting, Report& out) {
       "cannula radius 1.25 mm, 0.5 mm/s and 250 rpm in full contact, voxels halved";
   out.form = "integral of the law over the face";
   const CtSlab slab{.hu = [](double) { return 1000.0; }, .offset_voxels = 0.31, .tilt_deg = 30};
-  const double density =
-      DensityMapping::density_from_grade(DensityMapping::grade_from_density(DensityMapping().density_from_hu(1000)));
+  const double density = DensityMapping::density_from_grade(DensityMapping().grade_from_hu(1000));
   const SteadyPlunge form{
       .radius_mm = 29, .outer_mm = 4, .bore_mm = 1.25, .rpm = kRpm, .feed_mm_s = 0.5, .density_g_cm3 = density};
   const PlungeLoads expected = form.full_loads();

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import importlib
 import itertools
@@ -118,10 +119,8 @@ def read_vdb(path: pathlib.Path, name: str, unit: str) -> Grid:
 def _openvdb(purpose: str):
     """OpenVDB's Python module, which was called pyopenvdb before OpenVDB 11. Raises MissingPackage."""
     for name in ("openvdb", "pyopenvdb"):
-        try:
+        with contextlib.suppress(ImportError):
             return importlib.import_module(name)
-        except ImportError:
-            pass
     raise MissingPackage("pyopenvdb", purpose, "python3-openvdb")
 
 

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import itertools
 import pathlib
@@ -64,10 +65,8 @@ def mixed_columns(path: pathlib.Path, texts: Iterable[str]) -> dict[str, numpy.n
 
 def _column(cells: list[str], is_text: bool) -> numpy.ndarray:
     if not is_text:
-        try:
+        with contextlib.suppress(ValueError):
             return numpy.array([float(cell) if cell else numpy.nan for cell in cells], dtype=numpy.float64)
-        except ValueError:
-            pass
     return numpy.array(cells, dtype=object)
 
 

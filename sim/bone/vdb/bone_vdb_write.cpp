@@ -22,12 +22,6 @@ static_assert(Leaf::DIM == FillBricks::kSide);
 /// The occupancy (0…65535) of a brick and of a layer of one voxel around it.
 using Occupancy = PaddedBrick<int>;
 
-Occupancy occupancy_of(const BoneView& bone, const Vec3i& brick) {
-  return {bone.voxmap.grade, &bone.fill, brick, [](const auto& grades, const auto* fill, std::size_t at) -> int {
-            return grades[at] == 0 ? 0 : fill == nullptr ? FillBricks::kWhole : (*fill)[at];
-          }};
-}
-
 /// Weights 1-2-1 along each axis; their sum is 64.
 float smoothed(const Occupancy& occupancy, const Vec3i& voxel) {
   constexpr std::size_t kRow = Occupancy::kPaddedSide, kLayer = kRow * kRow;
@@ -54,7 +48,10 @@ struct SmoothedBrick {
 };
 
 SmoothedBrick smoothed_brick(const BoneView& bone, const Vec3i& brick) {
-  const Occupancy occupancy = occupancy_of(bone, brick);
+  const auto value = [](const auto& grades, const auto* fill, std::size_t at) -> int {
+    return grades[at] == 0 ? 0 : fill == nullptr ? FillBricks::kWhole : (*fill)[at];
+  };
+  const Occupancy occupancy(bone.voxmap.grade, &bone.fill, brick, value);
   if (occupancy.most() == 0) return {};
   if (occupancy.least() == FillBricks::kWhole) return {1.0F, nullptr};
   auto leaf = std::make_unique<Leaf>(leaf_corner(brick), 0.0F, true);

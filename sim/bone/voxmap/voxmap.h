@@ -120,6 +120,7 @@ struct DensityMapping : DensitySettings {
   [[nodiscard]] static std::uint8_t grade_from_density(double density_g_cm3) {
     return static_cast<std::uint8_t>(std::clamp(std::lround(density_g_cm3 / kGradeStep_g_cm3), 1L, long{kMaxGrade}));
   }
+  [[nodiscard]] std::uint8_t grade_from_hu(double hu) const { return grade_from_density(density_from_hu(hu)); }
   [[nodiscard]] static double density_from_grade(std::uint8_t grade) { return grade * kGradeStep_g_cm3; }
 };
 

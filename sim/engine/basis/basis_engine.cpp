@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "sim/base/parallel.h"
@@ -45,7 +44,7 @@ class TouchedBasisEngine final : public BasisEngine {
   Batch collect() override {
     Batch out = engine_->collect();
     removed_ = engine_->take_removed();
-    out.basis = basis_of(args_, removed_);
+    out.basis = substep_bases();
     for (auto& [voxel, place] : removed_) place = args_[static_cast<std::size_t>(place)].frame;
     args_.clear();
     return out;
@@ -53,16 +52,15 @@ class TouchedBasisEngine final : public BasisEngine {
   RemovedFrames take_removed() override { return std::exchange(removed_, {}); }
 
  private:
-  /// The basis of each substep. `removed`: voxels, and the places in `args` of the substeps that removed them.
-  [[nodiscard]] std::vector<SubstepBasis> basis_of(std::span<const SubstepArgs> args,
-                                                   const RemovedFrames& removed) const {
-    std::vector<std::vector<std::int64_t>> voxels(args.size());
-    for (const auto& [voxel, place] : removed) voxels[static_cast<std::size_t>(place)].push_back(voxel);
-    std::vector<SubstepBasis> out(args.size());
-    parallel_items(args.size(), [&](std::size_t slot) {
+  /// The basis of each substep. removed_ has the places in args_ of the substeps that removed its voxels.
+  [[nodiscard]] std::vector<SubstepBasis> substep_bases() const {
+    std::vector<std::vector<std::int64_t>> voxels(args_.size());
+    for (const auto& [voxel, place] : removed_) voxels[static_cast<std::size_t>(place)].push_back(voxel);
+    std::vector<SubstepBasis> out(args_.size());
+    parallel_items(args_.size(), [&](std::size_t slot) {
       if (voxels[slot].empty()) return;
       std::ranges::sort(voxels[slot]);
-      const UnitArgs units(args[slot], 0);
+      const UnitArgs units(args_[slot], 0);
       BrickBasis sums{1};
       for (const std::int64_t index : voxels[slot]) {
         const Vec3i voxel = voxmap_.grid.coord(index);

@@ -69,7 +69,7 @@ BrickedState make_bricked_state(const cl::Device& device, const BoneView& bone, 
   state.cells = cl::upload(device, shell.cells, "the shell's cells", "tool.shell_resolution");
   state.runs = cl::upload(device, shell.runs, "the shell's cells", "tool.shell_resolution");
   state.offsets = cl::upload(device, shell.offsets, "the point shell", "tool.shell_resolution");
-  state.outline = {device, make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)};
+  state.outline = upload_outline(device, make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm));
   state.units_of_grade = cl::upload(device, energy.units, "the energy table");
   state.density_of_grade = cl::upload(device, energy.density, "the density table");
   state.bits_of_byte = cl::upload(device, bits_of_byte(), "the table of bits");
@@ -87,7 +87,7 @@ cl::SlotKernel make_detect_bricked(const cl::Device& device, const BrickedState&
                state.runs, cl_uint{kRunCells}, state.offsets, state.bone.slot_of_brick, state.bone.occupancy,
                state.listed, state.touched_list, batch.contact_count(), batch.sums(), state.bone.dims,
                cl_int{options.culling ? 1 : 0}, batch.removed_room(), batch.removed_count(), batch.removed_before(),
-               state.outline.arguments(), state.bone.pool_arguments());
+               state.outline, state.bone.pool_arguments());
   return out;
 }
 
@@ -100,7 +100,7 @@ cl::SlotKernel make_cut_bricked(const cl::Device& device, const BrickedState& st
   out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.bone.lattice_of_slot, state.listed, state.bone.occupancy,
                state.touched_list, batch.contact_count(), batch.sums(), batch.removed(), batch.removed_count(),
                batch.removed_room(), batch.removed_before(), state.units_of_grade, state.density_of_grade,
-               state.bits_of_byte, state.bone.dims, state.outline.arguments(), state.bone.pool_arguments());
+               state.bits_of_byte, state.bone.dims, state.outline, state.bone.pool_arguments());
   return out;
 }
 

@@ -98,15 +98,15 @@ rs_i32 BoneFaces::at(const Vec3i& voxel) const {
   return rs_face_at(brick, faces_.data(), rs_brick_offset(voxel.x() & 7, voxel.y() & 7, voxel.z() & 7));
 }
 
-DeviceFaces::DeviceFaces(const cl::Device& device, const BoneView& bone) {
+DeviceFaces upload_faces(const cl::Device& device, const BoneView& bone) {
   const BoneFaces faces(bone);
   std::vector<cl_int> number_of_slot;
   for_each_slot(bone.voxmap.grade, [&](const Vec3i& coord, const GradeBricks::Brick&) {
     number_of_slot.push_back(faces.number_of_brick_[faces.lattice_.index(coord)]);
   });
-  number_of_slot_ = cl::upload(device, number_of_slot, "the table of the bone's faces");
-  bricks_ = cl::upload(device, faces.bricks_, "the table of the bone's faces");
-  faces_ = cl::upload(device, faces.faces_, "the bone's faces");
+  return {cl::upload(device, number_of_slot, "the table of the bone's faces"),
+          cl::upload(device, faces.bricks_, "the table of the bone's faces"),
+          cl::upload(device, faces.faces_, "the bone's faces")};
 }
 
 std::size_t bone_faces_bytes(const BoneView& bone) {

@@ -18,6 +18,10 @@ namespace reamsim {
 /// unknown.
 rs_i32 packed_face(std::uint16_t fill, const Eigen::Vector3f& normal);
 
+/// The faces of a bone on a device, as arguments of a kernel: their bricks by slot, the bricks, the faces.
+using DeviceFaces = std::tuple<cl::Buffer<cl_int>, cl::Buffer<FaceBrick>, cl::Buffer<cl_int>>;
+DeviceFaces upload_faces(const cl::Device& device, const BoneView& bone);
+
 /// The surface of the bone before the run in the voxels that were partly filled (kernels/bone_face.h). The normal is
 /// the gradient of the fraction of bone over 27 voxels (Parker and Youngs 1992, AWE report 01/92).
 class BoneFaces {
@@ -28,29 +32,14 @@ class BoneFaces {
   [[nodiscard]] rs_i32 at(const Vec3i& voxel) const;
 
  private:
-  friend class DeviceFaces;
+  friend DeviceFaces upload_faces(const cl::Device& device, const BoneView& bone);
   BrickLattice lattice_;
   std::vector<rs_i32> number_of_brick_;  ///< in bricks_; -1: none
   std::vector<FaceBrick> bricks_;
   std::vector<rs_i32> faces_;
 };
 
-/// The same on a device.
-class DeviceFaces {
- public:
-  DeviceFaces(const cl::Device& device, const BoneView& bone);
-
-  /// As arguments of a kernel.
-  [[nodiscard]] auto arguments() const { return std::tie(number_of_slot_, bricks_, faces_); }
-  [[nodiscard]] std::size_t bytes() const { return number_of_slot_.bytes() + bricks_.bytes() + faces_.bytes(); }
-
- private:
-  cl::Buffer<cl_int> number_of_slot_;
-  cl::Buffer<FaceBrick> bricks_;
-  cl::Buffer<cl_int> faces_;
-};
-
-/// Device memory of DeviceFaces, bytes.
+/// The device memory that DeviceFaces takes, bytes.
 std::size_t bone_faces_bytes(const BoneView& bone);
 
 }  // namespace reamsim

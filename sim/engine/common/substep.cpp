@@ -286,13 +286,12 @@ void MotionWindows::plan(std::int64_t block) {
 /// Makes a window of the frames `first` to `end` - 1 of the block, or of their halves. Frames without a substep at
 /// either end, before the motion and after it, do not count.
 void MotionWindows::split(std::int64_t first, std::int64_t end) {
-  const std::span<const std::optional<SubstepArgs>> all(args_);
   std::int64_t begin = first, stop = end;
   while (begin < stop && kBlock * block_ + begin < 1) ++begin;
   while (begin < stop && kBlock * block_ + stop - 1 > last_) --stop;
   const std::int64_t count = stop - begin;
   if (count < kFewestFrames) return;
-  const auto frames = all.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(count));
+  const std::span<const std::optional<SubstepArgs>> frames(args_.data() + begin, static_cast<std::size_t>(count));
   const bool single = std::ranges::all_of(frames, [](const auto& args) { return args.has_value(); });
   if (single) {
     auto window = std::make_shared<MotionWindow>();

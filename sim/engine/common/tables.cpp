@@ -113,13 +113,9 @@ OutlinePiece make_piece(const OutlineArc& arc) {
           .after = -1};
 }
 
-/// Whether `b` follows `a`; the table has no edges on the axis between them.
-bool joined(const OutlineArc& a, const OutlineArc& b) {
-  return a.end == b.begin;
-}
-
+/// Whether `b` follows `a` with a sharp turn; the table has no edges on the axis between them.
 bool sharp(const OutlineArc& a, const OutlineArc& b) {
-  return joined(a, b) && std::abs(angle_between(a.along_end, b.along_begin)) > kSharpTurn;
+  return a.end == b.begin && std::abs(angle_between(a.along_end, b.along_begin)) > kSharpTurn;
 }
 
 /// Length of the smooth section from arc `i` forwards (`step` 1) or backwards (-1), mm.
@@ -129,7 +125,7 @@ double smooth_length(const std::vector<OutlineArc>& arcs, std::size_t i, int ste
     length += arcs[i].length();
     const std::size_t next = (i + arcs.size() + static_cast<std::size_t>(step)) % arcs.size();
     const OutlineArc &a = arcs[step > 0 ? i : next], &b = arcs[step > 0 ? next : i];
-    if (!joined(a, b) || sharp(a, b)) break;
+    if (a.end != b.begin || sharp(a, b)) break;
     i = next;
   }
   return length;
@@ -222,12 +218,10 @@ OutlineTable make_outline_table(const Profile& profile, double voxel_mm) {
   return table;
 }
 
-DeviceOutline::DeviceOutline(const cl::Device& device, const OutlineTable& table) {
+DeviceOutline upload_outline(const cl::Device& device, const OutlineTable& table) {
   constexpr const char* kWhat = "the tool's surface";
-  pieces_ = cl::upload(device, table.pieces, kWhat);
-  numbers_ = cl::upload(device, table.numbers, kWhat);
-  lists_ = cl::upload(device, table.lists, kWhat);
-  grid_ = cl::upload(device, std::array{table.grid}, kWhat);
+  return {cl::upload(device, table.pieces, kWhat), cl::upload(device, table.numbers, kWhat),
+          cl::upload(device, table.lists, kWhat), cl::upload(device, std::array{table.grid}, kWhat)};
 }
 
 static_assert(DistanceGrid::kSide == RS_GRID_SIDE && DistanceGrid::kRow == RS_GRID_ROW);
@@ -245,7 +239,7 @@ DistanceLattice distance_lattice(const DistanceGrid& grid) {
   return out;
 }
 
-DeviceTeeth::DeviceTeeth(const cl::Device& device, const DistanceGrid& grid, double voxel_mm, double bulge_mm,
+DeviceTeeth upload_teeth(const cl::Device& device, const DistanceGrid& grid, double voxel_mm, double bulge_mm,
                          std::size_t bone_bytes) {
   constexpr const char* kWhat = "the teeth's distance grid";
   const cl::DeviceInfo& info = device.info();
@@ -254,9 +248,8 @@ DeviceTeeth::DeviceTeeth(const cl::Device& device, const DistanceGrid& grid, dou
                         static_cast<double>(std::min(free_bytes, info.max_allocation_bytes)), voxel_mm, info.name);
   DistanceLattice lattice = distance_lattice(grid);
   lattice.slack_mm += static_cast<float>(bulge_mm);
-  lattice_ = cl::upload(device, std::array{lattice}, kWhat);
-  slots_ = cl::upload(device, grid.slot_of_brick, kWhat);
-  samples_ = cl::upload(device, grid.samples, kWhat);
+  return {cl::upload(device, std::array{lattice}, kWhat), cl::upload(device, grid.slot_of_brick, kWhat),
+          cl::upload(device, grid.samples, kWhat)};
 }
 
 int shell_cell_side(double shell_cell_voxels) {

@@ -46,40 +46,20 @@ OutlineTable full_outline_table(const Profile& profile, double voxel_mm);
 /// InputError beyond 65535 pieces.
 OutlineTable make_outline_table(const Profile& profile, double voxel_mm);
 
-/// A table on the device.
-class DeviceOutline {
- public:
-  DeviceOutline() = default;
-  DeviceOutline(const cl::Device& device, const OutlineTable& table);
-
-  /// Four arguments of a kernel: pieces, numbers, lists, grid.
-  [[nodiscard]] auto arguments() const { return std::tie(pieces_, numbers_, lists_, grid_); }
-
- private:
-  cl::Buffer<OutlinePiece> pieces_;
-  cl::Buffer<rs_u16> numbers_;
-  cl::Buffer<PieceList> lists_;
-  cl::Buffer<OutlineGrid> grid_;
-};
+/// A table on the device, four arguments of a kernel: pieces, numbers, lists, grid.
+using DeviceOutline =
+    std::tuple<cl::Buffer<OutlinePiece>, cl::Buffer<rs_u16>, cl::Buffer<PieceList>, cl::Buffer<OutlineGrid>>;
+DeviceOutline upload_outline(const cl::Device& device, const OutlineTable& table);
 
 /// The lattice of the distance grid as host and kernels read it.
 DistanceLattice distance_lattice(const DistanceGrid& grid);
 
-/// The distance grid of resolved cutting edges on the device.
-class DeviceTeeth {
- public:
-  /// `bulge_mm`: largest distance of the tool's outline from its profile (kernels/outline.h). `bone_bytes`: device
-  /// memory of the bone. Throws InputError with the voxel size that would fit where the device has no room for both.
-  DeviceTeeth(const cl::Device& device, const DistanceGrid& grid, double voxel_mm, double bulge_mm,
-              std::size_t bone_bytes);
-  /// Three arguments of a kernel: lattice, slots, samples.
-  [[nodiscard]] auto arguments() const { return std::tie(lattice_, slots_, samples_); }
-
- private:
-  cl::Buffer<DistanceLattice> lattice_;
-  cl::Buffer<cl_uint> slots_;
-  cl::Buffer<float> samples_;
-};
+/// The distance grid of resolved cutting edges on the device, three arguments of a kernel: lattice, slots, samples.
+using DeviceTeeth = std::tuple<cl::Buffer<DistanceLattice>, cl::Buffer<cl_uint>, cl::Buffer<float>>;
+/// `bulge_mm`: largest distance of the tool's outline from its profile (kernels/outline.h). `bone_bytes`: device
+/// memory of the bone. Throws InputError with the voxel size that would fit where the device has no room for both.
+DeviceTeeth upload_teeth(const cl::Device& device, const DistanceGrid& grid, double voxel_mm, double bulge_mm,
+                         std::size_t bone_bytes);
 
 /// The shell's points in cells with bounds, and runs of cells with bounds, in Morton order.
 struct ShellCells {

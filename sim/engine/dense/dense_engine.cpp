@@ -47,8 +47,7 @@ cl::SlotKernel make_detect_kernel(const cl::Device& device, const DensePlan& pla
   if (plan.layout == VoxelLayout::bare_grade) {
     constexpr cl_uint kAfterVoi = 3;
     cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense), "detect_implicit", work_group);
-    out.set_from(kAfterVoi, batch.args(), state.grades, state.contacts, batch.contact_count(),
-                 state.outline.arguments());
+    out.set_from(kAfterVoi, batch.args(), state.grades, state.contacts, batch.contact_count(), state.outline);
     return out;
   }
   if (plan.has_hu()) {
@@ -58,15 +57,15 @@ cl::SlotKernel make_detect_kernel(const cl::Device& device, const DensePlan& pla
     cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense, defines), "detect_octree", group,
                        state.point_count);
     out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.points, state.point_count, state.hu,
-                 state.scale.of_air, state.claims, state.contacts, batch.contact_count(), batch.sums(),
-                 state.outline.arguments(), state.children, state.levels);
+                 state.scale.of_air, state.claims, state.contacts, batch.contact_count(), batch.sums(), state.outline,
+                 state.children, state.levels);
     return out;
   }
   const char* defines = plan.wide_codes ? "-DRS_WIDE_CODES" : "";
   cl::SlotKernel out(device, device.build("dense.cl", embedded::kernel_dense, defines), "detect_direct", work_group,
                      state.point_count);
   out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), state.codes, state.point_count, state.grades, state.claims,
-               state.contacts, batch.contact_count(), batch.sums(), state.outline.arguments());
+               state.contacts, batch.contact_count(), batch.sums(), state.outline);
   return out;
 }
 
@@ -91,8 +90,8 @@ cl::SlotKernel make_cut_kernel(const cl::Device& device, const DensePlan& plan, 
                      items);
   out.set_from(cl::SlotKernel::kAfterSlot, batch.args(), hu ? state.hu.get() : state.grades.get(), state.fill,
                cl_int{state.has_fill ? 1 : 0}, state.claims, state.contacts, batch.contact_count(), batch.sums(),
-               batch.removed(), batch.removed_count(), state.units_of_grade, state.density_of_grade,
-               state.outline.arguments(), state.scale.of_air, state.scale.per_grade);
+               batch.removed(), batch.removed_count(), state.units_of_grade, state.density_of_grade, state.outline,
+               state.scale.of_air, state.scale.per_grade);
   return out;
 }
 

@@ -134,7 +134,7 @@ DenseState make_dense_state(const cl::Device& device, const DensePlan& plan, con
   state.fill = {device, plan.fill ? plan.voxels : 1, "the fill of the voxmap"};
   state.claims = {device, at_least_one(plan.claim_bytes() / sizeof(cl_uint)), "the voxels' claims"};
   state.contacts = {device, at_least_one(plan.contacts), "the contact list"};
-  state.outline = {device, make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm)};
+  state.outline = upload_outline(device, make_outline_table(tool.profile, bone.voxmap.grid.voxel_mm));
   state.units_of_grade = cl::upload(device, energy.units, "the energy table");
   state.density_of_grade = cl::upload(device, energy.density, "the density table");
   upload_shell(device, plan, tool.shell, bone.voxmap.grid, state);

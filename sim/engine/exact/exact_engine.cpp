@@ -59,8 +59,8 @@ constexpr DeviceBatch::RemovedList kNoList{.words = 1, .room = 1, .per_substep =
 std::optional<DeviceTeeth> make_teeth(const cl::Device& device, const Tool& tool, const BoneView& bone,
                                       double bulge_mm) {
   if (!tool.teeth) return std::nullopt;
-  return DeviceTeeth(device, *tool.teeth, bone.voxmap.grid.voxel_mm, bulge_mm,
-                     device_bricks_bytes(bone, FillStore::pages));
+  return upload_teeth(device, *tool.teeth, bone.voxmap.grid.voxel_mm, bulge_mm,
+                      device_bricks_bytes(bone, FillStore::pages));
 }
 
 /// `exact` over the bricks in reach of the tool's surface; see kernels/list_bricks.cl and kernels/cut_exact.cl.
@@ -77,7 +77,7 @@ class ExactEngine final : public Engine {
         bricks_(make_device_bricks(device_, bone, FillStore::pages,
                                    sizeof(cl_int) * bone.voxmap.grade.stored_bricks() + bone_faces_bytes(bone))),
         fill_(make_fill_pages(device_, bone)),
-        faces_(device_, bone),
+        faces_(upload_faces(device_, bone)),
         batch_(device_, kNoList),
         teeth_(make_teeth(device_, tool, bone, outline_.bulge_mm)),
         teeth_bytes_(tool.teeth ? tool.teeth->bytes() : 0),
@@ -87,7 +87,7 @@ class ExactEngine final : public Engine {
               options_.work_group),
         windows_(device_, RS_VISIT_SUBSTEPS, "the windows of a visit"),
         motion_windows_(device_, RS_VISIT_SUBSTEPS, "the windows of a visit"),
-        device_outline_(device_, outline_),
+        device_outline_(upload_outline(device_, outline_)),
         cut_(device_, cut_program(device_, bricks_.layout, options_, teeth_.has_value()), "cut_exact",
              group_size(options_), items_of(device.info(), options_)),
         records_(device_, 1, "the list of removed voxels") {
@@ -103,10 +103,10 @@ class ExactEngine final : public Engine {
         cl::upload(device_, std::vector<float>(energy.energy_mj.begin(), energy.energy_mj.end()), "the energy table");
     const auto set_cut = [&](const auto&... teeth) {
       cut_.set_from(kCutConstants, batch_.args(), windows_, motion_windows_, listed_, counts_, bricks_.lattice_of_slot,
-                    bricks_.occupancy, bricks_.dims, batch_.sums(), energy_, device_outline_.arguments(),
-                    faces_.arguments(), bricks_.pool_arguments(), teeth...);
+                    bricks_.occupancy, bricks_.dims, batch_.sums(), energy_, device_outline_, faces_,
+                    bricks_.pool_arguments(), teeth...);
     };
-    teeth_ ? set_cut(teeth_->arguments()) : set_cut();
+    teeth_ ? set_cut(*teeth_) : set_cut();
   }
 
   /// Stores the arguments. collect() lists and cuts the bricks of several substeps at once.
@@ -148,12 +148,12 @@ class ExactEngine final : public Engine {
   }
   [[nodiscard]] std::string device() const override { return device_.info().name; }
   [[nodiscard]] std::size_t device_bytes() const override {
-    return bricks_.bytes() + fill_.bytes() + faces_.bytes() + records_.bytes() + DeviceBatch::bytes(kNoList) +
+    return bricks_.bytes() + fill_.bytes() + cl::bytes_of(faces_) + records_.bytes() + DeviceBatch::bytes(kNoList) +
            listed_.bytes() + teeth_bytes_;
   }
   /// Without a shell; the tool's structure is the distance grid of resolved cutting edges.
   [[nodiscard]] StructureBytes structure_bytes() const override {
-    return {bricks_.bytes() + fill_.bytes() + faces_.bytes(), teeth_bytes_};
+    return {bricks_.bytes() + fill_.bytes() + cl::bytes_of(faces_), teeth_bytes_};
   }
 
  private:

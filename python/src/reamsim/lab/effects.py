@@ -6,6 +6,7 @@ shows, and the table of a study on the terminal."""
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
 import os
@@ -308,10 +309,8 @@ def _titled(column: Column, cells: Row) -> Row:
 def _short(shown: str, cell: str) -> str:
     """Numbers of a list with four digits, and "…" where the rest does not fit: [-41.2, 9.2, 36.6]."""
     if cell.startswith("[") and cell.endswith("]"):
-        try:
+        with contextlib.suppress(ValueError):
             shown = f"[{', '.join(f'{float(part):.4g}' for part in cell[1:-1].split(','))}]"
-        except ValueError:
-            pass
     return shown if len(shown) <= _MOST_CELL else shown[:_MOST_CELL - 1] + "…"
 
 
