@@ -4,6 +4,7 @@
 #include "cli/outputs.h"
 
 #include <filesystem>
+#include <system_error>
 
 #include "render/pictures/figures.h"
 #include "render/plots/plots.h"
@@ -132,7 +133,10 @@ void Outputs::snapshots_written(std::int64_t frame) {
 
 void Outputs::forces_written() {
   run_->finish_log();
-  start_plots();
+  try {
+    start_plots();
+  } catch (const std::system_error&) {  // no thread: make() tries again, when the results are on disk
+  }
 }
 
 void Outputs::end(const SimulationInput& scene, const std::string& dir) {
@@ -148,9 +152,18 @@ void Outputs::start_plots() {
 Diagnostics Outputs::make_plots() const {
   Diagnostics report;
   const std::string& dir = run_->dir();
-  if (options_.plots || draft_) write_force_plots(dir, run_->log());
+  // gnuplot gets the Ctrl-C of a terminal as well.
+  const auto unless_stopped = [](const auto& plot) {
+    try {
+      plot();
+    } catch (const RunError&) {
+      if (!stop_requested()) throw;
+    }
+    if (stop_requested()) throw Interrupted();
+  };
+  if (options_.plots || draft_) unless_stopped([&] { write_force_plots(dir, run_->log()); });
   if (!options_.plots || !options_.pictures.settings.enabled) return report;
-  write_depth_and_energy_plots(dir, run_->log());
+  unless_stopped([&] { write_depth_and_energy_plots(dir, run_->log()); });
   // Only a push has events.
   write_feedback_plots(dir, {.push = std::filesystem::exists(dir + "/events.csv"),
                              .springs = run_->log().rows.front().deflection_mm.has_value()});
@@ -158,13 +171,15 @@ Diagnostics Outputs::make_plots() const {
   return report;
 }
 
+void Outputs::plot_removed_density() const {
+  if (!options_.plots || !options_.pictures.settings.enabled) return;
+  write_removed_density(run_->dir(), {run_->voxmap(), run_->last_fill(), run_->inputs().fill});
+}
+
 nlohmann::ordered_json Outputs::make_bone(Diagnostics& report) const {
   const double depth_max_mm = options_.pictures.settings.depth_max_mm;
   // First, because meshes take less memory beside the last pictures.
   nlohmann::ordered_json out = reports() ? bone_data(*run_, report_settings()) : nullptr;
-  if (options_.plots && options_.pictures.settings.enabled) {
-    write_removed_density(run_->dir(), {run_->voxmap(), run_->last_fill(), run_->inputs().fill});
-  }
   if (options_.depth_map && options_.finished) write_depth_picture(*run_, depth_max_mm);
   if (options_.meshes && options_.finished) write_meshes(*run_, depth_max_mm, report);
   return out;
@@ -188,6 +203,8 @@ void Outputs::make_pictures(Diagnostics& report) {
 void Outputs::make(Diagnostics& report) {
   const RenderSettings& settings = options_.pictures.settings;
   if (!plots_.valid()) start_plots();
+  std::future<Diagnostics> plots = std::move(plots_);
+  std::future<void> density = std::async(std::launch::async, [&] { plot_removed_density(); });
   Diagnostics of_bone;
   std::future<nlohmann::ordered_json> bone = std::async(std::launch::async, [&] { return make_bone(of_bone); });
   if (settings.enabled) make_pictures(report);
@@ -197,7 +214,8 @@ void Outputs::make(Diagnostics& report) {
   } else {
     bone.get();
   }
-  Diagnostics of_plots = plots_.get();
+  Diagnostics of_plots = plots.get();
+  density.get();
   for (const Diagnostics* part : {&of_bone, &of_plots}) {
     report.warnings.insert(report.warnings.end(), part->warnings.begin(), part->warnings.end());
   }

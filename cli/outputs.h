@@ -65,6 +65,7 @@ class Outputs : public PictureSink {
   void snapshots_written(std::int64_t frame) override;
   /// Starts the plots, beside what follows.
   void forces_written() override;
+  void wait() override { plots_ = {}; }
   void end(const SimulationInput& scene, const std::string& dir) override;
   /// Other threads make plots, meshes and the bone of the report meanwhile. Throws InputError for a missing or damaged
   /// result, RunError and Interrupted, always after all threads have ended.
@@ -77,7 +78,8 @@ class Outputs : public PictureSink {
   void start_plots();
   /// What is plotted of forces.csv. Returns warnings.
   [[nodiscard]] Diagnostics make_plots() const;
-  /// Depth map, meshes and the plot of the removed bone. Returns the bone of the report, or null.
+  void plot_removed_density() const;
+  /// Depth map and meshes. Returns the bone of the report, or null.
   [[nodiscard]] nlohmann::ordered_json make_bone(Diagnostics& report) const;
   void make_pictures(Diagnostics& report);
   [[nodiscard]] bool reports() const;
@@ -91,7 +93,7 @@ class Outputs : public PictureSink {
   PagePictures page_pictures_;
   std::optional<ReportParts> report_;
   std::unique_ptr<RenderThread> render_thread_;  ///< during a simulation with pictures
-  std::future<Diagnostics> plots_;               ///< uses run_
+  std::future<Diagnostics> plots_;               ///< uses run_; its destructor waits
 };
 
 }  // namespace reamsim

@@ -313,10 +313,14 @@ Findings examine(const CheckOptions& options, const Scenario& scenario, const St
 }
 
 void check_command(const CheckOptions& options, const Console& console) {
-  const Stopwatch load_watch;
   const Scenario scenario = options.scenario.parse();
   require_picture_file(options, scenario);
-  const auto kernels = prepare_opencl(scenario.engine.device, console);
+  std::unique_ptr<cl::KernelCache> kernels;
+  try {
+    kernels = prepare_opencl(scenario.engine.device, console);
+  } catch (const InputError&) {  // no folder for kernels: the time estimate warns that there is no device
+  }
+  const Stopwatch load_watch;
   const auto [scene, report, mistakes, figures] = examine(options, scenario, load_watch, console);
   // On a terminal, standard error would repeat them.
   if (isatty(STDOUT_FILENO) == 0 || console.quiet) {

@@ -29,9 +29,9 @@ make default
 keep default/reamed.png default_oblique
 keep default/contact_sheet.png default_contact_sheet
 ffmpeg -v error -y -i "$work/default/reamed.png" -vf scale=1280:-1:flags=area "$root/docs/images/default.png"  # the README's
-keep "$(frame default 8 _section)" default_section
+keep "$(frame default 7 _section)" default_section
 draw default --only pictures --camera oblique --set render.tool_look=steel --set render.supersampling=2
-keep "$(frame default 8)" default_steel
+keep "$(frame default 7)" default_steel
 "$reamsim" run "$root/trajectories/default.yaml" -o "$work/deeper" --overwrite --quiet --set motion.plunge.depth_mm=2.5 --set render.enabled=false
 "$reamsim" compare "$work/default" "$work/deeper" -o "$work/deeper_compare" --overwrite --quiet
 guide deeper_compare/compare.png compare 1000                                                       # docs/guide/first-run.md
@@ -39,7 +39,7 @@ guide deeper_compare/compare.png compare 1000                                   
 "$reamsim" check "$work/glenoid.yaml" --picture "$work/glenoid.png" --overwrite >"$work/glenoid.txt"  # docs/guide/ct.md
 guide glenoid.png ct_check 1200
 make ct_shoulder
-keep "$(frame ct_shoulder 8 _section)" ct_section
+keep "$(frame ct_shoulder 7 _section)" ct_section
 keep ct_shoulder/before_after.png ct_before_after
 keep ct_shoulder/depth_map.png ct_depth_map 900
 keep ct_shoulder/forces.png ct_forces 900

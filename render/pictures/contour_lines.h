@@ -102,10 +102,8 @@ class DepthField {
   [[nodiscard]] std::vector<ContourLine> reamed_outlines() const;
 
   [[nodiscard]] double spacing_mm() const { return depth_.spacing_mm; }
-  [[nodiscard]] Vec2 min_mm() const { return depth_.corner_mm - Vec2::Constant(0.5 * spacing_mm()); }
-  [[nodiscard]] Vec2 max_mm() const {
-    return depth_.corner_mm + spacing_mm() * Vec2(depth_.raster.nx - 0.5, depth_.raster.ny - 0.5);
-  }
+  /// The box of the bone.
+  [[nodiscard]] const Eigen::AlignedBox2d& shown_mm() const { return shown_mm_; }
   [[nodiscard]] double deepest_mm() const { return deepest_mm_; }
   [[nodiscard]] double mean_mm() const { return mean_mm_; }
   /// Area of the reamed columns, projected along z of the map.
@@ -115,6 +113,7 @@ class DepthField {
 
  private:
   void read_raster(const std::string& path);
+  void drop_specks();
   void exclude_rim_from_holes();
   void extend_depth();
   void compute_normals();
@@ -126,6 +125,7 @@ class DepthField {
   // By column of the raster.
   RasterField depth_;  ///< mm
   RasterField signed_depth_;
+  Eigen::AlignedBox2d shown_mm_;
   std::vector<std::uint8_t> bone_, reamed_, perforated_;
   std::vector<double> before_mm_, near_mm_;  ///< height of the unreamed surface; depth of the nearest reamed columns
   std::vector<double> bone_fraction_, reamed_fraction_;  ///< smoothed masks

@@ -28,8 +28,7 @@ const Rgb kPaperRgb(0.984, 0.984, 0.988), kBoneRgb(0.90, 0.87, 0.82), kHoleRgb(0
 
 /// The view along −z of the map.
 Camera map_camera(const DepthField& field, const PageLayout& page) {
-  const Vec2 size = field.max_mm() - field.min_mm();
-  const Vec2 middle = 0.5 * (field.min_mm() + field.max_mm());
+  const Vec2 size = field.shown_mm().sizes(), middle = field.shown_mm().center();
   Camera camera{.name = "depth_map", .width_px = page.view_width_px, .height_px = page.height_px};
   camera.mm_per_px = std::max(size.x() / camera.width_px, size.y() / camera.height_px) / kMapFraction;
   camera.eye_from_bone.translation() = Vec3(-middle.x(), -middle.y(), 0);

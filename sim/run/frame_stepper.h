@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "sim/base/stopwatch.h"
@@ -136,7 +135,9 @@ class FrameStepper {
   /// Gives the fill of the bone to the sink, as a snapshot of `frame`.
   void snapshot(std::int64_t frame);
   void read_fill() {
-    if (std::exchange(cut_since_read_, false)) engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill);
+    if (!cut_since_read_) return;
+    engine_.read_fill(*scene_.bone.voxmap, scene_.bone.fill);
+    cut_since_read_ = false;
   }
 
   /// The sums of motions of a single substep, each from the present fill, which they leave as it is. Only for the

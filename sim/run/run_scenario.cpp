@@ -84,6 +84,11 @@ class ScenarioRun {
         pictures_(pictures) {
     report_.warnings = request.warnings;
   }
+  ScenarioRun(const ScenarioRun&) = delete;
+  ScenarioRun& operator=(const ScenarioRun&) = delete;
+  ~ScenarioRun() {
+    if (pictures_ != nullptr) pictures_->wait();
+  }
 
   void load() {
     const Stopwatch watch;

@@ -46,6 +46,8 @@ class PictureSink {
   virtual void snapshots_written(std::int64_t frame) = 0;
   /// After begin(): forces.csv is complete.
   virtual void forces_written() = 0;
+  /// Ends what forces_written() began, before the results folder is released. make() does so as well.
+  virtual void wait() = 0;
   /// The run has ended, and all its results are on disk. Called without begin() where the poses were not known.
   virtual void end(const SimulationInput& scene, const std::string& dir) = 0;
   /// Makes everything but the report, of which it makes what takes time. `report` gets the warnings. Throws RunError
