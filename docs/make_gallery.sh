@@ -39,7 +39,7 @@ guide deeper_compare/compare.png compare 1000                                   
 "$reamsim" check "$work/glenoid.yaml" --picture "$work/glenoid.png" --overwrite >"$work/glenoid.txt"  # docs/guide/ct.md
 guide glenoid.png ct_check 1200
 make ct_shoulder
-keep "$(frame ct_shoulder 7 _section)" ct_section
+keep "$(frame ct_shoulder 6 _section)" ct_section
 keep ct_shoulder/before_after.png ct_before_after
 keep ct_shoulder/depth_map.png ct_depth_map 900
 keep ct_shoulder/forces.png ct_forces 900
