@@ -18,6 +18,16 @@ namespace reamsim {
 
 namespace {
 
+/// Calls a function on a thread of its own. Throws std::bad_alloc where there is no room for one.
+template <class Function>
+auto on_thread(Function function) {
+  try {
+    return std::async(std::launch::async, std::move(function));
+  } catch (const std::system_error&) {
+    throw std::bad_alloc();
+  }
+}
+
 constexpr const char* kNoSpectrum =
     "no torque spectrum: the tool does not rotate, or contact lasts less than four revolutions, or a revolution takes "
     "more than 100,000 frames";
@@ -135,7 +145,7 @@ void Outputs::forces_written() {
   run_->finish_log();
   try {
     start_plots();
-  } catch (const std::system_error&) {  // no thread: make() tries again, when the results are on disk
+  } catch (const std::bad_alloc&) {  // make() tries again, when the results are on disk
   }
 }
 
@@ -146,7 +156,7 @@ void Outputs::end(const SimulationInput& scene, const std::string& dir) {
 }
 
 void Outputs::start_plots() {
-  plots_ = std::async(std::launch::async, [this] { return make_plots(); });
+  plots_ = on_thread([this] { return make_plots(); });
 }
 
 Diagnostics Outputs::make_plots() const {
@@ -171,17 +181,15 @@ Diagnostics Outputs::make_plots() const {
   return report;
 }
 
-void Outputs::plot_removed_density() const {
-  if (!options_.plots || !options_.pictures.settings.enabled) return;
-  write_removed_density(run_->dir(), {run_->voxmap(), run_->last_fill(), run_->inputs().fill});
-}
-
 nlohmann::ordered_json Outputs::make_bone(Diagnostics& report) const {
   const double depth_max_mm = options_.pictures.settings.depth_max_mm;
   // First, because meshes take less memory beside the last pictures.
   nlohmann::ordered_json out = reports() ? bone_data(*run_, report_settings()) : nullptr;
   if (options_.depth_map && options_.finished) write_depth_picture(*run_, depth_max_mm);
   if (options_.meshes && options_.finished) write_meshes(*run_, depth_max_mm, report);
+  if (options_.plots && options_.pictures.settings.enabled) {  // last, because gnuplot may fail
+    write_removed_density(run_->dir(), {run_->voxmap(), run_->last_fill(), run_->inputs().fill});
+  }
   return out;
 }
 
@@ -204,9 +212,8 @@ void Outputs::make(Diagnostics& report) {
   const RenderSettings& settings = options_.pictures.settings;
   if (!plots_.valid()) start_plots();
   std::future<Diagnostics> plots = std::move(plots_);
-  std::future<void> density = std::async(std::launch::async, [&] { plot_removed_density(); });
   Diagnostics of_bone;
-  std::future<nlohmann::ordered_json> bone = std::async(std::launch::async, [&] { return make_bone(of_bone); });
+  std::future<nlohmann::ordered_json> bone = on_thread([&] { return make_bone(of_bone); });
   if (settings.enabled) make_pictures(report);
   if (reports()) {
     report_ = report_parts(
@@ -215,7 +222,6 @@ void Outputs::make(Diagnostics& report) {
     bone.get();
   }
   Diagnostics of_plots = plots.get();
-  density.get();
   for (const Diagnostics* part : {&of_bone, &of_plots}) {
     report.warnings.insert(report.warnings.end(), part->warnings.begin(), part->warnings.end());
   }

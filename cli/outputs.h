@@ -78,8 +78,7 @@ class Outputs : public PictureSink {
   void start_plots();
   /// What is plotted of forces.csv. Returns warnings.
   [[nodiscard]] Diagnostics make_plots() const;
-  void plot_removed_density() const;
-  /// Depth map and meshes. Returns the bone of the report, or null.
+  /// Depth map, meshes and the plot of the removed bone. Returns the bone of the report, or null.
   [[nodiscard]] nlohmann::ordered_json make_bone(Diagnostics& report) const;
   void make_pictures(Diagnostics& report);
   [[nodiscard]] bool reports() const;

@@ -102,7 +102,7 @@ class DepthField {
   [[nodiscard]] std::vector<ContourLine> reamed_outlines() const;
 
   [[nodiscard]] double spacing_mm() const { return depth_.spacing_mm; }
-  /// The box of the bone.
+  /// The box of the bone, without specks beside it.
   [[nodiscard]] const Eigen::AlignedBox2d& shown_mm() const { return shown_mm_; }
   [[nodiscard]] double deepest_mm() const { return deepest_mm_; }
   [[nodiscard]] double mean_mm() const { return mean_mm_; }
@@ -113,7 +113,7 @@ class DepthField {
 
  private:
   void read_raster(const std::string& path);
-  void drop_specks();
+  void frame_bone();
   void exclude_rim_from_holes();
   void extend_depth();
   void compute_normals();

@@ -111,7 +111,7 @@ std::vector<double> smoothed_mask(const Raster& raster, const std::vector<std::u
 DepthField::DepthField(const std::string& path) {
   read_raster(path);
   if (bone_.empty()) return;
-  drop_specks();
+  frame_bone();
   exclude_rim_from_holes();
   signed_depth_ = signed_depth(depth_, reamed_);
   extend_depth();
@@ -153,8 +153,8 @@ void DepthField::read_raster(const std::string& path) {
   }
 }
 
-/// Small pieces of bone beside the face, such as a tip of the coracoid, would only make the map smaller.
-void DepthField::drop_specks() {
+/// Without small pieces of bone beside the face, such as a tip of the coracoid: they would make the map smaller.
+void DepthField::frame_bone() {
   constexpr double kSpeck_mm2 = 4;
   const Raster& raster = depth_.raster;
   std::vector<std::uint8_t> seen(bone_.size(), 0);
@@ -164,11 +164,8 @@ void DepthField::drop_specks() {
     std::vector<std::size_t> piece{first};
     flood(raster, piece, [&](std::size_t n) { return bone_[n] != 0 && std::exchange(seen[n], 1) == 0; });
     const bool small = static_cast<double>(piece.size()) * spacing_mm() * spacing_mm() < kSpeck_mm2;
-    const bool speck = small && std::ranges::none_of(piece, [&](std::size_t n) { return reamed_[n] != 0; });
-    for (const std::size_t n : piece) {
-      if (speck) bone_[n] = 0;
-      if (!speck) columns.extend(Vec2(raster.column(n), raster.row(n)));
-    }
+    if (small && std::ranges::none_of(piece, [&](std::size_t n) { return reamed_[n] != 0; })) continue;
+    for (const std::size_t n : piece) columns.extend(Vec2(raster.column(n), raster.row(n)));
   }
   const Vec2 half = Vec2::Constant(0.5);
   shown_mm_ = {depth_.corner_mm + spacing_mm() * (columns.min() - half),

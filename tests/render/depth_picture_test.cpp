@@ -85,13 +85,12 @@ TEST_F(DepthPicture, ReadsItsRaster) {
   EXPECT_NEAR(field.normal_before(field.along(0, 2), field.along(1, 1)).x(), -0.1 / std::sqrt(1.01), 1e-6);
 }
 
-TEST_F(DepthPicture, ASpeckOfBoneBesideTheFaceNeitherShowsNorShrinksTheMap) {
+TEST_F(DepthPicture, ASpeckOfBoneBesideTheFaceDoesNotShrinkTheMap) {
   write(map_text());
   const DepthField alone(file());
   write(map_text() + "-14.75,14.25,0,0,0\n-14.25,14.25,0,0,0\n");
   const DepthField field(file());
   EXPECT_TRUE(field.shown_mm().isApprox(alone.shown_mm()));
-  EXPECT_DOUBLE_EQ(sample(field, {-14.5, 14.25}).bone, 0);
   std::string piece = map_text();  // 3 mm wide
   for (int i = 0; i < 36; ++i) {
     piece += std::to_string(-14.75 + 0.5 * (i % 6)) + ',' + std::to_string(14.25 + 0.5 * (i / 6)) + ",0,0,0\n";
