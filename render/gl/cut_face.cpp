@@ -94,6 +94,7 @@ CutFace sample_cut_face(const BoneFields& bone, const Camera& camera) {
   out.texels.resize(static_cast<std::size_t>(out.width) * out.height * 2);
   // By fill, so that air does not reduce the density at the edge of the cut.
   const auto by_fill = [&](const Vec3i& voxel) { return static_cast<double>(bone.fill.get(voxel)); };
+  // Only layers need all of them, 24 bytes per texel.
   std::vector<Vec3> all(bone.voxmap.layers ? out.texels.size() / 2 : 0);
   parallel_items(static_cast<std::size_t>(out.height), [&](std::size_t row) {
     std::vector<Vec3> points(static_cast<std::size_t>(out.width));

@@ -109,7 +109,8 @@ struct StepState {
 /// for all of them. The caller decides the poses. Results do not depend on batches.
 class FrameStepper {
  public:
-  /// All must outlive the stepper. `scene.bone` is reamed; `sink` receives rows, snapshots and timings.
+  /// All must outlive the stepper. The engine has the fill of `scene.bone`, which is reamed; `sink` receives rows,
+  /// snapshots and timings.
   FrameStepper(SimulationInput& scene, Engine& engine, FrameSink& sink, Diagnostics& report);
 
   /// The first frame of a pass. Where voxels are clipped, bone in the tool's first pose is removed without force.
@@ -188,10 +189,10 @@ class FrameStepper {
   bool exact_;
   double max_step_mm_;
   std::vector<PendingFrame> pending_;
-  Batch batch_;               ///< of the pending frames
-  std::size_t enqueued_ = 0;  ///< substeps of these frames
-  bool cut_since_read_ = false;
-  bool uncut_ = false;  ///< some of them wait in the engine
+  Batch batch_;                  ///< of the pending frames
+  std::size_t enqueued_ = 0;     ///< substeps of these frames
+  bool cut_since_read_ = false;  ///< the fill of the engine differs from that of the bone
+  bool uncut_ = false;           ///< some of them wait in the engine
   RemovedFrames removed_;
   Stopwatch batch_watch_;    ///< since the first frame of the batch was added
   double frame_wall_s_ = 0;  ///< of the last batch
