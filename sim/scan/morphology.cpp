@@ -4,7 +4,6 @@
 #include "sim/scan/segment.h"
 
 #include <itkConnectedComponentImageFilter.h>
-#include <itkCurvatureAnisotropicDiffusionImageFilter.h>
 #include <itkDiscreteGaussianImageFilter.h>
 #include <itkImportImageFilter.h>
 #include <itkMedianImageFilter.h>
@@ -141,16 +140,6 @@ Mask dilated(const Mask& mask, const Lattice& lattice, const Vec3i& radius) {
 void median_filter(AlignedImage& image, int radius_voxels) {
   const auto filter = itk::MedianImageFilter<FloatImage, FloatImage>::New();
   filter->SetRadius(static_cast<itk::SizeValueType>(radius_voxels));
-  apply(*filter, image);
-}
-
-void curvature_anisotropic_filter(AlignedImage& image, int iterations, double conductance) {
-  // ITK's bound for three dimensions: smallest spacing / 2^(3+1).
-  constexpr double kStableFraction = 1.0 / 16;
-  const auto filter = itk::CurvatureAnisotropicDiffusionImageFilter<FloatImage, FloatImage>::New();
-  filter->SetNumberOfIterations(static_cast<unsigned>(iterations));
-  filter->SetConductanceParameter(conductance);
-  filter->SetTimeStep(kStableFraction * image.lattice.spacing_mm.minCoeff());
   apply(*filter, image);
 }
 
