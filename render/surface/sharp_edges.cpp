@@ -247,15 +247,19 @@ struct MovingMesh {
   static Vec3 area(const MeshTriangle& t, const std::vector<Vec3>& at) {
     return (at[t[1]] - at[t[0]]).cross(at[t[2]] - at[t[0]]);
   }
-  /// The faces at the vertices within kFitReach of one, along the surface.
-  [[nodiscard]] std::vector<SurfacePoint> faces_around(std::size_t vertex, const std::vector<Target>& targets) const {
-    std::vector<std::size_t> found{vertex};
+  /// The faces at the vertices within kFitReach of one, along the surface. `marks`: one per vertex, none of this
+  /// vertex.
+  [[nodiscard]] std::vector<SurfacePoint> faces_around(std::uint32_t vertex, const std::vector<Target>& targets,
+                                                       std::vector<std::uint32_t>& marks) const {
+    std::vector<std::uint32_t> found{vertex};
+    marks[vertex] = vertex;
     std::vector<SurfacePoint> out;
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (targets[found[i]].face) out.push_back(*targets[found[i]].face);
       for (const std::uint32_t next : neighbours.of(found[i])) {
-        const bool near = (points[next] - points[vertex]).norm() < kFitReach;
-        if (near && std::ranges::find(found, next) == found.end()) found.push_back(next);
+        if (marks[next] == vertex || (points[next] - points[vertex]).norm() >= kFitReach) continue;
+        marks[next] = vertex;
+        found.push_back(next);
       }
     }
     std::ranges::stable_sort(out, {}, [&](const auto& p) { return (p.point - points[vertex]).squaredNorm(); });
@@ -352,8 +356,11 @@ void sharpen_edges(TriangleMesh& mesh, const BoneView& bone, const UnreamedSurfa
   parallel_items(points.size(),
                  [&](std::size_t i) { smooth[i].face = heights.at(points[i], normals[i].normalized(), false); });
   std::vector<Target> targets = smooth;
-  parallel_items(points.size(), [&](std::size_t i) {
-    if (!smooth[i].face) targets[i] = target_of(points[i], moving.faces_around(i, smooth), heights);
+  parallel_ranges(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t> marks(points.size(), UINT32_MAX);
+    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+      if (!smooth[i].face) targets[i] = target_of(points[i], moving.faces_around(i, smooth, marks), heights);
+    }
   });
   // On rough bone, as from a CT, a quarter of the vertices at edges have no target, and the others would make it
   // ragged.

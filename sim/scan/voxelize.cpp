@@ -62,7 +62,14 @@ VoxelGrid grid_of(const Lattice& image, const BoneField& bone, const BoneSetting
 /// the centre of the voxel, or at several sample points along axes on which the voxel is larger than the spacing.
 class InsideTest {
  public:
-  InsideTest(const AlignedImage& field, const VoxelGrid& grid) : field_(field) {
+  /// Indices from the first to the last; none by default.
+  struct Span {
+    int first = std::numeric_limits<int>::max();
+    int last = -1;
+  };
+
+  InsideTest(const AlignedImage& field, const VoxelGrid& grid)
+      : field_(field), rows_(static_cast<std::size_t>(field.lattice.dims.y() * field.lattice.dims.z())) {
     const Lattice& image = field.lattice;
     for (int axis = 0; axis < 3; ++axis) {
       const double length = grid.voxel_mm / image.spacing_mm[axis];
@@ -76,6 +83,32 @@ class InsideTest {
         sample_[axis].push_back({low, static_cast<float>(place - low)});
       }
     }
+    for (std::size_t at = 0; at < field.value.size(); ++at) {
+      const auto length = static_cast<std::size_t>(image.dims.x());
+      const auto x = static_cast<int>(at % length);
+      Span& row = rows_[at / length];
+      if (field.value[at] > 0) row = {std::min(row.first, x), x};
+    }
+  }
+
+  /// The voxels of the row (j, k) that may pass the test, first and last: interpolated values are above 0 only beside
+  /// voxels of the image above 0.
+  [[nodiscard]] Span columns(int j, int k) const {
+    Span above;
+    const Vec3i& dims = field_.lattice.dims;
+    const auto at = [&](int axis, int n) { return sample_[axis][static_cast<std::size_t>(n)].low; };
+    const int y = at(1, j * samples_.y()), last_y = at(1, (j + 1) * samples_.y() - 1) + 1;
+    const int z = at(2, k * samples_.z()), last_z = at(2, (k + 1) * samples_.z() - 1) + 1;
+    for_each_voxel({0, y, z}, {0, std::min(last_y, dims.y() - 1), std::min(last_z, dims.z() - 1)},
+                   [&](const Vec3i& row) {
+                     const Span& found = rows_[static_cast<std::size_t>(row.y() + dims.y() * row.z())];
+                     above = {std::min(above.first, found.first), std::max(above.last, found.last)};
+                   });
+    if (above.last < 0) return {};
+    const auto& x = sample_[0];
+    const auto first = std::ranges::lower_bound(x, above.first - 1, {}, &Sample::low);
+    const auto end = std::ranges::upper_bound(x, above.last, {}, &Sample::low);
+    return {static_cast<int>(first - x.begin()) / samples_.x(), static_cast<int>(end - x.begin() - 1) / samples_.x()};
   }
 
   [[nodiscard]] bool operator()(const Vec3i& voxel) const {
@@ -111,6 +144,7 @@ class InsideTest {
   static constexpr double kMaxSamples = 16;  ///< of one voxel along one axis
 
   const AlignedImage& field_;
+  std::vector<Span> rows_;         ///< by row of the image: values above 0
   Vec3i samples_ = Vec3i::Ones();  ///< per voxel, along each axis
   std::vector<Sample> sample_[3];  ///< of voxel n: samples_ from n·samples_
 };
@@ -186,10 +220,14 @@ FilledVoxmap voxelize(const AlignedImage& hu, const BoneField& bone, const BoneS
     const int k = static_cast<int>(slice);
     const std::vector<double> values = resampled.slice(k);
     out.clear();
-    for_each_voxel({0, 0, k}, {grid.dims.x() - 1, grid.dims.y() - 1, k}, [&](const Vec3i& voxel) {
-      if (!in_bone(voxel) || !may_be_bone(settings.ct, image, grid.center_mm(voxel))) return;
-      out.emplace_back(voxel, values[index_in(grid.dims, {voxel.x(), voxel.y(), 0})]);
-    });
+    for (int j = 0; j < grid.dims.y(); ++j) {
+      const auto [first, last] = in_bone.columns(j, k);
+      for (int i = first; i <= last; ++i) {
+        const Vec3i voxel(i, j, k);
+        if (!in_bone(voxel) || !may_be_bone(settings.ct, image, grid.center_mm(voxel))) continue;
+        out.emplace_back(voxel, values[index_in(grid.dims, {i, j, 0})]);
+      }
+    }
   };
   const auto store = [&](std::size_t, const Values& values) {
     for (const auto& [voxel, value] : values) {
