@@ -13,6 +13,15 @@
 #include "sim/isolation/child_result.h"
 #include "sim/mesh/triangle_mesh.h"
 
+// Instances that OpenVDB's library has, and whose compilation takes half a minute. It lacks members that are inlined
+// everywhere, so an optimising compiler has to inline them here as well (cmake/ReamsimOptions.cmake).
+#ifdef REAMSIM_GRIDS_OF_LIBRARY
+extern template class openvdb::tree::Tree<openvdb::FloatTree::RootNodeType>;
+extern template class openvdb::tree::Tree<openvdb::BoolTree::RootNodeType>;
+extern template class openvdb::Grid<openvdb::FloatTree>;
+extern template class openvdb::Grid<openvdb::BoolTree>;
+#endif
+
 namespace reamsim {
 
 inline openvdb::Coord vdb_coord(const Vec3i& v) {
