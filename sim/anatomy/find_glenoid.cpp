@@ -71,25 +71,19 @@ double vault_behind(const BoneProbe& probe, const Vec3& point_mm, const Vec3& ou
                   kDeepVault_mm);
 }
 
-/// The start at a voxel of the surface; nullopt where the bone is thin or something stands in front of it.
-std::optional<Rigid> start_at(const BoneView& bone, const BoneProbe& probe, const Vec3& point_mm) {
-  constexpr double kRadius_mm = 6;
-  const Vec3 outward = nearby_bone(bone.voxmap, point_mm, Vec3::UnitZ(), kRadius_mm).outward;
-  if (outward == Vec3::Zero()) return std::nullopt;
-  const Vec3 above = point_mm + 2 * probe.voxel_mm() * outward;
-  const auto fall = probe.distance_to_bone(above, -outward, 4 * probe.voxel_mm());
-  if (!fall) return std::nullopt;
-  const Vec3 surface = above - *fall * outward;
-  // The normal of a start deviates from that of its face, so its vault may be less.
-  if (vault_behind(probe, surface, outward) < 0.7 * kLeastVault_mm) return std::nullopt;
-  return frame_at(surface, outward);
-}
-
 /// Frames every 5 mm on the surface in a region where the bone is thick and nothing stands in front of it.
 std::vector<Rigid> starts_on_surface(const BoneView& bone, const BoneProbe& probe, const Ball& within) {
+  constexpr double kRadius_mm = 6;
   std::vector<Rigid> out;
   for (const Vec3& point : spread_over(bone, within)) {
-    if (const auto start = start_at(bone, probe, point)) out.push_back(*start);
+    const Vec3 outward = nearby_bone(bone.voxmap, point, Vec3::UnitZ(), kRadius_mm).outward;
+    if (outward == Vec3::Zero()) continue;
+    const Vec3 above = point + 2 * probe.voxel_mm() * outward;
+    const auto fall = probe.distance_to_bone(above, -outward, 4 * probe.voxel_mm());
+    if (!fall) continue;
+    const Vec3 surface = above - *fall * outward;
+    // The normal of a start deviates from that of its face, so its vault may be less.
+    if (vault_behind(probe, surface, outward) >= 0.7 * kLeastVault_mm) out.push_back(frame_at(surface, outward));
   }
   return out;
 }

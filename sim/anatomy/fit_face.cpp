@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <iterator>
 #include <numbers>
-#include <utility>
 
 #include "sim/base/statistics.h"
 #include "sim/bone/implicit.h"

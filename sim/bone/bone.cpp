@@ -13,20 +13,15 @@ namespace reamsim {
 
 namespace {
 
-/// Whether any of the 8×8×8 voxels from `first` on lies in a stored brick.
-bool any_stored(const GradeBricks& from, const Vec3i& first) {
-  const Vec3i last = first + Vec3i::Constant(GradeBricks::kSide - 1);
-  bool any = false;
-  for_each_voxel(BrickLattice::brick_of(first), BrickLattice::brick_of(last), [&](const Vec3i& brick) {
-    any = any || (from.lattice().contains(brick) && from.brick(brick) != nullptr);
-  });
-  return any;
-}
-
 /// Copies to a brick of the shifted lattice. Its voxel (0,0,0) is voxel `shift` of `from`.
 void copy_brick(const Voxmap& from, const Vec3i& shift, const Vec3i& brick_coord, GradeBricks::Brick& out) {
   const Vec3i first = GradeBricks::kSide * brick_coord + shift;
-  if (!any_stored(from.grade, first)) return;
+  const Vec3i last = first + Vec3i::Constant(GradeBricks::kSide - 1);
+  bool any_stored = false;
+  for_each_voxel(BrickLattice::brick_of(first), BrickLattice::brick_of(last), [&](const Vec3i& brick) {
+    any_stored = any_stored || (from.grade.lattice().contains(brick) && from.grade.brick(brick) != nullptr);
+  });
+  if (!any_stored) return;
   for (int offset = 0; offset < GradeBricks::kVoxels; ++offset) {
     const Vec3i voxel = BrickLattice::voxel_at(brick_coord, offset) + shift;
     if (!from.grid.contains(voxel)) continue;

@@ -31,9 +31,15 @@ class SurfaceOfBrick {
       : bone_(grades, nullptr, brick,
               [](const auto& stored, const auto*, std::size_t at) -> std::uint8_t { return stored[at] != 0 ? 1 : 0; }) {
     any_ = all_ = bone_.values();
-    if (mixed()) {
-      for (int axis = 0; axis < 3; ++axis)
-        include_neighbours(Padded::place(Vec3i::Unit(axis)) - Padded::place(Vec3i::Zero()));
+    if (!mixed()) return;
+    // Combines each voxel with its two neighbours along one axis. The values on the border are not used.
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::size_t stride = Padded::place(Vec3i::Unit(axis)) - Padded::place(Vec3i::Zero());
+      const Padded::Values any = any_, all = all_;
+      for (std::size_t i = stride; i + stride < any.size(); ++i) {
+        any_[i] = any[i - stride] | any[i] | any[i + stride];
+        all_[i] = all[i - stride] & all[i] & all[i + stride];
+      }
     }
   }
 
@@ -45,15 +51,6 @@ class SurfaceOfBrick {
 
  private:
   using Padded = PaddedBrick<std::uint8_t>;
-
-  /// Combines each voxel with its two neighbours along one axis. The values on the border are not used.
-  void include_neighbours(std::size_t stride) {
-    const Padded::Values any = any_, all = all_;
-    for (std::size_t i = stride; i + stride < any.size(); ++i) {
-      any_[i] = any[i - stride] | any[i] | any[i + stride];
-      all_[i] = all[i - stride] & all[i] & all[i + stride];
-    }
-  }
 
   Padded bone_;
   Padded::Values any_, all_;
