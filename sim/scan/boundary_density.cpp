@@ -44,13 +44,6 @@ void smooth_along(AlignedImage& image, int axis, double sigma_voxels) {
                  [&](std::size_t i) { smooth_line(lattice.index(cell_at(starts, i))); });
 }
 
-/// Unit vector into the bone, LPS; zero where the mask is uniform.
-Vec3 inward_normal(const AlignedImage& smooth, const Vec3i& voxel) {
-  const Vec3 gradient = smooth.gradient(voxel);
-  const bool uniform = gradient.norm() * smooth.lattice.spacing_mm.maxCoeff() < kUniform;
-  return uniform ? Vec3(Vec3::Zero()) : gradient.normalized();
-}
-
 /// The mean of the known voxels among the 26 neighbours, in double precision and a fixed order; nullopt without any.
 std::optional<float> mean_of_known(const AlignedImage& image, const Mask& known, const Vec3i& voxel) {
   double sum = 0;
@@ -151,9 +144,10 @@ class BoundaryEstimator {
         search_(search_steps(hu.lattice, spread)) {}
 
   [[nodiscard]] Estimate operator()(const Vec3i& voxel) const {
-    const Vec3 normal = inward_normal(smooth_, voxel);
-    if (normal.isZero()) return {densest_around(voxel), false};
-    const Ray ray = make_ray(voxel, normal);
+    const Vec3 inward = smooth_.gradient(voxel);
+    const bool uniform = inward.norm() * smooth_.lattice.spacing_mm.maxCoeff() < kUniform;
+    if (uniform) return {densest_around(voxel), false};
+    const Ray ray = make_ray(voxel, inward.normalized());
     const std::optional<double> boundary = boundary_on(ray, voxel);
     if (!boundary) return {densest_around(voxel), false};
     double most = -std::numeric_limits<double>::infinity();

@@ -69,13 +69,6 @@ bool same_size(const DicomSeries& a, const DicomSeries& b) {
          ((a.spacing_mm - b.spacing_mm).cwiseAbs().array() <= kSameSpacing * a.spacing_mm.array()).all();
 }
 
-/// False for screenshots and renderings.
-bool may_be_a_volume(const DicomSeries& series) {
-  const DicomHeader& first = series.first();
-  return first.photometric.starts_with("MONOCHROME") &&
-         ((first.position_mm && first.axes && first.pixel_spacing_mm) || first.frames > 1);
-}
-
 const DicomSeries& named_series(const std::vector<DicomSeries>& all, const std::string& name,
                                 const std::string& folder) {
   constexpr std::size_t kMaxDigits = 6;
@@ -105,8 +98,12 @@ std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, bool any
   for (const DicomSeries& series : found.series) {
     if (any_modality || series.first().modality == "CT") out.push_back(&series);
   }
-  const auto is_none = [](const DicomSeries* series) { return !may_be_a_volume(*series); };
-  if (!std::ranges::all_of(out, is_none)) std::erase_if(out, is_none);
+  const auto is_rendering = [](const DicomSeries* series) {  // or a screenshot
+    const DicomHeader& first = series->first();
+    const bool placed = first.position_mm && first.axes && first.pixel_spacing_mm;
+    return !first.photometric.starts_with("MONOCHROME") || !(placed || first.frames > 1);
+  };
+  if (!std::ranges::all_of(out, is_rendering)) std::erase_if(out, is_rendering);
   if (out.empty() && found.series.size() == 1) check_modality(found.series.front(), any_modality, found.folder);
   if (out.empty()) {
     throw InputError({found.folder}, kModalityKey,

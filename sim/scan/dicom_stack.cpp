@@ -126,14 +126,6 @@ std::string list_of(const std::vector<DicomVolume>& candidates, const std::strin
   return out;
 }
 
-/// What bone.ct.series may say for the first volume, in words for a message.
-std::string way_to_choose(const std::vector<DicomVolume>& candidates, const std::string& series) {
-  const std::string& label = candidates.front().label;
-  std::string out = "choose one with bone.ct.series, for example " + series + "/1";
-  if (label.find('=') != std::string::npos) out += " or " + series + "#" + label;
-  return out;
-}
-
 DicomVolume chosen_volume(std::vector<DicomVolume> candidates, const std::vector<Stack>& groups, int wanted,
                           const std::string& series, const DicomFolder& folder) {
   if (wanted > 0) {
@@ -145,9 +137,11 @@ DicomVolume chosen_volume(std::vector<DicomVolume> candidates, const std::vector
   const bool divided = candidates.size() > 1 && candidates[1].group == 0;
   const bool rivalled = groups.size() > 1 && groups[1].size() == groups[0].size();
   if (!divided && !rivalled) return std::move(candidates.front());
+  const std::string& label = candidates.front().label;
+  const std::string by_label = label.find('=') != std::string::npos ? " or " + series + "#" + label : "";
   throw InputError({candidates[0].slices.front().path()}, kSeriesKey,
                    fmt::format("the series holds {} volumes: ", candidates.size()) + list_of(candidates, series),
-                   way_to_choose(candidates, series));
+                   "choose one with bone.ct.series, for example " + series + "/1" + by_label);
 }
 
 void refuse_same_place(const Stack& stack) {
