@@ -118,14 +118,6 @@ std::vector<std::string> force_columns_in(const std::vector<std::string_view>& n
   return out;
 }
 
-/// A cell as a number; NaN where it is empty.
-double cell_value(std::string_view cell, const SourceLocation& where, const std::string& column) {
-  if (cell.empty()) return std::nan("");
-  const auto value = parse_number(cell);
-  if (value && std::isfinite(*value)) return *value;
-  throw InputError(where, column, "is not a finite number", "expected a number or an empty cell");
-}
-
 }  // namespace
 
 BasisRun open_basis_run(const std::string& dir) {
@@ -222,7 +214,11 @@ MeasuredForces read_measured_forces(const std::string& path) {
     if (cells.size() < names.size())
       throw InputError(where, "", "has fewer cells than the header", "expected a cell for each column");
     const auto value = [&](const std::string& column) {
-      return cell_value(cells[place_of(names, column)], where, column);
+      const std::string_view cell = cells[place_of(names, column)];
+      if (cell.empty()) return std::nan("");
+      const auto number = parse_number(cell);
+      if (number && std::isfinite(*number)) return *number;
+      throw InputError(where, column, "is not a finite number", "expected a number or an empty cell");
     };
     const double t = value("time_s");
     if (std::isnan(t) || (!out.time_s.empty() && t <= out.time_s.back()))

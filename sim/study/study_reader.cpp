@@ -236,19 +236,15 @@ class StudyReader {
     }
     SampledKey out{.key = entry.key, .distribution = {}, .where = where};
     out.distribution.kind = static_cast<Distribution::Kind>(kind - kKinds.begin());
-    check_type(key, out);
+    const KeyKind fitting = out.distribution.dimensions() > 1 ? KeyKind::vector : KeyKind::number;
+    if (key.info.kind != fitting) {
+      throw InputError(
+          where, entry.key, "the distribution does not fit this key",
+          "expected a key of a number for normal, lognormal and uniform, and of a vector for tilt_sd_deg and "
+          "shift_sd_mm");
+    }
     read_parameters(*given.value, entry.key, out.distribution);
     return out;
-  }
-
-  static void check_type(const KeyNode& key, const SampledKey& sampled) {
-    const bool of_vector = sampled.distribution.dimensions() > 1;
-    const bool fits = of_vector ? key.info.kind == KeyKind::vector : key.info.kind == KeyKind::number;
-    if (fits) return;
-    throw InputError(
-        sampled.where, sampled.key, "the distribution does not fit this key",
-        "expected a key of a number for normal, lognormal and uniform, and of a vector for tilt_sd_deg and "
-        "shift_sd_mm");
   }
 
   void read_parameters(const YamlNode& node, const std::string& key, Distribution& out) const {
