@@ -9,15 +9,10 @@
 #include <filesystem>
 #include <numeric>
 #include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "sim/anatomy/find_glenoid.h"
-#include "sim/base/error.h"
 #include "sim/base/file.h"
 #include "sim/bone/bone.h"
-#include "sim/bone/voxmap/voxmap.h"
 #include "sim/scenario/parse.h"
 #include "sim/scenario/paths.h"
 #include "sim/scene/load_bone.h"
@@ -229,6 +224,40 @@ std::string packed(const std::vector<float>& values, const ByteOf& byte_of) {
   return compressed_base64(bytes);
 }
 
+/// The data of the page's script, with the warnings of `report`, which gets those of tool and motion.
+Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::int64_t most_voxels,
+                  Diagnostics& report) {
+  const Scenario& scenario = request.scenario;
+  const BoneSettings& settings = scenario.bone;
+  MistakeList mistakes = bone.mistakes;
+  Json json;
+  json["scenario"] = request.text;
+  json["file_name"] = request.file_name;
+  json["anatomical"] = bone.frame == "LPS" || (bone.frame == "phantom" && bone.side != BodySide::unknown);
+  json["side"] = bone.side == BodySide::unknown ? Json() : Json(name_of(bone.side));
+  json["ct"] = settings.source == BoneSource::ct ? ct_json(settings.ct, bone.scan.settings) : Json();
+  json["glenoid"] = glenoid_json(bone, settings.glenoid);
+  const PassSpec last = passes_of(scenario).back();
+  json["tool"] = Json();  // the envelope of revolution; null where it cannot be read
+  mistakes.attempt([&] {
+    const Tool tool = load_tool(last.tool, settings.voxel_mm, ShellUse::none, report);
+    for (const Vec2& p : tool.profile.points)
+      json["tool"]["profile"].push_back({short_number(p.x()), short_number(p.y())});
+  });
+  json["motion"] = motion_json(last.motion, mistakes, report);
+  json["volume"] =
+      volume_json(bone.bone ? preview_of_voxmap(*bone.bone, most_voxels) : preview_of_scan(bone.scan, most_voxels));
+  json["problems"] = Json::array();
+  for (Mistake mistake : mistakes.mistakes()) {
+    // The file's name suffices, and says nothing about the machine.
+    mistake.where = {std::filesystem::path(mistake.where.file).filename().string(), 0, 0};
+    json["problems"].push_back(recorded_text(mistake.line()));
+  }
+  json["warnings"] = Json::array();
+  for (const std::string& warning : report.warnings) json["warnings"].push_back(recorded_text(warning));
+  return json;
+}
+
 }  // namespace
 
 PreviewVolume preview_of_scan(const SegmentedScan& scan, std::int64_t most_voxels) {
@@ -279,44 +308,6 @@ Json volume_json(const PreviewVolume& volume) {
   if (!volume.bone.empty()) json["bone"] = packed(volume.bone, [](float f) { return 128 + 127 * f; });
   return json;
 }
-
-namespace {
-
-/// The data of the page's script, with the warnings of `report`, which gets those of tool and motion.
-Json preview_data(const PreviewRequest& request, const PreviewBone& bone, std::int64_t most_voxels,
-                  Diagnostics& report) {
-  const Scenario& scenario = request.scenario;
-  const BoneSettings& settings = scenario.bone;
-  MistakeList mistakes = bone.mistakes;
-  Json json;
-  json["scenario"] = request.text;
-  json["file_name"] = request.file_name;
-  json["anatomical"] = bone.frame == "LPS" || (bone.frame == "phantom" && bone.side != BodySide::unknown);
-  json["side"] = bone.side == BodySide::unknown ? Json() : Json(name_of(bone.side));
-  json["ct"] = settings.source == BoneSource::ct ? ct_json(settings.ct, bone.scan.settings) : Json();
-  json["glenoid"] = glenoid_json(bone, settings.glenoid);
-  const PassSpec last = passes_of(scenario).back();
-  json["tool"] = Json();  // the envelope of revolution; null where it cannot be read
-  mistakes.attempt([&] {
-    const Tool tool = load_tool(last.tool, settings.voxel_mm, ShellUse::none, report);
-    for (const Vec2& p : tool.profile.points)
-      json["tool"]["profile"].push_back({short_number(p.x()), short_number(p.y())});
-  });
-  json["motion"] = motion_json(last.motion, mistakes, report);
-  json["volume"] =
-      volume_json(bone.bone ? preview_of_voxmap(*bone.bone, most_voxels) : preview_of_scan(bone.scan, most_voxels));
-  json["problems"] = Json::array();
-  for (Mistake mistake : mistakes.mistakes()) {
-    // The file's name suffices, and says nothing about the machine.
-    mistake.where = {std::filesystem::path(mistake.where.file).filename().string(), 0, 0};
-    json["problems"].push_back(recorded_text(mistake.line()));
-  }
-  json["warnings"] = Json::array();
-  for (const std::string& warning : report.warnings) json["warnings"].push_back(recorded_text(warning));
-  return json;
-}
-
-}  // namespace
 
 std::string preview_page(const PreviewRequest& request, Diagnostics& report) {
   const PreviewBone bone = load_preview_bone(request.scenario, report);

@@ -94,14 +94,6 @@ Png read_png(const std::string& path) {
   return image;
 }
 
-/// Scaled down to at most `most_px` wide, on white.
-PixelImage scaled(cairo_surface_t* image, int most_px) {
-  const int width = cairo_image_surface_get_width(image), height = cairo_image_surface_get_height(image);
-  const double scale = std::min(1.0, static_cast<double>(most_px) / width);
-  const auto reduced = [&](int pixels) { return std::max(1, static_cast<int>(std::lround(pixels * scale))); };
-  return scaled_middle(image, reduced(width), reduced(height));
-}
-
 std::string jpeg_base64(PixelImage& image) {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -159,8 +151,12 @@ std::string frame_path(const std::string& dir, std::int64_t frame, const std::st
   return fmt::format("{}/frames/{:06}{}.png", dir, frame, suffix);
 }
 
+/// Scaled down to at most `most_px` wide, on white.
 PagePicture page_picture(cairo_surface_t* image, int most_px) {
-  PixelImage small = scaled(image, most_px);
+  const int width = cairo_image_surface_get_width(image), height = cairo_image_surface_get_height(image);
+  const double scale = std::min(1.0, static_cast<double>(most_px) / width);
+  const auto reduced = [&](int pixels) { return std::max(1, static_cast<int>(std::lround(pixels * scale))); };
+  PixelImage small = scaled_middle(image, reduced(width), reduced(height));
   return {.width_px = small.width_px, .height_px = small.height_px, .jpeg_base64 = jpeg_base64(small)};
 }
 

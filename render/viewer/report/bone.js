@@ -33,13 +33,6 @@ function posesOf(packed) {
   return Array.from(spins, (spin, row) => ({ position: places.map((c) => c[row]), quaternion: turns.map((c) => c[row]), spin }));
 }
 
-// The bone over each reamed vertex in mm, one list for each time.
-function liftsOf(reaming) {
-  const bytes = unpacked(reaming.bytes);
-  const step = reaming.most_mm / 65535;
-  return reaming.time_s.map((_, state) => Float32Array.from(numbers16(bytes, state, reaming.vertices), (n) => step * n));
-}
-
 // Three planes of numbers from the `first` on, interleaved.
 function interleaved(bytes, first, count, Type, valueOf) {
   const out = new Type(3 * count);
@@ -84,7 +77,10 @@ class Reaming {
   // `geometry` of the bone after the run.
   constructor(geometry, reaming, axis) {
     this.times = reaming.time_s;
-    this.states = liftsOf(reaming);
+    // The bone over each reamed vertex in mm, one list for each time.
+    const bytes = unpacked(reaming.bytes), step = reaming.most_mm / 65535;
+    this.states = this.times.map((_, state) =>
+      Float32Array.from(numbers16(bytes, state, reaming.vertices), (n) => step * n));
     this.axis = axis;
     this.places = geometry.getAttribute("position").array;
     this.normals = geometry.getAttribute("normal");
@@ -170,11 +166,6 @@ class ToolModel {
   }
 }
 
-function densityTexture(volume) {
-  const texture = new Data3DTexture(unpacked(volume.bytes), ...volume.dims);
-  return Object.assign(texture, { format: RedFormat, minFilter: LinearFilter, magFilter: LinearFilter, needsUpdate: true });
-}
-
 // The section planes: `normal` points towards the viewer of the cut.
 function planesOf(look) {
   const axis = vector(look.axis), front = vector(look.front);
@@ -243,9 +234,11 @@ class BoneView extends View {
   }
 
   addCap() {
-    const { bone } = this, { dims, cell_mm, origin_mm } = bone.density, colors = bone.density_colors;
+    const { bone } = this, { bytes, dims, cell_mm, origin_mm } = bone.density, colors = bone.density_colors;
+    const texture = new Data3DTexture(unpacked(bytes), ...dims);
+    Object.assign(texture, { format: RedFormat, minFilter: LinearFilter, magFilter: LinearFilter, needsUpdate: true });
     this.cap = new Mesh(new PlaneGeometry(4 * this.reach, 4 * this.reach), capMaterial({
-      density: { value: densityTexture(bone.density) },
+      density: { value: texture },
       origin_mm: { value: vector(origin_mm) },
       size_mm: { value: vector(dims).multiplyScalar(cell_mm) },
       stops: { value: colors.stops.map(vector) },
