@@ -85,14 +85,6 @@ std::string range_of(const std::string& type) {
   return range.substr(0, dash) + " to " + range.substr(dash + 3);
 }
 
-/// The options that cannot be given beside this one, sorted.
-std::string others_of(const CLI::Option& option) {
-  std::vector<std::string> names;
-  for (const CLI::Option* other : option.get_excludes()) names.push_back("--" + other->get_lnames().front());
-  std::ranges::sort(names);
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 ArgumentText text_of(const CLI::Option& option) {
   ArgumentText out;
   for (const std::string& name : option.get_snames()) out.flags.push_back("-" + name);
@@ -101,10 +93,11 @@ ArgumentText text_of(const CLI::Option& option) {
   if (option.get_expected_min() > 0) set_value(option.get_type_name(), out);
   if (option.get_positional()) out.value = option.get_name(true, false);
   out.description = option.get_description();
-  for (const auto& [begin, more] :
-       {std::pair{" (", range_of(option.get_type_name())}, {" (not with ", others_of(option)}}) {
-    if (!more.empty()) out.description += begin + more + ")";
-  }
+  if (const std::string range = range_of(option.get_type_name()); !range.empty()) out.description += " (" + range + ")";
+  std::vector<std::string> others;
+  for (const CLI::Option* other : option.get_excludes()) others.push_back("--" + other->get_lnames().front());
+  std::ranges::sort(others);
+  if (!others.empty()) out.description += fmt::format(" (not with {})", fmt::join(others, ", "));
   out.required = option.get_required();
   out.repeats = option.get_expected_max() >= CLI::detail::expected_max_vector_size ||
                 option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;

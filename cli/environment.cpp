@@ -88,13 +88,6 @@ bool set_tuning(EngineTuning& tuning, const std::string& text) {
   return true;
 }
 
-std::string libraries_text() {
-  std::vector<std::string> out;
-  for (const auto& [name, version] : kLibraryVersions)
-    out.push_back(fmt::format("{}{}{}", name, version.empty() ? "" : " ", version));
-  return fmt::format("{}", fmt::join(out, ", "));
-}
-
 /// The drivers are loaded when the program runs, so no build knows them. The version is printed wherever it can be.
 std::string opencl_text() try {
   const Console console;
@@ -238,8 +231,11 @@ std::unique_ptr<cl::KernelCache> prepare_opencl(const std::string& device, const
 
 std::string version_text() {
   const std::string commit = kCommit[0] == '\0' ? "" : std::string("commit ") + kCommit + ", ";
+  std::vector<std::string> libraries;
+  for (const auto& [name, version] : kLibraryVersions)
+    libraries.push_back(fmt::format("{}{}{}", name, version.empty() ? "" : " ", version));
   return "reamsim " REAMSIM_VERSION "\n" + commit + std::string(kBuildType) + " build by " + std::string(kCompiler) +
-         "\nlibraries: " + libraries_text() + "\nOpenCL: " + opencl_text() +
+         fmt::format("\nlibraries: {}\nOpenCL: ", fmt::join(libraries, ", ")) + opencl_text() +
          "\nLicensed under the Apache License, Version 2.0. Copyright the reamsim authors.";
 }
 

@@ -4,7 +4,6 @@
 #include "cli/sweep.h"
 
 #include <fmt/core.h>
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <system_error>
@@ -16,7 +15,6 @@
 #include "sim/base/text.h"
 #include "sim/record/citation.h"
 #include "sim/scenario/show.h"
-#include "sim/study/study_folder.h"
 
 namespace reamsim {
 
@@ -27,12 +25,6 @@ using Json = nlohmann::ordered_json;
 
 /// Warnings of runs on the terminal, at most.
 constexpr std::size_t kMostWarnings = 3;
-
-/// Figures of runs that the study no longer has would contradict its table.
-void remove_effects(const std::string& dir) {
-  std::error_code ignored;
-  for (const char* ending : {"csv", "gp", "py", "png", "svg", "pdf"}) fs::remove(dir + "/effects." + ending, ignored);
-}
 
 /// All numbers of a parameter, or null where a cell is none.
 Json numbers_of(const RunTable& table, std::size_t parameter) {
@@ -127,7 +119,12 @@ void collect_and_show(const SweepRuns& sweep, const StudyFolder& folder, const C
   if (base_law) collected.table = without_forces(std::move(collected.table));
   const Json answer = call_lab("effects", {folder.path()}, table_json(collected.table));
   const Json &effects = answer["effects"], &table = answer["table"];
-  if (effects.is_null()) remove_effects(folder.path());
+  if (effects.is_null()) {
+    // Figures of runs that the study no longer has would contradict its table.
+    std::error_code ignored;
+    for (const char* ending : {"csv", "gp", "py", "png", "svg", "pdf"})
+      fs::remove(folder.path() + "/effects." + ending, ignored);
+  }
   write_citation(folder.path(), cite_results(folder.path()));
   replace_file(folder.path() + "/sweep.html", study_page(sweep.study.name, collected.table));
   for (const Json& line : table) console.say(line.get<std::string>());

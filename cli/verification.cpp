@@ -69,13 +69,6 @@ struct BenchOptions {
   std::vector<std::string> latency;  ///< scenarios
 };
 
-bench::Plan plan_of(const BenchOptions& options) {
-  bench::Plan plan = options.exact ? bench::sphere_plan() : options.quick ? bench::quick_plan() : bench::full_plan();
-  plan.device = options.device;
-  if (!options.engines.empty()) plan.engines = options.engines;
-  return plan;
-}
-
 /// Whether the file is a benchmark's JSON.
 bool is_benchmark(const std::string& path) {
   return read_file_start(path, 256).starts_with("{\n  \"program\": \"reamsim ");
@@ -144,7 +137,9 @@ void measure_with_figure(const bench::Plan& plan, const BenchOptions& options, c
 void bench_command(const BenchOptions& options, const Console& console) {
   if (!options.latency.empty()) return bench_latency(options.latency, options.device, console);
   const auto kernels = prepare_opencl(options.device, console);
-  const bench::Plan plan = plan_of(options);
+  bench::Plan plan = options.exact ? bench::sphere_plan() : options.quick ? bench::quick_plan() : bench::full_plan();
+  plan.device = options.device;
+  if (!options.engines.empty()) plan.engines = options.engines;
   bench::check_plan(plan);
   if (!options.json.empty()) require_writable(options.json, options.overwrite);
   if (options.exact) {
