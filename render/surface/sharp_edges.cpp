@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: the reamsim authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -132,7 +131,7 @@ class Face {
     }
     const Eigen::Index used = points.size() < kLeast ? 3 : 6;
     coefficients_.setZero();
-    coefficients_.head(used) = terms.leftCols(used).colPivHouseholderQr().solve(values);
+    coefficients_.head(used) = least_squares(terms.leftCols(used), values);
     misfit_ = std::sqrt((terms * coefficients_ - values).squaredNorm() / static_cast<double>(points.size()));
   }
   /// RMS of the distances from the points and the differences of the slopes.
@@ -188,7 +187,7 @@ Vec3 meeting(const Face& a, const Face& b, const Vec3& start) {
     Eigen::Matrix3d planes;
     planes << on_a.normal.transpose(), on_b.normal.transpose(), along.transpose();
     const Vec3 off(on_a.normal.dot(on_a.point - out), on_b.normal.dot(on_b.point - out), along.dot(start - out));
-    out += planes.colPivHouseholderQr().solve(off);
+    out += solve_qr(planes, off);
   }
   return out;
 }

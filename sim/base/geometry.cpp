@@ -42,6 +42,14 @@ QrSolution solve_qr(const Mat4& a, const Vec4& b) {
   return {decomposed.solve(b), static_cast<int>(decomposed.rank())};
 }
 
+Vec3 solve_qr(const Mat3& a, const Vec3& b) {
+  return a.colPivHouseholderQr().solve(b);
+}
+
+Eigen::VectorXd least_squares(const TermMatrix& terms, const Eigen::VectorXd& values) {
+  return terms.colPivHouseholderQr().solve(values);
+}
+
 SymmetricEigen<2> symmetric_eigen(const Mat2& matrix) {
   const double mean = 0.5 * (matrix(0, 0) + matrix(1, 1)), half_difference = 0.5 * (matrix(0, 0) - matrix(1, 1));
   const double radius = std::hypot(half_difference, matrix(1, 0));

@@ -336,7 +336,8 @@ TEST(CurvatureDiffusion, IsThatOfItk) {
       ct::AlignedImage ours = image;
       ct::curvature_anisotropic_filter(ours, 4, conductance);
       for (std::size_t i = 0; i < expected.size(); ++i) {
-        ASSERT_FLOAT_EQ(ours.value[i], expected[i]) << "seed " << kSeed << ", voxel " << i << " of " << dims.transpose();
+        ASSERT_FLOAT_EQ(ours.value[i], expected[i])
+            << "seed " << kSeed << ", voxel " << i << " of " << dims.transpose();
       }
     }
     // Without a gradient nothing flows.
