@@ -23,6 +23,7 @@ constexpr double kSameFace = 0.87;     // least cosine between the normals of a 
 constexpr double kMaxMisfit = 0.15;    // of a quadratic face
 constexpr std::size_t kLeast = 4;      // points of a quadratic face
 constexpr int kRings = 3;              // of vertices around reamed bone
+constexpr std::size_t kGrain = 4096;   // vertices per range, which has a mark for every vertex
 
 /// A point of the surface, in voxel index space.
 struct SurfacePoint {
@@ -187,7 +188,7 @@ Vec3 meeting(const Face& a, const Face& b, const Vec3& start) {
     Eigen::Matrix3d planes;
     planes << on_a.normal.transpose(), on_b.normal.transpose(), along.transpose();
     const Vec3 off(on_a.normal.dot(on_a.point - out), on_b.normal.dot(on_b.point - out), along.dot(start - out));
-    out += solve_qr(planes, off);
+    out += solve_three(planes, off);
   }
   return out;
 }
@@ -246,8 +247,8 @@ struct MovingMesh {
   static Vec3 area(const MeshTriangle& t, const std::vector<Vec3>& at) {
     return (at[t[1]] - at[t[0]]).cross(at[t[2]] - at[t[0]]);
   }
-  /// The faces at the vertices within kFitReach of one, along the surface. `marks`: one per vertex, none of this
-  /// vertex.
+  /// The faces at the vertices within kFitReach of one, along the surface. `marks`: one per vertex, UINT32_MAX or
+  /// from calls for other vertices.
   [[nodiscard]] std::vector<SurfacePoint> faces_around(std::uint32_t vertex, const std::vector<Target>& targets,
                                                        std::vector<std::uint32_t>& marks) const {
     std::vector<std::uint32_t> found{vertex};
@@ -355,10 +356,12 @@ void sharpen_edges(TriangleMesh& mesh, const BoneView& bone, const UnreamedSurfa
   parallel_items(points.size(),
                  [&](std::size_t i) { smooth[i].face = heights.at(points[i], normals[i].normalized(), false); });
   std::vector<Target> targets = smooth;
-  parallel_ranges(points.size(), 256, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> marks(points.size(), UINT32_MAX);
+  parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t> marks;
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
-      if (!smooth[i].face) targets[i] = target_of(points[i], moving.faces_around(i, smooth, marks), heights);
+      if (smooth[i].face) continue;
+      marks.resize(points.size(), UINT32_MAX);
+      targets[i] = target_of(points[i], moving.faces_around(i, smooth, marks), heights);
     }
   });
   // On rough bone, as from a CT, a quarter of the vertices at edges have no target, and the others would make it

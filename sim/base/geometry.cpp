@@ -42,7 +42,7 @@ QrSolution solve_qr(const Mat4& a, const Vec4& b) {
   return {decomposed.solve(b), static_cast<int>(decomposed.rank())};
 }
 
-Vec3 solve_qr(const Mat3& a, const Vec3& b) {
+Vec3 solve_three(const Mat3& a, const Vec3& b) {
   return a.colPivHouseholderQr().solve(b);
 }
 

@@ -115,9 +115,9 @@ struct QrSolution {
   int rank = 0;
 };
 QrSolution solve_qr(const Mat4& a, const Vec4& b);
-/// The same of three equations, and of more equations than unknowns by least squares, without the rank. Here, because
-/// Eigen's decompositions take ten seconds to compile.
-Vec3 solve_qr(const Mat3& a, const Vec3& b);
+/// x of A·x = b by the same decomposition; where there are more equations than unknowns, which are at most 6, the x of
+/// the least residual. In this file, because Eigen's decompositions take ten seconds to compile.
+Vec3 solve_three(const Mat3& a, const Vec3& b);
 using TermMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, Eigen::Dynamic, 6>;
 Eigen::VectorXd least_squares(const TermMatrix& terms, const Eigen::VectorXd& values);
 

@@ -144,10 +144,10 @@ class BoundaryEstimator {
         search_(search_steps(hu.lattice, spread)) {}
 
   [[nodiscard]] Estimate operator()(const Vec3i& voxel) const {
-    const Vec3 inward = smooth_.gradient(voxel);
-    const bool uniform = inward.norm() * smooth_.lattice.spacing_mm.maxCoeff() < kUniform;
+    const Vec3 gradient = smooth_.gradient(voxel);  // points into the bone, LPS
+    const bool uniform = gradient.norm() * smooth_.lattice.spacing_mm.maxCoeff() < kUniform;
     if (uniform) return {densest_around(voxel), false};
-    const Ray ray = make_ray(voxel, inward.normalized());
+    const Ray ray = make_ray(voxel, gradient.normalized());
     const std::optional<double> boundary = boundary_on(ray, voxel);
     if (!boundary) return {densest_around(voxel), false};
     double most = -std::numeric_limits<double>::infinity();

@@ -98,12 +98,12 @@ std::vector<const DicomSeries*> candidates_of(const DicomFolder& found, bool any
   for (const DicomSeries& series : found.series) {
     if (any_modality || series.first().modality == "CT") out.push_back(&series);
   }
-  const auto is_rendering = [](const DicomSeries* series) {  // or a screenshot
+  const auto is_no_volume = [](const DicomSeries* series) {  // such as a rendering or a screenshot
     const DicomHeader& first = series->first();
     const bool placed = first.position_mm && first.axes && first.pixel_spacing_mm;
     return !first.photometric.starts_with("MONOCHROME") || !(placed || first.frames > 1);
   };
-  if (!std::ranges::all_of(out, is_rendering)) std::erase_if(out, is_rendering);
+  if (!std::ranges::all_of(out, is_no_volume)) std::erase_if(out, is_no_volume);
   if (out.empty() && found.series.size() == 1) check_modality(found.series.front(), any_modality, found.folder);
   if (out.empty()) {
     throw InputError({found.folder}, kModalityKey,

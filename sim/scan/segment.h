@@ -20,7 +20,7 @@ namespace reamsim::ct {
 
 // The stages from an image on LPS axes to a voxmap. Private to sim/scan.
 
-// Sets of voxels, and filters (morphology.cpp).
+// Sets of voxels, and filters (morphology.cpp, curvature_diffusion.cpp).
 
 /// A set of voxels on the lattice of an image: 1 inside, 0 outside.
 using Mask = std::vector<std::uint8_t>;
@@ -69,7 +69,7 @@ struct Pieces {
 /// Median over a box of (2·radius+1)³ voxels.
 void median_filter(AlignedImage& image, int radius_voxels);
 
-/// Curvature anisotropic diffusion (Whitaker and Xue 2001), ITK's filter with its largest stable time step.
+/// Curvature anisotropic diffusion (Whitaker and Xue 2001), as ITK's filter with its largest stable time step.
 void curvature_anisotropic_filter(AlignedImage& image, int iterations, double conductance);
 
 void gaussian_filter(AlignedImage& image, double sigma_voxels);

@@ -83,12 +83,10 @@ class InsideTest {
         sample_[axis].push_back({low, static_cast<float>(place - low)});
       }
     }
-    for (std::size_t at = 0; at < field.value.size(); ++at) {
-      const auto length = static_cast<std::size_t>(image.dims.x());
-      const auto x = static_cast<int>(at % length);
-      Span& row = rows_[at / length];
-      if (field.value[at] > 0) row = {std::min(row.first, x), x};
-    }
+    image.for_each([&](const Vec3i& v, std::size_t at) {
+      Span& row = rows_[static_cast<std::size_t>(v.y() + image.dims.y() * v.z())];
+      if (field.value[at] > 0) row = {std::min(row.first, v.x()), v.x()};
+    });
   }
 
   /// The voxels of the row (j, k) that may pass the test, first and last: interpolated values are above 0 only beside

@@ -14,7 +14,8 @@
 #include "sim/mesh/triangle_mesh.h"
 
 // Instances that OpenVDB's library has, and whose compilation takes half a minute. It lacks members that are inlined
-// everywhere, so an optimising compiler has to inline them here as well (cmake/ReamsimOptions.cmake).
+// everywhere, so an optimising compiler has to inline them here as well (cmake/ReamsimOptions.cmake). Cast grids with
+// dynamic_pointer_cast, not gridPtrCast(): a copy of its std::call_once would set the name of a type in the library.
 #ifdef REAMSIM_GRIDS_OF_LIBRARY
 extern template class openvdb::tree::Tree<openvdb::FloatTree::RootNodeType>;
 extern template class openvdb::tree::Tree<openvdb::BoolTree::RootNodeType>;

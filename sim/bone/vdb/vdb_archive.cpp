@@ -159,7 +159,7 @@ openvdb::FloatGrid::Ptr read_grid(openvdb::io::File& file, const std::string& pa
   } catch (const openvdb::Exception&) {
     refuse_file(path, "a truncated or damaged grid \"" + name + "\"", "expected a complete VDB file");
   }
-  const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(any);
+  const auto grid = std::dynamic_pointer_cast<openvdb::FloatGrid>(any);
   if (!grid) {
     refuse_file(path, "a grid \"" + name + "\" of type " + (any ? any->valueType() : "none"), "expected a FloatGrid");
   }
