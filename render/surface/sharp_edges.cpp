@@ -15,15 +15,15 @@ namespace {
 
 // Lengths in voxels.
 constexpr int kHalfColumn = 3;
-constexpr double kMaxCurvature = 0.2;  // of a face; more is an edge
-constexpr double kMaxShift = 1.5;      // of a vertex onto a face; twice as much to an edge
-constexpr double kFitReach = 5.5;      // of the points to which the faces at an edge are fitted
-constexpr double kEdgeAngle = 0.4;     // between faces that meet at an edge
-constexpr double kSameFace = 0.87;     // least cosine between the normals of a face's points
-constexpr double kMaxMisfit = 0.15;    // of a quadratic face
-constexpr std::size_t kLeast = 4;      // points of a quadratic face
-constexpr int kRings = 3;              // of vertices around reamed bone
-constexpr std::size_t kGrain = 4096;   // vertices per range, which has a mark for every vertex
+constexpr double kMaxCurvature = 0.2;          // of a face; more is an edge
+constexpr double kMaxShift = 1.5;              // of a vertex onto a face; twice as much to an edge
+constexpr double kFitReach = 5.5;              // of the points to which the faces at an edge are fitted
+constexpr double kEdgeAngle = 0.4;             // between faces that meet at an edge
+constexpr double kSameFace = 0.87;             // least cosine between the normals of a face's points
+constexpr double kMaxMisfit = 0.15;            // of a quadratic face
+constexpr std::size_t kLeast = 4;              // points of a quadratic face
+constexpr int kRings = 3;                      // of vertices around reamed bone
+constexpr std::size_t kVerticesAtOnce = 4096;  // of a range, which marks vertices of the whole part
 
 /// A point of the surface, in voxel index space.
 struct SurfacePoint {
@@ -356,7 +356,7 @@ void sharpen_edges(TriangleMesh& mesh, const BoneView& bone, const UnreamedSurfa
   parallel_items(points.size(),
                  [&](std::size_t i) { smooth[i].face = heights.at(points[i], normals[i].normalized(), false); });
   std::vector<Target> targets = smooth;
-  parallel_ranges(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_ranges(points.size(), kVerticesAtOnce, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> marks;
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
       if (smooth[i].face) continue;
