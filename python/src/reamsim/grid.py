@@ -139,10 +139,7 @@ def _is_complete(path: pathlib.Path) -> bool:
 
 
 def read_vti(path: pathlib.Path) -> Grid:
-    """reamed.vti: density × fill, g/cm³. Needs no other package. Raises ResultsError where the file is missing or
-    damaged."""
-    if not path.is_file():
-        raise ResultsError(f"{path}: no such file; the run did not write it (output.vti), or it was deleted")
+    """reamed.vti: density × fill, g/cm³. Needs no other package. Raises ResultsError where the file is damaged."""
     data = path.read_bytes()
     begin = data.find(b'<AppendedData encoding="raw">\n_')
     head = data[:max(begin, 0)].decode("ascii", errors="replace")

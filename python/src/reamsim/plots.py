@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import io
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy
 
@@ -17,7 +17,7 @@ from .errors import MissingPackage
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .grid import DepthMap
+    from .results import Run
 
 # Okabe and Ito's colours, which any colour vision tells apart; the same as in the program's plots.
 _BLUE, _RED, _GREEN, _GREY = "#0072b2", "#d55e00", "#009e73", "#606060"
@@ -30,18 +30,6 @@ _LABELS = {"axial_force_n": "Axial force (N)", "spin_torque_nmm": "Spin torque (
            "depth_mm": "Tool depth (mm)", "time_s": "Time since first contact (s)"}
 _SUMS = ("removed_mm3", "energy_mj", "floor_energy_mj")  # columns that hold the amount of one frame
 _AXES = {"time": "time_s", "depth": "depth_mm"}
-
-
-class Run(Protocol):
-    """What a figure needs of a `reamsim.Run`."""
-
-    summary: dict[str, Any]
-
-    @property
-    def force_array(self) -> numpy.ndarray: ...
-
-    @property
-    def depth_map(self) -> DepthMap: ...
 
 
 def _matplotlib() -> Any:

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 # Columns of runs.csv that are texts, whatever they look like: an id of digits alone would lose its zeros.
 _TEXTS = frozenset({"id", "status", "message"})
-_NEEDED = ("run", "id", "status")
 
 
 def load(folder: str | os.PathLike[str]) -> Run:
@@ -46,9 +45,6 @@ class Run:
         dir: the results folder.
         summary: summary.json.
     """
-
-    dir: pathlib.Path
-    summary: dict[str, Any]
 
     def __init__(self, folder: pathlib.Path) -> None:
         self.dir = folder
@@ -131,7 +127,18 @@ class Run:
     @functools.cached_property
     def surface(self) -> Surface:
         """Closed surface of the reamed bone in the bone frame, mm: from reamed.glb, otherwise from reamed.stl."""
-        return _read_surface(self.dir)
+        for name, read in (("reamed.glb", _read_glb), ("reamed.stl", _read_stl)):
+            path = self.dir / name
+            if not path.is_file():
+                continue
+            try:
+                surface = read(path.read_bytes())
+                if surface.faces.size and int(surface.faces.max()) >= len(surface.vertices):
+                    raise ValueError("a triangle names a vertex that is missing")
+                return surface
+            except (ValueError, KeyError, IndexError, TypeError, struct.error) as error:
+                raise ResultsError(f"{path}: damaged: {error}") from error
+        raise ResultsError(f"{self.dir}: has neither reamed.glb nor reamed.stl; the run did not write them (output.meshes)")
 
     def plot_forces(self, over: str = "time") -> Figure:
         """Axial force, spin torque and removed volume over time or depth; see `reamsim.plots.plot_forces`."""
@@ -161,23 +168,6 @@ class Surface:
         """Volume that the mesh encloses, mm³."""
         a, b, c = (self.vertices[self.faces[:, corner]] for corner in range(3))
         return float(numpy.einsum("ij,ij->i", a, numpy.cross(b, c)).sum() / 6)
-
-
-def _read_surface(folder: pathlib.Path) -> Surface:
-    """The surface from reamed.glb, or from reamed.stl where that is missing. Raises ResultsError where both are
-    missing, or the file is damaged."""
-    for name, read in (("reamed.glb", _read_glb), ("reamed.stl", _read_stl)):
-        path = folder / name
-        if not path.is_file():
-            continue
-        try:
-            surface = read(path.read_bytes())
-            if surface.faces.size and int(surface.faces.max()) >= len(surface.vertices):
-                raise ValueError("a triangle names a vertex that is missing")
-            return surface
-        except (ValueError, KeyError, IndexError, TypeError, struct.error) as error:
-            raise ResultsError(f"{path}: damaged: {error}") from error
-    raise ResultsError(f"{folder}: has neither reamed.glb nor reamed.stl; the run did not write them (output.meshes)")
 
 
 def _read_glb(data: bytes) -> Surface:
@@ -225,8 +215,6 @@ class Sweep:
         dir: folder of the study, with ``runs.csv`` and ``runs/ID/``.
     """
 
-    dir: pathlib.Path
-
     def __init__(self, folder: pathlib.Path) -> None:
         self.dir = folder
         if not folder.is_dir():
@@ -234,7 +222,7 @@ class Sweep:
         if not (folder / "runs.csv").is_file():
             raise ResultsError(f"{folder}: has no runs.csv; expected the folder of a study: call `reamsim sweep collect`")
         self._columns = mixed_columns(folder / "runs.csv", _TEXTS)
-        missing = [name for name in _NEEDED if name not in self._columns]
+        missing = [name for name in ("run", "id", "status") if name not in self._columns]
         if missing:
             raise ResultsError(f"{folder / 'runs.csv'}: damaged, or not of a study: has no column {missing[0]}")
         try:

@@ -126,7 +126,6 @@ class Simulation:
                 os.fsencode(path), [text.encode() for text in assignments(keys, overrides)])
         self._step, self._peek = self._native.step, self._native.peek
         self._fill: Grid | None = None
-        self._density: Grid | None = None
 
     def start(self, position_mm: ArrayLike, quaternion: ArrayLike, spin_rpm: float,
               spin_angle_rad: float | None = None) -> Step:
@@ -204,12 +203,10 @@ class Simulation:
             self._fill = _grid(self._native.fill(), "")
         return self._fill
 
-    @property
+    @functools.cached_property
     def density(self) -> Grid:
         """Density of the bone before reaming, g/cm³; 0 without bone. Read-only."""
-        if self._density is None:
-            self._density = _grid(self._native.density(), "g/cm³")
-        return self._density
+        return _grid(self._native.density(), "g/cm³")
 
     def state(self) -> State:
         """The present state. It shares the memory of bone that no later step changes."""
@@ -236,11 +233,9 @@ def _array_of_poses(poses: Any) -> numpy.ndarray:
     """Poses in one of the forms that `Simulation.run` takes, as rows of 8 or 9 numbers. Raises InputError where they
     have none of these forms."""
     names = _names_of(poses)
-    if "position_mm" in names:
-        wanted = ["position_mm", "quaternion", "spin_rpm"] + ["spin_angle_rad"] * ("spin_angle_rad" in names)
-        return _stacked(poses, names, wanted)
     if names:
-        return _stacked(poses, names, [*_COLUMNS] + [_ANGLE] * (_ANGLE in names))
+        wanted = ["position_mm", "quaternion", "spin_rpm"] if "position_mm" in names else [*_COLUMNS]
+        return _stacked(poses, names, wanted + [_ANGLE] * (_ANGLE in names))
     try:
         return numpy.ascontiguousarray(poses, dtype=numpy.float64)
     except (TypeError, ValueError) as error:
