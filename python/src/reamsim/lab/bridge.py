@@ -31,7 +31,7 @@ def fit(job: Job, folder: str, file: str, output: str, residuals: str) -> Job:
         replace_file(output, json_text({"program": job["program"], "model": job["model"], **_fit_json(found)}))
     if residuals:
         _write_residuals(residuals, basis, found, time_s, measured)
-    return {"say": _constant_lines(found, job["model"]) + _residual_lines(found) + found.statements, "warn": found.warnings}
+    return {"say": _tables(found, job["model"]) + found.statements, "warn": found.warnings}
 
 
 def _fit_json(found: Any) -> Job:
@@ -59,21 +59,18 @@ def _write_residuals(path: str, basis: ForceBasis, found: Any, time_s: numpy.nda
     write_csv(path, header, numpy.stack(columns, axis=1)[known].tolist())
 
 
-def _constant_lines(found: Any, model: str) -> list[str]:
-    rows = [["constant", "value", "standard error", "unit", ""]]
+def _tables(found: Any, model: str) -> list[str]:
+    constants = [["constant", "value", "standard error", "unit", ""]]
     for i, one in enumerate(found.constants):
         note = "not fitted: that of the run" if not one.fitted else "at its bound" if one.at_bound else ""
         if model == "classes" and i < len(found.classes):
             note += f"{found.classes[i].least_g_cm3:.3f} to {found.classes[i].most_g_cm3:.3f} g/cm3"
         error = "-" if math.isnan(one.standard_error) else f"{one.standard_error:.2g}"
-        rows.append([one.name, f"{one.value:.6g}", error, one.unit, note])
-    return aligned(rows)
-
-
-def _residual_lines(found: Any) -> list[str]:
-    rows = [["column", "samples", "RMS measured", "RMS residual", "R2"]]
-    return aligned(rows + [[one.column, str(one.samples), f"{one.rms_measured:.4g}", f"{one.rms:.3g}", f"{one.r_squared:.5f}"]
-                           for one in found.residuals])
+        constants.append([one.name, f"{one.value:.6g}", error, one.unit, note])
+    residuals = [["column", "samples", "RMS measured", "RMS residual", "R2"]]
+    residuals += [[one.column, str(one.samples), f"{one.rms_measured:.4g}", f"{one.rms:.3g}", f"{one.r_squared:.5f}"]
+                  for one in found.residuals]
+    return aligned(constants) + aligned(residuals)
 
 
 def uq(job: Job, folder: str) -> Job:

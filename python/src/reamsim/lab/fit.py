@@ -14,11 +14,10 @@ from typing import Any
 import numpy
 
 from ..errors import InputError
-from .force_model import GRADES, Coefficients, ForceBasis, grade_densities
+from .force_model import GRADES, MILLIJOULES, Coefficients, ForceBasis, grade_densities
 from .least_squares import Problem, minimum, nonnegative
 
 CLASS_GAP_G_CM3 = 0.05
-_MILLIJOULES = 1000  # per J
 _MOST_NORMAL_RATIO, _MOST_EXPONENT = 10.0, 5.0  # ranges of the searches: those of the scenario keys
 _LEAST_NOISE = 1e-7  # relative: without noise, weights would grow without limit
 _NEGLIGIBLE = 1e-8  # a part whose square is smaller, relative to the whole, says nothing about its constant
@@ -174,8 +173,8 @@ class _Fit:
     def _shape(self, exponent: float) -> numpy.ndarray:
         """u of the units for constants of 1 J/mm³, shape (units, constants), N/mm²."""
         if self.is_law:
-            return _MILLIJOULES * numpy.exp(exponent * self.log_density)[:, None]
-        return _MILLIJOULES * numpy.eye(self.problem.units)
+            return MILLIJOULES * numpy.exp(exponent * self.log_density)[:, None]
+        return MILLIJOULES * numpy.eye(self.problem.units)
 
     def solved(self) -> ForceFit:
         """The best constants; the weights follow from the residuals three times."""

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 GRADES = 256
 _GRADE_STEP_G_CM3, _MOST_DENSITY_G_CM3, _MOST_GRADE = 0.008, 2.0, 250
-_MILLIJOULES = 1000  # per J
+MILLIJOULES = 1000  # per J
 _DENSITY_KEYS = tuple("bone.density." + key for key in ("ash_slope_g_cm3_per_hu", "ash_offset_g_cm3", "ash_fraction"))
 _LAW_KEYS = ("cutting.specific_energy_j_mm3", "cutting.reference_density_g_cm3", "cutting.density_exponent",
              "cutting.normal_ratio", *_DENSITY_KEYS)
@@ -79,7 +79,7 @@ def specific_energies(law: Mapping[str, Any], of_run: Mapping[str, Any] | None =
         energy = law["cutting.specific_energy_j_mm3"] * relative ** law["cutting.density_exponent"]
     energy[0] = 0
     energy[_MOST_GRADE + 1:] = 0
-    return _MILLIJOULES * energy
+    return MILLIJOULES * energy
 
 
 @dataclasses.dataclass(frozen=True)

@@ -60,7 +60,9 @@ def evaluate(design: Design) -> Uncertainty:
     """Evaluates all points. Raises InputError or ResultsError where a run has no force basis where it is needed, or a
     file is damaged."""
     independent = len(design.unit)
-    names = _varying(design.numbers)
+    first, others = design.numbers[0], design.numbers[1:]
+    in_all = [name for name in first if all(name in other for other in others)]
+    names = [name for name in in_all if any(other[name] != first[name] for other in others)]
     logs = [number_array(folder / "forces.csv") for folder in design.runs]
     time_s = _intervals([log["time_s"] for log in logs])
     points = numpy.zeros((len(design.run_of), len(FORCE_OUTPUTS) + len(names)))
@@ -79,13 +81,6 @@ def evaluate(design: Design) -> Uncertainty:
     low, high = _tails(design.unit, points[:independent])
     return Uncertainty([*FORCE_OUTPUTS, *names], points[:independent],
                        sobol_indices(points[:n], points[n:independent], mixed), low, high, time_s, *bands)
-
-
-def _varying(numbers: Sequence[Mapping[str, float]]) -> list[str]:
-    """Names of the numbers that all runs have, and that differ."""
-    order = dict.fromkeys(name for of_run in numbers for name in of_run)
-    return [name for name in order if all(name in of_run for of_run in numbers) and
-            any(of_run[name] != numbers[0][name] for of_run in numbers)]
 
 
 def _intervals(times: Sequence[numpy.ndarray]) -> numpy.ndarray:
