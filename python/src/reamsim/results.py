@@ -59,7 +59,7 @@ class Run:
             raise ResultsError(f"{path}: damaged: {error}") from error
         if not isinstance(summary, dict) or "removed_mm3" not in summary or "forces" not in summary:
             raise ResultsError(f"{path}: damaged, or not the summary of a run; expected a file written by `reamsim run`")
-        self.summary = summary
+        self.summary: dict[str, Any] = summary
 
     def __repr__(self) -> str:
         return f"<reamsim.Run {str(self.dir)!r}>"

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import importlib.util
 import os
@@ -269,7 +270,12 @@ def simulation_module() -> ModuleType:
     finds. Raises ProgramNotFound where there is none for this Python, or it is one of another version."""
     # Pins PoCL's worker threads to their cores, as the program does. Must be set before OpenCL is loaded.
     os.environ.setdefault("POCL_AFFINITY", "1")
-    candidates = _candidates()
+    file = "_simulation" + sysconfig.get_config_var("EXT_SUFFIX")
+    candidates = [pathlib.Path(__file__).resolve().parent / file]
+    with contextlib.suppress(ProgramNotFound):
+        folder = pathlib.Path(find_program()).resolve().parent  # .../bin, or BUILD/cli
+        packages = "lib/python{}.{}/dist-packages/reamsim".format(*sys.version_info[:2])
+        candidates += [folder.parent / packages / file, folder.parent / "python" / file]
     path = next((path for path in candidates if path.is_file()), None)
     if path is None:
         raise ProgramNotFound(
@@ -288,14 +294,3 @@ def simulation_module() -> ModuleType:
                               "install both from the same checkout")
     sys.modules[_MODULE] = module
     return module
-
-
-def _candidates() -> list[pathlib.Path]:
-    file = "_simulation" + sysconfig.get_config_var("EXT_SUFFIX")
-    out = [pathlib.Path(__file__).resolve().parent / file]
-    try:
-        folder = pathlib.Path(find_program()).resolve().parent
-    except ProgramNotFound:
-        return out
-    packages = "lib/python{}.{}/dist-packages/reamsim".format(*sys.version_info[:2])
-    return [*out, folder.parent / packages / file, folder.parent / "python" / file]  # .../bin, and BUILD/cli
