@@ -374,8 +374,12 @@ def _refused_constants(fit: ForceFit, keys: Mapping[str, Any], columns: str) -> 
 
 
 def _unusual_energies(fit: ForceFit, reference_density_g_cm3: float, least: Mapping[str, float], columns: str) -> list[str]:
+    energies = [(constant.name, constant.value, one.mean_g_cm3) for constant, one in zip(fit.constants, fit.classes)]
+    if fit.constants[0].name == "u0":  # at the density of the bone that tells it: u0 itself may be extrapolated
+        density = fit.mean_g_cm3
+        energies = [("u0", fit["u0"].value * (density / reference_density_g_cm3) ** fit["p"].value, density)]
     out = []
-    for name, energy, density in _energies(fit, reference_density_g_cm3):
+    for name, energy, density in energies:
         relative = min(density / least["reference_density_g_cm3"], 1)
         low = _OF_LEAST_ENERGY * least["specific_energy_j_mm3"] * relative ** least["density_exponent"]
         if energy > 0 and not low <= energy <= _MOST_ENERGY_J_MM3:
@@ -383,11 +387,3 @@ def _unusual_energies(fit: ForceFit, reference_density_g_cm3: float, least: Mapp
                        f"{'below' if energy < low else 'above'} what is usual for bone ({low:.2g} to "
                        f"{_MOST_ENERGY_J_MM3:g} J/mm3); check the unit of every measured column ({columns})")
     return out
-
-
-def _energies(fit: ForceFit, reference_density_g_cm3: float) -> list[tuple[str, float, float]]:
-    """The specific energies of a fit, each at the density of the bone that tells it: u0 itself may be extrapolated."""
-    if fit.constants[0].name != "u0":
-        return [(constant.name, constant.value, one.mean_g_cm3) for constant, one in zip(fit.constants, fit.classes)]
-    density = fit.mean_g_cm3
-    return [("u0", fit["u0"].value * (density / reference_density_g_cm3) ** fit["p"].value, density)] if density > 0 else []

@@ -150,12 +150,8 @@ class ForceBasis:
         """The parts P and N of a column of forces.csv (`CHANNELS`), shape (frames, 256)."""
         kind, axis = CHANNELS[column]
         unit = "mm3" if kind else "mm2"
-        values = [self.rows[f"{part}_{kind}{unit}"].astype(float) for part in "pn"]
-        if axis == 3:
-            direction = self.tool_z[self._place]
-            p, n = (self.matrix((value * direction).sum(axis=1)) for value in values)
-        else:
-            p, n = (self.matrix(value[:, axis]) for value in values)
+        direction = self.tool_z[self._place] if axis == 3 else numpy.eye(3)[axis]
+        p, n = (self.matrix((self.rows[f"{part}_{kind}{unit}"].astype(float) * direction).sum(axis=1)) for part in "pn")
         return p, n
 
     def values(self, column: str, coefficients: Coefficients) -> numpy.ndarray:
