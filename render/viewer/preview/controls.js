@@ -137,7 +137,12 @@ export class Controls {
     const { ct } = this.model.data;
     if (ct === null || ct.label_map) return;
     find("segmentation").hidden = false;
-    this.addFixed();
+    // Keys that the page uses and does not change.
+    const rows = [["crop_min_mm", pointText(ct.crop_min_mm, "the scan's")], ["crop_max_mm", pointText(ct.crop_max_mm, "the scan's")], ["filter", ct.filter],
+      ["closing_mm", fixedText(ct.closing_mm, 2)], ["fill_holes", ct.fill_holes ? "true" : "false"],
+      ...ct.cut_planes.map((plane, i) => [`cut_planes ${i + 1}`, `through ${pointText(plane.point_mm)}; normal ${plane.normal.map((c) => fixedText(c, 3)).join(", ")}`]),
+      ...ct.separated.map((sphere) => ["separate: humerus", `sphere of ${fixedText(sphere.radius_mm, 1)} mm about ${pointText(sphere.center_mm)}`])];
+    find("fixed").replaceChildren(...rows.flatMap(([key, value]) => [part("dt", {}, key), part("dd", {}, value)]));
     const slider = find("threshold");
     Object.assign(slider, { min: Math.min(-200, ct.threshold_hu), max: Math.max(1000, ct.threshold_hu) });
     // A threshold between the slider's steps stays as it is until the slider moves.
@@ -148,16 +153,6 @@ export class Controls {
       this.model.set({ cut_spheres: [...cut_spheres, { center_mm: [...cross], radius_mm: 20 }] });
       this.model.choose(`sphere-${cut_spheres.length}`);
     });
-  }
-
-  // Keys that the page uses and does not change.
-  addFixed() {
-    const { ct } = this.model.data;
-    const rows = [["crop_min_mm", pointText(ct.crop_min_mm, "the scan's")], ["crop_max_mm", pointText(ct.crop_max_mm, "the scan's")], ["filter", ct.filter],
-      ["closing_mm", fixedText(ct.closing_mm, 2)], ["fill_holes", ct.fill_holes ? "true" : "false"],
-      ...ct.cut_planes.map((plane, i) => [`cut_planes ${i + 1}`, `through ${pointText(plane.point_mm)}; normal ${plane.normal.map((c) => fixedText(c, 3)).join(", ")}`]),
-      ...ct.separated.map((sphere) => ["separate: humerus", `sphere of ${fixedText(sphere.radius_mm, 1)} mm about ${pointText(sphere.center_mm)}`])];
-    find("fixed").replaceChildren(...rows.flatMap(([key, value]) => [part("dt", {}, key), part("dd", {}, value)]));
   }
 
   // The mask of a slider's last place in a frame; it takes longer than a frame.
@@ -240,9 +235,8 @@ export class Controls {
     if (model.data.ct !== null && !model.data.ct.label_map) items.push(["live", "bone with your changes"], ["sphere", "cut sphere"]);
     if (model.reamer !== null) items.push(["reamer", "reamer"]);
     items.push(["center", "normal"]);
-    find("key").append(...items.map(([name, words]) => {
-      return part("li", {}, part("span", { class: "line", style: `background: ${colors[name]}` }), words);
-    }));
+    find("key").append(...items.map(([name, words]) =>
+      part("li", {}, part("span", { class: "line", style: `background: ${colors[name]}` }), words)));
   }
 
   showFindings() {

@@ -60,10 +60,9 @@ class ScenarioView {
   }
 
   async copy() {
-    let done = false;
+    let done = true;
     try {
       await navigator.clipboard.writeText(this.text);
-      done = true;
     } catch {
       getSelection().selectAllChildren(find("yaml"));
       done = document.execCommand("copy");
@@ -94,13 +93,7 @@ model.notify = (what) => {
   for (const slice of slices) slice.draw();
   controls.show();
   if (what === "values") scenario.show();
-  if (solid === null) return;
-  if (what === "values") solid.rebuild();
-  else {
-    solid.moveReamer();
-    solid.remark();
-    solid.draw();
-  }
+  solid?.show();
 };
 
 // For tests: what a user can see, as numbers.

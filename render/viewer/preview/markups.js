@@ -24,6 +24,7 @@ function roleOf(label) {
   return Object.keys(kSpellings).find((role) => kSpellings[role].includes(key)) ?? null;
 }
 
+// [{label, point}] of an .mrk.json, or of an .fcsv, in LPS and mm.
 function pointsOfJson(text) {
   const { markups } = JSON.parse(text);
   if (!Array.isArray(markups)) throw new Error("no markups in the file");
@@ -57,13 +58,10 @@ function pointsOfFcsv(text) {
   return points;
 }
 
-// [{label, point}] of an .mrk.json or .fcsv, in LPS and mm.
-const pointsOf = (text) => (/^\s*\{/.test(text) ? pointsOfJson(text) : pointsOfFcsv(text));
-
-// Places the points of a file; returns what was understood, for the user.
+// Places the points of an .mrk.json or .fcsv; returns what was understood, for the user.
 export function applyMarkups(model, text) {
   const found = {}, unused = [];
-  for (const { label, point } of pointsOf(text)) {
+  for (const { label, point } of /^\s*\{/.test(text) ? pointsOfJson(text) : pointsOfFcsv(text)) {
     const role = roleOf(label);
     if (role === null || (role !== "rim" && role in found)) unused.push(label);
     else if (role === "rim") (found.rim ??= []).push(point);

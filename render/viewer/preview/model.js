@@ -95,19 +95,14 @@ export class Model {
     const { values } = this;
     this.updateMask();
     this.glenoid = values.from === "landmarks" ? frameOfLandmarks(values) : frameOf(values.center, values.normal, values.superior);
-    this.check();
-    this.posed = this.reamer === null ? null : this.reamer.pose(this.pose, this.glenoid);
-  }
-
-  // The contact does not depend on the pose that is shown.
-  check() {
     const key = JSON.stringify([this.maskKey, this.glenoid]);
-    if (key !== this.contactKey) {
+    if (key !== this.contactKey) {  // the contact does not depend on the pose that is shown
       this.contactKey = key;
       this.contact = null;
       this.reamer?.startAtContact(this.glenoid, positionsOf(this.surface));
       if (this.reamer !== null && this.surface !== null && this.reamer.pose(0, this.glenoid) !== null) this.contact = contactOf(this);
     }
+    this.posed = this.reamer === null ? null : this.reamer.pose(this.pose, this.glenoid);
     this.findings = warningsOf(this);
     if (this.same()) {  // what the program itself has said
       this.findings.push(...this.data.warnings.map((text) => ({ level: "note", text })));
@@ -123,10 +118,10 @@ export class Model {
 
   same() { return same(this.values, this.initial); }
 
-  set(changes, what = "values") {
+  set(changes) {
     Object.assign(this.values, changes);
     this.update();
-    this.notify(what);
+    this.notify("values");
   }
 
   moveCross(point) {
@@ -184,7 +179,6 @@ export class Model {
     else if (tool.startsWith("sphere")) {
       this.tool = "look";
       this.set({ cut_spheres: values.cut_spheres.filter((_, i) => i !== Number(tool.slice(7))) });
-      this.notify("tool");
     } else if (tool !== "look") this.set({ [tool]: null });
   }
 
@@ -194,9 +188,5 @@ export class Model {
     return normal === null ? null : rounded(normal, 4);
   }
 
-  fitNormal() {
-    if (this.values.center === null) return;
-    const normal = this.normalAt(this.values.center);
-    if (normal !== null) this.set({ normal });
-  }
+  fitNormal() { this.set({ normal: this.normalAt(this.values.center) ?? this.values.normal }); }
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The reamer's envelope of revolution, its poses, and its distance from bone.
+import { Quaternion, vector } from "../shared/scene.js";
 import { add, cross, dot, length, minus, scaled, unit } from "./volume.js";
 
 const kCell_mm = 0.25;
@@ -44,10 +45,6 @@ export class Reamer {
     this.motion = motion;
     this.travel = 0;  // by which a plunge that counts from its first contact moves along its axis; null: no contact
     this.lowest = Array.from({ length: 257 }, (_, i) => lowestZ(tool.profile, (this.radius * i) / 256));
-    this.tabulate();
-  }
-
-  tabulate() {
     this.columns = Math.ceil((this.radius + 2) / kCell_mm) + 2;
     this.rows = Math.ceil((this.high - this.low + 4) / kCell_mm) + 2;
     this.table = new Float32Array(this.columns * this.rows);
@@ -72,11 +69,8 @@ export class Reamer {
   pose(k, glenoid) {
     const [px, py, pz, qw, qx, qy, qz] = this.motion.poses[k];
     const [x, y, z] = this.travel ? add([px, py, pz], this.motion.contact.along, this.travel) : [px, py, pz];
-    const turn = (v) => {
-      const t = scaled(cross([qx, qy, qz], v), 2);
-      return add(add(v, t, qw), cross([qx, qy, qz], t));
-    };
-    const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(turn);
+    const turn = new Quaternion(qx, qy, qz, qw);
+    const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => vector(axis).applyQuaternion(turn).toArray());
     if (this.motion.frame !== "glenoid") return { origin: [x, y, z], axes };
     if (glenoid === null) return null;
     const out = (v) => add(add(scaled(glenoid.axes[0], v[0]), glenoid.axes[1], v[1]), glenoid.axes[2], v[2]);

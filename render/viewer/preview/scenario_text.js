@@ -132,26 +132,18 @@ function glenoidChanges(values, initial, given) {
   return [...removed, ...write(given === "face" ? changed(kFace) : all)];
 }
 
-function sphereChanges(values, initial) {
+function withSpheres(text, { cut_spheres: spheres }, { cut_spheres: before }) {
+  if (same(spheres, before)) return text;
   const at = ["bone", "ct", "cut_spheres"];
-  if (same(values.cut_spheres, initial.cut_spheres)) return [];
-  if (values.cut_spheres.length !== initial.cut_spheres.length || initial.cut_spheres.length === 0) return null;
-  const changes = [];
-  values.cut_spheres.forEach((sphere, i) => {
-    if (!same(sphere.center_mm, initial.cut_spheres[i].center_mm)) changes.push([[...at, i, "center_mm"], vector(sphere.center_mm)]);
-    if (sphere.radius_mm !== initial.cut_spheres[i].radius_mm) changes.push([[...at, i, "radius_mm"], number(sphere.radius_mm)]);
-  });
-  return changes;
-}
-
-function withSpheres(text, values, changes) {
-  const spheres = values.cut_spheres.map((sphere) => ({ center_mm: vector(sphere.center_mm), radius_mm: number(sphere.radius_mm) }));
-  const all = [[["bone", "ct", "cut_spheres"], spheres.length === 0 ? undefined : spheres]];
-  if (changes === null) return edited(text, all);
+  const texts = spheres.map((one) => ({ center_mm: vector(one.center_mm), radius_mm: number(one.radius_mm) }));
+  const anew = () => edited(text, [[at, texts.length === 0 ? undefined : texts]]);
+  if (spheres.length !== before.length) return anew();
+  const changedKeys = (i) => ["center_mm", "radius_mm"].filter((key) => !same(spheres[i][key], before[i][key]));
+  const changes = texts.flatMap((sphere, i) => changedKeys(i).map((key) => [[...at, i, key], sphere[key]]));
   try {
     return edited(text, changes);
   } catch {
-    return edited(text, all);  // a list in another style is written anew
+    return anew();  // a list in another style
   }
 }
 
@@ -166,5 +158,5 @@ export function scenarioText({ values, initial, data, glenoid }) {
     const rim = inOrder(values.rim, glenoid?.axes[2] ?? null);
     changes.push([["bone", "glenoid", "rim_mm"], rim.length === 0 ? undefined : rim.map(vector)]);
   }
-  return withSpheres(edited(data.scenario, changes), values, sphereChanges(values, initial));
+  return withSpheres(edited(data.scenario, changes), values, initial);
 }

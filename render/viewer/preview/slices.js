@@ -56,18 +56,16 @@ export class Slice {
     const { lattice } = model.volume;
     this.image.width = lattice.dims[this.across];
     this.image.height = lattice.dims[this.down];
-    if (!model.data.anatomical) this.nameByAxes();
+    if (!model.data.anatomical) {
+      const axes = ["x", "y", "z"], a = axes[this.across], d = axes[this.down];
+      this.name = `Across ${axes[axis]}`;
+      this.letters = [`−${a}`, `+${a}`, ...(this.up ? [`+${d}`, `−${d}`] : [`−${d}`, `+${d}`])];
+    }
     figure.querySelector(".name").textContent = this.name;
     this.slider.max = lattice.dims[this.axis] - 1;
     this.slider.setAttribute("aria-label", `${this.name} slice`);
     this.listen();
     new ResizeObserver(() => this.resize()).observe(this.canvas);
-  }
-
-  nameByAxes() {
-    const axes = ["x", "y", "z"], a = axes[this.across], d = axes[this.down];
-    this.name = `Across ${axes[this.axis]}`;
-    this.letters = [`−${a}`, `+${a}`, ...(this.up ? [`+${d}`, `−${d}`] : [`−${d}`, `+${d}`])];
   }
 
   listen() {

@@ -32,7 +32,7 @@ export class Solid extends View {
     this.addViews();
     this.listen();
     this.look(vector(this.views[0][1]));
-    this.rebuild();
+    this.show();
   }
 
   addBone() {
@@ -123,8 +123,7 @@ export class Solid extends View {
     return null;
   }
 
-  // After changes of the values.
-  rebuild() {
+  show() {
     const { model } = this;
     if (model.surface !== this.drawn) {
       this.bone.geometry.dispose();

@@ -18,11 +18,7 @@ export const rounded = (a, digits) => a.map((v) => Number(v.toFixed(digits)) + 0
 // Undoes the differences of render/viewer/preview.cpp.
 function summed(base64) {
   const bytes = unpacked(base64);
-  let value = 0;
-  for (let i = 0; i < bytes.length; ++i) {
-    value = (value + bytes[i]) & 255;
-    bytes[i] = value;
-  }
+  for (let i = 1; i < bytes.length; ++i) bytes[i] += bytes[i - 1];  // modulo 256
   return bytes;
 }
 
@@ -202,14 +198,15 @@ function flood(lattice, start, stack, open) {
   return count;
 }
 
-function piecesOf(lattice, mask, stack) {
+// The pieces of the voxels where the mask is `value`, numbered from 1.
+function piecesOf(lattice, mask, value, stack) {
   const label = new Uint16Array(lattice.size), sizes = [0];
   for (let at = 0; at < lattice.size; ++at) {
-    if (mask[at] === 0 || label[at] !== 0 || sizes.length > 65535) continue;
+    if (mask[at] !== value || label[at] !== 0 || sizes.length > 65535) continue;
     const own = sizes.length;
     label[at] = own;
     sizes.push(flood(lattice, at, stack, (next) => {
-      if (mask[next] === 0 || label[next] !== 0) return false;
+      if (mask[next] !== value || label[next] !== 0) return false;
       label[next] = own;
       return true;
     }));
@@ -255,17 +252,12 @@ function spread(lattice, mask, value) {
 }
 
 function fillHoles(lattice, mask, stack) {
-  const outside = new Uint8Array(lattice.size), { dims } = lattice;
-  const open = (next) => {
-    if (mask[next] !== 0 || outside[next] !== 0) return false;
-    outside[next] = 1;
-    return true;
-  };
+  const { label } = piecesOf(lattice, mask, 0, stack), outside = new Set(), { dims } = lattice;
   forEachVoxel(lattice, (at, i, j, k) => {
     const border = i === 0 || j === 0 || k === 0 || i + 1 === dims[0] || j + 1 === dims[1] || k + 1 === dims[2];
-    if (border && open(at)) flood(lattice, at, stack, open);
+    if (border) outside.add(label[at]);
   });
-  for (let at = 0; at < mask.length; ++at) mask[at] = outside[at] === 0 ? 1 : 0;
+  for (let at = 0; at < mask.length; ++at) if (!outside.has(label[at])) mask[at] = 1;
 }
 
 // The bone as a field: 128 at its surface, more inside; null where nothing remains. `ct` has the keys of the scenario;
@@ -277,15 +269,10 @@ export function liveMask({ lattice, bytes }, ct, scale) {
   const cuts = ct.cut_spheres.length + ct.cut_planes.length > 0;
   const cut = (i, j, k) => cuts && isCutAway(ct, [lattice.mm(i, 0), lattice.mm(j, 1), lattice.mm(k, 2)]);
   forEachVoxel(lattice, (at, i, j, k) => { mask[at] = bytes[at] >= level && !cut(i, j, k) ? 1 : 0; });
-  const { label, sizes } = piecesOf(lattice, mask, stack);
+  const { label, sizes } = piecesOf(lattice, mask, 1, stack);
   if (sizes.length === 1) return { field: null, seedMissed: false };
-  let kept = sizes.indexOf(Math.max(...sizes));
-  let seedMissed = false;
-  if (ct.seed_mm !== null) {
-    const found = lattice.contains(ct.seed_mm) ? pieceAround(lattice, label, ct.seed_mm) : 0;
-    seedMissed = found === 0;
-    if (!seedMissed) kept = found;
-  }
+  const found = ct.seed_mm !== null && lattice.contains(ct.seed_mm) ? pieceAround(lattice, label, ct.seed_mm) : 0;
+  const kept = found || sizes.indexOf(Math.max(...sizes)), seedMissed = ct.seed_mm !== null && found === 0;
   for (let at = 0; at < mask.length; ++at) mask[at] = label[at] === kept ? 1 : 0;
   if (ct.closing_mm >= 0.5 * Math.min(...lattice.spacing)) {
     mask = spread(lattice, spread(lattice, mask, 1), 0);
