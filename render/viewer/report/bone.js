@@ -283,19 +283,6 @@ class BoneView extends View {
     if (this.tool) this.tool.uniforms.has_cut.value = this.cap.visible ? 1 : 0;
   }
 
-  // Cuts away what lies in front of the plane: `normal` (unit length) points to the removed side. null: no section.
-  cutAlong(normal, point) {
-    this.cap.visible = normal !== null;
-    if (normal === null) {
-      this.cut.set(0, 0, 0, 1);
-    } else {
-      this.cut.set(-normal.x, -normal.y, -normal.z, normal.dot(point));
-      this.cap.position.copy(point);
-      this.cap.lookAt(point.clone().add(normal));
-    }
-    this.update();
-  }
-
   draw() {
     super.draw();
     if (this.tool) this.canvas.dataset.toolMm = this.tool.group.position.toArray().map((v) => v.toFixed(3)).join(" ");
@@ -355,13 +342,22 @@ class BoneView extends View {
     this.showLegends();
   }
 
+  // Cuts away what lies in front of the section.
   moveCut() {
-    const plane = this.planes[find("cut-plane").value];
+    const plane = this.planes[find("cut-plane").value], normal = this.cutNormal();
     const offset = Number(find("cut-offset").value);
     find("cut-value").textContent = `${offset.toFixed(1).replace("-", "−")} mm`;
     find("cut-offset").setAttribute("aria-valuetext", `${offset.toFixed(1)} mm from the tool axis`);
-    const point = plane && vector(this.bone.look.axis_point_mm).addScaledVector(plane.normal, offset);
-    this.cutAlong(this.cutNormal(), point);
+    this.cap.visible = normal !== null;
+    if (normal === null) {
+      this.cut.set(0, 0, 0, 1);
+    } else {
+      const point = vector(this.bone.look.axis_point_mm).addScaledVector(plane.normal, offset);
+      this.cut.set(-normal.x, -normal.y, -normal.z, normal.dot(point));
+      this.cap.position.copy(point);
+      this.cap.lookAt(point.clone().add(normal));
+    }
+    this.update();
     this.draw();
   }
 

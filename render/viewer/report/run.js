@@ -112,8 +112,7 @@ class Plots {
   resize() {
     for (const chart of this.charts) {
       const width = chart.root.parentElement.clientWidth;
-      if (width < 50) continue;
-      if (chart.width !== width) chart.setSize({ width, height: chart.height });
+      if (width >= 50 && chart.width !== width) chart.setSize({ width, height: chart.height });
     }
     // uPlot applies the new size asynchronously, and the cursor position depends on it.
     requestAnimationFrame(() => { if (this.row !== undefined) this.moveTo(this.row); });
@@ -148,15 +147,9 @@ export class Run {
     this.addCameras();
     this.addPlay();
     this.plots = new Plots(find("plots"), plot, pictures.time_s, (row) => this.moveTo(row));
-    this.moveTo(this.rowToStartWith());
-  }
-
-  // The last row in contact: the reamer stands in the finished face.
-  rowToStartWith() {
-    const { removed_mm3: removed, axial_force_n: force } = this.plot;
-    let row = force.length - 1;
-    while (row > 0 && (force[row] === 0 || removed[row] === 0)) --row;
-    return row;
+    // At the last row in contact the reamer stands in the finished face.
+    const last = plot.axial_force_n.findLastIndex((force, row) => force !== 0 && plot.removed_mm3[row] !== 0);
+    this.moveTo(Math.max(0, last));
   }
 
   moveTo(row) {
