@@ -12,7 +12,6 @@ const start = performance.now();
 const study = readStudy(pageData());
 const withState = (state) => Uint32Array.from(study.states.keys()).filter((run) => study.stateText(run) === state);
 const done = withState("done");
-const warned = done.filter((run) => study.message(run) !== "");
 
 // --- the values of one run
 
@@ -88,7 +87,7 @@ const counts = ["done", "failed", "interrupted", "missing"].map((state) => [with
 const missing = study.count < study.all ? ` The page has ${study.count} of the ${study.all} runs, drawn at random; runs.csv has all.` : "";
 find("counts").textContent = `${significantText(study.count)} runs: ${counts.filter(([n]) => n > 0).map(([n, state]) => `${significantText(n)} ${state}`).join(", ")}.${missing}`;
 showMessages("failures", withState("failed"), "failed");
-showMessages("warned", warned, "are done and have warnings");
+showMessages("warned", done.filter((run) => study.message(run) !== ""), "are done and have warnings");
 const results = study.headline.map((key) => study.byKey.get(key));
 const others = study.results.filter((column) => !results.includes(column));
 fillColumns(find("effect-result"), [["Headline", results], ["Other results", others]], study.headline[0]);

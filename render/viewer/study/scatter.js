@@ -18,6 +18,10 @@ function rampColor(t) {
   return `rgb(${kRamp[i].map((c, k) => Math.round(c + f * (kRamp[i + 1][k] - c))).join(" ")})`;
 }
 
+function limits(column, runs) {
+  return extremes(Array.from(runs, (run) => column.values[run]).filter((value) => !Number.isNaN(value)));
+}
+
 export class Scatter {
   constructor(study, showRun) {
     Object.assign(this, { study, showRun });
@@ -48,13 +52,12 @@ export class Scatter {
     this.draw();
   }
 
-  column(id) {
-    return this.study.byKey.get(find(id).value);
-  }
+  // Across, up and colour; undefined: none.
+  get columns() { return kSelects.map((id) => this.study.byKey.get(find(id).value)); }
 
   // Room for levels beside one another; for numbers some air.
   static axis(column, runs) {
-    const [low, high] = extremes(Array.from(runs, (run) => column.values[run]));
+    const [low, high] = limits(column, runs);
     const isText = column.levels && !column.numeric;
     const air = isText ? 0.5 : 0.04 * (high - low) || Math.abs(high) * 0.1 || 1;
     const ticks = isText && column.levels.length <= 12 ? column.levels.map((text, i) => [i + 1, text]) : null;
@@ -62,7 +65,7 @@ export class Scatter {
   }
 
   draw() {
-    const [x, y, color] = kSelects.map((id) => this.column(id));
+    const [x, y, color] = this.columns;
     const ratio = devicePixelRatio || 1, width = this.canvas.parentElement.clientWidth;
     if (!x || !y || width < 50) return;
     this.canvas.width = Math.round(width * ratio);
@@ -131,12 +134,8 @@ export class Scatter {
   colors(color, runs) {
     if (!color) return () => kColors[0];
     if (color.levels?.length <= kColors.length) return (run) => kColors[color.codes[run]];
-    const [low, high] = this.limits(color, runs);
+    const [low, high] = limits(color, runs);
     return (run) => (Number.isNaN(color.values[run]) ? "#b9bec5" : rampColor((color.values[run] - low) / (high - low || 1)));
-  }
-
-  limits(color, runs) {
-    return extremes(Array.from(runs, (run) => color.values[run]).filter((value) => !Number.isNaN(value)));
   }
 
   drawPoints(draw, color) {
@@ -162,7 +161,7 @@ export class Scatter {
       for (const i of color.order) place.append(part("span", { class: "key" }, part("i", { style: `background: ${kColors[i]}` }), color.levels[i]));
       return;
     }
-    const [low, high] = this.limits(color, runs);
+    const [low, high] = limits(color, runs);
     const stops = [0, 0.25, 0.5, 0.75, 1].map(rampColor).join(", ");
     place.append(part("span", {}, significantText(low)), part("i", { class: "ramp", style: `background: linear-gradient(to right, ${stops})` }), part("span", {}, significantText(high)));
   }
@@ -203,7 +202,7 @@ export class Scatter {
     draw.beginPath();
     draw.arc(x, y, 7, 0, 2 * Math.PI);
     draw.stroke();
-    const named = [...new Set(kSelects.map((id) => this.column(id)))].filter(Boolean);
+    const named = [...new Set(this.columns)].filter(Boolean);
     find("scatter-run").textContent = `Run ${this.study.numbers[run]}: ${named.map((column) => `${column.title} ${column.cell(run)}`).join("; ")}`;
   }
 }
