@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # Third-party libraries, all from Debian's packages (cmake/setup.sh lists them). Their headers count as system headers.
-# ITK first: since 5.4 it brings VTK, whose FindTBB stops where that of OpenVDB has defined TBB::tbb before.
+# ITKAnisotropicSmoothing serves a test. ITK first: since 5.4 it brings VTK, whose FindTBB stops where that of OpenVDB has defined TBB::tbb before.
 find_package(ITK REQUIRED QUIET COMPONENTS
   ITKCommon ITKIOImageBase ITKIONRRD ITKIONIFTI ITKIOMeta ITKIOGDCM ITKSmoothing ITKAnisotropicSmoothing ITKCurvatureFlow
   ITKImageGrid ITKImageFunction ITKThresholding ITKConnectedComponents ITKDistanceMap ITKLabelMap)
