@@ -9,7 +9,7 @@ import pathlib
 import numpy
 import pytest
 import reamsim
-from reamsim.lab.fit import density_classes, fit_forces
+from reamsim.lab.fit import Constant, ForceFit, _unusual_energies, density_classes, fit_forces
 from reamsim.lab.force_model import Coefficients, ForceBasis, grade_densities, law_of, specific_energies
 from reamsim.lab.least_squares import frame_weights, minimum, nonnegative
 
@@ -183,6 +183,13 @@ def test_does_not_warn_of_soft_bone():
     columns = measured(basis, Coefficients.of_laws([low]), noise=0.01)
     for model in ("law", "classes"):
         assert not fit(basis, columns, model=model, limits=limits()).warnings
+
+
+def test_says_nothing_of_the_energy_of_bone_without_density():
+    constants = [Constant("u0", 99.0), Constant("p", 0.0)]
+    fit = ForceFit(constants, numpy.eye(2), [], [], None)
+    assert fit.mean_g_cm3 == 0
+    assert _unusual_energies(fit, 1.8, limits()["least_energy"], "axial_force_n") == []
 
 
 def test_takes_times_between_frames_and_empty_cells():

@@ -375,9 +375,10 @@ def _refused_constants(fit: ForceFit, keys: Mapping[str, Any], columns: str) -> 
 
 def _unusual_energies(fit: ForceFit, reference_density_g_cm3: float, least: Mapping[str, float], columns: str) -> list[str]:
     energies = [(constant.name, constant.value, one.mean_g_cm3) for constant, one in zip(fit.constants, fit.classes)]
-    density = fit.mean_g_cm3
-    if fit.constants[0].name == "u0" and density > 0:  # where bone tells it: u0 itself may be extrapolated
-        energies = [("u0", fit["u0"].value * (density / reference_density_g_cm3) ** fit["p"].value, density)]
+    if fit.constants[0].name == "u0":  # at the density of the bone that tells it: u0 itself may be extrapolated
+        density = fit.mean_g_cm3
+        relative = density / reference_density_g_cm3
+        energies = [("u0", fit["u0"].value * relative ** fit["p"].value, density)] if density > 0 else []
     out = []
     for name, energy, density in energies:
         relative = min(density / least["reference_density_g_cm3"], 1)
